@@ -8,7 +8,7 @@ import pytest
 
 from bench import cli
 from bench.cli import main
-from bench.cli.last_lines import after_diagnosis, next_line
+from bench.cli.last_lines import after_diagnosis, next_line, say
 from bench.cli.next_steps import after_export, after_replay
 from bench.truth.dataset import write_simulation
 from bench.truth.simulate import simulate
@@ -165,6 +165,45 @@ def test_a_misspelt_command_or_option_is_told_what_is_meant(words, meant, capsys
     err = capsys.readouterr().err
     assert "Did you mean" in err
     assert meant in err
+
+
+@pytest.mark.parametrize(
+    ("words", "other"),
+    [
+        (["diagnose", "x", "--robots", "y"], "--verbose"),
+        (["identify", "x", "--noise"], "--verbose"),
+        (["figures", "x", "--list"], "--quiet"),
+        (["fit", "x"], "identify"),
+    ],
+)
+def test_what_is_not_near_is_not_suggested(words, other, capsys):
+    assert main(words) == 2
+    err = capsys.readouterr().err
+    assert "Did you mean" not in err
+    assert other not in err
+
+
+def test_of_several_options_alike_the_nearest_is_meant(capsys):
+    for words, meant in (
+        (["identify", "x", "--wiht"], "--with"),
+        (["import", "x", "--validate"], "--validate-fraction"),
+    ):
+        assert main(words) == 2
+        assert f"Did you mean '{meant}'? (see: bench {words[0]} --help)" in capsys.readouterr().err
+
+
+def test_the_next_command_is_one_that_works_as_it_is_typed(tmp_path, monkeypatch, capsys):
+    line, called = next_line(["open", "my bench"]), tmp_path / "bin" / "parabench"
+    called.parent.mkdir()
+    called.touch(mode=0o755)
+    monkeypatch.setattr("sys.argv", [str(called)])
+    for path, program in ((str(called.parent), "parabench"), ("", str(called))):
+        monkeypatch.setenv("PATH", path)
+        say([line, "wrote bench (report)"])
+        assert capsys.readouterr().out == f"next: {program} open 'my bench'\nwrote bench (report)\n"
+    monkeypatch.setattr("sys.argv", ["/opt/bench/__main__.py"])
+    say([line])
+    assert last_line(capsys) == line
 
 
 @pytest.mark.parametrize(

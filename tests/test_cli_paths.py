@@ -99,3 +99,24 @@ def test_the_note_stands_in_the_answers(tmp_path, capsys):
     assert main(["identify", str(tmp_path / "data"), "--json", str(answer)]) == 0
     assert "periods of the filter" in " ".join(capsys.readouterr().out.split())
     assert any("periods of the filter" in note for note in json.loads(answer.read_text())["notes"])
+
+
+@pytest.fixture
+def log(tmp_path_factory):
+    file = tmp_path_factory.mktemp("logs") / "my log.csv"
+    file.write_text("t,q,i\n0,1,2\n")
+    return file
+
+
+@pytest.mark.parametrize("command", ["identify", "compare", "report", "view"])
+def test_a_log_in_place_of_a_dataset_leads_to_its_import(command, log, refused):
+    options = ["-o", "page.html"] if command == "report" else []
+    err = refused(command, log, *options, reads=True)
+    assert f"{log}: is a log, not yet a dataset: `bench import '{log}' --robot ROBOT` makes one of it" in err
+
+
+def test_a_folder_without_a_dataset_and_a_file_in_place_of_one_are_told(log, refused):
+    assert f"{log.parent}: is no dataset: it holds no dataset.toml" in refused(
+        "identify", log.parent, reads=True
+    )
+    assert f"{log}: is a file: name the folder that it is in" in refused("open", log)

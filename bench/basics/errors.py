@@ -3,6 +3,8 @@
 from collections.abc import Iterable, Sequence
 from difflib import get_close_matches
 
+SHORTENED = 3  # letters that are enough to tell which longer name was begun
+
 
 class BenchError(Exception):
     """A mistake in what the user gave, told in one line that names the culprit.
@@ -33,7 +35,15 @@ def refuse(lines: Sequence[str]) -> None:
 def meant(name: str, known: Iterable[str], otherwise: str = "there are") -> str:
     """The end of a message about an unknown name: the known one most like it, or all of them."""
     names = list(known)
-    near = get_close_matches(name, names, 1, cutoff=0.75)
-    if near:
-        return f"did you mean {near[0]!r}?"
+    near = nearest(name, names)
+    if near is not None:
+        return f"did you mean {near!r}?"
     return f"{otherwise} {', '.join(names) or 'none'}"
+
+
+def nearest(name: str, known: Iterable[str]) -> str | None:
+    """The known name that a misspelt one is most like, or that it begins; None where none is near."""
+    names = list(known)
+    near = get_close_matches(name, names, 1, cutoff=0.75)
+    begun = [longer for longer in names if longer.startswith(name)] if len(name) >= SHORTENED else []
+    return next(iter([*near, *begun]), None)

@@ -11,14 +11,15 @@ import sys
 import threading
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
-from pathlib import Path
 from types import FrameType
 
 import click
 
 from bench.basics.errors import BenchError, lines_of
+from bench.basics.program import called_as
 from bench.cli.closed_output import forgiving_output
 from bench.cli.lazy import LazyCommand, LazyGroup
+from bench.cli.misspelt import misspelt
 
 MEASUREMENTS, RESULTS, STUDIES = (
     "Your measurements",
@@ -95,7 +96,6 @@ COMMANDS = {
     ),
 }
 
-COMMAND, OTHER_NAME = "bench", "parabench"  # another package installs a `bench`, too
 BAD_INPUT = 2
 INTERRUPTED = 130  # 128 + SIGINT, as a shell reports it
 TERMINATED = 143  # 128 + SIGTERM
@@ -136,9 +136,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except click.exceptions.NoArgsIsHelpError as error:
         error.show()
         return error.exit_code
+    except (click.NoSuchOption, click.NoSuchCommand) as error:
+        return _say(f"{misspelt(error)} {_where_to_see(error)}", error.exit_code)
     except click.UsageError as error:
-        path = error.ctx.command_path if error.ctx else called_as()
-        return _say(f"{error.format_message()} (see: {path} --help)", error.exit_code)
+        return _say(f"{error.format_message()} {_where_to_see(error)}", error.exit_code)
     except click.ClickException as error:
         return _say(error.format_message(), error.exit_code)
     except click.Abort:
@@ -146,9 +147,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     return result if isinstance(result, int) else 0
 
 
-def called_as() -> str:
-    """The name by which the command was called: `bench`, or `parabench` where that was typed."""
-    return OTHER_NAME if Path(sys.argv[0]).stem == OTHER_NAME else COMMAND
+def _where_to_see(error: click.UsageError) -> str:
+    return f"(see: {error.ctx.command_path if error.ctx else called_as()} --help)"
 
 
 def _say(message: str, exit_code: int) -> int:

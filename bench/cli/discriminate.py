@@ -78,6 +78,7 @@ def discriminate(
     """
     duration, widen, seed = (options.pop(name) for name in ("duration", "widen", "seed"))
     with shown_progress(quiet) as progress:
+        from bench.basics.program import typed
         from bench.basics.shell_word import quoted
         from bench.dataset.catalogue import built_in_robots
         from bench.dataset.dataset import load_dataset
@@ -92,7 +93,7 @@ def discriminate(
         data = load_dataset(dataset)
         given = given_filters(**options)
         files = tuple(map(str, effect_files))
-        diagnose = CommandRun("diagnose", str(dataset), effects, files, given).line()
+        run_diagnosis = CommandRun("diagnose", str(dataset), effects, files, given)
         answer = run(
             problem_of(data, effects, given, effect_files=effect_files),
             (effect_a, effect_b),
@@ -113,7 +114,7 @@ def discriminate(
         own = data.robot.folder.resolve()
         built_in = [name for name, folder in built_in_robots().items() if folder.resolve() == own]
         robot = quoted(built_in[0] if built_in else own)
-        told = Told(" ".join(map(quoted, words)), diagnose, quoted(dataset), robot)
+        told = Told(" ".join(map(quoted, words)), run_diagnosis.line(), quoted(dataset), robot)
         paths = write_discrimination(output, answer, write_discrimination_figure, rate=rate, told=told)
     from rich.console import Console
     from rich.text import Text
@@ -126,6 +127,6 @@ def discriminate(
         console.print(Text(sentence, "yellow" if sentence in doubts else ""))
     for path in paths:
         say([wrote(path)])
-    step = next_step(answer, diagnose, output)
+    step = next_step(answer, run_diagnosis.line(typed()), output)
     if step is not None:
         click.echo(step)

@@ -31,10 +31,17 @@ def next_line(words: Sequence[str | Path], why: str = "") -> str:
 
 
 def say(lines: Sequence[str]) -> None:
-    """Print the last lines, what stands on standard output itself aside."""
+    """Print the last lines, what stands on standard output itself aside; a next command as it is typed here."""
     for line in lines:
         if not line.startswith(f"wrote {STANDARD_OUTPUT} "):
-            click.echo(line)
+            click.echo(_as_typed(line))
+
+
+def _as_typed(line: str) -> str:
+    """A next line for the name, or the path, by which this program is called."""
+    from bench.basics.program import typed
+
+    return line.replace("next: bench ", f"next: {typed()} ", 1) if line.startswith("next: bench ") else line
 
 
 def quiet_here(context: click.Context, _option: click.Parameter, quiet: bool) -> bool:

@@ -9,7 +9,7 @@ import click
 
 from bench.basics.errors import BenchError
 from bench.cli.known_truth import known_of, simulated_again, truth_beside, truth_of
-from bench.dataset.dataset import Dataset, load_dataset
+from bench.dataset.dataset import Dataset, load_dataset, refuse_log
 from bench.dataset.names import DATASET_FILE
 from bench.diagnosis.result import Diagnosis, LadderStep
 from bench.document.diagnosis import step_labels
@@ -55,6 +55,7 @@ def viewed_runs(source: Path, asked: ViewRequest) -> list[ViewedRun]:
     Raises BenchError that says what is missing.
     """
     if source.is_file():
+        refuse_log(source)
         return [_of_model(source, asked)]
     if not source.is_dir():
         raise BenchError(f"{source}: no such folder or model file")
@@ -80,6 +81,7 @@ def answer_of(source: Path, asked: ViewRequest) -> tuple[Dataset, Identification
     if source.is_dir() and is_sweep_folder(source):
         raise BenchError(f"{source}: a sweep; `bench plot` draws its figures")
     if source.is_file():
+        refuse_log(source)
         dataset, result = _applied(source, asked)
         return dataset, result, None
     if not (source / DATASET_FILE).is_file():

@@ -50,9 +50,10 @@ def open_page(folder: Path, robots: tuple[Path, ...], port: int, no_browser: boo
 
 
 def _line(words: list[str]) -> str:
+    from bench.basics.program import typed
     from bench.basics.shell_word import quoted
 
-    return " ".join(quoted(word) for word in ["bench", "open", *words])
+    return " ".join([typed(), *(quoted(word) for word in ["open", *words])])
 
 
 def run_command(arguments: Mapping[str, Any], progress: Progress) -> dict[str, Any]:

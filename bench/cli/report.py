@@ -75,6 +75,7 @@ def _written(given: "Source", output: Path, progress: Progress) -> tuple[str, st
     """
     from bench.basics.errors import BenchError
     from bench.cli.next_steps import after_page, after_trial
+    from bench.dataset.dataset import refuse_log
     from bench.page.folder import read_run
     from bench.page.run_file import RUN_FILE
     from bench.page.write import write_saved_run
@@ -107,6 +108,7 @@ def _written(given: "Source", output: Path, progress: Progress) -> tuple[str, st
         progress.phase("drawing the page of a trial")
         return said, after_trial(_of_trial(source, output))
     elif source.is_file():
+        refuse_log(source)
         _refuse({"--with": given.effects, "filters": given.filters}, "a model file")
         _of_model(source, data, given.effect_files, output, progress)
     else:

@@ -9,12 +9,14 @@ from pathlib import Path
 from bench.basics.errors import BenchError
 from bench.basics.files.table import release_tables
 from bench.basics.files.toml_input import read_toml
+from bench.basics.program import typed
+from bench.basics.shell_word import quoted
 from bench.dataset.controller import ControlLaw, controller_of, references
 from bench.dataset.dataset_toml import DatasetSpec, payload_of
 from bench.dataset.dataset_toml import RecordingEntry as RecordingEntry
 from bench.dataset.dataset_toml import write_dataset_toml as write_dataset_toml
 from bench.dataset.joint_facts import joint_facts
-from bench.dataset.names import DATASET_FILE
+from bench.dataset.names import DATASET_FILE, LOGS
 from bench.dataset.payload import Payload
 from bench.dataset.recording import Recording
 from bench.dataset.recording_file import load_recordings
@@ -55,7 +57,10 @@ def load_dataset(folder: str | Path) -> Dataset:
     path = Path(folder)
     if path.is_dir():
         path = path / DATASET_FILE
+        if not path.exists():
+            raise BenchError(f"{folder}: is no dataset: it holds no {DATASET_FILE}")
     elif path.suffix != ".toml":
+        refuse_log(path)
         if path.is_file():
             raise BenchError(f"{path}: is a file: give its folder, the one with the {DATASET_FILE}")
         raise BenchError(f"{path}: no such dataset folder")
@@ -89,6 +94,13 @@ def load_dataset(folder: str | Path) -> Dataset:
         for recording in recordings:
             references(recording, robot.joints)  # each must be there
     return Dataset(folder, robot, payloads, tuple(recordings), effect_files, controller)
+
+
+def refuse_log(path: Path) -> None:
+    """Raise BenchError with the command that helps where a log is given that belongs to no dataset."""
+    if path.suffix.lower() in LOGS and path.is_file() and not (path.parent / DATASET_FILE).exists():
+        next_step = f"`{typed()} import {quoted(path)} --robot ROBOT` makes one of it"
+        raise BenchError(f"{path}: is a log, not yet a dataset: {next_step}")
 
 
 def _check_references(path: Path, spec: DatasetSpec, robot: Robot) -> None:

@@ -7,6 +7,11 @@ from typing import Literal
 
 DATASET_FILE = "dataset.toml"
 ROBOT_FILE = "robot.toml"
+TEXTS = (".csv", ".tsv", ".txt", ".dat", ".log")
+ARRAYS = (".mat", ".npz", ".parquet")
+BAGS = (".mcap", ".db3", ".bag")
+LOGS = (*TEXTS, *ARRAYS, *BAGS)
+"""What the files of logs end in."""
 
 Use = Literal["identify", "validate"]
 Check = Literal["units", "limits", "constant", "spikes", "frozen", "saturated", "mass"]

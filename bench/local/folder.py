@@ -10,11 +10,9 @@ from pathlib import Path
 
 from bench.basics.errors import BenchError
 from bench.dataset.catalogue import built_in_robots
-from bench.dataset.logs.kinds import ARRAYS, BAGS, TEXTS
-from bench.dataset.names import DATASET_FILE, ROBOT_FILE
+from bench.dataset.names import DATASET_FILE, LOGS, ROBOT_FILE
 from bench.page.run_file import RUN_FILE
 
-LOGS = (*TEXTS, *ARRAYS, *BAGS)
 MODELS = (".xml",)
 MJCF = b"<mujoco"
 BEGINNING = 1 << 16  # bytes of a model file in which that stands

@@ -8,6 +8,7 @@ from typing import Any
 from bench.basics.errors import BenchError
 from bench.basics.files.toml_input import read_toml
 from bench.basics.plain_data import finite
+from bench.basics.program import typed
 from bench.basics.progress import Progress
 from bench.dataset.dataset import Dataset, load_dataset
 from bench.dataset.dataset_toml import DatasetSpec
@@ -159,6 +160,6 @@ def _line(path: Path, run: Any) -> str:
     """The command of a result. Raises BenchError where it is not told."""
     try:
         known = {**run, "effects": tuple(run["effects"]), "effect_files": tuple(run["effect_files"])}
-        return CommandRun(**known).line()
+        return CommandRun(**known).line(typed())
     except (TypeError, KeyError) as error:
         raise BenchError(f"{path / RUN_FILE}: does not name its command") from error

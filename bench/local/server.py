@@ -41,6 +41,8 @@ def opened(path: Path, robots: tuple[Path, ...], command: str, port: int = 0) ->
     """A folder, a dataset or nothing, checked. Raises BenchError for what cannot be opened."""
     if path.name == DATASET_FILE:
         path = path.parent
+    if path.is_file():
+        raise BenchError(f"{path}: is a file: name the folder that it is in")
     if not path.is_dir():
         raise BenchError(f"{path}: no such folder")
     for robot in robots:

@@ -11,6 +11,7 @@ from pydantic import Field, TypeAdapter, ValidationError
 from bench.basics.errors import BenchError
 from bench.basics.files.sidecar_path import sidecar_path
 from bench.basics.files.toml_input import UserTable, first_mistake
+from bench.basics.program import typed
 from bench.basics.shell_word import quoted
 from bench.dataset.names import DATASET_FILE, Check, Unit, Use
 from bench.local.folder import RESULTS, Folder
@@ -123,7 +124,7 @@ class Command:
     @property
     def line(self) -> str:
         """As it is typed."""
-        return " ".join(quoted(word) for word in ["bench", *self.words])
+        return " ".join([typed(), *(quoted(word) for word in self.words)])
 
 
 def command_of(folder: Folder, asked: Mapping[str, Any]) -> Command:

@@ -8,7 +8,8 @@ from pathlib import Path
 from bench.basics.errors import BenchError
 from bench.basics.files.atomic import atomic_path
 from bench.basics.files.csv_text import FOREIGN
-from bench.local.folder import LOGS, MODELS, Folder
+from bench.dataset.names import LOGS
+from bench.local.folder import MODELS, Folder
 
 LARGEST = 1 << 30  # bytes of one log
 STARTS: dict[str, tuple[bytes, ...]] = {

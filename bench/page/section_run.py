@@ -49,10 +49,10 @@ class CommandRun:
     options: dict[str, Any] = field(default_factory=dict)
     output: str = ""
 
-    def line(self) -> str:
-        """The command line."""
-        words = ["bench", self.command, self.dataset, *self.option_words()]
-        return " ".join(quoted(word) for word in words)
+    def line(self, program: str = "bench") -> str:
+        """The command line. program: as a shell takes it."""
+        words = [self.command, self.dataset, *self.option_words()]
+        return " ".join([program, *(quoted(word) for word in words)])
 
     def option_words(self) -> list[str]:
         """All that stands behind the dataset."""

@@ -20,9 +20,9 @@ from bench.basics.errors import BenchError
 from bench.basics.files.csv_text import CsvText
 from bench.basics.files.table import FileTable, read_table, table_of
 from bench.basics.files.toml_input import one_line
-from bench.dataset.logs.kinds import BAGS, TEXTS
 from bench.dataset.logs.ros_bag import is_bag, read_bag
 from bench.dataset.logs.text_log import split_log
+from bench.dataset.names import BAGS, TEXTS
 
 Array = npt.NDArray[np.float64]
 

@@ -18,7 +18,7 @@ import numpy.typing as npt
 from bench.basics.errors import BenchError
 from bench.basics.files.toml_input import one_line
 from bench.basics.plural import plural
-from bench.dataset.logs.kinds import BAGS
+from bench.dataset.names import BAGS
 
 if TYPE_CHECKING:
     from rosbags.highlevel import AnyReader

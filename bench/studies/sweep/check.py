@@ -15,6 +15,7 @@ from rich.table import Table
 
 from bench.basics.errors import BenchError
 from bench.basics.plural import plural
+from bench.basics.program import typed
 from bench.scenario.scenario import scenario_from_dict
 from bench.studies.sweep.designs import keep_design
 from bench.studies.sweep.plan import Plan
@@ -86,7 +87,9 @@ def check_accuracy(options: CheckOptions, console: Console, make_work: Callable[
     )
     if changed and not (options.full and options.verbose):
         only = " ".join(f"--only {name}" for name in changed)
-        step = f"next: bench check --full --verbose {only}    runs all of their seeds and shows every figure"
+        step = (
+            f"next: {typed()} check --full --verbose {only}    runs all of their seeds and shows every figure"
+        )
         console.print(step, highlight=False, soft_wrap=True)
     return 1 if worse or alarms else 0
 

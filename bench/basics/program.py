@@ -1,0 +1,23 @@
+"""The word by which this program is called."""
+
+import shutil
+import sys
+from pathlib import Path
+
+from bench.basics.shell_word import quoted
+
+COMMAND, OTHER_NAME = "bench", "parabench"  # another package installs a `bench`, too
+
+
+def called_as() -> str:
+    """The name by which the command was called: `bench`, or `parabench` where that was typed."""
+    return OTHER_NAME if Path(sys.argv[0]).stem == OTHER_NAME else COMMAND
+
+
+def typed() -> str:
+    """What starts this program again in the user's shell: its name where the shell finds it by that, else its path."""
+    name, called = called_as(), Path(sys.argv[0])
+    if called.stem != name or not called.is_file():  # `python -m bench`, or called from Python
+        return name
+    found = shutil.which(name)
+    return name if found is not None and Path(found).samefile(called) else quoted(called)
