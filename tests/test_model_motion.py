@@ -82,6 +82,28 @@ def test_pose_next_to_the_singular_one_is_refused(tmp_path):
     assert named_time(str(error.value)) > 3.9
 
 
+def test_rods_that_turn_fast_for_a_slide_s_travel_are_followed(tmp_path):
+    """A slide that pushes two rods up, its swings short beside the machine, which stands a metre from its origin."""
+    rod, apart = 0.06, 0.06
+    up, side = np.sqrt(rod**2 - (apart / 2) ** 2), apart / 2
+    body = f"""
+      <worldbody>
+        <body name="slide" pos="1 0 0"><joint name="slide" type="slide" axis="1 0 0"/><geom/>
+          <body name="rod"><joint name="pin" axis="0 -1 0"/><geom/><site name="rod" pos="{side} 0 {up}"/></body></body>
+        <body name="rest" pos="{1 + apart} 0 0"><joint name="rest" axis="0 -1 0"/><geom/>
+          <site name="rest" pos="{-side} 0 {up}"/></body>
+      </worldbody>
+      <equality><connect site1="rod" site2="rest"/></equality>"""
+    geometry = read_geometry(write_robot(tmp_path, body, ("slide",)))
+    time = np.arange(8000) * 1e-3
+    place = 0.04 * np.sin(2 * np.pi * 0.5 * time) * np.sin(2 * np.pi * 0.11 * time)
+    motion = motion_of(geometry, *along(place))
+    turned = np.arccos((apart - place) / (2 * rod)) - np.arccos(apart / (2 * rod))
+    names = [joint.name for joint in geometry.joints]
+    np.testing.assert_allclose(motion.q[:, geometry.joints[names.index("pin")].q.start], turned, atol=1e-9)
+    np.testing.assert_allclose(motion.q[:, geometry.joints[names.index("rest")].q.start], -turned, atol=1e-9)
+
+
 def test_open_home_is_refused(tmp_path):
     with pytest.raises(BenchError, match="not closed at home"):
         motion_of(four_bar(tmp_path, gap=0.02), *along(np.full(3, HOME)))

@@ -113,7 +113,8 @@ def motion_of(
     """Close all loops along a trajectory of the active joints, each (N, n), positions as logged.
 
     The closures are followed continuously from the home pose: a few nodes one after the other, then about
-    every STRIDE-th sample from their interpolation, then all samples from theirs. Loops are closed to rounding;
+    every STRIDE-th sample from their interpolation (or one after the other, where that is too far off), then all
+    samples from theirs. Loops are closed to rounding;
     the Jacobian is taken at most CLOSED away from the closed pose, and rates have its relative error. near: the
     motion of nearly this trajectory or geometry at the same samples, from which the closures are tried at once.
     Raises BenchError that names the time of a sample which is out of reach or singular.
@@ -139,20 +140,32 @@ def path_of(
     track = Track(time, position, velocity, acceleration, geometry.active_offset)
     if not geometry.closed:
         return Path(geometry, closures, track, lambda time, _: np.zeros((geometry.nq, len(time))))
+    middle = _middle_level(geometry, closures, track)
+    return Path(geometry, closures, track, _between(geometry, middle), middle)
+
+
+def _middle_level(geometry: Geometry, closures: Closures, track: Track) -> Motion:
+    """The motion at the nodes of the middle level, from few followed ones; where what lies between those is bent too
+    much to be interpolated, all of them are followed. Raises BenchError naming the time of one that cannot be closed.
+    """
     travel = travel_of(geometry, track.logged)
-    nodes = nodes_along(travel, TRAVEL, len(time))
+    nodes = nodes_along(travel, TRAVEL, len(track.time))
     reached = followed(geometry, track, nodes).T
     coarse = _solved(geometry, closures, track.at(nodes), lambda block: reached[:, block], NODE_CLOSED)
-    finer = track.at(nodes_along(travel, MIDDLE_TRAVEL, STRIDE))
     guess = _between(geometry, coarse)
-    middle = _solved(
-        geometry,
-        closures,
-        finer,
-        lambda block: guess(finer.time[block], finer.position(block)),
-        NODE_CLOSED,
-    )
-    return Path(geometry, closures, track, _between(geometry, middle), middle)
+    nodes = nodes_along(travel, MIDDLE_TRAVEL, STRIDE)
+    finer = track.at(nodes)
+    try:
+        return _solved(
+            geometry,
+            closures,
+            finer,
+            lambda block: guess(finer.time[block], finer.position(block)),
+            NODE_CLOSED,
+        )
+    except BenchError:  # too far between, as where passive joints turn fast for a slide's travel; or singular
+        reached = followed(geometry, track, nodes).T
+        return _solved(geometry, closures, finer, lambda block: reached[:, block], NODE_CLOSED)
 
 
 @dataclass(frozen=True)
