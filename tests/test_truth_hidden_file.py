@@ -1,6 +1,7 @@
 """Hidden effects of one's own, from a file that a scenario names."""
 
 import pickle
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -12,31 +13,13 @@ from bench.basics.errors import BenchError
 from bench.truth.hidden.user_file import hidden_in
 from tests.hidden_kit import plain, run
 
-FAN = '''
-from dataclasses import dataclass
-from typing import ClassVar
-
-from bench.truth.hidden import JointEffect
-
-
-@dataclass(frozen=True)
-class Fan(JointEffect):
-    """c |v| v^2 at a motor."""
-
-    name: ClassVar[str] = "fan"
-    positive: ClassVar[tuple[str, ...]] = ("c",)
-    c: float
-
-    @staticmethod
-    def torque(p, s):
-        return lambda: p["c"] * abs(s.velocity) * s.velocity**2
-'''
-
 
 @pytest.fixture
-def fan(tmp_path: Path) -> Path:
+def fan(project_root: Path, tmp_path: Path) -> Path:
+    """The example of scenarios/README.md, as a file."""
+    text = (project_root / "scenarios/README.md").read_text(encoding="utf-8")
     file = tmp_path / "fan.py"
-    file.write_text(FAN, encoding="utf-8")
+    file.write_text(re.findall(r"```python\n(.*?)```", text, re.DOTALL)[0], encoding="utf-8")
     return file
 
 
@@ -47,8 +30,7 @@ def test_an_effect_of_one_s_own_is_hidden_where_it_is_named(fan: Path) -> None:
     ):
         change = with_fan.motion.torque - without.motion.torque
         speed = without.motion.qvel[:, 0]
-        wanted = 0.05 * np.abs(speed) * speed**2
-        assert np.corrcoef(change[:, 0], wanted)[0, 1] > 0.95
+        assert np.corrcoef(change[:, 0], 0.05 * speed**3)[0, 1] > 0.95
 
 
 @pytest.mark.parametrize(
