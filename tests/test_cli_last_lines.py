@@ -10,11 +10,14 @@ from bench import cli
 from bench.cli import main
 from bench.cli.last_lines import after_diagnosis, next_line, say
 from bench.cli.next_steps import after_export, after_replay
+from bench.identification.finding import Code, Finding
 from bench.truth.dataset import write_simulation
 from bench.truth.simulate import simulate
 from tests.diagnosis_kit import OTHERS, found_diagnosis
 from tests.hidden_kit import scenario
 from tests.shown import dataset_of
+
+OWN = 4.21  # kg: the five-bar's bodies in its MJCF
 
 
 @pytest.fixture(scope="module")
@@ -61,11 +64,22 @@ def test_what_is_declared_wrongly_is_to_be_mended_first(data, tmp_path, capsys):
     (wrong / "dataset.toml").write_text(told, encoding="utf-8")
     assert main(["identify", str(wrong), "--with", "viscous_friction:left"]) == 0
     out = capsys.readouterr().out
+    asked = f"The payload disc of 500 kg is far heavier than the robot ({OWN:.3g} kg in its MJCF): is that in grams"
+    assert asked in " ".join(out.split())
     assert "is the payload's mass in grams?" in " ".join(out.split())
     again = (
         f"next: bench identify {wrong} --with viscous_friction:left    again, once what the first note says"
     )
     assert out.splitlines()[-1].startswith(again)
+    model = tmp_path / "model.json"
+    assert main(["identify", str(data), "--json", str(model), "-q"]) == 0
+    for beside in ([], ["--model", str(model)]):
+        assert main(["compare", str(wrong), *beside]) == 0
+        assert asked in " ".join(capsys.readouterr().out.split())
+    meant = told.replace('payload = "disc"', 'payload = "disc"\naccept = ["mass"]')
+    (wrong / "dataset.toml").write_text(meant, encoding="utf-8")
+    assert main(["compare", str(wrong), "--model", str(model)]) == 0
+    assert asked not in " ".join(capsys.readouterr().out.split())
 
 
 def test_after_a_diagnosis_comes_what_it_calls_for(tmp_path):
@@ -100,6 +114,11 @@ def test_after_a_diagnosis_comes_what_it_calls_for(tmp_path):
     assert step.startswith(
         f"next: bench discriminate {folder} current_delay:left current_loop_lag:left -o {folder}.motion "
     )
+    heavy = Finding(Code.PAYLOAD_HEAVY, ("disc",), numbers={"mass": 500.0, "own": OWN})
+    step = after_diagnosis(
+        replace(found, after=replace(found.after, findings=(heavy,))), folder, "bench d", model
+    )
+    assert step == "next: bench d    again, once what the first note says is mended"
     nothing = replace(found, missing=(), ranking=())
     assert after_diagnosis(nothing, folder, "", None).startswith(
         f"next: bench identify {folder} --json model.json "

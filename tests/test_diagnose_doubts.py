@@ -4,10 +4,12 @@ from dataclasses import replace
 
 import pytest
 
+from bench.dataset.heavy_payload import HeavyPayload
 from bench.dataset.robot import load_robot
 from bench.diagnosis.as_json import diagnosis_json
 from bench.diagnosis.result import Remainder
 from bench.diagnosis.summary import doubts, summary_sentences
+from bench.identification.finding import Code, Finding
 from bench.identification.findings import runaway, with_findings
 from tests.diagnosis_kit import OTHERS, VISCOUS, found_diagnosis
 from tests.shown import dataset_of
@@ -54,6 +56,14 @@ def test_gains_that_are_all_a_thousand_times_off_are_asked_about_in_every_answer
     notes = with_findings(off.after, ()).notes
     assert [asked in text for text in notes] == [True, *[False] * (len(notes) - 1)]
     assert not any("no drive is that far" in text for text in notes)
+
+
+def test_a_payload_in_grams_makes_names_doubtful_by_the_import_s_question(found):
+    heavy = Finding(Code.PAYLOAD_HEAVY, ("disc",), numbers={"mass": 500.0, "own": 4.21})
+    asked = replace(found, after=replace(found.after, findings=(heavy, *found.after.findings)))
+    said = summary_sentences(asked)[1]
+    question = HeavyPayload("disc", 500.0, 4.21).words
+    assert said.startswith(f"These names may be false. T{question[1:]} Correct it")
 
 
 @pytest.mark.parametrize("ratio", [0.6, 1.0, 1.21, 1.9])

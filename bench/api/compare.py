@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -11,6 +11,7 @@ from bench.api.sources import Data, Model, as_dataset, as_model, dataset_behind
 from bench.dataset.dataset import Dataset
 from bench.identification.frame import data_frame, html_table
 from bench.identification.identify import identify
+from bench.identification.mistaken import heavy_payloads
 from bench.identification.model_file import Comparison, apply_model
 from bench.identification.prepare import prepare
 from bench.identification.problem import Filters, problem_of
@@ -94,7 +95,8 @@ def compare(
     if model is None:
         result = identify(prepare(problem))
         name = f"identified here, {', '.join(effects) or 'rigid bodies only'}"
-        comparison = Comparison(result.robot, name, result.recordings, result.error, result.findings)
+        findings = (*heavy_payloads(dataset), *result.findings)
+        comparison = Comparison(result.robot, name, result.recordings, result.error, findings)
         has, settings = result.effects, result.settings
     elif isinstance(model, Identification):
         dataset = dataset_behind(dataset, model)
@@ -103,7 +105,8 @@ def compare(
         comparison = Comparison(model.robot, name, model.recordings, model.error, model.findings)
     else:
         saved = as_model(model)
-        comparison, settings = apply_model(problem, saved), saved.settings
+        applied, settings = apply_model(problem, saved), saved.settings
+        comparison = replace(applied, findings=(*heavy_payloads(dataset), *applied.findings))
         has = saved.model.effects
     motors = compared(dataset.robot, dataset.recordings, comparison.recordings, settings)
     where = errors_by_motor(motors, possible_effects(problem), has)

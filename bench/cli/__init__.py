@@ -136,10 +136,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except click.exceptions.NoArgsIsHelpError as error:
         error.show()
         return error.exit_code
-    except (click.NoSuchOption, click.NoSuchCommand) as error:
-        return _say(f"{misspelt(error)} {_where_to_see(error)}", error.exit_code)
     except click.UsageError as error:
-        return _say(f"{error.format_message()} {_where_to_see(error)}", error.exit_code)
+        return _say(_misused(error), error.exit_code)
     except click.ClickException as error:
         return _say(error.format_message(), error.exit_code)
     except click.Abort:
@@ -147,8 +145,11 @@ def main(arguments: Sequence[str] | None = None) -> int:
     return result if isinstance(result, int) else 0
 
 
-def _where_to_see(error: click.UsageError) -> str:
-    return f"(see: {error.ctx.command_path if error.ctx else called_as()} --help)"
+def _misused(error: click.UsageError) -> str:
+    see = f"(see: {error.ctx.command_path if error.ctx else called_as()} --help)"
+    if isinstance(error, click.NoSuchOption | click.NoSuchCommand):
+        return f"{misspelt(error)} {see}"
+    return f"{error.format_message()} {see}"
 
 
 def _say(message: str, exit_code: int) -> int:

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from bench.cli.last_lines import STANDARD_OUTPUT, next_line, say, write_answer, wrote
+from bench.cli.last_lines import AGAIN, STANDARD_OUTPUT, next_line, say, write_answer, wrote
 from bench.cli.options import (
     dataset_argument,
     effect_file_option,
@@ -155,7 +155,7 @@ def _next(
     files = tuple(map(str, effect_files))
     if mend:
         again = CommandRun("identify", str(dataset), effects, files, given).line()
-        return f"next: {again}    again, once what the first note says is mended"
+        return f"next: {again}    {AGAIN}"
     if beyond_noise(what):
         return f"next: {CommandRun('diagnose', str(dataset), effects, files, given).line()}    {DIAGNOSE}"
     if json_file is None or json_file == STANDARD_OUTPUT:

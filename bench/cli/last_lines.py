@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from bench.diagnosis.result import Diagnosis
 
 STANDARD_OUTPUT = Path("-")
+AGAIN = "again, once what the first note says is mended"
 _OUTPUT, _QUIET = "bench.standard output", "bench.quiet"
 
 
@@ -84,6 +85,10 @@ def after_diagnosis(
 
     effect_files: what the model needs beside the catalogue.
     """
+    from bench.identification.finding_words import MEND_FIRST
+
+    if any(finding.code in MEND_FIRST for finding in diagnosis.after.findings):
+        return f"next: {again}    {AGAIN}"
     found = diagnosis.missing or diagnosis.discovered
     if found and model is not None:
         files = [word for file in effect_files for word in ("--effect-file", file)]

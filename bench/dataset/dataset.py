@@ -15,6 +15,7 @@ from bench.dataset.controller import ControlLaw, controller_of, references
 from bench.dataset.dataset_toml import DatasetSpec, payload_of
 from bench.dataset.dataset_toml import RecordingEntry as RecordingEntry
 from bench.dataset.dataset_toml import write_dataset_toml as write_dataset_toml
+from bench.dataset.heavy_payload import HeavyPayload, doubted
 from bench.dataset.joint_facts import joint_facts
 from bench.dataset.names import DATASET_FILE, LOGS
 from bench.dataset.payload import Payload
@@ -29,7 +30,7 @@ class Dataset:
     """Everything that an identification reads.
 
     effect_files are the user's own effects, from the optional key `effects`. controller: the law of the joints'
-    controller, where the dataset tells it.
+    controller, where the dataset tells it. doubted: payloads so heavy that their mass is asked about.
     """
 
     folder: Path
@@ -38,6 +39,7 @@ class Dataset:
     recordings: tuple[Recording, ...]
     effect_files: tuple[Path, ...] = field(default=())
     controller: ControlLaw | None = None
+    doubted: tuple[HeavyPayload, ...] = ()
 
     @property
     def weighed(self) -> list[str]:
@@ -93,7 +95,9 @@ def load_dataset(folder: str | Path) -> Dataset:
         controller = controller_of(path, spec.controller, robot.joints)
         for recording in recordings:
             references(recording, robot.joints)  # each must be there
-    return Dataset(folder, robot, payloads, tuple(recordings), effect_files, controller)
+    loads = [(entry.payload, entry.accept) for entry in spec.recordings]
+    heavy = doubted(payloads.values(), loads, robot)
+    return Dataset(folder, robot, payloads, tuple(recordings), effect_files, controller, heavy)
 
 
 def refuse_log(path: Path) -> None:

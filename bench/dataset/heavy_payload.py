@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 from bench.dataset.payload import Payload
@@ -39,3 +40,14 @@ def heavy_payload(payload: Payload, robot: Robot) -> HeavyPayload | None:
         return None
     own = float(robot.mjcf_model().body_mass.sum())
     return HeavyPayload(payload.name, payload.mass, own) if payload.mass > HEAVY * own else None
+
+
+def doubted(
+    payloads: Iterable[Payload], loads: Iterable[tuple[str | None, Iterable[str]]], robot: Robot
+) -> tuple[HeavyPayload, ...]:
+    """The payloads whose mass is to be asked about. loads: of every log the payload that it carries, and what it is
+    accepted with; a payload that one of them carries with its "mass" accepted is not asked about.
+    """
+    meant = {payload for payload, accepted in loads if "mass" in accepted}
+    heavy = [heavy_payload(payload, robot) for payload in payloads if payload.name not in meant]
+    return tuple(payload for payload in heavy if payload is not None)

@@ -26,6 +26,7 @@ CAUSES = {
     Code.UNITS_UNLIKE,
     Code.COLUMNS_SWAPPED,
     Code.OTHER_LOAD,
+    Code.PAYLOAD_HEAVY,
     Code.CLOSURE_CONTRADICTED,
     Code.MOUNTED_OTHERWISE,
 }  # of false names

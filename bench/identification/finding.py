@@ -17,6 +17,7 @@ class Code(StrEnum):
     UNITS_UNLIKE = auto()
     COLUMNS_SWAPPED = auto()
     OTHER_LOAD = auto()
+    PAYLOAD_HEAVY = auto()
     NOT_REAL = auto()
     # what the data cannot tell
     NOT_FROM_GAIN = auto()

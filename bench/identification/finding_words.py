@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Mapping
 
+from bench.dataset.heavy_payload import HeavyPayload
 from bench.effects.display_names import begun, spoken
 from bench.effects.select import ROBOT
 from bench.identification.finding import Code, Finding, Unknown
@@ -23,6 +24,7 @@ MEND_FIRST = UNBELIEVABLE | {
     Code.UNITS_UNLIKE,
     Code.COLUMNS_SWAPPED,
     Code.OTHER_LOAD,
+    Code.PAYLOAD_HEAVY,
     Code.CLOSURE_CONTRADICTED,
     Code.MOUNTED_OTHERWISE,
     Code.GAINS_NEGATIVE,
@@ -116,6 +118,12 @@ def _other_load(finding: Finding) -> str:
         f"{name} is declared to carry {was}, and probably carries {load}: with that, the error of {joint} over all "
         f"recordings falls from {before} to {after}. Correct its `payload` in dataset.toml."
     )
+
+
+def _heavy(finding: Finding) -> str:
+    asked = HeavyPayload(finding.names[0], finding.numbers["mass"], finding.numbers["own"]).words
+    meant = 'if it is meant, write `accept = ["mass"]` beside the file that carries it'
+    return f"{asked[0].upper()}{asked[1:]} Correct it in dataset.toml; {meant}."
 
 
 def _physical(finding: Finding) -> str:
@@ -316,6 +324,7 @@ WORDS: Mapping[Code, Callable[[Finding], str]] = {
     Code.UNITS_UNLIKE: _unlike_units,
     Code.COLUMNS_SWAPPED: _swapped,
     Code.OTHER_LOAD: _other_load,
+    Code.PAYLOAD_HEAVY: _heavy,
     Code.NOT_REAL: lambda finding: (
         "Real bodies cannot have what the data say: the nearest, which stand here, are "
         f"{finding.numbers['distance']:.1f} "

@@ -1,6 +1,7 @@
 """Whether the data are what they are declared to be: units, columns and loads."""
 
-from bench.identification.finding import Finding
+from bench.dataset.dataset import Dataset
+from bench.identification.finding import Code, Finding
 from bench.identification.other_load import other_load
 from bench.identification.prepare import Prepared
 from bench.identification.problem import Problem
@@ -16,7 +17,17 @@ def mistaken(
 
     prepared: the problem's equations with the filters of the result, where they are at hand.
     """
+    heavy = heavy_payloads(problem.dataset)
     units = unlike_units(result)
     if units:
-        return tuple(units)
-    return (*swapped_columns(problem, result, prepared), *other_load(problem, result, prepared))
+        return (*heavy, *units)
+    swapped = swapped_columns(problem, result, prepared)
+    return (*heavy, *swapped, *other_load(problem, result, prepared))
+
+
+def heavy_payloads(dataset: Dataset) -> tuple[Finding, ...]:
+    """What is asked of payloads that are declared far heavier than the robot."""
+    return tuple(
+        Finding(Code.PAYLOAD_HEAVY, (heavy.name,), numbers={"mass": heavy.mass, "own": heavy.own}, unit="kg")
+        for heavy in dataset.doubted
+    )

@@ -1,6 +1,6 @@
 """What a page shows of files: read by the worker, never written."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
@@ -12,7 +12,7 @@ from bench.basics.program import typed
 from bench.basics.progress import Progress
 from bench.dataset.dataset import Dataset, load_dataset
 from bench.dataset.dataset_toml import DatasetSpec
-from bench.dataset.heavy_payload import HeavyPayload, heavy_payload
+from bench.dataset.heavy_payload import heavy_payload
 from bench.dataset.names import DATASET_FILE
 from bench.dataset.payload import Payload
 from bench.dataset.robot import load_robot
@@ -62,7 +62,7 @@ def dataset(arguments: Mapping[str, Any], _progress: Progress) -> dict[str, Any]
     data = load_dataset(arguments["dataset"])
     spec = read_toml(data.folder / DATASET_FILE, DatasetSpec)
     accepted = {recording.file: list(recording.accept) for recording in spec.recordings}
-    heavy = {name: heavy_payload(payload, data.robot) for name, payload in data.payloads.items()}
+    asked = {heavy.name: heavy.words for heavy in data.doubted}
     return {
         "robot": data.robot.name,
         "joints": list(data.robot.joints),
@@ -75,7 +75,7 @@ def dataset(arguments: Mapping[str, Any], _progress: Progress) -> dict[str, Any]
                 "rate": recording.rate,
                 "seconds": float(recording.time[-1] - recording.time[0]),
                 "accepted": accepted.get(recording.log, []),
-                "asked": _asked(heavy.get(recording.payload or ""), accepted.get(recording.log, [])),
+                "asked": asked.get(recording.payload or "", ""),
             }
             for recording in data.recordings
         ],
@@ -112,11 +112,6 @@ def machine(arguments: Mapping[str, Any], _progress: Progress) -> dict[str, Any]
     if recording is None or series is None:
         raise BenchError(f"{name}: no such recording")
     return mechanism(data, recording, series, saved.settings)
-
-
-def _asked(heavy: HeavyPayload | None, accepted: Sequence[str]) -> str:
-    """What is asked of a recording that is in the dataset already; "" where nothing is."""
-    return "" if heavy is None or "mass" in accepted else heavy.words
 
 
 def _effects(data: Dataset) -> list[dict[str, Any]]:

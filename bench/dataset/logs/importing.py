@@ -17,7 +17,7 @@ from bench.basics.files.table import FileTable
 from bench.basics.files.toml_input import read_toml
 from bench.dataset.catalogue import built_in_robots
 from bench.dataset.dataset_toml import DatasetSpec, RecordingEntry, extended_toml
-from bench.dataset.heavy_payload import heavy_payload
+from bench.dataset.heavy_payload import doubted
 from bench.dataset.joint_facts import JointFacts, joint_facts
 from bench.dataset.logs.columns import LogMap, columns_of
 from bench.dataset.logs.log_file import AS_FOUND, Reading, read_log
@@ -169,15 +169,11 @@ def _parts(
 
 def _doubtful(payloads: Sequence[Payload], robot: Robot, requests: Sequence[LogRequest]) -> list[str]:
     """What is asked of payloads far heavier than the robot, unless a log that carries one is accepted so."""
-    asked = []
-    for payload in payloads:
-        accepted = any(request.payload == payload.name and "mass" in request.accept for request in requests)
-        heavy = None if accepted else heavy_payload(payload, robot)
-        if heavy is not None:
-            asked.append(
-                f"{heavy.words} Then give {heavy.if_grams:g} kg; --accept mass if {heavy.mass:g} kg is meant"
-            )
-    return asked
+    loads = [(request.payload, request.accept) for request in requests]
+    return [
+        f"{heavy.words} Then give {heavy.if_grams:g} kg; --accept mass if {heavy.mass:g} kg is meant"
+        for heavy in doubted(payloads, loads, robot)
+    ]
 
 
 def _payload_notes(folder: Path, payloads: Sequence[Payload], names: Sequence[str]) -> list[str]:
