@@ -18,7 +18,8 @@ SEED = 20120604  # of the noise of a log that is only looked at for its filters
 
 @dataclass(frozen=True)
 class PlannedRows:
-    """The rows of a fit to one planned motion: motion at them, M of them, and moving (M, n): which joints' rows count.
+    """The rows of a fit to one planned motion: motion at them, M of them over the whole log, and moving (M, n): which
+    joints' rows count; those at the log's ends, which the filters need, do not.
 
     decimation: samples of the log for each row.
     """
@@ -70,12 +71,13 @@ def _rows(
     nominal: Nominal, motion: Motion, trajectory: FourierTrajectory, settings: FilterSettings
 ) -> PlannedRows:
     start, end = settings.border
-    kept = slice(start, len(motion.time) - end)
-    inner = motion.at(kept)
+    count, length = len(motion.time) - start - end, len(motion.time)
+    inner = motion.at(slice(start, length - end))
     position, velocity, _ = trajectory.evaluate(inner.time)
     passive = passive_rates(nominal.model.geometry, inner)
     gaps = standstills(position, velocity, passive, nominal.noise.rate, settings.position_cutoff)
-    count = len(inner.time)
-    moving = moving_rows(gaps, count, settings.decimation)
-    rows = decimated_indices(count, settings.decimation)
-    return PlannedRows(inner.at(rows), moving, settings.decimation)
+    fitted = start + decimated_indices(count, settings.decimation)
+    rows = np.arange(fitted[0] % settings.decimation, length, settings.decimation)
+    moving = np.zeros((len(rows), position.shape[1]), dtype=bool)
+    moving[np.isin(rows, fitted)] = moving_rows(gaps, count, settings.decimation)
+    return PlannedRows(motion.at(rows), moving, settings.decimation)
