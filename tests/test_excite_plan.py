@@ -3,6 +3,7 @@
 import csv
 import json
 import tomllib
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -17,10 +18,16 @@ from bench.excitation.experiment.plan import Aim, plan_experiment
 from bench.excitation.experiment.request import ExperimentTable
 from bench.excitation.experiment.room import outside, tool_positions
 from bench.excitation.experiment.sentences import note_sentence
+from bench.identification.prepare import prepare
+from bench.identification.problem import problem_of
 from bench.model.motion import motion_of
 from bench.scenario.scenario import load_scenario, resolve_trajectories
 from bench.scenario.trajectory import random_trajectory
-from bench.studies.excite_forecast import monte_carlo, pooled
+from bench.studies.excite_forecast import by_chance, monte_carlo, planned_scenario
+from bench.studies.logged_again import with_other_currents
+from bench.truth.dataset import as_dataset
+from bench.truth.resense import sense_again
+from bench.truth.simulate import simulate
 
 pytestmark = pytest.mark.pictures
 
@@ -105,9 +112,45 @@ def test_the_same_seed_gives_the_same_motion(arm):
 
 
 def test_forecasts_come_true(arm, told):
-    outcomes = monte_carlo(arm, told, 40)
-    assert len(outcomes) == len(told.unknowns)
-    assert 0.8 < pooled(outcomes) < 1.2
+    trial = monte_carlo(arm, told, 40)
+    assert len(trial.outcomes) == len(told.unknowns)
+    assert 1.0 <= trial.independent <= len(trial.outcomes)
+    assert 0.8 < trial.pooled < 1.2
+    low, high = trial.every_by_chance
+    assert all(low < outcome.ratio < high for outcome in trial.outcomes)
+
+
+def test_logged_again_the_equations_are_those_of_a_new_log(arm):
+    scenario = planned_scenario(arm, 0)
+    simulation = simulate(scenario)
+    first, second = (
+        as_dataset(
+            sense_again(
+                simulation, replace(scenario, settings=scenario.settings.model_copy(update={"seed": seed}))
+            )
+        )
+        for seed in (0, 1)
+    )
+    expected, found = prepare(problem_of(second)), with_other_currents(prepare(problem_of(first)), second)
+    assert found is not None
+    for anew, whole in zip(found.observations, expected.observations, strict=True):
+        np.testing.assert_allclose(anew.current, whole.current, rtol=1e-12, atol=1e-12)
+        np.testing.assert_array_equal(anew.rigid, whole.rigid)
+    assert found.settings == expected.settings
+    np.testing.assert_array_equal(found.bands.current_noise, expected.bands.current_noise)
+    moved = replace(second.recordings[0], position=second.recordings[0].position + 1e-6)
+    assert with_other_currents(found, replace(second, recordings=(moved, *second.recordings[1:]))) is None
+
+
+def test_how_far_chance_takes_a_standard_deviation():
+    draws = np.random.default_rng(1).normal(size=(4000, 120, 5)).std(axis=1, ddof=1)
+    low, high = by_chance(120)
+    assert np.mean((draws > low) & (draws < high)) == pytest.approx(0.95, abs=0.01)
+    low, high = by_chance(120, at_once=5)
+    assert np.mean(((draws > low) & (draws < high)).all(axis=1)) == pytest.approx(0.95, abs=0.01)
+    pooled = np.sqrt((draws**2).mean(axis=1))
+    low, high = by_chance(120, independent=5.0)
+    assert np.mean((pooled > low) & (pooled < high)) == pytest.approx(0.95, abs=0.01)
 
 
 def test_closed_loops_keep_their_distance_from_singular_poses():

@@ -10,13 +10,16 @@ from typing import Any
 import click
 
 from bench.basics.files.atomic import write_json_atomically
+from bench.basics.versions import versions
 from bench.dataset.robot import load_robot
 from bench.excitation.experiment.forecast import forecast
 from bench.excitation.experiment.plan import STEPS, Aim, plan_experiment
 from bench.excitation.experiment.request import ExperimentTable
 from bench.excitation.experiment.search import RANDOM
+from bench.identification.wording import in_percent
 from bench.scenario.scenario import load_scenario
-from bench.studies.excite_forecast import monte_carlo, pooled
+from bench.studies.excite_forecast import CONFIDENCE, monte_carlo
+from bench.studies.excite_page import with_interval, write_page
 
 ROBOTS = ("two_link", "five_bar", "delta", "stewart")
 DURATION = 10.0  # s
@@ -51,17 +54,29 @@ def figures_of(robot: str, steps: int, seed: int, repetitions: int) -> dict[str,
         "random_median": plan.random["median"],
         "random_best": plan.random["best"],
         "better": plan.random["median"] / plan.value,
+        **versions().columns(),
     }
     if repetitions:
-        outcomes = monte_carlo(plan, forecast(plan), repetitions, seed)
-        ratios = [outcome.ratio for outcome in outcomes]
+        trial = monte_carlo(plan, forecast(plan), repetitions, seed)
+        ratios = {outcome.name: outcome.ratio for outcome in trial.outcomes}
         figures |= {
             "repetitions": repetitions,
-            "pooled": pooled(outcomes),
-            "smallest": min(ratios),
-            "largest": max(ratios),
+            "pooled": trial.pooled,
+            "pooled_interval": interval(trial.pooled, trial.pooled_by_chance),
+            "smallest": min(ratios.values()),
+            "smallest_interval": interval(min(ratios.values()), trial.every_by_chance),
+            "largest": max(ratios.values()),
+            "largest_interval": interval(max(ratios.values()), trial.every_by_chance),
+            "chance": trial.every_by_chance,
+            "ratios": ratios,
         }
     return figures
+
+
+def interval(found: float, chance: tuple[float, float]) -> tuple[float, float]:
+    """Between which the true value of a ratio lies that was found; chance: how far that takes it."""
+    low, high = chance
+    return found / high, found / low
 
 
 def figures_json(path: Path, figures: dict[str, Any]) -> None:
@@ -76,9 +91,13 @@ def sentence(figures: dict[str, Any]) -> str:
         f"the median of {RANDOM} random motions ({figures['random_median']:.3%}; best {figures['random_best']:.3%})"
     )
     if "pooled" in figures:
+        pooled, smallest, largest = (
+            with_interval(figures, name) for name in ("pooled", "smallest", "largest")
+        )
         text += (
-            f"; spread over {figures['repetitions']} repetitions / forecast: {figures['pooled']:.2f} on the whole, "
-            f"{figures['smallest']:.2f} to {figures['largest']:.2f}"
+            f"; spread over {figures['repetitions']} repetitions / forecast: {pooled} on the whole, {smallest} to "
+            f"{largest}; in brackets {in_percent(CONFIDENCE, 2)} intervals, of the extremes for all "
+            f"{len(figures['ratios'])} unknowns at once"
         )
     return text
 
@@ -88,13 +107,14 @@ def sentence(figures: dict[str, Any]) -> str:
 @click.option("-o", "--output", type=click.Path(path_type=Path), required=True, help="Folder of the figures.")
 @click.option("--steps", type=int, default=STEPS, show_default=True, help="Of the search.")
 @click.option("--seed", type=int, default=0, show_default=True)
-@click.option("--repetitions", type=int, default=120, show_default=True, help="Simulated logs; 0: none.")
+@click.option("--repetitions", type=int, default=1000, show_default=True, help="Simulated logs; 0: none.")
 def main(robots: tuple[str, ...], output: Path, steps: int, seed: int, repetitions: int) -> None:
-    """Write the figures of the robots, one JSON file each, and print them."""
+    """Write the figures of the robots, one JSON file each, and a page of all that the folder has; print them."""
     for robot in robots or ROBOTS:
         figures = figures_of(robot, steps, seed, repetitions)
         figures_json(output, figures)
         click.echo(sentence(figures))
+    write_page(output, ROBOTS)
 
 
 if __name__ == "__main__":

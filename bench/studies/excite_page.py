@@ -1,0 +1,78 @@
+"""The kept figures of `bench excite` as a page: results/excite/excite.md."""
+
+import json
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from bench.basics.files.atomic import write_text_atomically
+from bench.document.markdown.tables import rows_in_markdown
+from bench.identification.wording import in_percent
+from bench.studies.excite_forecast import CONFIDENCE
+
+PAGE = "excite.md"
+BETTER = (
+    "robot",
+    "worst relative standard error",
+    "median of random motions",
+    "best of them",
+    "times better than the median",
+)
+TRUE = ("robot", "repetitions", "unknowns", "on the whole", "smallest", "largest", "by chance alone")
+PLANNED = """\
+Motions of 10 s by `bench excite`, one unloaded and one with the payload of the robot's scenario, beside 50 at random
+inside the same limits. The worst of all unknowns counts."""
+REPEATED = """\
+Below, the simulated machine goes along the planned motions and is logged again and again with other noise. Each log
+is identified. The standard deviation of the estimates over the forecast standard error is 1 where the forecast came
+true."""
+INTERVALS = """\
+a standard deviation of so many repetitions is no better known. Those of the smallest and the largest ratio hold for all
+unknowns at once (Bonferroni), because these two were picked from all. "By chance alone": between which all ratios lie
+with at least that probability where every forecast is exact. "On the whole" is the root mean square over the unknowns;
+its interval takes account of their correlations."""
+
+Figures = Mapping[str, Any]
+
+
+def kept_figures(folder: Path, robots: Sequence[str]) -> list[Figures]:
+    """The figures of those robots that have a file in the folder."""
+    files = [folder / f"{robot}.json" for robot in robots]
+    return [json.loads(file.read_text(encoding="utf-8")) for file in files if file.is_file()]
+
+
+def write_page(folder: Path, robots: Sequence[str]) -> None:
+    """Write the page beside the figures of which it is made."""
+    write_text_atomically(folder / PAGE, page(kept_figures(folder, robots)))
+
+
+def page(robots: Sequence[Figures]) -> str:
+    """Both tables as Markdown."""
+    parts = (
+        "# Planned motions, and whether forecasts come true",
+        PLANNED,
+        rows_in_markdown(BETTER, map(_better, robots)),
+        REPEATED,
+        rows_in_markdown(TRUE, [_true(figures) for figures in robots if "pooled" in figures]),
+        f"In brackets {in_percent(CONFIDENCE, 2)} intervals by chi-square: {INTERVALS}",
+        "`python -m bench.studies.excite_figures -o results/excite` writes all of this anew.",
+    )
+    return "\n\n".join(parts) + "\n"
+
+
+def _better(figures: Figures) -> Sequence[str]:
+    errors = [in_percent(figures[name], 2) for name in ("worst", "random_median", "random_best")]
+    return figures["robot"], *errors, f"{figures['better']:.1f}"
+
+
+def _true(figures: Figures) -> Sequence[str]:
+    found = [with_interval(figures, name) for name in ("pooled", "smallest", "largest")]
+    low, high = figures["chance"]
+    unknowns = str(len(figures["ratios"]))
+    return figures["robot"], str(figures["repetitions"]), unknowns, *found, f"{low:.2f} to {high:.2f}"
+
+
+def with_interval(figures: Figures, name: str) -> str:
+    """Such as 0.99 [0.97, 1.01]."""
+    low, high = figures[f"{name}_interval"]
+    return f"{figures[name]:.2f} [{low:.2f}, {high:.2f}]"
