@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 
+import mujoco
 import numpy as np
 import pytest
 
@@ -16,10 +17,13 @@ from bench.excitation.experiment.plan import nominal_machine
 from bench.excitation.experiment.proof import Promise, Proof, Unproven, prove
 from bench.excitation.experiment.proof_words import limit_in_words
 from bench.excitation.experiment.request import Box, ExperimentTable
-from bench.excitation.experiment.room import PassiveRange, filled, robot_motion, room_of, tool_positions
+from bench.excitation.experiment.room import filled, robot_motion, room_of, tool_positions
 from bench.model.mobility import smallest_singular_values
 from bench.model.motion import Motion, motion_of
+from bench.model.passive_ranges import PassiveRange, passive_ranges
 from bench.scenario.trajectory import random_trajectory
+from tests.mechanisms import BALL as BALL_JOINT
+from tests.mechanisms import random_open_poses, to_mujoco, write_robot
 
 ROBOTS = (
     "delta",
@@ -44,7 +48,8 @@ class Case:
 
     def __init__(self, name, **changes):
         table = ExperimentTable.model_validate({**QUICK, **changes})
-        self.nominal = nominal_machine(load_robot(name), table, [], {})
+        robot = load_robot(name) if isinstance(name, str) else name
+        self.nominal = nominal_machine(robot, table, [], {})
         self.geometry = self.nominal.model.geometry
         self.room = room_of(self.geometry, table)
         room, slow = self.room, self.room.velocity.min() / self.room.velocity
@@ -195,13 +200,54 @@ def test_ranges_of_passive_joints_between_two_samples_only_are_caught(delta, mon
     angle = motion.q[:, joint.q.start]
 
     def limited(high):
-        ranges = (PassiveRange(joint.name, joint.q.start, -9.0, high),)
+        ranges = (PassiveRange(joint.name, joint.q, joint.v, -9.0, high),)
         monkeypatch.setattr(open_limits, "passive_ranges", lambda _: ranges)
         return prove(delta.promise())
 
     told = limited(between_two_samples(angle, motion.time))
     assert (told.limit, told.where) == (Kept.PASSIVE_RANGE, joint.name)
     assert isinstance(limited(angle.max() + 1e-5), Proof)
+
+
+@pytest.fixture(scope="module")
+def ball(tmp_path_factory):
+    """A crank that drives a slide through a rod, in a ball joint that may be turned by 2 rad."""
+    limited = BALL_JOINT.replace('type="ball"', 'type="ball" range="0 2"')
+    return Case(write_robot(tmp_path_factory.mktemp("ball"), limited, ("crank",)))
+
+
+def test_the_angle_of_a_ball_joint_is_the_one_that_mujoco_limits(ball):
+    (limit,) = passive_ranges(ball.geometry)
+    compiled = ball.geometry.robot.mjcf_model()
+    compiled.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_EQUALITY
+    compiled.jnt_margin[:] = 4.0  # every limit is a constraint, however far
+    data = mujoco.MjData(compiled)
+    for q in random_open_poses(ball.geometry, 40).T:
+        data.qpos[:] = to_mujoco(ball.geometry, q)
+        mujoco.mj_forward(compiled, data)
+        assert data.efc_pos[0] == pytest.approx(2.0 - limit.at(q[None])[0], abs=1e-12)
+
+
+def test_ranges_of_ball_joints_are_proven(ball, monkeypatch):
+    """What is reached by turning about any axis: 0.5 % less is refused, also between two samples only."""
+    motion = ball.dense(rate=20_000)
+    (limit,) = passive_ranges(ball.geometry)
+    assert isinstance(prove(ball.promise()), Proof)
+    angle = limit.at(motion.q)
+    _, enclosure = enclosure_of(ball)
+    found = margins(ball.nominal, ball.room, None, enclosure)[Kept.PASSIVE_RANGE, "ball"]
+    at = np.clip((motion.time * 1000.0).astype(int), 0, len(found.least) - 1)
+    assert np.all(limit.high - angle >= found.least[at])
+
+    def limited(high):
+        monkeypatch.setattr(open_limits, "passive_ranges", lambda _: (replace(limit, high=high),))
+        return prove(ball.promise())
+
+    assert isinstance(limited(angle.max() * NEAR), Proof)
+    for high in (angle.max() / NEAR, between_two_samples(angle, motion.time)):
+        told = limited(high)
+        assert (told.limit, told.where) == (Kept.PASSIVE_RANGE, "ball")
+        assert told.time == pytest.approx(motion.time[angle.argmax()], abs=0.1)
 
 
 def test_another_assembly_mode_is_none_that_follows():

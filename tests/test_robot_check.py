@@ -24,6 +24,8 @@ from bench.robot_check.outcome import Check, CheckCode
 from bench.robot_check.singularity import singularity_of, sweep
 from bench.robot_check.words import WORDS, detail_of, name_of
 from tests.broken_robots import HOME, edit, edit_mjcf, write_five_bar
+from tests.mechanisms import BALL
+from tests.mechanisms import write_robot as mechanism
 from tests.small_robots import OTHER_WELDS, SERIAL, spatial, welded, write_robot
 
 
@@ -314,6 +316,15 @@ def test_what_the_model_does_not_know_is_told(linkage, old, new, told):
     notes = [detail_of(check) for check in report.checks if check.verdict == "note"]
     assert len(notes) == 1
     assert [text for text in told if text not in notes[0]] == []
+
+
+def test_a_ball_joint_that_is_turned_too_far_is_told(tmp_path):
+    tight = BALL.replace('type="ball"', 'type="ball" range="0 0.05"')
+    report = check_robot(mechanism(tmp_path, tight, ("crank",)))
+    (check,) = (one for one in report.checks if one.code is CheckCode.PASSIVE_RANGE_LEFT)
+    assert check.values["joint"] == "ball"
+    assert (check.values["lower"], check.values["upper"]) == (0.0, 0.05)
+    assert 0.05 < check.values["highest"] <= np.pi
 
 
 def test_a_home_close_to_a_singularity_is_told_or_refused(linkage):

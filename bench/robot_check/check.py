@@ -10,13 +10,14 @@ from bench.model.base import base_parameters
 from bench.model.geometry import Geometry, read_geometry
 from bench.model.mobility import check_assembled
 from bench.model.motion import LARGEST_AMPLIFICATION
+from bench.model.passive_ranges import passive_ranges
 from bench.model.states import random_motion
 from bench.robot_check import agreement
 from bench.robot_check.features import check_features, notes
 from bench.robot_check.home import check_home
 from bench.robot_check.listing import check_home_ranges, home_of, joint_lines, loop_lines
 from bench.robot_check.loops import check_closed_motion, check_constraints
-from bench.robot_check.machine import CheckedMachine, make_machine, random_open_poses, to_mujoco
+from bench.robot_check.machine import CheckedMachine, make_machine, random_open_poses
 from bench.robot_check.mobility import check_mobility, coupling_lines, mobility_of, spin_notes
 from bench.robot_check.outcome import Check, CheckCode
 from bench.robot_check.report import RobotReport, Singularity
@@ -137,15 +138,15 @@ def _ranges(singularity: Singularity) -> list[Check]:
 def _passive_ranges(geometry: Geometry, swept: SingularitySweep) -> list[Check]:
     """Ranges of passive joints that the motors' own ranges let them leave."""
     checks = []
-    qpos = np.array([to_mujoco(geometry, q) for q in swept.q])
-    for joint in geometry.joints:
-        if joint.limits is None or joint.kind not in ("hinge", "slide") or joint.v.start in geometry.active:
-            continue
-        low, high = qpos[:, joint.q].min(), qpos[:, joint.q].max()
-        if low < joint.limits[0] or high > joint.limits[1]:
-            reached = {"lowest": float(low), "highest": float(high)}
-            limits = {"lower": float(joint.limits[0]), "upper": float(joint.limits[1])}
-            checks.append(
-                Check(CheckCode.PASSIVE_RANGE_LEFT, "note", {"joint": joint.name, **reached, **limits})
-            )
+    for limit in passive_ranges(geometry):
+        at = limit.at(swept.q)
+        lowest, highest = float(at.min()), float(at.max())
+        if lowest < limit.low or highest > limit.high:
+            values = {
+                "lowest": lowest + limit.offset,
+                "highest": highest + limit.offset,
+                "lower": limit.low + limit.offset if np.isfinite(limit.low) else 0.0,
+                "upper": limit.high + limit.offset,
+            }
+            checks.append(Check(CheckCode.PASSIVE_RANGE_LEFT, "note", {"joint": limit.joint, **values}))
     return checks

@@ -10,12 +10,13 @@ from bench.excitation.experiment.enclosed_loops import Enclosure
 from bench.excitation.experiment.enclosed_torques import enclosed_torques
 from bench.excitation.experiment.nominal import Nominal
 from bench.excitation.experiment.request import Box
-from bench.excitation.experiment.room import Room, passive_ranges
+from bench.excitation.experiment.room import Room
 from bench.model.balls import balls, dense_balls
 from bench.model.geometry import Geometry
 from bench.model.kinematics import ancestors, end_of, end_point, frames_of, link_of
 from bench.model.mobility import column_scales
 from bench.model.nodes import robot_length
+from bench.model.passive_ranges import passive_ranges
 
 ROUNDING = 1e-9  # of a bound: kept free for the rounding of radii and of singular values
 
@@ -56,7 +57,7 @@ def margins(nominal: Nominal, room: Room, payload: str | None, enclosure: Enclos
             values - room.joint.held, values * (1.0 - ROUNDING) - straying - room.joint.held
         )
     for limit in passive_ranges(geometry):
-        at, radius = enclosure.motion.q[:, limit.place], enclosure.q[:, limit.place]
+        at, radius = limit.at(enclosure.motion.q), enclosure.passed[:, limit.displacement.start]
         left = np.minimum(at - limit.low, limit.high - at)
         found[Kept.PASSIVE_RANGE, limit.joint] = Margin(left, left - radius)
     if room.boxes:

@@ -12,6 +12,7 @@ from bench.model.geometry import Geometry
 from bench.model.kinematics import ancestors, end_of, end_point, frames_of, link_of
 from bench.model.mobility import least_held, smallest_singular_values
 from bench.model.motion import Motion, motion_of
+from bench.model.passive_ranges import passive_ranges
 from bench.scenario.trajectory import FourierTrajectory
 
 CROSSING = 1.0  # s in which a joint crosses its range at the speed that is taken where none is given
@@ -96,7 +97,7 @@ def _check_home(geometry: Geometry, room: Room) -> None:
             f"amplification: {room.joint.amplification:g} leaves no room, home has {largest:.3g} already"
         )
     for limit in passive_ranges(geometry):
-        if not limit.low < at_home.q[0, limit.place] < limit.high:
+        if not limit.low < limit.at(at_home.q)[0] < limit.high:
             raise BenchError(
                 f"robot {geometry.robot.name}: home is at the end of the range of {limit.joint!r}, or beyond: motions "
                 "start at home, put it further inside"
@@ -180,7 +181,7 @@ def robot_motion(
         if smallest_singular_values(geometry, worst).min() <= room.joint.held:
             return None
     for limit in passive_ranges(geometry):
-        at = motion.q[:, limit.place]
+        at = limit.at(motion.q)
         if at.min() <= limit.low or at.max() >= limit.high:
             return None
     if room.boxes:
@@ -188,25 +189,3 @@ def robot_motion(
         if any(outside(box, points).max() >= 0.0 for box in room.boxes):
             return None
     return motion
-
-
-@dataclass(frozen=True)
-class PassiveRange:
-    """Between which values, rad or m, the passive joint stays that is at this place of a configuration."""
-
-    joint: str
-    place: int
-    low: float
-    high: float
-
-
-def passive_ranges(geometry: Geometry) -> tuple[PassiveRange, ...]:
-    """The ranges of the hinges and slides without a motor of their own, where the MJCF has some."""
-    passive = set(geometry.passive.tolist())
-    return tuple(
-        PassiveRange(
-            joint.name, joint.q.start, joint.limits[0] - joint.offset, joint.limits[1] - joint.offset
-        )
-        for joint in geometry.joints
-        if joint.limits is not None and joint.kind in ("hinge", "slide") and joint.v.start in passive
-    )
