@@ -53,7 +53,7 @@ def measure(name: str, repeats: int = 5) -> MainJobSpeed:
         start = perf_counter()
         simulation = simulate(scenario, trajectories, threads=1)
         times[repeat, 0] = perf_counter() - start
-        times[repeat, 1] = _plain_rollout(simulation)
+        times[repeat, 1] = plain_rollout(simulation)
         dataset = as_dataset(simulation)
         fitted = replace(
             dataset,
@@ -78,8 +78,8 @@ def hexapod_seconds() -> float:
     return perf_counter() - start
 
 
-def _plain_rollout(simulation: Simulation) -> float:
-    """Seconds that mujoco.rollout takes for the same models, controls and steps."""
+def plain_rollout(simulation: Simulation, copies: int = 1, threads: int = 1) -> float:
+    """Seconds that mujoco.rollout takes for the same models, controls and steps, some copies of them on some threads."""
     machine, settings = simulation.machine, simulation.scenario.settings
     models = [machine.models[recording.table.payload] for recording in simulation.recordings]
     time = np.arange(simulation.steps // len(models)) * settings.step - settings.settle
@@ -89,9 +89,10 @@ def _plain_rollout(simulation: Simulation) -> float:
     size = mujoco.mj_stateSize(models[0], mujoco.mjtState.mjSTATE_FULLPHYSICS)
     state = np.zeros((len(models), size))
     state[:, 1 : 1 + models[0].nq] = [recording.motion.qpos[0] for recording in simulation.recordings]
-    data = mujoco.MjData(models[0])
+    datas = [mujoco.MjData(models[0]) for _ in range(threads)]
+    state, control = (np.tile(values, (copies, *(1,) * (values.ndim - 1))) for values in (state, control))
     start = perf_counter()
-    rollout.rollout(models, [data], state, control)
+    rollout.rollout(models * copies, datas, state, control)
     return perf_counter() - start
 
 
