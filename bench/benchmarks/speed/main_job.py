@@ -79,7 +79,7 @@ def hexapod_seconds() -> float:
 
 
 def plain_rollout(simulation: Simulation, copies: int = 1, threads: int = 1) -> float:
-    """Seconds that mujoco.rollout takes for the same models, controls and steps, some copies of them on some threads."""
+    """Seconds that mujoco.rollout takes for the same models, controls and steps; copies of them, on some threads."""
     machine, settings = simulation.machine, simulation.scenario.settings
     models = [machine.models[recording.table.payload] for recording in simulation.recordings]
     time = np.arange(simulation.steps // len(models)) * settings.step - settings.settle
