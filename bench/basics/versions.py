@@ -28,6 +28,10 @@ class Versions:
             **{f"version.{name}": number for name, number in self.packages},
         }
 
+    def named(self) -> dict[str, str]:
+        """As the `versions` of an answer: by package, and of Python, with the commit."""
+        return {**dict(self.packages), "python": self.python, "commit": self.commit}
+
 
 @cache
 def versions() -> Versions:

@@ -3,7 +3,7 @@
 import io
 import json
 import sys
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from contextlib import redirect_stdout
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -66,10 +66,12 @@ def _standard_output(context: click.Context) -> Any:
     return context.meta.setdefault(_OUTPUT, sys.stdout)
 
 
-def write_answer(path: Path, value: Any) -> None:
-    """Write an answer as JSON: to a file, whole or not at all, or to standard output."""
+def write_answer(path: Path, answer: Mapping[str, Any]) -> None:
+    """Write an answer as JSON with the versions that gave it: to a file, whole or not at all, or to standard output."""
     from bench.basics.files.atomic import write_json_atomically
+    from bench.basics.versions import versions
 
+    value = {**answer, "versions": versions().named()}
     if path != STANDARD_OUTPUT:
         write_json_atomically(path, value)
         return

@@ -14,6 +14,7 @@ from bench.basics.errors import BenchError
 from bench.basics.files.atomic import write_text_atomically
 from bench.basics.plain_data import finite
 from bench.basics.threads import on_one_thread
+from bench.basics.versions import versions
 from bench.dataset.dataset import Dataset
 from bench.effects import Effect, EffectInstance
 from bench.effects.user_file import load_effects
@@ -154,7 +155,7 @@ def model_json(
 ) -> dict[str, Any]:
     """What a model file holds; see `save_model`. folder: where it will lie, if it will be a file."""
     model = result.model if isinstance(result, SavedModel) else result
-    answer = to_json(model, result.recordings)
+    answer = to_json(model, result.recordings) | {"versions": versions().named()}
     if dataset is not None:
         answer["dataset"] = str(dataset.resolve())
     if effect_files:

@@ -10,6 +10,7 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
+from bench.basics.versions import versions
 from bench.dataset.payload import Payload
 from bench.truth.hidden import MOTOR_SIDE, PAYLOAD_BODY
 from bench.truth.machine import Machine
@@ -45,7 +46,7 @@ def truth(simulation: Simulation) -> dict[str, Any]:
             for recording in simulation.recordings
         },
         "settings": settings.model_dump(mode="json", exclude_none=True),
-        "versions": {"mujoco": mujoco.__version__, "numpy": np.__version__},
+        "versions": versions().named(),
     }
 
 
