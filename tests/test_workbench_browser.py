@@ -1,6 +1,7 @@
 """The workbench in a real browser: its figures are those of `bench identify --with`, to four digits."""
 
 import json
+import math
 import re
 
 import pytest
@@ -131,7 +132,13 @@ def as_found(seen, folder, *requests):
 
 def test_what_was_found_is_ticked_and_agrees(look, folder):
     page = look()
-    agree(shown(page), identified(folder, *FOUND))
+    seen = shown(page)
+    agree(seen, identified(folder, *FOUND))
+    for joint, gain in seen["gains"].items():  # to two digits of the standard error, which stands beside it
+        decimals = 1 - math.floor(math.log10(seen["deviations"][joint]))
+        cells = page.locator(f"tr:has([data-gain={joint}]) td").all_inner_texts()
+        assert f"{gain:.{decimals}f} N·m/A" in cells
+        assert f"± {seen['deviations'][joint]:.{decimals}f}" in cells
     assert page.locator("[data-effect=coulomb_friction] input[data-effect]").is_checked()
     assert page.get_by_role("button", name="Found by diagnose").get_attribute("aria-pressed") == "true"
     assert page.heard == []

@@ -82,8 +82,7 @@ const Dom = (() => {
     if (!(found.std > 0)) return ChartBasics.formatNumber(found.value, 5);
     if (Math.max(Math.abs(found.value), found.std) >= VAST)
       return `${ChartBasics.formatNumber(found.value, 5)} ± ${ChartBasics.formatNumber(found.std, 2)}`;
-    const decimals = Math.min(12, Math.max(0, 1 - Math.floor(Math.log10(found.std))));
-    return `${found.value.toFixed(decimals)} ± ${found.std.toFixed(decimals)}`.replace(/-/g, "−");
+    return `${ChartBasics.formatKnown(found.value, found.std)} ± ${ChartBasics.formatKnown(found.std, found.std)}`;
   }
 
   const percent = (share) => (share === null || share === undefined ? "–" : ChartBasics.formatPercent(share));

@@ -48,6 +48,19 @@ const ChartBasics = (() => {
     return String(Number(value.toPrecision(digits))).replace("-", "−");
   }
 
+  /* A number to so many digits, zeros at its end kept, so that those below each other can be compared. */
+  function formatDigits(value, digits) {
+    const plain = Number.isFinite(value) && Math.abs(value) >= 1e-4 && Math.abs(value) < 10 ** digits;
+    return plain ? value.toPrecision(digits).replace("-", "−") : formatNumber(value, digits);
+  }
+
+  /* A number to the digits that its standard deviation supports: two of the deviation's. */
+  function formatKnown(value, std) {
+    return value.toFixed(decimalsOf(std)).replace("-", "−");
+  }
+
+  const decimalsOf = (std) => Math.min(12, Math.max(0, 1 - Math.floor(Math.log10(std))));
+
   /* A share as a percentage of three digits. */
   function formatPercent(share) {
     return Number.isFinite(share) ? `${formatNumber(100 * share, 3)} %` : "–";
@@ -61,5 +74,5 @@ const ChartBasics = (() => {
     return value !== null && value !== undefined && Number.isFinite(value);
   }
 
-  return {CHARACTER, node, block, el, formatNumber, formatPercent, valueAt, known};
+  return {CHARACTER, node, block, el, formatNumber, formatDigits, formatKnown, formatPercent, valueAt, known};
 })();

@@ -9,7 +9,7 @@
   const MOST_STEPS = 6; // effects of which a ladder is made
 
   function start(section, data, Charts) {
-    const {formatNumber} = Charts;
+    const {formatNumber, formatDigits, formatKnown} = ChartBasics;
     const {fit: fitOf, places} = WorkbenchFit.create(data);
     const curves = WorkbenchCurves.create(data);
     const parts = skeleton(section);
@@ -152,15 +152,17 @@
         data.motors.map((each, j) => {
           const {gain, fitted, judged} = fit.by[j];
           const off = 100 * (gain / each.nominal - 1);
+          const std = deviationOf(j);
+          const digits = std > 0 ? formatKnown(gain, std) : formatDigits(gain, 5);
           return [
             each.joint,
-            el("span", {"data-gain": each.joint, "data-value": gain}, `${formatNumber(gain, 5)} ${unitOf(each.unit)}`),
-            deviationOf(j),
-            `${off > 0 ? "+" : ""}${formatNumber(off, 3)} %`,
+            el("span", {"data-gain": each.joint, "data-value": gain}, `${digits} ${unitOf(each.unit)}`),
+            std > 0 ? el("span", {"data-deviation": each.joint, "data-value": std}, `± ${formatKnown(std, std)}`) : "–",
+            `${off > 0 ? "+" : ""}${formatDigits(off, 3)} %`,
             percent(fitted),
             percent(judged),
             ...(pinned
-              ? [`${formatNumber(pinned.fit.by[j].gain, 5)} ${unitOf(each.unit)}`, percent(pinned.fit.by[j].judged)]
+              ? [`${formatDigits(pinned.fit.by[j].gain, 5)} ${unitOf(each.unit)}`, percent(pinned.fit.by[j].judged)]
               : []),
           ];
         }),
@@ -189,14 +191,11 @@
         .map((request) => spoken(request).replace(":", " at "))
         .join(", ") || "no effect";
 
-    /* Of a gain: known of the models that diagnose fitted. */
+    /* Of a gain: known of the models that diagnose fitted, null of others. */
     function deviationOf(number) {
       const keyOf = ([effect, place]) => (place ? `${effect}:${place}` : effect);
       const known = data.deviations.find(({effects}) => same(new Set(effects.map(keyOf)), state.ticks));
-      const std = known ? known.gains[number] : null;
-      return std === null
-        ? "–"
-        : el("span", {"data-deviation": data.motors[number].joint, "data-value": std}, `± ${formatNumber(std, 2)}`);
+      return known ? known.gains[number] : null;
     }
 
     /* What keeps the page from being bench identify to the last digit, for what is ticked. */
