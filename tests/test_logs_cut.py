@@ -49,6 +49,27 @@ def test_a_log_is_cut_at_its_gaps_and_no_sample_moves(tmp_path: Path, robot: str
     assert second.time[0] == time_stamps()[802]
 
 
+def test_a_log_is_cut_where_its_time_goes_back(tmp_path: Path, robot: str) -> None:
+    """A clock that was set back, and a late row: samples stay in their order, and none is moved."""
+    file = with_lost(tmp_path)
+    header, *rows = file.read_text(encoding="utf-8").splitlines()
+    rows[1100], rows[1101] = rows[1101], rows[1100]
+    second = [f"{float(row.partition(',')[0]) - 1.0:.9g},{row.partition(',')[2]}" for row in rows[500:]]
+    file.write_text("\n".join([header, *rows[:500], *second]) + "\n", encoding="utf-8")
+    with pytest.raises(
+        BenchError, match=r"line 502: 0 s goes back: it follows 0.998 s \(and 1 more\); add --split"
+    ):
+        told(file, robot, LogMap(), tmp_path / "out")
+    found = told(file, robot, LogMap(), tmp_path / "out", shortest=0.5)
+    (note,) = [note for _, note in found.notes]
+    assert note.startswith(
+        "cut at 2 gaps (0.004 s at 1.198 s, 0.004 s at 1.2 s) and where time goes back or stands (0.998 s to 0 s, "
+    )
+    first, second, third = load_dataset(tmp_path / "out").recordings
+    assert [one.time.size for one in (first, second, third)] == [500, 600, 898]
+    assert all(np.diff(one.time).min() > 0.0 for one in (first, second, third))
+
+
 def test_pieces_that_are_too_short_are_dropped_and_told(tmp_path: Path, robot: str) -> None:
     file = with_lost(tmp_path, 800, 801, 1000, 1001, 1002)
     found = told(file, robot, LogMap(), tmp_path / "out", shortest=1.0)

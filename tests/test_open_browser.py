@@ -217,6 +217,10 @@ def test_a_payload_in_grams_is_asked_about_and_a_wrong_import_replaced(look, log
         page = look(site)
         page.locator("#files").set_input_files(logs / "held.csv")
         page.locator("#robot").select_option("five_bar")
+        page.get_by_role("radio", name="none").check()
+        mend = "Mend first what stands at position.left, position.right."
+        expect(page.locator("#add-log")).to_contain_text(mend)
+        expect(page.locator("#import")).to_be_disabled()
         page.locator("#unit-time").select_option("ms")
         page.locator("[id='unit-position.left']").select_option("deg")
         page.locator("[id='column-position.left']").select_option("q_right")

@@ -1,5 +1,7 @@
 """Which column of a log is which, and in which unit: what names tell, and what is left to the user."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from rosbags.rosbag2 import StoragePlugin
@@ -107,7 +109,7 @@ def test_of_several_topics_of_a_bag_one_is_chosen(tmp_path):
 
 def test_a_gap_is_cut_and_a_check_is_accepted_where_asked(tmp_path, robot):
     log = tmp_path / "log.csv"
-    time = np.concatenate([np.arange(2000), np.arange(2500, 4500)]) / 1e3
+    time = np.concatenate([np.arange(3000), np.arange(3500, 6500)]) / 1e3
     held = np.clip(
         1.2 * np.sin(5.0 * time) + 0.001 * np.random.default_rng(1).normal(size=time.size), -1.0, 1.0
     )
@@ -119,16 +121,54 @@ def test_a_gap_is_cut_and_a_check_is_accepted_where_asked(tmp_path, robot):
     columns = {"time": "time", "current.left": "i", "current.right": "broken"}
     found = checked(str(log), robot, Mapped(columns, {}))
     assert found["time"]["problems"][0]["remedy"] == {"split_gaps": True}
-    assert found["time"]["problems"][0]["where"] == "line 2002"
+    assert found["time"]["problems"][0]["where"] == "line 3002"
     assert found["current.left"]["problems"][0]["remedy"] == {"accept": "saturated"}
     assert found["current.right"]["problems"][0]["where"] == "line 9"
     assert found["current.right"]["problems"][0]["remedy"] == {"split_gaps": True}
     again = checked(str(log), robot, Mapped(columns, {}, split_gaps=True, accept=("saturated",)))
     assert [target for target, one in again.items() if one["ok"]] == ["time", "current.left", "current.right"]
-    rows[3000] = "9.999,0,0"  # behind what is left out, it keeps its own line
+    rows[4000] = f"{rows[4000].split(',')[0]},90,0"  # behind what is left out, it keeps its own line
     log.write_text("\n".join(["time,i,broken", *rows]))
     again = checked(str(log), robot, Mapped(columns, {}, split_gaps=True, accept=("saturated",)))
-    assert again["time"]["problems"][0]["where"] == "line 3003"
+    (spike,) = again["current.left"]["problems"]
+    assert (spike["where"], spike["remedy"]) == ("line 4002", {"accept": "spikes"})
+
+
+def test_a_log_that_begins_anew_is_cut_there_and_each_piece_checked_by_itself(tmp_path, robot):
+    log, columns = tmp_path / "log.csv", {"time": "time", "position.left": "q"}
+    stamps = np.arange(2500) / 1e3
+    rising = 0.3 * np.sin(5.0 * stamps) - 2.4
+    stamps, angles = np.tile(stamps, 2), np.concatenate([rising, rising + 0.5])
+
+    def write(times):
+        rows = [f"{t:.9g},{q:.9g}" for t, q in zip(times, angles, strict=True)]
+        log.write_text("\n".join(["time,q", *rows]))
+
+    write(stamps)
+    (back,) = checked(str(log), robot, Mapped(columns, {}))["time"]["problems"]
+    assert (back["where"], back["remedy"]) == ("line 2502", {"split_gaps": True})
+    assert "0 s goes back: it follows 2.499 s" in back["what"]
+    again = checked(str(log), robot, Mapped(columns, {}, split_gaps=True))
+    assert all(one["ok"] for one in again.values())  # no jump at the cut
+    write(np.floor(stamps * 20) / 20)  # stamps that stand and rise: no piece is a recording
+    (rounded,) = checked(str(log), robot, Mapped(columns, {}))["time"]["problems"]
+    assert rounded["remedy"] is None
+    (left,) = checked(str(log), robot, Mapped(columns, {}, split_gaps=True))["time"]["problems"]
+    assert "nothing is left" in left["what"]
+
+
+def test_torques_are_not_taken_for_currents(tmp_path):
+    own = load_robot(write_robot(tmp_path / "robot"))
+    units = tuple(
+        replace(actuator, gain_unit="N/N" if actuator.joint == "rail" else "N*m/(N*m)")
+        for actuator in own.actuators
+    )
+    log, time = tmp_path / "log.csv", np.arange(500) / 1e3
+    log.write_text("\n".join(["time,i", *(f"{t:.9g},{900.0 * np.sin(7.0 * t):.9g}" for t in time)]))
+    mapped = Mapped({"time": "time", "current.arm": "i"}, {})
+    assert not checked(str(log), own, mapped)["current.arm"]["ok"]
+    found = checked(str(log), replace(own, actuators=units), mapped)
+    assert found["current.arm"]["problems"] == []
 
 
 def test_a_unit_is_told_with_the_one_that_was_chosen(tmp_path, robot):

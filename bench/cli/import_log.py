@@ -75,13 +75,15 @@ BESIDE_MAPPING = ("mapping_file", "output", "replace", "quiet")
     help="Keep the last PART (0 to 1) of the log apart, for validation.",
 )
 @click.option(
-    "--split-gaps", is_flag=True, help="Cut the log where samples were lost, into several recordings."
+    "--split-gaps",
+    is_flag=True,
+    help="Cut the log where samples were lost or time goes back, into several recordings.",
 )
 @click.option(
     "--shortest",
     type=click.FloatRange(0, min_open=True),
     metavar="SECONDS",
-    help="Drop pieces between gaps that are shorter. [default: 2]",
+    help="Drop pieces between cuts that are shorter. [default: 2]",
 )
 @click.option("--payload", metavar="NAME", help="The payload on the tool.")
 @click.option(

@@ -14,7 +14,7 @@ from bench.basics.files.table import FileTable
 from bench.dataset.exchanged import exchanged, without_exchange
 from bench.dataset.joint_facts import JointFacts
 from bench.dataset.recording_checks import Channel, Fault, find
-from bench.dataset.sampling import LIKE, TimeFault, gap_rows, time_fault
+from bench.dataset.sampling import LIKE, TimeFault, cut_rows, gap_rows, time_fault
 
 MOST_SPANS = 3  # that are told
 SECONDS = {remedy: 1.0 / factor for factor, (_, remedy) in LIKE.items()}
@@ -56,7 +56,7 @@ def faults_of(
     }
     swapped = exchanged(positions, joints)
     for column, (values, joint) in signals.items():
-        findings = _judged(column, values, time, joint, fault, accepted)
+        findings = judged(column, values, time, joint, fault, accepted)
         if column.startswith("position."):
             findings = without_exchange(findings, swapped.get(joint.name))
         found += [_told(table, column, finding) for finding in findings]
@@ -78,7 +78,7 @@ def _read(
     return None
 
 
-def _judged(
+def judged(
     column: str,
     values: np.ndarray,
     time: np.ndarray,
@@ -86,8 +86,8 @@ def _judged(
     fault: TimeFault | None,
     accepted: frozenset[str],
 ) -> list[Fault]:
-    """What the checks find; of a log with gaps in its longest stretch, and at the rate that its time should have."""
-    start, stop = _longest(time) if fault is not None and fault.gap else (0, time.size)
+    """What the checks find; of a log to be cut in its longest stretch, and at the rate that its time should have."""
+    start, stop = _longest(time) if fault is not None and fault.in_pieces else (0, time.size)
     step = float(np.median(np.abs(np.diff(time[start:stop]))))
     if fault is not None and fault.remedy in SECONDS:
         step *= SECONDS[fault.remedy]
@@ -109,8 +109,8 @@ def _judged(
 
 
 def _longest(time: np.ndarray) -> tuple[int, int]:
-    """First row and end of the longest stretch between gaps."""
-    return max(pairwise([0, *gap_rows(time).tolist(), time.size]), key=lambda piece: piece[1] - piece[0])
+    """First row and end of the longest stretch in which time rises without a gap."""
+    return max(pairwise([0, *cut_rows(time).tolist(), time.size]), key=lambda piece: piece[1] - piece[0])
 
 
 def _told(table: FileTable, column: str, finding: Fault) -> RecordingFaultError:
@@ -122,7 +122,9 @@ def _told(table: FileTable, column: str, finding: Fault) -> RecordingFaultError:
 
 
 def _imported(remedy: Remedy | None) -> str:
-    """What turns a column in another unit into SI; "" where that is not its fault."""
+    """What an import does about it: a column in another unit, time that goes back; "" where that is not its fault."""
+    if remedy is Remedy.CUT_WHERE_BACK:
+        return "; bench import --split-gaps cuts such a log there"
     if remedy is None or remedy not in IN_UNIT:
         return ""
     return f"; bench import --scale {'='.join(IN_UNIT[remedy])} turns such a log into a recording"

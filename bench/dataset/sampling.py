@@ -15,6 +15,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 import numpy.typing as npt
@@ -53,6 +54,11 @@ class TimeFault:
         """Whether samples were lost, and nothing else."""
         return self.remedy is Remedy.CUT_AT_GAPS
 
+    @property
+    def in_pieces(self) -> bool:
+        """Whether the stretches between such faults can be recordings."""
+        return self.remedy in (Remedy.CUT_AT_GAPS, Remedy.CUT_WHERE_BACK)
+
 
 def time_fault(time: Array) -> TimeFault | None:
     """The first fault of the time stamps (N,) in s: order, count, unit, gaps. None when there is none."""
@@ -71,7 +77,8 @@ def _order_fault(time: Array, steps: Array) -> TimeFault | None:
     text = f"{_stamp(time[row])} s {what} {_stamp(time[row - 1])} s{_more(wrong.size)}"
     if wrong.size > 0.1 * time.size and not (steps < 0.0).any():
         text += ": are the stamps rounded more coarsely than a step?"
-    return TimeFault(row, text)
+    longest = int(np.diff([0, *cut_rows(time).tolist(), time.size]).max())
+    return TimeFault(row, text, Remedy.CUT_WHERE_BACK if longest >= FEWEST else None)
 
 
 def _unit_fault(steps: Array) -> TimeFault | None:
@@ -98,6 +105,13 @@ def gap_rows(time: Array) -> npt.NDArray[np.intp]:
     before = np.concatenate([pairs[:1], pairs])
     after = np.concatenate([pairs, pairs[-1:]])
     return np.flatnonzero((steps > GAP * step) & (np.minimum(before, after) > (1 + GAP) * step)) + 1
+
+
+def cut_rows(time: Array) -> npt.NDArray[np.intp]:
+    """The rows of time stamps (N,) in s before which time does not rise, or has a gap: between them it does neither."""
+    back = (np.flatnonzero(np.diff(time) <= 0.0) + 1).tolist()
+    gaps = [gap_rows(time[start:end]) + start for start, end in pairwise([0, *back, time.size])]
+    return np.unique(np.concatenate([np.array(back, dtype=np.intp), *gaps]))
 
 
 def _gap_fault(time: Array, steps: Array) -> TimeFault | None:

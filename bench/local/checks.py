@@ -15,13 +15,16 @@ from bench.dataset.joint_facts import JointFacts, joint_facts
 from bench.dataset.logs.columns import GROUPS
 from bench.dataset.logs.importing import CUTS
 from bench.dataset.logs.log_file import LogFile, Reading, read_log
+from bench.dataset.logs.segments import SHORTEST, Cutting, cut
 from bench.dataset.logs.unit_names import name_of
 from bench.dataset.logs.units import UNITS, factor_of
-from bench.dataset.recording_checks import Channel, Fault, find
+from bench.dataset.recording_checks import Fault
+from bench.dataset.recording_faults import judged
 from bench.dataset.robot import Robot
-from bench.dataset.sampling import time_fault
+from bench.dataset.sampling import TimeFault, time_fault
 
-CUT = {"split_gaps": True}  # the remedy for lost samples
+CUT = {"split_gaps": True}  # the remedy for lost samples, and for time that goes back
+UNTOLD = 1e3  # Hz: the rate of a log of whose time nothing is known yet
 
 
 @dataclass(frozen=True)
@@ -52,47 +55,83 @@ def checked(path: str, robot: Robot, mapped: Mapped) -> dict[str, Any]:
     series: dict[str, np.ndarray] = {}
     for target, source in mapped.columns.items():
         series[target], found[target] = _read(log, robot, target, source, mapped.scale.get(target))
-    kept = _measured(series) if mapped.split_gaps else None
-    if kept is not None:
-        series = {target: values[kept] for target, values in series.items()}
-        found = {
-            target: [problem for problem in problems if problem["remedy"] != CUT]
-            for target, problems in found.items()
-        }
-    time = series.get("time") if mapped.rate is None else None
-    step = 1.0 / mapped.rate if mapped.rate else 1e-3
-    if time is not None and time.size > 1 and not found["time"]:
-        fault = time_fault(time)
-        cut = mapped.split_gaps and fault is not None and fault.gap
-        if fault is not None and not cut:
-            found["time"].append(_problem(log, "time", fault.what, _row(fault.row, kept), fault.remedy))
-        step = float(np.median(np.diff(time)))
-    positions = {
-        joint: series[target]
-        for joint in joints
-        if (target := f"position.{joint}") in series and not found[target] and "limits" not in mapped.accept
-    }
-    swapped = exchanged(positions, list(joints.values()))
-    for target, values in series.items():
-        kind, _, joint = target.partition(".")
-        if kind not in GROUPS or found[target] or joint not in joints:
-            continue
-        if time is not None and values.size != time.size:
-            what = f"has {plural(values.size, 'sample')}, time has {time.size}"
-            found[target].append(_problem(log, target, what, None, None))
-        elif values.size > 1 and step > 0.0:
-            findings = _judged(target, values, step, joints[joint], mapped.accept)
-            if kind == "position":
-                findings = without_exchange(findings, swapped.get(joint))
-            found[target] = [
-                _problem(log, target, fault.what, _row(fault.row, kept), fault.remedy, fault.check)
-                for fault in findings
-            ]
+    for piece, row in _pieces(log, series, mapped, found):
+        for target, problems in _judged(log, piece, row, joints, mapped, found).items():
+            found[target] += problems
     for target, problems in found.items():
         given = mapped.scale.get(target, name_of(log.units.get(mapped.columns[target], "")))
         for problem in problems:
             problem["remedy"] = _in_place(problem["remedy"], given)
     return {target: {"ok": not problems, "problems": problems} for target, problems in found.items()}
+
+
+def _pieces(
+    log: LogFile, series: Mapping[str, np.ndarray], mapped: Mapped, found: dict[str, list[dict[str, Any]]]
+) -> list[tuple[Mapping[str, np.ndarray], int]]:
+    """What becomes recordings, with the log's rows that they begin with: all of it, or what an import cuts it to.
+
+    Where it is cut, rows without a measurement are no problem any more; that nothing is left is one of the time.
+    """
+    count = next((values.size for values in series.values()), 0)
+    time = series.get("time") if mapped.rate is None else np.arange(count) / mapped.rate
+    if not mapped.split_gaps or time is None or any(values.size != time.size for values in series.values()):
+        return [(series, 0)]
+    for target, problems in found.items():
+        found[target] = [problem for problem in problems if problem["remedy"] != CUT]
+    try:
+        parts, _ = cut(log.path, {**series, "time": time}, "identify", "log.csv", Cutting(shortest=SHORTEST))
+    except BenchError as error:
+        said = str(error).removeprefix(f"{log.path}: ")
+        found["time" if "time" in found else next(iter(found))].append(
+            _problem(log, "time", said, None, None)
+        )
+        return []
+    return [({target: part.columns[target] for target in series}, part.first_row) for part in parts]
+
+
+def _judged(
+    log: LogFile,
+    series: Mapping[str, np.ndarray],
+    first: int,
+    joints: Mapping[str, JointFacts],
+    mapped: Mapped,
+    found: Mapping[str, list[dict[str, Any]]],
+) -> dict[str, list[dict[str, Any]]]:
+    """What is wrong with a piece of a log, in columns of which nothing is found yet. first: the row it begins with."""
+
+    def problem(target: str, fault: Fault | TimeFault) -> dict[str, Any]:
+        row = None if fault.row is None else fault.row + first
+        check = fault.check if isinstance(fault, Fault) else None
+        return _problem(log, target, fault.what, row, fault.remedy, check)
+
+    told: dict[str, list[dict[str, Any]]] = {}
+    signals = {
+        target: values
+        for target, values in series.items()
+        if not found[target] and target.partition(".")[0] in GROUPS and target.partition(".")[2] in joints
+    }
+    time, fault = series.get("time") if mapped.rate is None else None, None
+    if time is None or found["time"]:
+        count = max((values.size for values in signals.values()), default=0)
+        time = np.arange(count) / (mapped.rate or UNTOLD)
+    elif (fault := time_fault(time)) is not None:
+        told["time"] = [problem("time", fault)]
+    for target in [target for target, values in signals.items() if values.size != time.size]:
+        what = f"has {plural(signals.pop(target).size, 'sample')}, time has {time.size}"
+        told[target] = [_problem(log, target, what, None, None)]
+    positions = {
+        joint: signals[target]
+        for joint in joints
+        if (target := f"position.{joint}") in signals and "limits" not in mapped.accept
+    }
+    swapped = exchanged(positions, list(joints.values()))
+    for target, values in signals.items() if time.size > 1 else ():
+        joint = target.partition(".")[2]
+        findings = judged(target, values, time, joints[joint], fault, frozenset(mapped.accept))
+        if target.startswith("position."):
+            findings = without_exchange(findings, swapped.get(joint))
+        told[target] = [problem(target, finding) for finding in findings]
+    return told
 
 
 def _read(
@@ -121,26 +160,6 @@ def _factor(log: LogFile, robot: Robot, target: str, source: str, unit: str | fl
     if isinstance(unit, str) and unit not in UNITS:
         raise BenchError(f"no unit {unit!r}")
     return UNITS[unit].factor if isinstance(unit, str) else unit
-
-
-def _measured(series: Mapping[str, np.ndarray]) -> np.ndarray | None:
-    """The rows in which every column has a measurement; None where columns are of different length."""
-    if len({values.size for values in series.values()}) != 1:
-        return None
-    return np.flatnonzero(np.all([np.abs(values) < HUGE for values in series.values()], axis=0))
-
-
-def _row(row: int | None, kept: np.ndarray | None) -> int | None:
-    """The log's own row of one that was kept."""
-    return row if row is None or kept is None else int(kept[row])
-
-
-def _judged(
-    target: str, values: np.ndarray, step: float, joint: JointFacts, accept: Sequence[str]
-) -> list[Fault]:
-    position = target.startswith("position.")
-    channel = Channel(np.ascontiguousarray(values), step, joint if position else None)
-    return find(channel, frozenset(accept))
 
 
 def _problem(

@@ -20,6 +20,7 @@ class Remedy(Enum):
     LEAVE_ROWS_OUT = auto()  # rows without a measurement, amid others
     REMOVE_ROWS = auto()  # such rows at the end, or without a time
     CUT_AT_GAPS = auto()  # samples were lost
+    CUT_WHERE_BACK = auto()  # time does not rise there
 
 
 IN_UNIT: Mapping[Remedy, tuple[str, str]] = {

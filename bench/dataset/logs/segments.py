@@ -1,4 +1,4 @@
-"""A log cut into recordings: at gaps, and where its last part is kept apart for validation."""
+"""A log cut into recordings: at gaps, where time goes back, and where its last part is kept for validation."""
 
 from __future__ import annotations
 
@@ -13,10 +13,12 @@ import pyarrow as pa
 
 from bench.basics.errors import BenchError
 from bench.basics.files.table import HUGE, SUFFIXES
+from bench.basics.plural import plural
 from bench.dataset.names import Use
-from bench.dataset.sampling import FEWEST, gap_rows
+from bench.dataset.sampling import FEWEST, cut_rows
 
 Array = npt.NDArray[np.float64]
+MOST = 5  # cuts of a kind that are told one by one
 SHORTEST = 2.0  # s: a piece between gaps that is worth a recording; filters take their share at both ends
 
 
@@ -38,7 +40,7 @@ class Segment:
 @dataclass(frozen=True)
 class Cutting:
     """How a log is cut. validate_fraction: the share at its end that is kept apart; shortest: s, of a piece between
-    gaps that is kept, None: a log with gaps is not cut (and refused when it is checked).
+    cuts that is kept, None: a log with gaps, or time that goes back, is not cut (and refused when it is checked).
     """
 
     validate_fraction: float = 0.0
@@ -65,20 +67,20 @@ def cut(
     time = columns["time"]
     count = time.size
     apart = round(count * (1.0 - fraction)) if fraction else count
-    gaps = [] if cutting.shortest is None else gap_rows(time).tolist()
-    starts = sorted({0, *gaps, *([apart] if apart < count else [])})
+    cuts = [] if cutting.shortest is None else cut_rows(time).tolist()
+    starts = sorted({0, *cuts, *([apart] if apart < count else [])})
     pieces = list(pairwise([*starts, count]))
     notes: tuple[str, ...] = _unmeasured(lost)
-    if gaps and cutting.shortest is not None:
+    if cuts and cutting.shortest is not None:
         whole = [piece for piece in pieces if _long_enough(time, *piece, cutting.shortest)]
-        said = _told(time, gaps, pieces, whole, cutting.shortest)
+        said = _told(time, cuts, pieces, whole, cutting.shortest)
         if not whole:
             raise BenchError(f"{file}: {said}: nothing is left")
         notes = (*notes, said)
         pieces = whole
     parts = []
     for k, (first, end) in enumerate(pieces, start=1):
-        number = f"-{k}" if gaps and len(pieces) > 1 else ""
+        number = f"-{k}" if cuts and len(pieces) > 1 else ""
         part_use: Use = "validate" if use == "validate" or first >= apart else "identify"
         kept_apart = "-validate" if part_use != use else ""
         values = {key: column[first:end] for key, column in columns.items()}
@@ -110,14 +112,18 @@ def _long_enough(time: Array, first: int, end: int, shortest: float) -> bool:
 
 def _told(
     time: Array,
-    gaps: list[int],
+    cuts: list[int],
     pieces: list[tuple[int, int]],
     whole: list[tuple[int, int]],
     shortest: float,
 ) -> str:
-    lost = [f"{time[row] - time[row - 1]:.3g} s at {time[row - 1]:.12g} s" for row in gaps[:5]]
-    more = f" and {len(gaps) - 5} more" if len(gaps) > 5 else ""
-    said = f"cut at {len(gaps)} gap{'s' if len(gaps) > 1 else ''} ({', '.join(lost)}{more})"
+    gaps = [row for row in cuts if time[row] > time[row - 1]]
+    back = [row for row in cuts if row not in gaps]
+    lost = [f"{time[row] - time[row - 1]:.3g} s at {time[row - 1]:.12g} s" for row in gaps]
+    turned = [f"{time[row - 1]:.12g} s to {time[row]:.12g} s" for row in back]
+    parts = [f"at {plural(len(gaps), 'gap')} ({_listed(lost)})"] if gaps else []
+    parts += [f"where time goes back or stands ({_listed(turned)})"] if back else []
+    said = f"cut {' and '.join(parts)}"
     dropped = [piece for piece in pieces if piece not in whole]
     if not dropped:
         return f"{said}; no sample is dropped"
@@ -128,3 +134,8 @@ def _told(
         f"{said}; {pieces_said} shorter than {shortest:g} s or {FEWEST} samples dropped: {samples} of {time.size}"
         f" samples, {seconds:.3g} s"
     )
+
+
+def _listed(places: list[str]) -> str:
+    more = f" and {len(places) - MOST} more" if len(places) > MOST else ""
+    return f"{', '.join(places[:MOST])}{more}"

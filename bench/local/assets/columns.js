@@ -25,6 +25,7 @@ const Columns = (() => {
       split_gaps: false,
       rate: null,
       found: {},
+      checked: false, // whether that is what is found of the columns as they are now
     };
     const targets = el("ul", {class: "targets"});
     const chips = el("div", {class: "chips", role: "group", "aria-label": "Columns of the log"});
@@ -67,15 +68,24 @@ const Columns = (() => {
             [mapped[0] || "time"]: {ok: false, problems: [{what: error.message, where: "", remedy: null}]},
           };
         }
+        state.checked = true;
         draw();
+        tell();
       }, PAUSE);
     }
 
+    /* What keeps the log from being imported as it is mapped; "" where nothing does. */
+    function lack() {
+      if (!needs().every((need) => mapping[need].column)) return "Every line above needs a column.";
+      if (!state.checked) return "The columns are being checked.";
+      const poor = needs().filter((need) => state.found[need] && !state.found[need].ok);
+      return poor.length ? `Mend first what stands at ${poor.join(", ")}.` : "";
+    }
+
     function tell() {
-      const ready = needs().every((need) => mapping[need].column);
       const given = needs().filter((need) => mapping[need].column);
       changed({
-        ready,
+        lack: lack(),
         columns: Object.fromEntries(
           given.filter((need) => mapping[need].column !== need).map((need) => [need, mapping[need].column]),
         ),
@@ -99,6 +109,7 @@ const Columns = (() => {
     }
 
     function change() {
+      state.checked = false;
       draw();
       tell();
       check();

@@ -319,7 +319,7 @@ const Recordings = (() => {
   const nameOfNew = () => form.name ?? app.folder.free;
 
   function asked() {
-    const {ready, ...mapped} = form.mapped;
+    const {lack, ...mapped} = form.mapped;
     const fresh = form.load === NEW;
     return {
       step: "import",
@@ -341,9 +341,8 @@ const Recordings = (() => {
   let round = 0;
   async function command(holder) {
     const mine = ++round;
-    const {ready} = form.mapped || {ready: false};
-    const missing = !ready
-      ? "Every line above needs a column."
+    const missing = form.mapped.lack
+      ? form.mapped.lack
       : form.load === null
         ? "Say what was on the tool."
         : form.load === NEW && !(Number(form.mass) > 0)
