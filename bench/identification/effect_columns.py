@@ -1,6 +1,6 @@
 """What effects may know of a recording, and of the model as it is at present."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Hashable, Mapping
 from dataclasses import dataclass, field
 from functools import cache, partial
 
@@ -10,9 +10,10 @@ from bench.basics.errors import BenchError
 from bench.dataset.payload import Payload
 from bench.effects import EffectInstance, JointSignals, RobotSignals, effect_columns
 from bench.effects.signals import UNCHANGED, AskedWithinError, Changed
+from bench.identification.expansion import made_of
 from bench.identification.filtered import Measured
 from bench.identification.payload_parameters import payload_columns
-from bench.identification.perturbed_observation import perturbed_rows
+from bench.identification.perturbed_observation import change_key, perturbed_rows
 from bench.model.geometry import Geometry
 from bench.model.model import IdentificationModel
 from bench.model.motion import Motion, motion_of
@@ -67,7 +68,17 @@ def robot_signals(model: IdentificationModel, measured: Measured, present: Prese
         for j, actuator in enumerate(model.geometry.robot.actuators)
     }
 
+    torques: dict[
+        Hashable, np.ndarray
+    ] = {}  # what effects and the torque that they are part of ask for alike
+
     def torque(changed: Changed = UNCHANGED, every: int = 1) -> np.ndarray:
+        key = change_key(changed, every)
+        if key not in torques:
+            torques[key] = computed_torque(changed, every)
+        return torques[key]
+
+    def computed_torque(changed: Changed, every: int) -> np.ndarray:
         columns, parameters = model.base.columns, present.base
         tool = (model.geometry if changed.geometry is None else changed.geometry).tool
         if payload is not None and tool is not None:
@@ -121,9 +132,13 @@ def needed_torque(seen: Callable[[], RobotSignals], present: PresentModel) -> Ca
                 if instance.effect.before_torque:
                     continue
                 try:
-                    total = total + effect_columns(instance, signals) @ values
+                    parts = [
+                        (share, effect_columns(part, signals)) for part, share in made_of(signals, instance)
+                    ]
                 except AskedWithinError:  # it is made of this very torque
                     continue
+                for share, columns in parts:
+                    total = total + columns @ (share * values)
         finally:
             adding = False
         return total

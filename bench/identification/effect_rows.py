@@ -1,7 +1,6 @@
 """The columns of effects at the rate of the fit, each computed once."""
 
 from collections.abc import Iterator, Sequence
-from dataclasses import replace
 
 import numpy as np
 
@@ -9,10 +8,10 @@ from bench.effects import ActuatorEffect, Effect, EffectInstance, RobotSignals
 from bench.effects.checked_columns import columns_at_motors
 from bench.effects.row_cache import KeptRows
 from bench.identification.bridge import whole_bridge
+from bench.identification.expansion import made_of
 from bench.signals.decimation import decimate, decimated_indices
 from bench.signals.sparse_decimation import decimate_sparse
 
-FURTHEST = 5.0  # times its nodes: as far as an effect's columns are taken to follow a line
 TOGETHER = 8_000_000  # bytes of columns that are filtered together, at most
 
 
@@ -27,37 +26,13 @@ def effect_rows(signals: RobotSignals, decimation: int, effects: Sequence[Effect
     for instance in effects:
         own = rows[:, :, at : at + len(instance.effect.parameters)]
         at += own.shape[2]
-        for part, share in _made_of(signals, instance):
+        for part, share in made_of(signals, instance):
             parts.append(part)
             places.append((own, share))
     for i, values in _kept_or_computed(signals, decimation, parts):
         own, share = places[i]
         own += values if share == 1.0 else share * values
     return rows
-
-
-def _made_of(signals: RobotSignals, instance: EffectInstance) -> list[tuple[EffectInstance, float]]:
-    """Of whose columns an effect's are the sum, with their shares: of itself, or in a search of two about its nodes; of
-    none where its value is that of another recording.
-    """
-    if instance.recording:
-        share = instance.share(signals.log)
-        return (
-            [
-                (effect_instance, share * own)
-                for effect_instance, own in _made_of(signals, instance.everywhere())
-            ]
-            if share
-            else []
-        )
-    nodes = instance.effect.nodes(signals, instance.joint) if signals.expands else None
-    if nodes is None:
-        return [(instance, 1.0)]
-    ((name, value),) = instance.effect.about_values().items()
-    furthest = FURTHEST * nodes[1]
-    share = (float(np.clip(value, -furthest, furthest)) - nodes[0]) / (nodes[1] - nodes[0])
-    low, high = (replace(instance, effect=instance.effect.about({name: node})) for node in nodes)
-    return [(low, 1.0 - share), (high, share)]
 
 
 def _kept_or_computed(

@@ -28,7 +28,8 @@ class Measured:
     time (N,) s; position, velocity, acceleration (N, n): rad or m and rates, filtered; current (N, n) drive
     unit, as logged; tree: the motion of all joints of the opened tree; gaps: where joints stand still. logged: how
     velocities that were logged compare with the positions. kept: rows of effects that need no model; perturbed:
-    observation matrices of other motions and geometries.
+    observation matrices of other motions and gravities, which are the same again and again; reshaped: of other
+    geometries, of which a search tries many.
     """
 
     recording: Recording
@@ -43,6 +44,7 @@ class Measured:
     logged: Mapping[str, LoggedVelocity] = field(default_factory=dict)
     kept: KeptRows = field(default_factory=KeptRows, compare=False, repr=False)
     perturbed: KeptRows = field(default_factory=KeptRows, compare=False, repr=False)
+    reshaped: KeptRows = field(default_factory=KeptRows, compare=False, repr=False)
 
     @property
     def redundant(self) -> np.ndarray:

@@ -2,7 +2,7 @@
 for the same change again whenever the model has new parameters.
 """
 
-from collections.abc import Sequence
+from collections.abc import Hashable, Sequence
 from dataclasses import replace
 from hashlib import blake2b
 
@@ -28,14 +28,10 @@ def perturbed_rows(
     Raises BenchError where the loops cannot be closed.
     """
     motion, gravity, geometry = changed.motion, changed.gravity, changed.geometry
-    key = (
-        every,
-        columns.tobytes(),
-        None if motion is None else _digest(motion),
-        None if gravity is None else gravity.tobytes(),
-        None if geometry is None else geometry_key(geometry),
-    )
-    rows = measured.perturbed.get(key)
+    reshaped = geometry is not None and not _same_lengths(geometry, model.geometry)
+    kept = measured.reshaped if reshaped else measured.perturbed
+    key = (columns.tobytes(), change_key(changed, every))
+    rows = kept.get(key)
     if rows is not None:
         return rows
     if gravity is not None and geometry is None and motion is None:
@@ -45,8 +41,19 @@ def perturbed_rows(
         if gravity is not None:
             other = replace(other, gravity=gravity)
         rows = projected_regressor(other, _motion(model, measured, other, motion, every), columns)
-        measured.perturbed.keep(key, rows)
+        kept.keep(key, rows)
     return rows
+
+
+def change_key(changed: Changed, every: int) -> Hashable:
+    """What tells a change, at every so many-th sample, from another."""
+    motion, gravity, geometry = changed.motion, changed.gravity, changed.geometry
+    return (
+        every,
+        None if motion is None else _digest(motion),
+        None if gravity is None else gravity.tobytes(),
+        None if geometry is None else geometry_key(geometry),
+    )
 
 
 def _turned(
@@ -73,10 +80,15 @@ def _motion(
     step = slice(None, None, every)
     tree = measured.tree.at(step)
     if motion is None:
-        if _numbers(geometry)[1:] == _numbers(model.geometry)[1:]:
+        if _same_lengths(geometry, model.geometry):
             return tree
         motion = measured.position[step], measured.velocity[step], measured.acceleration[step]
     return motion_of(geometry, measured.time[step], *motion, near=tree)
+
+
+def _same_lengths(geometry: Geometry, other: Geometry) -> bool:
+    """Whether loops close alike in both, whatever the gravity."""
+    return _numbers(geometry)[1:] == _numbers(other)[1:]
 
 
 def _numbers(geometry: Geometry) -> list[bytes]:

@@ -1,0 +1,33 @@
+"""Of which columns those of an effect are the sum: of its own, or in a search of two that are worked out once."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from bench.effects import EffectInstance, RobotSignals
+
+FURTHEST = 5.0  # times its nodes: as far as an effect's columns are taken to follow a line
+
+
+def made_of(signals: RobotSignals, instance: EffectInstance) -> list[tuple[EffectInstance, float]]:
+    """Of whose columns an effect's are the sum, with their shares: of itself, or in a search of two about its nodes; of
+    none where its value is that of another recording.
+    """
+    if instance.recording:
+        share = instance.share(signals.log)
+        return (
+            [
+                (effect_instance, share * own)
+                for effect_instance, own in made_of(signals, instance.everywhere())
+            ]
+            if share
+            else []
+        )
+    nodes = instance.effect.nodes(signals, instance.joint) if signals.expands else None
+    if nodes is None:
+        return [(instance, 1.0)]
+    ((name, value),) = instance.effect.about_values().items()
+    furthest = FURTHEST * nodes[1]
+    share = (float(np.clip(value, -furthest, furthest)) - nodes[0]) / (nodes[1] - nodes[0])
+    low, high = (replace(instance, effect=instance.effect.about({name: node})) for node in nodes)
+    return [(low, 1.0 - share), (high, share)]
