@@ -4,8 +4,8 @@ import json
 import resource
 import subprocess
 import sys
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
@@ -22,13 +22,29 @@ SUFFIX = ".json"
 
 
 @dataclass(frozen=True)
+class FoundParameter:
+    """A parameter of an effect in the model that a diagnosis ends with; None for what is not finite."""
+
+    place: str
+    name: str
+    value: float | None
+    std: float | None
+    unit: str
+
+
+@dataclass(frozen=True)
 class NamedEffects:
-    """An effect that a diagnosis found: its verdict, where it shows, what it could be instead."""
+    """An effect that a diagnosis found: its verdict, where it shows, what it could be instead.
+
+    size: RMS of its torque or force by motor, N·m or N; parameters: as found, SI.
+    """
 
     effect: str
     verdict: str
     places: tuple[str, ...]
     alternatives: tuple[str, ...]
+    size: Mapping[str, float] = field(default_factory=dict)
+    parameters: tuple[FoundParameter, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -144,6 +160,12 @@ def _diagnosed(line: str, seconds: float, answer: dict[str, Any], table: Machine
                 ranking[name]["verdict"],
                 tuple(ranking[name]["actuators"]),
                 tuple(ranking[name]["alternatives"]),
+                ranking[name]["size"],
+                tuple(
+                    FoundParameter(place, parameter, one["value"], one["std"], one["unit"])
+                    for place, values in answer["after"]["effect_parameters"].get(name, {}).items()
+                    for parameter, one in values.items()
+                ),
             )
             for name in answer["missing"]
         ),
