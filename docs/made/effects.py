@@ -228,12 +228,16 @@ def measured(name: str) -> str:
                 known = "–" if one["known"] is None else f"{one['known']:g}"
                 value = f"{one['value']:.4g} ± {one['std']:.2g} {pretty_unit(one['unit'])}"
                 rows.append((path.stem, one["place"], one["quantity"].partition(" ")[2], value, known))
-        verdicts += [
-            f"- `bench {run['command']}` says of it: {one['verdict']}, at {', '.join(one['places'])}."
-            for run in runs
-            for one in run["found"]
-            if one["effect"] == name
-        ]
+        for run in runs:
+            gains = [row for row in run["rows"] if row["quantity"] == "drive_gain"]
+            units_at = {row["place"]: row["unit"].partition("/")[0] for row in gains}
+            for one in run["found"]:
+                if one["effect"] != name:
+                    continue
+                line = (
+                    f"- `bench {run['command']}` says of it: {one['verdict']}, at {', '.join(one['places'])}"
+                )
+                verdicts.append(f"{line}{sizes_of(one, units_at)}")
     published = [
         f"- {one['machine']}: {one['size']} ([{one['source']}]({one['address']}))."
         for one in SIZES.get(name, ())
@@ -243,10 +247,30 @@ def measured(name: str) -> str:
     if rows or verdicts:
         parts.append("Logs and sources of what is known: [measured machines](../measured.md).")
     if not parts:
-        parts = [
-            "None of the [measured machines](../measured.md) has shown it, and no published size was checked."
-        ]
+        none = "None of the [measured machines](../measured.md) has shown it"
+        parts = [f"{none}, and no published size was found that could be read at its source."]
     return "\n\n".join(("## On real machines", *parts))
+
+
+def sizes_of(found: Numbers, units_at: Mapping[str, str]) -> str:
+    """What a diagnosis found at each motor: its parameters, and its torque, RMS. units_at: of torques, by motor.
+
+    Records of earlier programs have neither.
+    """
+    told = []
+    for place in found["places"]:
+        values = [
+            f"{one['name']} = {one['value']:.3g}"
+            + ("" if one["std"] is None else f" ± {one['std']:.1g}")
+            + f" {pretty_unit(one['unit'])}".replace(" 1", "").rstrip()
+            for one in found.get("parameters", ())
+            if one["place"] == place and one["value"] is not None
+        ]
+        if place in found.get("size", {}):
+            values.append(f"{found['size'][place]:.3g} {pretty_unit(units_at[place])} RMS")
+        if values:
+            told.append(f"{place} {', '.join(values)}")
+    return "".join(f"\n    - {one}" for one in told)
 
 
 def command(effect: Effect) -> str:

@@ -6,6 +6,8 @@ from pathlib import Path
 
 import mkdocs_gen_files
 
+from bench.studies.sweep.metrics import METRICS, metric_of
+
 ROOT = Path(__file__).resolve().parents[2]
 PAGES = {
     "scenarios/README.md": "reference/scenarios.md",
@@ -49,10 +51,20 @@ def broken(head: re.Match[str]) -> str:
     return re.sub(r"(?<=\w)([._])(?=\w)", r"\1<wbr>", head[0])
 
 
+def with_words(summary: str) -> str:
+    """The summary of a sweep, whose columns go by the names of commands, with what they measure."""
+    title, _, rest = summary.partition("\n")
+    head = next(line for line in rest.splitlines() if line.startswith("|"))
+    names = dict.fromkeys(name.strip().partition(".")[0] for name in head.strip("| ").split("|"))
+    told = [f"- `{name}`: {metric_of(name).measures}" for name in names if name in METRICS]
+    return f"# Sweep `{title.lstrip('# ')}`\n{rest}\n" + "\n".join(told) + "\n"
+
+
 for source, page in PAGES.items():
+    text = (ROOT / source).read_text(encoding="utf-8")
     with mkdocs_gen_files.open(page, "w") as written:
         written.write("---\nhide: [toc]\n---\n\n" if page.startswith(WIDE) else "")
-        written.write(turned((ROOT / source).read_text(encoding="utf-8"), Path(source), Path(page)))
+        written.write(turned(with_words(text) if "/montecarlo_" in page else text, Path(source), Path(page)))
 for folder, there in PICTURES.items():
     for picture in sorted((ROOT / folder).glob("*.png")):
         with mkdocs_gen_files.open(f"{there}/{picture.name}", "wb") as copy:
