@@ -162,9 +162,9 @@ def _diagnosed(line: str, seconds: float, answer: dict[str, Any], table: Machine
                 tuple(ranking[name]["alternatives"]),
                 ranking[name]["size"],
                 tuple(
-                    FoundParameter(place, parameter, one["value"], one["std"], one["unit"])
+                    FoundParameter(place, parameter, quantity["value"], quantity["std"], quantity["unit"])
                     for place, values in answer["after"]["effect_parameters"].get(name, {}).items()
-                    for parameter, one in values.items()
+                    for parameter, quantity in values.items()
                 ),
             )
             for name in answer["missing"]
