@@ -44,7 +44,7 @@ const Gains = (() => {
   function change(gain) {
     if (!Dom.determined(gain)) return "–";
     const share = gain.value / gain.nominal - 1;
-    return `${share > 0 ? "+" : ""}${ChartBasics.formatPercent(share)}`;
+    return `${share > 0 ? "+" : ""}${ChartBasics.formatDigits(100 * share, 3)} %`;
   }
 
   return {part};
