@@ -253,6 +253,30 @@ def test_labels_stay_inside_their_figures_and_apart(look):
         assert bad == []
 
 
+def test_curves_are_enlarged_by_dragging_across_them(look):
+    page = look()
+    page.locator("#currents").scroll_into_view_if_needed()  # drawn when they are near
+    curves = page.locator("#currents svg.curves").first
+    curves.scroll_into_view_if_needed()
+    whole = curves.text_content()
+    box = curves.bounding_box()
+    across = box["y"] + 0.2 * box["height"]
+    page.mouse.move(box["x"] + 0.4 * box["width"], across)
+    page.mouse.down()
+    page.mouse.move(box["x"] + 0.6 * box["width"], across)
+    page.mouse.up()
+    back = page.get_by_role("button", name="Show all of it")
+    assert back.count() == 1
+    enlarged = curves.text_content()
+    assert enlarged != whole
+    curves.click()  # which is no drag
+    assert curves.text_content() == enlarged
+    assert page.evaluate("getSelection().toString()") == ""
+    back.click()
+    assert curves.text_content() == whole
+    assert page.heard == []
+
+
 def test_it_prints_with_everything_unfolded(look, tmp_path):
     page = look(dark=True)
     page.pdf(path=tmp_path / "report.pdf", prefer_css_page_size=True)

@@ -159,6 +159,8 @@ const Charts = (() => {
         dot(11, 6, entry.role, mark, 3.4);
       item.appendChild(document.createTextNode(name));
     }
+    if (figure.panels.length > 1 && ChartZoom.possible(figure))
+      block("li", "hint", list, "drag across the curves to enlarge them");
   }
 
   function shortened(text, room) {
@@ -221,7 +223,7 @@ const Charts = (() => {
   }
 
   function draw(chart, width) {
-    const {figure} = chart;
+    const figure = ChartZoom.shown(chart);
     chart.element.replaceChildren();
     legendOf(figure, chart.element);
     const total = figure.height || 240;
@@ -295,7 +297,9 @@ const Charts = (() => {
       };
       node("text", {...place, class: "label", "text-anchor": "middle"}, svg, text);
     });
-    if (!xs.band) watch(chart, svg, holder, {xs, left, right, top: boxes[0].top, bottom, width});
+    const box = {xs, left, right, top: boxes[0].top, bottom, width};
+    if (!xs.band) watch(chart, svg, holder, box);
+    if (ChartZoom.possible(figure)) ChartZoom.watch(chart, svg, holder, box);
   }
 
   /* Whether parts of a figure can be picked: their readers must find them inside it. */
@@ -352,7 +356,7 @@ const Charts = (() => {
   }
 
   function create(element, figure) {
-    const chart = {element, figure, width: 0};
+    const chart = {element, figure, width: 0, stretch: null};
     chart.draw = (width) => {
       const room = width || element.clientWidth;
       if (room < 40) return;
@@ -360,6 +364,7 @@ const Charts = (() => {
       draw(chart, Math.round(width ? room : Math.max(room, chart.figure.least || 0)));
     };
     chart.update = (changes) => {
+      if (changes.label !== chart.figure.label) chart.stretch = null; // other curves
       chart.figure = {...chart.figure, ...changes};
       chart.draw();
     };

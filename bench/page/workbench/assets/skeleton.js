@@ -63,7 +63,7 @@ const WorkbenchSkeleton = (() => {
       part(
         "Drive gains and errors",
         aid(
-          "Standard error: of the gain, known of the models that diagnose fitted; bench identify tells it of others. Fitted, not fitted: error of this motor's current.",
+          "After ±: standard error of the gain, known of the models that diagnose fitted; bench identify tells it of others. Fitted, not fitted: error of this motor's current.",
         ),
         parts.gains,
       ),

@@ -140,32 +140,11 @@
       parts.nothing.setAttribute("aria-pressed", state.ticks.size === 0);
       table(
         parts.gains,
-        [
-          "motor",
-          "drive gain",
-          "standard error",
-          "off nominal",
-          "fitted",
-          "not fitted",
-          ...(pinned ? ["gain of A", "A, not fitted"] : []),
-        ],
-        data.motors.map((each, j) => {
-          const {gain, fitted, judged} = fit.by[j];
-          const off = 100 * (gain / each.nominal - 1);
-          const std = deviationOf(j);
-          const digits = std > 0 ? formatKnown(gain, std) : formatDigits(gain, 5);
-          return [
-            each.joint,
-            el("span", {"data-gain": each.joint, "data-value": gain}, `${digits} ${unitOf(each.unit)}`),
-            std > 0 ? el("span", {"data-deviation": each.joint, "data-value": std}, `± ${formatKnown(std, std)}`) : "–",
-            `${off > 0 ? "+" : ""}${formatDigits(off, 3)} %`,
-            percent(fitted),
-            percent(judged),
-            ...(pinned
-              ? [`${formatDigits(pinned.fit.by[j].gain, 5)} ${unitOf(each.unit)}`, percent(pinned.fit.by[j].judged)]
-              : []),
-          ];
-        }),
+        ["motor", "drive gain", "off nominal", "fitted", "not fitted"],
+        data.motors.flatMap((drive, j) => [
+          gainRow(drive, fit.by[j], deviationOf(j, state.ticks)),
+          ...(pinned ? [gainRow(drive, pinned.fit.by[j], deviationOf(j, pinned.ticks), " of A")] : []),
+        ]),
       );
       table(
         parts.parameters,
@@ -191,10 +170,31 @@
         .map((request) => spoken(request).replace(":", " at "))
         .join(", ") || "no effect";
 
+    /* A motor's line of the table; what is read again is that of the model that is ticked. */
+    function gainRow(drive, {gain, fitted, judged}, std, whose = "") {
+      const off = 100 * (gain / drive.nominal - 1);
+      const told = (kind, value, text) =>
+        whose ? text : el("span", {[`data-${kind}`]: drive.joint, "data-value": value}, text);
+      return [
+        `${drive.joint}${whose}`,
+        el(
+          "span",
+          {},
+          told("gain", gain, std > 0 ? formatKnown(gain, std) : formatDigits(gain, 5)),
+          std > 0 && " ± ",
+          std > 0 && told("deviation", std, formatKnown(std, std)),
+          ` ${unitOf(drive.unit)}`,
+        ),
+        `${off > 0 ? "+" : ""}${formatDigits(off, 3)} %`,
+        percent(fitted),
+        percent(judged),
+      ];
+    }
+
     /* Of a gain: known of the models that diagnose fitted, null of others. */
-    function deviationOf(number) {
+    function deviationOf(number, ticks) {
       const keyOf = ([effect, place]) => (place ? `${effect}:${place}` : effect);
-      const known = data.deviations.find(({effects}) => same(new Set(effects.map(keyOf)), state.ticks));
+      const known = data.deviations.find(({effects}) => same(new Set(effects.map(keyOf)), ticks));
       return known ? known.gains[number] : null;
     }
 
