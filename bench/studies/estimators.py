@@ -47,8 +47,8 @@ BAD = ("stuck", "offset", "noisy")  # what a bad second is, in turn
 
 @dataclass(frozen=True)
 class Condition:
-    """What is unlike the first case: sensors and controller of the scenario, filters of the fit, and how many seconds
-    of each recording are bad at one motor.
+    """What is unlike the first case: sensors and controller of the scenario, filters of the fit, how many seconds of
+    each recording are bad at one motor, and the simulation's step, s.
     """
 
     name: str
@@ -56,6 +56,7 @@ class Condition:
     controller: Mapping[str, float] = field(default_factory=dict)
     filters: Mapping[str, float] = field(default_factory=dict)
     bad_seconds: int = 0
+    step: float | None = None
 
 
 CASES = (
@@ -75,6 +76,8 @@ CASES = (
     Condition("two bad seconds in ten", bad_seconds=2),
     Condition("soft controller: 5 Hz", {}, {"natural_frequency": 5.0, "tracking_limit": 1.0}),
     Condition("stiff controller: 20 Hz", {}, {"natural_frequency": 20.0}),
+    Condition("26-bit encoders", {"encoder_bits": 26}),
+    Condition("the same, simulated in steps of 0.1 ms", {"encoder_bits": 26}, step=1e-4),
 )
 
 
@@ -104,7 +107,8 @@ def changes(robot: str, case: Condition, seed: int) -> dict[str, Any]:
     """The robot's built-in scenario in a case: two recordings, the controller's law declared."""
     payload = next(iter(load_scenario(robot).settings.payloads))
     design = {"optimise": True, "duration": DURATION, "ramp": 0.5}
-    return {
+    step = {} if case.step is None else {"step": case.step}
+    return step | {
         "seed": seed,
         "sensors": dict(case.sensors),
         "controller": {"declared": True, **case.controller},
@@ -145,8 +149,8 @@ def _scenario(robot: str, case: Condition, seed: int) -> Scenario:
 
 
 @lru_cache(maxsize=2)
-def _simulated(robot: str, controller: tuple[tuple[str, float], ...]) -> Simulation:
-    case = Condition("", controller=dict(controller))
+def _simulated(robot: str, controller: tuple[tuple[str, float], ...], step: float | None) -> Simulation:
+    case = Condition("", controller=dict(controller), step=step)
     return simulate(_scenario(robot, case, 1), _trajectories(robot), threads=1)
 
 
@@ -159,7 +163,7 @@ def steps_at(robot: str, seed: int) -> np.ndarray:
 @on_one_thread
 def rows_of(robot: str, case: Condition, methods: Sequence[str], seeds: int) -> list[EstimatorRow]:
     """Every method on the same data of a robot in a case, seeds 1 to so many."""
-    simulation = _simulated(robot, tuple(case.controller.items()))
+    simulation = _simulated(robot, tuple(case.controller.items()), case.step)
     truth = true_gains(simulation.scenario)
     runs: dict[str, list[tuple[np.ndarray, np.ndarray, float]]] = {method: [] for method in methods}
     reasons: dict[str, list[str]] = {method: [] for method in methods}
