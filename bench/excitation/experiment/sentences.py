@@ -23,26 +23,7 @@ MOST_NAMED = 3
 def sentences(plan: ExperimentPlan, told: Forecast) -> list[str]:
     """What is to be expected, the best first."""
     lines = [_gains(told), _parameters(plan, told)]
-    if plan.random:
-        factor = plan.random["median"] / plan.value
-        what = (
-            "worst relative standard error"
-            if plan.aim.criterion == "worst"
-            else "mean axis of the error ellipsoid"
-        )
-        lines.append(
-            f"The {what} of what was asked for is {in_percent(plan.value, 2)}, {factor:.2g} times better "
-            "than the median of "
-            f"{RANDOM} random motions inside the same limits ({in_percent(plan.random['median'], 2)}, the best of them "
-            f"{in_percent(plan.random['best'], 2)})."
-        )
-    if plan.before is not None:
-        carried = plan.search.loads[0]
-        lines.append(
-            f"The recordings that are there give {in_percent(plan.before, 2)}; with this motion, "
-            f"{'unloaded' if carried is None else f'carrying {carried}'}, {in_percent(plan.value, 2)} is "
-            "to be expected."
-        )
+    lines += _compared(plan, told)
     lines.append(_sizes(plan, told))
     lines += map(note_sentence, told.notes)
     if told.enough is not None:
@@ -59,6 +40,33 @@ def sentences(plan: ExperimentPlan, told: Forecast) -> list[str]:
     return [line for line in lines if line]
 
 
+def _compared(plan: ExperimentPlan, told: Forecast) -> list[str]:
+    """What was asked for, beside motions at random and beside the recordings that are there.
+
+    These are compared by all of their samples, the forecast goes by the rows that a fit will take.
+    """
+    lines = []
+    worst = plan.aim.criterion == "worst"
+    expected = max(told.unknowns[i].relative for i in plan.targets) if worst else plan.value
+    if not np.isfinite(expected):
+        return ["Not all that was asked for can be determined: motions are compared where it can."]
+    if plan.random:
+        what = "worst relative standard error" if worst else "mean axis of the error ellipsoid"
+        lines.append(
+            f"The {what} of what was asked for is {in_percent(expected, 2)}. By all samples, those near standstill "
+            f"included, it is {in_percent(plan.value, 2)}: {plan.random['median'] / plan.value:.2g} times better than "
+            f"the median of {RANDOM} random motions inside the same limits ({in_percent(plan.random['median'], 2)}, the "
+            f"best of them {in_percent(plan.random['best'], 2)})."
+        )
+    if plan.before is not None:
+        carried = plan.search.loads[0]
+        lines.append(
+            f"The recordings that are there give {in_percent(plan.before, 2)}; with this motion, "
+            f"{'unloaded' if carried is None else f'carrying {carried}'}, {in_percent(expected, 2)} is to be expected."
+        )
+    return lines
+
+
 def note_sentence(note: ForecastNote) -> str:
     """What limits a forecast."""
     subjects = note.subjects
@@ -69,7 +77,7 @@ def note_sentence(note: ForecastNote) -> str:
         )
     if note.code is ForecastCode.WEAK:
         return (
-            f"Not to be had from motions of this kind, with standard errors of more than {WEAK:.0%} of their size: "
+            f"Not to be had from motions of this kind, with standard errors of more than {in_percent(WEAK, 2)} of their size: "
             f"{', '.join(subjects)}."
         )
     if note.code is ForecastCode.COARSE_ENCODERS:
