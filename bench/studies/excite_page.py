@@ -11,12 +11,14 @@ from bench.identification.wording import in_percent
 from bench.studies.excite_forecast import CONFIDENCE
 
 PAGE = "excite.md"
+UNKNOWN = "–"
 BETTER = (
     "robot",
     "worst relative standard error",
     "median of random motions",
     "best of them",
     "times better than the median",
+    "commit",
 )
 TRUE = ("robot", "repetitions", "unknowns", "on the whole", "smallest", "largest", "by chance alone")
 PLANNED = """\
@@ -31,6 +33,8 @@ a standard deviation of so many repetitions is no better known. Those of the sma
 unknowns at once (Bonferroni), because these two were picked from all. "By chance alone": between which all ratios lie
 with at least that probability where every forecast is exact. "On the whole" is the root mean square over the unknowns;
 its interval takes account of their correlations."""
+OLDER = """\
+Without a commit: of a motion whose limits were proven at the samples alone, before every time was."""
 
 Figures = Mapping[str, Any]
 
@@ -54,25 +58,26 @@ def page(robots: Sequence[Figures]) -> str:
         rows_in_markdown(BETTER, map(_better, robots)),
         REPEATED,
         rows_in_markdown(TRUE, [_true(figures) for figures in robots if "pooled" in figures]),
-        f"In brackets {in_percent(CONFIDENCE, 2)} intervals by chi-square: {INTERVALS}",
-        "`python -m bench.studies.excite_figures -o results/excite` writes all of this anew.",
+        f"In brackets {in_percent(CONFIDENCE, 2)} intervals by chi-square:\n{INTERVALS}",
+        "`python -m bench.studies.excite_figures ROBOT --repetitions N -o results/excite` writes this anew.",
+        *[OLDER for figures in robots if "commit" not in figures][:1],
     )
     return "\n\n".join(parts) + "\n"
 
 
 def _better(figures: Figures) -> Sequence[str]:
     errors = [in_percent(figures[name], 2) for name in ("worst", "random_median", "random_best")]
-    return figures["robot"], *errors, f"{figures['better']:.1f}"
+    return figures["robot"], *errors, f"{figures['better']:.1f}", figures.get("commit", UNKNOWN)
 
 
 def _true(figures: Figures) -> Sequence[str]:
     found = [with_interval(figures, name) for name in ("pooled", "smallest", "largest")]
-    low, high = figures["chance"]
-    unknowns = str(len(figures["ratios"]))
-    return figures["robot"], str(figures["repetitions"]), unknowns, *found, f"{low:.2f} to {high:.2f}"
+    unknowns = str(len(figures["ratios"])) if "ratios" in figures else UNKNOWN
+    chance = "{:.2f} to {:.2f}".format(*figures["chance"]) if "chance" in figures else UNKNOWN
+    return figures["robot"], str(figures["repetitions"]), unknowns, *found, chance
 
 
 def with_interval(figures: Figures, name: str) -> str:
-    """Such as 0.99 [0.97, 1.01]."""
-    low, high = figures[f"{name}_interval"]
-    return f"{figures[name]:.2f} [{low:.2f}, {high:.2f}]"
+    """Such as 0.99 [0.97, 1.01]; without the interval where an older file has none."""
+    interval = figures.get(f"{name}_interval")
+    return f"{figures[name]:.2f}" + ("" if interval is None else " [{:.2f}, {:.2f}]".format(*interval))

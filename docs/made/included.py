@@ -17,6 +17,7 @@ PAGES = {
     "CHANGELOG.md": "changelog.md",
     "results/measured/measured.md": "measured.md",
     "results/peers/peers.md": "trust/peers.md",
+    "results/excite/excite.md": "trust/excite.md",
     **{
         f"results/{kind}/{path.name}": f"trust/{kind}_{path.name}"
         for kind in ("trial", "montecarlo")

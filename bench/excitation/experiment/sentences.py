@@ -55,8 +55,8 @@ def _compared(plan: ExperimentPlan, told: Forecast) -> list[str]:
         lines.append(
             f"The {what} of what was asked for is {in_percent(expected, 2)}. By all samples, those near standstill "
             f"included, it is {in_percent(plan.value, 2)}: {plan.random['median'] / plan.value:.2g} times better than "
-            f"the median of {RANDOM} random motions inside the same limits ({in_percent(plan.random['median'], 2)}, the "
-            f"best of them {in_percent(plan.random['best'], 2)})."
+            f"the median of {RANDOM} random motions inside the same limits ({in_percent(plan.random['median'], 2)}, "
+            f"the best of them {in_percent(plan.random['best'], 2)})."
         )
     if plan.before is not None:
         carried = plan.search.loads[0]
@@ -77,8 +77,8 @@ def note_sentence(note: ForecastNote) -> str:
         )
     if note.code is ForecastCode.WEAK:
         return (
-            f"Not to be had from motions of this kind, with standard errors of more than {in_percent(WEAK, 2)} of their size: "
-            f"{', '.join(subjects)}."
+            f"Not to be had from motions of this kind, with standard errors of more than {in_percent(WEAK, 2)} of "
+            f"their size: {', '.join(subjects)}."
         )
     if note.code is ForecastCode.COARSE_ENCODERS:
         return (
