@@ -7,6 +7,7 @@ import pytest
 from pyarrow import compute, csv
 
 import bench
+from bench.identification import estimators
 from bench.truth.hidden.user_file import hidden_in
 
 
@@ -30,6 +31,20 @@ def test_the_test_of_a_machine_fails_where_a_motor_has_changed(project_root, arm
         csv.write_csv(log, file)
     with pytest.raises(AssertionError, match=r"times the error at identification: {'shoulder': \d+"):
         names["test_the_model_still_holds"]()
+
+
+def test_an_estimator_of_one_s_own_runs_from_a_script(project_root, arm, tmp_path, monkeypatch, capsys):
+    (code,) = python_of(project_root / "docs/pages/howto/estimator.md")
+    shutil.copytree(arm / "data", tmp_path / "my_data")
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(estimators, "ESTIMATORS", dict(estimators.ESTIMATORS))
+    exec(code, {})
+    assert "shoulder" in capsys.readouterr().out
+    effects = ["viscous_friction:shoulder"]
+    own, default = (bench.identify("my_data", effects, method) for method in ("least_absolute", "current"))
+    for joint, gain in own.drive_gains.items():
+        assert gain.value == pytest.approx(default.drive_gains[joint].value, rel=0.01)
+        assert 0.0 < gain.std < 0.01 * gain.value
 
 
 def test_the_effect_of_one_s_own_and_its_hidden_twin_are_those_of_the_other_pages(project_root, tmp_path):
