@@ -31,6 +31,7 @@ FORMATS = {  # the names that other programs rely on
     *("drive_flexibility", "backlash", "joint_spring", "base_tilt", "platform_force", "payload_mass_error"),
     *("geometric_error", "encoder_offset", "passive_spring", "transmission_error"),
     *("hysteretic_cable", "shear_thinning_friction", "tool_drag"),
+    "passive_load_friction",
 }
 UNIT = re.compile(r"1|1/(turn|A\^2|V\^2|m)|[A-Za-z]+([*/^(][A-Za-z0-9()*/^]+)?")
 

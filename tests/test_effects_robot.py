@@ -316,3 +316,22 @@ def test_the_rotor_does_not_follow_its_link(name: str, tmp_path: Path) -> None:
     free = np.abs(columns_at(robot, name, joint, **about[name])[200:-200, :, 0]).max()
     held = np.abs(columns_at(robot, name, joint, **rigid[name])[200:-200, :, 0]).max()
     assert free < 1e-3 * held
+
+
+def test_friction_of_a_bearing_goes_by_the_size_of_its_force(tmp_path: Path) -> None:
+    robot, *_ = moving_robot("five_bar", tmp_path, "disc")
+    mu, mum = 0.002, 0.003
+    borne = robot.borne("left_elbow", robot.every)
+    force = np.hypot(*(borne.force + mum / mu * borne.of_mass).T)
+    index = robot.geometry.joints[robot.geometry.joint_index("left_elbow")].v.start
+    friction = mu * robot.refined(force) * np.sign(robot.tree.v[:, index])
+    expected = robot.tree.jacobian[:, index] * friction[:, None]
+    found = columns_at(robot, "passive_load_friction", "left_elbow", mu=mu, mum=mum) @ np.array([mu, mum])
+    close(found, expected, 1e-6)
+    plain = columns_at(robot, "passive_load_friction", "left_elbow")[:, :, 0]
+    force = np.hypot(*borne.force.T)
+    close(
+        plain,
+        robot.tree.jacobian[:, index] * (robot.refined(force) * np.sign(robot.tree.v[:, index]))[:, None],
+        1e-6,
+    )

@@ -123,7 +123,14 @@ def test_friction_springs_and_offsets_stand_in_joints_and_motors(tmp_path):
 
 def test_every_effect_of_the_catalogue_is_placed_or_listed():
     model = identified("five_bar")
-    places = {"actuator": "left", "passive": "left_elbow", "body": "left_rod", "payload": "disc", "robot": ""}
+    places = {
+        "actuator": "left",
+        "passive": "left_elbow",
+        "bearing": "left_elbow",
+        "body": "left_rod",
+        "payload": "disc",
+        "robot": "",
+    }
     effects = [
         (name, places[one.place], {parameter.name: 0.01 for parameter in one.parameters})
         for name, one in CATALOGUE.items()

@@ -34,6 +34,7 @@ EACH = {
     "joint_spring": {"k": 0.5, "q0": 0.0},
     "load_dependent_friction": {"mu": 0.05},
     "passive_coulomb_friction": {"Fc": 0.05},
+    "passive_load_friction": {"mu": 0.002},
     "passive_spring": {"k": 0.5, "q0": 0.1},
     "passive_viscous_friction": {"Fv": 0.05},
     "payload_mass_error": {"error": 0.1},

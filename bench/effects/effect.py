@@ -12,7 +12,7 @@ from bench.basics.joint_units import joint_units
 from bench.effects.samples import JointSamples
 from bench.effects.signals import JointSignals, RobotSignals
 
-Place = Literal["actuator", "passive", "body", "payload", "robot"]
+Place = Literal["actuator", "passive", "bearing", "body", "payload", "robot"]
 Seen = Literal["opposes", "fades", "load", "velocity", "repeats", "position", "current", "acceleration"]
 """What an error looks like, as the key of the atlas asks: it opposes the motion, fades or grows in the course of a
 recording, or with the load; passes through zero with the velocity; repeats over the position; is a smooth curve over
@@ -80,10 +80,10 @@ class Effect(ABC):
     The motors have to overcome `columns(...) @ parameters`, N*m or N, beside the rigid-body torque.
 
     place: where it sits, with a set of parameters for each: "actuator" (joint with a motor), "passive" (joint
-    without), "body" (with a length), "payload", or once for the "robot". contains: effects that are special
-    cases of this one; it must earn its extra parameters against them. depends_on_model: its columns use the
-    present model's torque or gain. before_torque: it stands between the current reference and the torque,
-    and no part of the torque that effects see as needed.
+    without), "bearing" (of those, one whose force follows from the motion), "body" (with a length), "payload", or once
+    for the "robot". contains: effects that are special cases of this one; it must earn its extra parameters against
+    them. depends_on_model: its columns use the present model's torque or gain. before_torque: it stands between the
+    current reference and the torque, and no part of the torque that effects see as needed.
 
     law: a sentence with the law as a formula in written symbols; symbols: what they mean, with their units. Both are
     "" where the effect tells none. shown_by: the motion in which it differs most from the others. seen: how the error

@@ -1,18 +1,21 @@
 """Where in a robot effects can sit."""
 
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from functools import cached_property
 
 from bench.effects.body_length import lengths
 from bench.effects.effect import ActuatorEffect, Effect, Place
 from bench.model.geometry import Geometry
+from bench.model.reaction import determined
 
 
 @dataclass(frozen=True)
 class Places:
     """Names of all that can have an effect: joints with and without a motor, bodies with a length, payloads.
 
-    redundant: joints with a motor that do not move independently.
+    redundant: joints with a motor that do not move independently. geometry: what tells whose force follows from the
+    motion.
     """
 
     actuator: tuple[str, ...]
@@ -20,6 +23,17 @@ class Places:
     body: tuple[str, ...]
     payload: tuple[str, ...]
     redundant: tuple[str, ...] = ()
+    geometry: Geometry | None = field(default=None, compare=False, repr=False)
+
+    @cached_property
+    def bearing(self) -> tuple[str, ...]:
+        """Those of the passive joints whose force follows from the motion."""
+        geometry = self.geometry
+        return tuple(
+            name
+            for name in self.passive
+            if geometry is not None and determined(geometry, geometry.joint_index(name))
+        )
 
     @property
     def names(self) -> frozenset[str]:
@@ -34,6 +48,8 @@ class Places:
 
     def of(self, place: Place) -> tuple[str, ...]:
         """Where effects of that kind can sit; one empty name for the whole robot."""
+        if place == "bearing":  # takes its time, and few ask for it
+            return self.bearing
         everywhere: dict[Place, tuple[str, ...]] = {
             "actuator": self.actuator,
             "passive": self.passive,
@@ -52,6 +68,7 @@ def places_in(geometry: Geometry, payloads: Iterable[str]) -> Places:
         body=tuple(lengths(geometry)),
         payload=tuple(payloads),
         redundant=tuple(actuator.joint for actuator in geometry.robot.redundant),
+        geometry=geometry,
     )
 
 

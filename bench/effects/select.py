@@ -14,6 +14,7 @@ TAG = "@recording"  # behind an effect or its place: a value for each recording
 NOWHERE: dict[Place, str] = {
     "actuator": "the robot has no motor",
     "passive": "the robot has no joint without a motor",
+    "bearing": "the robot has no joint without a motor whose force follows from the motion",
     "body": "no body of the robot has a length",
     "payload": "the dataset has no payload of known mass",
 }
@@ -70,11 +71,16 @@ def select_effects(
             raise BenchError(f"unknown effect {name!r}; {meant(name, catalogue, 'known:')}")
         effect = catalogue[name]
         possible = places.where(effect)
+        if effect.place == "bearing" and joint in places.passive and joint not in possible:
+            raise BenchError(
+                f"effect {request!r}: the force in joint {joint!r} does not follow from the motion: closures of loops "
+                "repeat one another there, so that others could bear it as well"
+            )
         if joint and joint not in possible:
             near = meant(
                 joint, [word for word in possible if word] or ["only the robot as a whole"], "there are:"
             )
-            what = "joint" if effect.place in ("actuator", "passive", "robot") else effect.place
+            what = "joint" if effect.place in ("actuator", "passive", "bearing", "robot") else effect.place
             raise BenchError(f"effect {request!r}: no {what} {joint!r} where it can sit; {near}")
         if not possible:
             raise BenchError(f"effect {request!r}: {NOWHERE[effect.place]}")
@@ -97,7 +103,7 @@ def can_differ(effect: Effect) -> bool:
     """Whether an effect can have a value for each recording: no shape parameter, and no length or payload, which stays
     what it is.
     """
-    return not effect.shape and effect.place in {"actuator", "passive", "robot"}
+    return not effect.shape and effect.place in {"actuator", "passive", "bearing", "robot"}
 
 
 def _parts(request: str, places: Places) -> tuple[str, str, bool]:

@@ -92,6 +92,23 @@ class TorqueModel(Protocol):
 
 
 @dataclass(frozen=True)
+class Borne:
+    """What a joint bears across its axis by the present model, in two directions at right angles to it.
+
+    force (K, 2) N, at every so many-th sample; of_mass (K, 2) N/kg: what a mass on the joint's axis, beyond it, adds.
+    """
+
+    force: np.ndarray
+    of_mass: np.ndarray
+
+
+class BorneModel(Protocol):
+    """What a joint without a motor bears, for every `every`-th sample. Raises BenchError for any other joint."""
+
+    def __call__(self, joint: str, every: int) -> Borne: ...
+
+
+@dataclass(frozen=True)
 class Coarse:
     """Every so many-th sample of a recording, enough for what is smooth: time (K,) s, interval s; of the active
     joints position, velocity and acceleration, and the present model's rigid-body torque, (K, n) each.
@@ -124,12 +141,12 @@ class RobotSignals:
     joints: the actuated ones that move independently by name, in actuator order; redundant: the others with a motor.
     `moved` computes `tree`. payload: the name of what it carries, None without; payload_mass kg, as declared, zero
     where unknown; `carried` computes `payload_torque`. torque: the rigid-body torque of the present model, less what
-    redundant motors give. An effect that depends on it is linearised about the present model, and the fit repeats until
-    it converges. gaps: stretches of samples in which each joint stands still. offsets: of the present model's encoders
-    by joint, rad or m. log: the recording whose own values hold here, of effects that have a value for each. lasting:
-    rows of effects that do not depend on the present model, kept as long as the recording; passing: those that do.
-    noted: what else effects have computed of the present model. sparse: where these are not all samples of the
-    recording.
+    redundant motors give. borne: what joints bear by it. An effect that depends on the model is linearised about the
+    present one, and the fit repeats until it converges. gaps: stretches of samples in which each joint stands still.
+    offsets: of the present model's encoders by joint, rad or m. log: the recording whose own values hold here, of
+    effects that have a value for each. lasting: rows of effects that do not depend on the present model, kept as long
+    as the recording; passing: those that do. noted: what else effects have computed of the present model. sparse: where
+    these are not all samples of the recording.
     """
 
     expands: ClassVar[bool] = False
@@ -143,6 +160,7 @@ class RobotSignals:
     carried: Callable[[], np.ndarray]
     torque: TorqueModel
     gaps: tuple[np.ndarray, ...]
+    borne: BorneModel
     offsets: Mapping[str, float] = field(default_factory=dict)
     log: str = ""
     redundant: Mapping[str, JointSignals] = field(default_factory=dict)

@@ -10,6 +10,7 @@ from bench.basics.errors import BenchError
 from bench.dataset.payload import Payload
 from bench.effects import EffectInstance, JointSignals, RobotSignals, effect_columns
 from bench.effects.signals import UNCHANGED, AskedWithinError, Changed
+from bench.identification.borne import borne_by
 from bench.identification.expansion import made_of
 from bench.identification.filtered import Measured
 from bench.identification.payload_parameters import payload_columns
@@ -106,6 +107,13 @@ def robot_signals(model: IdentificationModel, measured: Measured, present: Prese
         carried,
         torque,
         measured.gaps,
+        borne_by(
+            model,
+            measured,
+            present.base,
+            None if payload is None else present.payloads[payload],
+            lambda: signals.redundant_torque,
+        ),
         offsets=offsets,
         log=log,
         lasting=measured.kept,

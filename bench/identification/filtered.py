@@ -29,7 +29,7 @@ class Measured:
     unit, as logged; tree: the motion of all joints of the opened tree; gaps: where joints stand still. logged: how
     velocities that were logged compare with the positions. kept: rows of effects that need no model; perturbed:
     observation matrices of other motions and gravities, which are the same again and again; reshaped: of other
-    geometries, of which a search tries many.
+    geometries, of which a search tries many; borne: of the forces in joints.
     """
 
     recording: Recording
@@ -45,6 +45,7 @@ class Measured:
     kept: KeptRows = field(default_factory=KeptRows, compare=False, repr=False)
     perturbed: KeptRows = field(default_factory=KeptRows, compare=False, repr=False)
     reshaped: KeptRows = field(default_factory=KeptRows, compare=False, repr=False)
+    borne: KeptRows = field(default_factory=KeptRows, compare=False, repr=False)
 
     @property
     def redundant(self) -> np.ndarray:

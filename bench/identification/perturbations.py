@@ -17,7 +17,7 @@ from bench.basics.interpolation import cubic_spline
 from bench.effects import ActuatorEffect, RobotSignals
 from bench.effects.motor_link_difference import motion_band
 from bench.effects.row_cache import KeptRows
-from bench.effects.signals import OVERSAMPLING, UNCHANGED, Changed, Sparse
+from bench.effects.signals import OVERSAMPLING, UNCHANGED, Borne, Changed, Sparse
 from bench.identification.effect_columns import PresentModel, combined_torque, needed_torque
 from bench.identification.filtered import Measured
 from bench.identification.perturbed_observation import geometry_key
@@ -254,6 +254,9 @@ class NearbySignals(RobotSignals):
         def torque(changed: Changed = UNCHANGED, every: int = 1) -> np.ndarray:
             return self.torque(changed, every * self.every)
 
+        def borne(joint: str, every: int) -> Borne:
+            return self.borne(joint, every * self.every)
+
         return replace(
             self,
             joints={name: sparse_joint(joint, every) for name, joint in self.joints.items()},
@@ -261,6 +264,7 @@ class NearbySignals(RobotSignals):
             moved=lambda: self.tree.at(some),
             carried=lambda: self.payload_torque[some],
             torque=torque,
+            borne=borne,
             gaps=gaps,
             lasting=self.nearby.rows[self.index],
             passing=KeptRows(),

@@ -11,6 +11,7 @@ from mujoco.batch import Batch
 from numpy.typing import NDArray
 
 from bench.basics.errors import BenchError
+from bench.truth.bearings import bearings_of
 from bench.truth.hidden import Clock, Signals
 from bench.truth.indices import as_slice, live_columns
 from bench.truth.laws import joint_laws
@@ -85,6 +86,7 @@ class Stepper:
             (live_columns(self._applied, machine.motor_dofs[law.columns])[0], law.value) for law in torque
         ]
         self._dry = dry_friction
+        self._bearings = bearings_of(machine, batch)
         self._own_friction = np.stack([model.dof_frictionloss[machine.motor_dofs] for model in self._models])
         # the arrays of the models themselves: looking them up takes longer than a law does
         self._frictions = [model.dof_frictionloss for model in self._models]
@@ -123,7 +125,7 @@ class Stepper:
             self._control[:] = torque
             self._oppose()
             keep = k % every == 0
-            if self._dry:
+            if self._dry or self._bearings:
                 self._set_friction(keep)
             before = (self._qpos.copy(), self._qvel.copy()) if keep else ()
             self._batch.step()
@@ -180,4 +182,7 @@ class Stepper:
             )
         for friction, values in zip(self._frictions, size, strict=True):
             friction[self._friction_at] = values
+        for bearing in self._bearings:
+            for friction, own in zip(self._frictions, bearing.size(), strict=True):
+                friction[bearing.dof] = own
         self._batch.set_models(self._models)

@@ -31,6 +31,7 @@ SIZES = tomllib.loads(
 PLACES = {
     "actuator": "a motor",
     "passive": "a joint without a motor",
+    "bearing": "a joint without a motor whose force follows from the motion",
     "body": "a body",
     "payload": "a payload",
     "robot": "the robot as a whole",

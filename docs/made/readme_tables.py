@@ -8,7 +8,7 @@ from bench.effects import CATALOGUE
 from bench.truth.hidden import HIDDEN_EFFECTS
 
 ROOT = Path(__file__).parents[2]
-SITS = {"actuator": "motor", "passive": "passive joint"}
+SITS = {"actuator": "motor", "passive": "passive joint", "bearing": "passive joint"}
 EFFECTS_HEAD = ("effect", "sits at", "parameters", "found from the data", "special cases")
 HIDDEN_HEAD = ("effect", "parameters", "law")
 

@@ -12,7 +12,7 @@ from bench.effects import CATALOGUE
 
 RIVALS: tuple[frozenset[str], ...] = (
     frozenset({"position_dependent_friction", "coulomb_friction"}),
-    frozenset({"passive_coulomb_friction", "passive_viscous_friction"}),
+    frozenset({"passive_coulomb_friction", "passive_load_friction", "passive_viscous_friction"}),
     frozenset({"current_delay", "current_loop_lag"}),
     frozenset({"backlash", "drive_flexibility", "rotor_inertia"}),
     frozenset({"constant_offset", "passive_spring"}),

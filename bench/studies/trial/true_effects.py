@@ -50,6 +50,9 @@ Angles of hinges. For slides the periods are per metre, without 2 pi; see `true_
 WITHOUT_TRUTH: Mapping[str, frozenset[str]] = {
     "backlash": frozenset({"r"}),
     "drive_flexibility": frozenset({"zeta"}),
+    "passive_load_friction": frozenset(
+        {"mum"}
+    ),  # a mass of which only the model's parameters tell what it means
     "passive_spring": frozenset(
         {"kq0"}
     ),  # of springs whose joints move alike, where they are counted from differs

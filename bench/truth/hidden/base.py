@@ -145,8 +145,13 @@ class JointEffect(HiddenEffect):
         """Size (R, m) of a dry friction, which opposes the motion and holds the joint at standstill."""
         return None
 
+    @staticmethod
+    def bearing_friction(p: Parameters, force: Array) -> Array | None:  # noqa: ARG004
+        """Size (R, m) of a dry friction in passive joints that bear these forces (R, m), N, across their axes."""
+        return None
 
-LAWS = ("encoder", "log", "current", "gain", "torque", "dry_friction")
+
+LAWS = ("encoder", "log", "current", "gain", "torque", "dry_friction", "bearing_friction")
 """Methods of a joint's effect that return a law, in the order of evaluation."""
 
 

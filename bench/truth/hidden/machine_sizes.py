@@ -101,6 +101,18 @@ def backlash_size(reference: Reference, effect: str, joint: str | None, share: f
     return sizes(_solved(felt, 0.02 * j.span, share, 1))
 
 
+def passive_load_friction_size(reference: Reference, effect: str, joint: str | None, share: float) -> Sizes:
+    """From simulations: what a joint bears, no rule of a movement tells."""
+    without = reference.simulation
+
+    def felt(mu: float) -> float:
+        pairs = zip(_again(reference, effect, joint, {"mu": mu}).recordings, without.recordings, strict=True)
+        change = np.concatenate([a.current - b.current for a, b in pairs])
+        return rms(change) / rms(np.concatenate([recording.current for recording in without.recordings]))
+
+    return {"mu": _solved(felt, 1e-3, share, 1)}
+
+
 def transmission_error_size(reference: Reference, _effect: str, joint: str | None, share: float) -> Sizes:
     """As if the joint had swung about its movement, three times over its span."""
     j = _movement(reference, joint)
@@ -120,6 +132,7 @@ MACHINE_SIZES: Mapping[str, Callable[[Reference, str, str | None, float], Sizes]
     "base_tilt": base_tilt_size,
     "drive_flexibility": drive_flexibility_size,
     "encoder_offset": encoder_offset_size,
+    "passive_load_friction": passive_load_friction_size,
     "passive_spring": passive_spring_size,
     "platform_force": platform_force_size,
     "transmission_error": transmission_error_size,

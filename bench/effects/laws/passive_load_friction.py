@@ -1,0 +1,67 @@
+"""Dry friction of a joint without a motor that grows with the force in it."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from bench.effects.effect import Effect, EffectParameter
+from bench.effects.passive_joint import passive_velocity, seen_by_motors
+from bench.effects.signals import RobotSignals
+
+MOST = 10.0  # times the force of the model: what a mass on the axis may add to it
+NOTHING = 1e-9  # of the largest force: no direction is told from less
+
+
+@dataclass(frozen=True)
+class PassiveLoadFriction(Effect):
+    """Friction of a bearing in proportion to the force that it bears across its axis, carried to the motors.
+
+    mu |F| is what the columns give together where they are linearised about mu and mum (Euler's rule for what is in
+    proportion to both). Valid while the joint turns, for a force that follows from the motion: not where closures
+    repeat one another. Friction in the joints, small beside the force, is not counted in it. Source: Rosyid and
+    El-Khasawneh, "Identification of the dynamic parameters of a parallel kinematics mechanism with prismatic joints by
+    considering varying friction", Applied Sciences 10(14), 2020 (friction as a coefficient times the normal force).
+    """
+
+    name = "passive_load_friction"
+    law = (
+        "τ = J_p' mu |F_p| sign(q̇_p): friction in a passive joint p in proportion to the force in it, carried to the "
+        "motors by the loops."
+    )
+    symbols = (
+        "mu: positive, N·m/N of a hinge (coefficient of friction times radius of the pin), N/N of a slide; F_p: force "
+        "in N across the joint's axis, by the model: what the bodies beyond it need, and the loops that they close. "
+        "mum = mu m: m is a mass on the joint's axis that the motors cannot tell from one on its other side, but the "
+        "bearing can. q̇_p: velocity of the passive joint; J_p (1, n): its velocity for the motors' velocities."
+    )
+    shown_by = "carry a second payload, and move fast and slowly"
+    seen = ("opposes", "load")
+    in_key = ("is there at several motors at once, and grows with the load and with the acceleration", "")
+    parameters = (
+        EffectParameter("mu", "{effort}/N", positive=True),
+        EffectParameter("mum", "{effort}*s^2/m"),
+    )
+    place = "bearing"
+    depends_on_model = True
+    every_sample = True
+    bends = True
+
+    mu: float = 0.0
+    mum: float = 0.0
+
+    def columns(self, robot: RobotSignals, joint: str) -> np.ndarray:
+        borne = robot.borne(joint, robot.every)
+        force = borne.force + self._mass(borne.force, borne.of_mass) * borne.of_mass
+        size = np.linalg.norm(force, axis=1, keepdims=True)
+        along = force / np.maximum(size, NOTHING * max(float(size.max()), np.finfo(float).tiny))
+        parts = np.column_stack([(along * part).sum(axis=1) for part in (borne.force, borne.of_mass)])
+        torque = robot.refined(parts) * np.sign(passive_velocity(robot, joint))[:, None]
+        return np.stack([seen_by_motors(robot, joint, column) for column in torque.T], axis=2)
+
+    def _mass(self, force: np.ndarray, of_mass: np.ndarray) -> float:
+        """kg on the axis; none where there is no friction yet that would tell it."""
+        largest = float(np.linalg.norm(of_mass))
+        if not self.mu > 0.0 or not largest > 0.0:
+            return 0.0
+        most = MOST * float(np.linalg.norm(force)) / largest
+        return float(np.clip(self.mum / self.mu, -most, most))

@@ -1,0 +1,51 @@
+"""What joints without a motor bear across their axes, by the present model: see bench.model.reaction."""
+
+from collections.abc import Callable
+
+import numpy as np
+
+from bench.effects.signals import Borne, BorneModel
+from bench.identification.filtered import Measured
+from bench.model.model import IdentificationModel
+from bench.model.reaction import bearing_of, bearing_rows
+from bench.model.regressor import payload_transform, redundant_columns
+
+
+def borne_by(
+    model: IdentificationModel,
+    measured: Measured,
+    base: np.ndarray,
+    payload: np.ndarray | None,
+    beside: Callable[[], np.ndarray],
+) -> BorneModel:
+    """The forces in joints of one recording.
+
+    base (nb,): the present base parameters; payload (10,): what is carried, in the tool frame; beside: torque (N, r) of
+    redundant motors. The base parameters stand for all others with the same torques of the motors: of those, a mass on
+    a joint's axis can sit on either side of it.
+    """
+    geometry = model.geometry
+    known, loads = base, np.zeros(0, dtype=int)
+    if payload is not None and geometry.tool is not None:
+        known, loads = (
+            np.concatenate((base, payload_transform(geometry.tool) @ payload)),
+            model.payload_columns,
+        )
+    extra = redundant_columns(geometry)
+
+    def borne(joint: str, every: int) -> Borne:
+        index = geometry.joint_index(joint)
+        columns = np.concatenate((model.base.columns, loads, [10 * index], extra))
+        key = (index, every, columns.tobytes())
+        rows = measured.borne.get(key)
+        if rows is None:
+            tree = measured.tree.at(slice(None, None, every))
+            rows = bearing_rows(bearing_of(geometry, index), tree, columns)
+            measured.borne.keep(key, rows)
+        mass = len(known)
+        force = rows[:, :, :mass] @ known
+        if len(extra):
+            force = force + np.einsum("kur,kr->ku", rows[:, :, mass + 1 :], beside()[::every])
+        return Borne(force, rows[:, :, mass])
+
+    return borne

@@ -1,0 +1,177 @@
+"""The force that a joint without a motor carries at right angles to its axis, in terms of the inertial parameters.
+
+A joint that could also slide across its axis would need a force to keep it from doing so: the one that its bearing
+gives. So it is the projected row of two more motors, slides across the axis that stand still, and no multiplier of a
+closure is to be solved for (virtual work; Briot and Khalil, "Dynamics of Parallel Robots", 2015, chapter 8).
+"""
+
+from dataclasses import dataclass, replace
+from functools import lru_cache
+
+import numpy as np
+
+from bench.model.closure import loop_jacobian
+from bench.model.geometry import Anchor, Geometry, Joint, Placement
+from bench.model.motion import Motion
+from bench.model.regressor import projected_regressor
+from bench.model.states import random_motion
+
+ACROSS = 2  # directions at right angles to an axis
+KEPT = 64  # joints whose geometry is kept
+FITS = 1e-6  # of a slide's own speed of the closures: what is left of it is rounding
+STATES, SEED = 3, 20120603  # random poses at which it is decided what the closures determine
+
+
+@dataclass(frozen=True, eq=False)
+class Bearing:
+    """A robot in which one joint can slide across its axis, too.
+
+    geometry: with two slides before the joint, whose index among the joints was `joint`, as its only motors beside
+    redundant ones; held: velocity indices of what the closures determine; first: velocity index of the first slide.
+    """
+
+    geometry: Geometry
+    joint: int
+    first: int
+    held: np.ndarray
+
+
+@lru_cache(maxsize=KEPT)
+def bearing_of(geometry: Geometry, joint: int) -> Bearing:
+    """The robot with two slides across the axis of a hinge or slide (index), driven and at rest."""
+    own = geometry.joints[joint]
+    at, first = own.q.start, own.v.start
+    slides = tuple(
+        Joint(
+            name=f"{own.name} across {k}",
+            kind="slide",
+            parent=own.parent if k == 0 else joint + k - 1,
+            placement=own.placement if k == 0 else Placement(np.eye(3), np.zeros(3)),
+            axis=axis,
+            body=None,
+            q=slice(at + k, at + k + 1),
+            v=slice(first + k, first + k + 1),
+            offset=0.0,
+            limits=None,
+        )
+        for k, axis in enumerate(_across(own.axis))
+    )
+    before = tuple(geometry.joints[:joint])
+    carried = replace(
+        _later(own, joint), parent=joint + ACROSS - 1, placement=Placement(np.eye(3), np.zeros(3))
+    )
+    after = tuple(_later(other, joint) for other in geometry.joints[joint + 1 :])
+
+    def moved(anchor: Anchor) -> Anchor:
+        return replace(anchor, joint=_index(anchor.joint, joint))
+
+    wider = replace(
+        geometry,
+        joints=(*before, *slides, carried, *after),
+        loops=tuple(
+            replace(loop, first=moved(loop.first), second=moved(loop.second)) for loop in geometry.loops
+        ),
+        couplings=tuple(
+            replace(
+                coupling,
+                first=tuple((_index(k, joint), factor) for k, factor in coupling.first),
+                second=tuple((_index(k, joint), factor) for k, factor in coupling.second),
+            )
+            for coupling in geometry.couplings
+        ),
+        home=np.insert(geometry.home, [at] * ACROSS, 0.0),
+        active=first + np.arange(ACROSS),
+        redundant=_places(geometry.redundant, first),
+        tool=None if geometry.tool is None else moved(geometry.tool),
+        body_frames={
+            name: (_index(k, joint), placement) for name, (k, placement) in geometry.body_frames.items()
+        },
+    )
+    return Bearing(wider, joint, first, _places(geometry.passive, first))
+
+
+def bearing_motion(bearing: Bearing, motion: Motion) -> tuple[Motion, np.ndarray]:
+    """The motion (N samples) with the slides at rest and the Jacobian by their velocities, motors held; and (N,) how
+    much of a slide's speed the closures do not let happen, whatever else moves, as a share of what it does to them.
+    """
+    geometry, first = bearing.geometry, bearing.first
+    at = geometry.joints[bearing.joint].q.start
+    q = np.insert(motion.q, [at] * ACROSS, 0.0, axis=1)
+    v, a = (np.insert(rates, [first] * ACROSS, 0.0, axis=1) for rates in (motion.v, motion.a))
+    more = np.zeros((len(q), geometry.nv, ACROSS))
+    more[:, first + np.arange(ACROSS), np.arange(ACROSS)] = 1.0
+    left = np.zeros(len(q))
+    if geometry.closed:
+        closures = loop_jacobian(geometry, np.ascontiguousarray(q.T)).transpose(2, 0, 1)
+        opened = closures[:, :, first : first + ACROSS]
+        held = closures[:, :, bearing.held]
+        turned = held.transpose(0, 2, 1)
+        follow = -np.linalg.solve(turned @ held, turned @ opened)  # far from singular: such poses are refused
+        more[:, bearing.held] = follow
+        size = np.linalg.norm(opened, axis=(1, 2))
+        left = np.linalg.norm(opened + held @ follow, axis=(1, 2)) / np.where(size > 0.0, size, 1.0)
+    return Motion(motion.time, q, v, a, more), left
+
+
+def bearing_rows(bearing: Bearing, motion: Motion, columns: np.ndarray) -> np.ndarray:
+    """Force (N, 2, p), N, along both slides for each parameter; columns: of `projected_regressor` without slides."""
+    wider, _ = bearing_motion(bearing, motion)
+    places, shown = _columns(bearing, motion.jacobian.shape[2], columns)
+    rows = np.zeros((len(motion.time), ACROSS, len(columns)))
+    rows[:, :, shown] = projected_regressor(bearing.geometry, wider, places[shown])
+    return rows
+
+
+@lru_cache(maxsize=KEPT)
+def determined(geometry: Geometry, joint: int) -> bool:
+    """Whether the force in a joint (index) follows from the motion: not where closures repeat one another so that
+    they could share it in any way.
+    """
+    if not geometry.closed:
+        return True
+    _, left = bearing_motion(bearing_of(geometry, joint), _states(geometry))
+    return bool(np.all(left < FITS))
+
+
+@lru_cache(maxsize=KEPT)
+def _states(geometry: Geometry) -> Motion:
+    return random_motion(geometry, STATES, SEED)
+
+
+def _across(axis: np.ndarray) -> np.ndarray:
+    """Two unit vectors (2, 3) at right angles to an axis (3,) and to each other."""
+    least = np.eye(3)[int(np.argmin(np.abs(axis)))]
+    across = np.cross(axis, least)
+    across /= np.linalg.norm(across)
+    return np.stack((across, np.cross(axis, across) / np.linalg.norm(axis)))
+
+
+def _index(other: int, joint: int) -> int:
+    """Index of a joint with the slides before `joint`."""
+    return other if other < joint else other + ACROSS
+
+
+def _later(other: Joint, joint: int) -> Joint:
+    """A joint that stands behind the slides."""
+    return replace(
+        other,
+        parent=_index(other.parent, joint),
+        q=slice(other.q.start + ACROSS, other.q.stop + ACROSS),
+        v=slice(other.v.start + ACROSS, other.v.stop + ACROSS),
+    )
+
+
+def _places(velocities: np.ndarray, first: int) -> np.ndarray:
+    """Velocity indices with the slides before `first`."""
+    return np.where(velocities < first, velocities, velocities + ACROSS).astype(int)
+
+
+def _columns(bearing: Bearing, motors: int, columns: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Columns of `projected_regressor` in the robot with slides, of bodies, rotors and redundant motors' torques; and
+    which of them a joint can bear: not the rotors of the motors (so many) that are held.
+    """
+    joints = len(bearing.geometry.joints)
+    bodies = 10 * (joints - ACROSS)
+    of_body = columns + 10 * ACROSS * (columns // 10 >= bearing.joint)
+    behind = 10 * joints + ACROSS + columns - bodies - motors
+    return np.where(columns < bodies, of_body, behind), (columns < bodies) | (columns >= bodies + motors)

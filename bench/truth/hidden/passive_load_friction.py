@@ -1,0 +1,56 @@
+"""Dry friction in a joint without a motor that grows with the force in it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+import mujoco
+import numpy as np
+
+from bench.truth.hidden.base import Array, Draft, JointEffect, hard_friction
+from bench.truth.hidden.signals import Parameters
+
+FORCE = "hidden:force in joint:"
+"""Before the name of a joint: the site and the sensor of the force between the bodies that it joins."""
+
+
+@dataclass(frozen=True)
+class PassiveLoadFriction(JointEffect):
+    """mu · |F| · sign(q̇) in a passive joint, and sticking at standstill: a plain bearing under load.
+
+    F is what MuJoCo's constraints make the joint bear at right angles to its axis, friction, payload and whatever else
+    is hidden included; that of the step before.
+
+    mu: at least 0; N·m/N of a hinge, N/N of a slide.
+    """
+
+    name: ClassVar[str] = "passive_load_friction"
+    law: ClassVar[str] = "mu |F| sign(q̇) in a joint without a motor, F the force across its axis"
+    not_negative: ClassVar[tuple[str, ...]] = ("mu",)
+    shares: ClassVar[tuple[float, float]] = (
+        0.004,
+        0.02,
+    )  # mu of millimetres: 0.1 to 0.2 on a pin of centimetres
+    where = "passive"
+    mu: float
+
+    def change(self, draft: Draft) -> None:
+        hard_friction(draft, self.joint)
+        joint = draft.spec.joint(self.joint)
+        name = FORCE + self.joint
+        if any(site.name == name for site in draft.spec.sites):
+            return
+        turn = np.zeros(4)
+        mujoco.mju_quatZ2Vec(turn, np.asarray(joint.axis, dtype=float) / np.linalg.norm(joint.axis))
+        joint.parent.add_site(name=name, pos=joint.pos, quat=turn)
+        draft.spec.add_sensor(
+            name=name,
+            type=mujoco.mjtSensor.mjSENS_FORCE,
+            objtype=mujoco.mjtObj.mjOBJ_SITE,
+            objname=name,
+        )
+
+    @staticmethod
+    def bearing_friction(p: Parameters, force: Array) -> Array:
+        return p["mu"] * force
