@@ -291,12 +291,19 @@ def test_the_policy_stops_what_does_not_belong(look, tmp_path):
         assert sum("Content Security Policy" in one for one in page.heard) == 2
 
 
-def test_a_page_says_when_its_server_is_gone_and_how_to_start_it_again(look, tmp_path):
+def test_a_page_says_what_cannot_be_and_when_its_server_is_gone(look, logs, tmp_path):
+    shutil.copytree(logs / "truth", tmp_path / "data")
+    (tmp_path / "data.results").touch()  # no folder can be made there, as in one that is read only
     with opened(tmp_path) as site:
         page = look(site)
-        expect(page.locator("#dataset-choice")).to_contain_text("drop the first log")
+        for step in ("errors", "missing", "effects"):
+            expect(page.locator(f"#{step}")).to_contain_text("data.results: cannot be made: File exists")
+            expect(page.locator(f"#{step} button.main").first).to_be_disabled()
         expect(page.locator("#banner")).to_be_hidden()
+        page.evaluate("document.getElementById('job').hidden = false")
+    expect(page.locator("#banner")).to_contain_text("If it was ended, so was what ran")
     expect(page.locator("#banner")).to_contain_text("start it again with: bench open")
+    expect(page.locator("#job")).to_be_hidden()
 
 
 def test_a_second_browser_hears_of_what_the_first_does(look, logs, tmp_path):

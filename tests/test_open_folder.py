@@ -92,3 +92,19 @@ def test_a_new_dataset_gets_a_name_that_nothing_has(tmp_path):
         command_of(folder, {**asked, "dataset": "my_data"})
     assert command_of(folder, {**asked, "dataset": "my_data_3"}).line.endswith("my_data_3")
     assert command_of(folder, {**asked, "dataset": "my_data", "fresh": False}).line.endswith("my_data")
+
+
+@pytest.mark.parametrize(
+    ("stem", "name"),
+    [
+        ("run@1 kHz", "run_1 kHz"),
+        ("Größe ß", "Größe ß"),
+        ("-o", "log-o"),
+        ("<b>$(touch x)\n", "_b__(touch x)_"),
+        ("x" * 300, "x" * 120),
+        (" .", "log"),
+    ],
+)
+def test_a_recording_has_a_plain_name_whatever_its_log_is_called(stem, name, tmp_path):
+    folder = Folder(tmp_path)
+    assert folder.name(folder.cleaned(stem)) == name

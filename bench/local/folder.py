@@ -19,7 +19,9 @@ BEGINNING = 1 << 16  # bytes of a model file in which that stands
 DEEP, MANY = 6, 5000  # levels and entries that are looked at
 RESULTS = ".results"  # what the folder of a dataset's results ends in
 MODEL = re.compile(r"(\d+-diagnosis-)?model(-\d+)?\.json")  # in it
-NAME = re.compile(r"[\w][\w .()+=,-]{0,119}")
+LONGEST = 120  # characters of a name
+NAME = re.compile(rf"[\w][\w .()+=,-]{{0,{LONGEST - 1}}}")
+FOREIGN = re.compile(r"[^\w .()+=,-]")  # what no name has
 
 
 @dataclass(frozen=True)
@@ -73,6 +75,11 @@ class Folder:
         if not NAME.fullmatch(text) or text.endswith((" ", ".")):
             raise BenchError(f"{text!r}: give a name of letters, digits, spaces, and ( ) + = , . - _")
         return text
+
+    def cleaned(self, text: str) -> str:
+        """A plain name that is as near to a text as one can be."""
+        plain = FOREIGN.sub("_", text)[:LONGEST].strip(" .")
+        return plain if NAME.fullmatch(plain) else f"log{plain}"[:LONGEST].strip(" .")
 
     def free(self, stem: str) -> str:
         """A name that neither a folder nor the results of one has: the stem, or the stem with a number."""

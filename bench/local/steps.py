@@ -223,7 +223,7 @@ def _import(folder: Folder, step: ImportLog) -> Command:
     if step.split_gaps:
         words.append("--split-gaps")
     words += [word for kind in step.accept for word in ("--accept", kind)]
-    name = f"{folder.name(log.stem)}.csv"
+    name = f"{folder.cleaned(log.stem)}.csv"
     words += [*(["--replace"] if step.replace else []), "--name", name, "-o", folder.word(target)]
     there = name if (target / name).is_file() else ""
     return Command("import", step.log, words, {"dataset": step.dataset}, there)

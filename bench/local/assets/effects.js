@@ -28,7 +28,7 @@ const Effects = (() => {
     }
     const run = app.latest("diagnosis", () => true);
     const found = run ? await Server.file(`${run.path}.json`).catch(() => null) : null;
-    const line = await Server.line({step: "diagnose", dataset: app.dataset});
+    const offered = await Server.offer("", () => ({step: "diagnose", dataset: app.dataset}));
     if (mine !== round) return;
     const key = run ? `${app.dataset}\n${run.path}` : `${app.dataset}\n`;
     if (key !== shownOf) {
@@ -39,14 +39,14 @@ const Effects = (() => {
       for (const request of found ? found.after.effects.filter(known) : []) chosen.add(request);
     }
     diagnosis = found;
-    drawMissing(run, line);
+    drawMissing(run, offered);
     await drawChoice();
   }
 
-  function drawMissing(run, line) {
+  function drawMissing(run, {line, fault: lacks}) {
     const asked = () => ({step: "diagnose", dataset: app.dataset});
     const label = run ? "Diagnose again" : "Diagnose";
-    const step = Step.create({label, id: "diagnose", asked, line, done: () => app.refresh()});
+    const step = Step.create({label, id: "diagnose", asked, line, lacks, done: () => app.refresh()});
     missing.replaceChildren(...step, ...(diagnosis ? verdict(run) : []));
   }
 
@@ -206,9 +206,10 @@ const Effects = (() => {
       if (mine !== asking) return;
       parts.push(...numbers(found, base), Dom.command(job.line), apply());
     } else {
-      const line = await Server.line(asked);
+      const {line, fault: lacks} = await Server.offer("", () => asked);
       if (mine !== asking) return;
-      parts.push(el("div", {class: "row"}, go), Dom.command(line));
+      go.disabled = line === null;
+      parts.push(el("div", {class: "row"}, go, lacks), line === null ? "" : Dom.command(line));
     }
     holder.classList.remove("waiting");
     holder.replaceChildren(...parts);

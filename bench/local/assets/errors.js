@@ -16,7 +16,7 @@ const Errors = (() => {
     const mine = ++round;
     if (!app.described) return body.replaceChildren(el("p", {class: "aid"}, "First a dataset is needed."));
     const asked = {step: "compare", dataset: app.dataset};
-    const line = await Server.line(asked);
+    const {line, fault} = await Server.offer("", () => asked);
     const run = app.latest("compare", (job) => !job.applied);
     const answer = el("div");
     if (mine !== round) return undefined;
@@ -25,6 +25,7 @@ const Errors = (() => {
       id: "compare",
       asked: () => asked,
       line,
+      lacks: fault,
       done: () => app.refresh(),
     };
     body.replaceChildren(...Step.create(step), answer);

@@ -127,7 +127,9 @@
   function unreachable() {
     const banner = document.getElementById("banner");
     banner.hidden = false;
-    banner.textContent = `The server does not answer. If it was ended, start it again with: ${app.folder ? app.folder.command : "bench open"} and open the address that it prints. What was found so far lies in the folder.`;
+    banner.textContent = `The server does not answer. If it was ended, so was what ran, and nothing half-written is left: start it again with: ${app.folder ? app.folder.command : "bench open"} and open the address that it prints. What was found so far lies in the folder.`;
+    document.getElementById("job").hidden = true; // what runs is told again when the server answers
+    document.body.classList.remove("working");
   }
 
   function startTheme() {

@@ -28,7 +28,6 @@ const Server = (() => {
   const address = (path) => path.split("/").map(encodeURIComponent).join("/");
   const file = (path) => get(`files/${address(path)}`);
   const look = (name, asked) => post(`api/look/${name}`, asked);
-  const line = async (asked) => (await post("api/command", asked)).line;
 
   /*
   What a step is as a command, or what it lacks: a fault that the page knows, or the server's. there: what an import
@@ -71,5 +70,5 @@ const Server = (() => {
     events.addEventListener("error", () => reachable(false));
   }
 
-  return {get, post, file, look, line, offer, upload, run, cancel, listen, address, own};
+  return {get, post, file, look, offer, upload, run, cancel, listen, address, own};
 })();
