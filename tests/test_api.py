@@ -87,6 +87,11 @@ def test_a_loaded_model_keeps_the_files_of_its_effects_wherever_it_is_saved(resu
     assert file.samefile(own)
 
 
+def test_a_folder_is_no_model_file(tmp_path):
+    with pytest.raises(BenchError, match="a folder, not a model file"):
+        bench.load_model(tmp_path)
+
+
 def test_errors_are_a_table_and_figures(folder, result, tmp_path):
     errors = bench.compare(folder, result)
     table = errors.to_dataframe()

@@ -166,6 +166,8 @@ def model_json(
 def load_model(path: str | Path) -> SavedModel:
     """Read a model file. Raises BenchError that names the file and what is wrong with it."""
     path = Path(path)
+    if path.is_dir():
+        raise BenchError(f"{path}: a folder, not a model file that `bench identify --json` wrote")
     try:
         content = json.loads(path.read_text(encoding="utf-8"))
     except OSError as error:
