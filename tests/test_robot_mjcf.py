@@ -155,3 +155,21 @@ def test_a_cable(tmp_path):
         text.replace("</worldbody>", '<site name="hook" pos="1 0 1"/></worldbody>')
     )
     assert "'rope' is a cable in space" in refusal(folder)
+
+
+def test_a_compiled_file_is_one_s_own_and_never_an_old_one(tmp_path):
+    robot = load_robot(write_arm(tmp_path))
+    first = robot.mjcf_model()
+    mass = float(first.body_mass.sum())
+    first.body_mass[:] = 0.0
+    assert float(robot.mjcf_model().body_mass.sum()) == mass
+    path = tmp_path / "arm.xml"
+    path.write_text(path.read_text().replace('size=".04"', 'size=".08"'))
+    changed = float(robot.mjcf_model().body_mass.sum())
+    assert changed > mass
+    body = '<mujoco><worldbody><body name="more"><geom size="{}"/></body></worldbody></mujoco>'
+    (tmp_path / "more.xml").write_text(body.format(0.1))
+    path.write_text(path.read_text().replace("<tendon>", '<include file="more.xml"/><tendon>', 1))
+    small = float(robot.mjcf_model().body_mass.sum())
+    (tmp_path / "more.xml").write_text(body.format(0.2))
+    assert float(robot.mjcf_model().body_mass.sum()) > small > changed

@@ -7,8 +7,10 @@ with a joint of the tendon's or actuator's name, and an equality that holds its 
 
 from __future__ import annotations
 
+import copy
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
@@ -20,6 +22,7 @@ if TYPE_CHECKING:
 ROTOR = "rotor:"  # what the names of the bodies and tendons of such motors begin with
 MASS = 1e-6  # kg: MuJoCo wants some; what turns with the motor is the armature of the tendon
 INERTIA = 1e-9  # kg m2
+KEPT = 32  # compiled files: a command reads the same one again and again
 ARMATURE = 1e-6  # kg m2 or kg: of a rotor for which the file has none
 
 
@@ -35,6 +38,29 @@ class Transmission:
 
 def robot_model(path: Path, transmissions: Sequence[Transmission] = ()) -> mujoco.MjModel:
     """The compiled file with the rotors. Raises ValueError where MuJoCo refuses the file, BenchError for a motor."""
+    try:
+        content = path.read_bytes()
+    except OSError:
+        return _compiled(path, transmissions)  # MuJoCo says what is wrong
+    if b"file" in content:  # other files belong to it, which may change as well
+        return _compiled(path, transmissions)
+    return copy.copy(_of_content(_Content(path, content), tuple(transmissions)))
+
+
+@dataclass(frozen=True)
+class _Content:
+    """All of a file that names no other; where it stands makes no difference."""
+
+    path: Path = field(compare=False)
+    content: bytes
+
+
+@lru_cache(maxsize=KEPT)
+def _of_content(file: _Content, transmissions: Sequence[Transmission]) -> mujoco.MjModel:
+    return _compiled(file.path, transmissions)
+
+
+def _compiled(path: Path, transmissions: Sequence[Transmission]) -> mujoco.MjModel:
     import mujoco  # noqa: PLC0415 - slow to import: only once a robot is really read
 
     if not transmissions:

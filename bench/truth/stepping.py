@@ -37,6 +37,22 @@ class States:
     """(R, samples, loops), as `gaps_between` has them."""
 
 
+class _Kept:
+    """Samples of live arrays (R, …), as (R, samples, …) each."""
+
+    def __init__(self, live: Sequence[Array], samples: int) -> None:
+        self._pairs = [(np.empty((len(array), samples, *array.shape[1:])), array) for array in live]
+
+    def keep(self, sample: int) -> None:
+        """What the arrays hold now is this sample."""
+        for values, live in self._pairs:
+            values[:, sample] = live
+
+    def first(self, samples: int) -> tuple[Array, ...]:
+        """The samples that were kept, the first so many."""
+        return tuple(values[:, :samples] for values, _ in self._pairs)
+
+
 class Stepper:
     """A batch of R runs of a machine with laws; the laws keep their states from call to call.
 
@@ -103,8 +119,10 @@ class Stepper:
         references = np.moveaxis(command / drive.nominal_gains, 1, 0).copy()
         kp, kv = drive.kp / drive.nominal_gains, drive.kv / drive.nominal_gains
         scratch = np.zeros_like(reference)
-        kept: list[tuple[Array, ...]] = []
-        places: dict[str, list[Array]] = {name: [] for name in POINTS}
+        samples = -(-len(time) // every)
+        before = _Kept((self._qpos, self._qvel), samples)
+        after = _Kept((self._qacc, torque, reference, self._misread, *self._points.values()), samples)
+        warning, sample = self._batch.warning, 0
         for k, now in enumerate(time.tolist()):
             self._clock.time = now
             for refresh in self._refresh:
@@ -127,21 +145,17 @@ class Stepper:
             keep = k % every == 0
             if self._dry or self._bearings:
                 self._set_friction(keep)
-            before = (self._qpos.copy(), self._qvel.copy()) if keep else ()
+            if keep:
+                before.keep(sample)
             self._batch.step()
             if keep:
-                kept.append(
-                    (*before, self._qacc.copy(), torque.copy(), reference.copy(), self._misread.copy())
-                )
-                for name, points in self._points.items():
-                    places[name].append(points.copy())
-                if self._batch.warning.any():  # diverged: the caller tells
+                after.keep(sample)
+                sample += 1
+                if np.count_nonzero(warning):  # diverged: the caller tells
                     break
-        stacked = {name: np.stack(points, axis=1) for name, points in places.items()}
-        gaps = batch_gaps(self._models, stacked)
-        qpos, qvel, qacc, forces, logged, misread = (
-            np.stack(values, axis=1) for values in zip(*kept, strict=True)
-        )
+        qpos, qvel = before.first(sample)
+        qacc, forces, logged, misread, *points = after.first(sample)
+        gaps = batch_gaps(self._models, dict(zip(self._points, points, strict=True)))
         return States(qpos, qvel, qacc, forces, logged, misread, gaps)
 
     def _live(self, source: Array, indices: NDArray[np.signedinteger]) -> Array:
