@@ -328,10 +328,9 @@ def test_friction_of_a_bearing_goes_by_the_size_of_its_force(tmp_path: Path) -> 
     expected = robot.tree.jacobian[:, index] * friction[:, None]
     found = columns_at(robot, "passive_load_friction", "left_elbow", mu=mu, mum=mum) @ np.array([mu, mum])
     close(found, expected, 1e-6)
-    plain = columns_at(robot, "passive_load_friction", "left_elbow")[:, :, 0]
-    force = np.hypot(*borne.force.T)
-    close(
-        plain,
-        robot.tree.jacobian[:, index] * (robot.refined(force) * np.sign(robot.tree.v[:, index]))[:, None],
-        1e-6,
-    )
+    plain = columns_at(robot, "passive_load_friction", "left_elbow") @ np.array(
+        [1.0, borne.mass]
+    )  # as bars have it
+    force = np.hypot(*(borne.force + borne.mass * borne.of_mass).T)
+    friction = robot.refined(force) * np.sign(robot.tree.v[:, index])
+    close(plain, robot.tree.jacobian[:, index] * friction[:, None], 1e-6)

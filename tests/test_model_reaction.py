@@ -9,7 +9,9 @@ from bench.dataset.robot import load_robot
 from bench.effects import places_in, select_effects
 from bench.effects.places import passive_joints
 from bench.model.geometry import read_geometry
-from bench.model.reaction import bearing_of, bearing_rows, determined
+from bench.model.guess import guessed_parameters
+from bench.model.model import build_model
+from bench.model.reaction import bearing_of, bearing_rows, mass_on_axis, undetermined_by
 from bench.model.regressor import projected_regressor
 from bench.model.states import random_motion
 from tests.mechanisms import to_mujoco, write_robot
@@ -87,7 +89,7 @@ def test_the_force_in_a_joint_is_mujocos(name):
 def test_a_force_that_closures_may_share_in_any_way_is_refused_with_the_reason(tmp_path):
     geometry = read_geometry(write_robot(tmp_path, THREE_ROCKERS, ["first"]))
     places = places_in(geometry, [])
-    assert not determined(geometry, geometry.joint_index("first_pin"))
+    assert undetermined_by(geometry, geometry.joint_index("first_pin")) == "closures"
     assert places.passive == ("first_pin", "second", "third")
     assert places.bearing == ()
     with pytest.raises(
@@ -98,6 +100,22 @@ def test_a_force_that_closures_may_share_in_any_way_is_refused_with_the_reason(t
         select_effects(["passive_load_friction"], places)
 
 
-def test_without_closures_every_force_follows_from_the_motion():
-    geometry = read_geometry(load_robot("two_link"))
-    assert all(determined(geometry, index) for index in range(len(geometry.joints)))
+def test_a_mass_on_its_axis_is_all_of_an_elbow_s_force_that_motors_do_not_tell():
+    model = build_model(load_robot("five_bar"))
+    geometry = model.geometry
+    for joint in passive_joints(geometry):
+        index = geometry.joint_index(joint)
+        guessed = guessed_parameters(geometry)
+        mass, left = mass_on_axis(geometry, index, guessed, model.base.columns, model.guessed)
+        assert mass > 0.0
+        assert left < 1e-9
+        assert undetermined_by(geometry, index) == ""
+
+
+def test_a_force_that_depends_on_masses_no_motor_shows_is_refused_with_the_reason():
+    places = places_in(read_geometry(load_robot("three_rrr")), [])
+    assert places.bearing == ("elbow_1", "elbow_2", "elbow_3")
+    with pytest.raises(
+        BenchError, match="'wrist_1' does not follow from the motion: it depends on where bodies"
+    ):
+        select_effects(["passive_load_friction:wrist_1"], places)

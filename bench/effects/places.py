@@ -7,7 +7,7 @@ from functools import cached_property
 from bench.effects.body_length import lengths
 from bench.effects.effect import ActuatorEffect, Effect, Place
 from bench.model.geometry import Geometry
-from bench.model.reaction import determined
+from bench.model.reaction import undetermined_by
 
 
 @dataclass(frozen=True)
@@ -32,7 +32,7 @@ class Places:
         return tuple(
             name
             for name in self.passive
-            if geometry is not None and determined(geometry, geometry.joint_index(name))
+            if geometry is not None and not undetermined_by(geometry, geometry.joint_index(name))
         )
 
     @property

@@ -7,6 +7,7 @@ from bench.basics.errors import BenchError, meant
 from bench.effects.catalogue import CATALOGUE
 from bench.effects.effect import Effect, Place
 from bench.effects.places import Places
+from bench.model.reaction import undetermined_by
 
 ROBOT = "robot"  # where an effect of the whole robot stands among the joints
 TAG = "@recording"  # behind an effect or its place: a value for each recording
@@ -17,6 +18,12 @@ NOWHERE: dict[Place, str] = {
     "bearing": "the robot has no joint without a motor whose force follows from the motion",
     "body": "no body of the robot has a length",
     "payload": "the dataset has no payload of known mass",
+}
+
+
+UNDETERMINED = {
+    "closures": "closures of loops repeat one another there, so that others could bear it as well",
+    "masses": "it depends on where bodies have their mass in a way that no motor's torque shows",
 }
 
 
@@ -72,9 +79,10 @@ def select_effects(
         effect = catalogue[name]
         possible = places.where(effect)
         if effect.place == "bearing" and joint in places.passive and joint not in possible:
+            assert places.geometry is not None  # else there were no passive joints
+            why = undetermined_by(places.geometry, places.geometry.joint_index(joint))
             raise BenchError(
-                f"effect {request!r}: the force in joint {joint!r} does not follow from the motion: closures of loops "
-                "repeat one another there, so that others could bear it as well"
+                f"effect {request!r}: the force in joint {joint!r} does not follow from the motion: {UNDETERMINED[why]}"
             )
         if joint and joint not in possible:
             near = meant(

@@ -96,10 +96,12 @@ class Borne:
     """What a joint bears across its axis by the present model, in two directions at right angles to it.
 
     force (K, 2) N, at every so many-th sample; of_mass (K, 2) N/kg: what a mass on the joint's axis, beyond it, adds.
+    mass: kg, how much of that the force of equal bars, as heavy as the model, has beside its own.
     """
 
     force: np.ndarray
     of_mass: np.ndarray
+    mass: float
 
 
 class BorneModel(Protocol):

@@ -6,8 +6,9 @@ import numpy as np
 
 from bench.effects.signals import Borne, BorneModel
 from bench.identification.filtered import Measured
+from bench.model.guess import guessed_parameters
 from bench.model.model import IdentificationModel
-from bench.model.reaction import bearing_of, bearing_rows
+from bench.model.reaction import bearing_of, bearing_rows, mass_on_axis
 from bench.model.regressor import payload_transform, redundant_columns
 
 
@@ -42,10 +43,25 @@ def borne_by(
             tree = measured.tree.at(slice(None, None, every))
             rows = bearing_rows(bearing_of(geometry, index), tree, columns)
             measured.borne.keep(key, rows)
-        mass = len(known)
+        mass, nb = len(known), len(base)
+        first = rows[:, :, :nb] @ model.guessed  # of equal bars: how much heavier the model is, forces tell
+        square = float(np.vdot(first, first))
+        heavier = float(np.vdot(first, rows[:, :, :nb] @ base)) / square if square > 0.0 else 0.0
         force = rows[:, :, :mass] @ known
         if len(extra):
             force = force + np.einsum("kur,kr->ku", rows[:, :, mass + 1 :], beside()[::every])
-        return Borne(force, rows[:, :, mass])
+        return Borne(force, rows[:, :, mass], max(heavier, 0.0) * _mass_of_bars(model, measured, index))
 
     return borne
+
+
+def _mass_of_bars(model: IdentificationModel, measured: Measured, joint: int) -> float:
+    """`mass_on_axis` of the model's guess, kept."""
+    key = ("mass", joint)
+    kept = measured.borne.get(key)
+    if kept is None:
+        guessed = guessed_parameters(model.geometry)
+        mass, _ = mass_on_axis(model.geometry, joint, guessed, model.base.columns, model.guessed)
+        kept = np.full((1, 1, 1), mass)
+        measured.borne.keep(key, kept)
+    return float(kept[0, 0, 0])

@@ -7,17 +7,21 @@ closure is to be solved for (virtual work; Briot and Khalil, "Dynamics of Parall
 
 from dataclasses import dataclass, replace
 from functools import lru_cache
+from typing import Literal
 
 import numpy as np
 
+from bench.model.base import BaseParameters, base_parameters
 from bench.model.closure import loop_jacobian
 from bench.model.geometry import Anchor, Geometry, Joint, Placement
+from bench.model.guess import guessed_parameters
 from bench.model.motion import Motion
 from bench.model.regressor import projected_regressor
 from bench.model.states import random_motion
 
 ACROSS = 2  # directions at right angles to an axis
 KEPT = 64  # joints whose geometry is kept
+MOST_OPEN = 1e-6  # of the force in a joint of equal bars: more hangs on masses that no motor tells apart
 FITS = 1e-6  # of a slide's own speed of the closures: what is left of it is rounding
 STATES, SEED = 3, 20120603  # random poses at which it is decided what the closures determine
 
@@ -122,15 +126,43 @@ def bearing_rows(bearing: Bearing, motion: Motion, columns: np.ndarray) -> np.nd
     return rows
 
 
-@lru_cache(maxsize=KEPT)
-def determined(geometry: Geometry, joint: int) -> bool:
-    """Whether the force in a joint (index) follows from the motion: not where closures repeat one another so that
-    they could share it in any way.
+def mass_on_axis(
+    geometry: Geometry, joint: int, standard: np.ndarray, columns: np.ndarray, base: np.ndarray
+) -> tuple[float, float]:
+    """What base parameters leave open of the force in a joint (index): a mass on its axis, kg, that the motors cannot
+    tell from one on its other side. And what that does not account for either, of the force at random states.
+
+    standard (10 joints,): of all bodies; base (nb,): the same as base parameters, of these columns.
     """
-    if not geometry.closed:
-        return True
-    _, left = bearing_motion(bearing_of(geometry, joint), _states(geometry))
-    return bool(np.all(left < FITS))
+    bearing, states = bearing_of(geometry, joint), _states(geometry)
+    rows = bearing_rows(bearing, states, np.arange(10 * len(geometry.joints)))
+    force, of_mass = rows @ standard, rows[:, :, 10 * joint]
+    left = force - bearing_rows(bearing, states, columns) @ base
+    square = float(np.vdot(of_mass, of_mass))
+    mass = float(np.vdot(of_mass, left)) / square if square > 0.0 else 0.0
+    size = float(np.linalg.norm(force))
+    return mass, float(np.linalg.norm(left - mass * of_mass)) / (size or 1.0)
+
+
+@lru_cache(maxsize=KEPT)
+def undetermined_by(geometry: Geometry, joint: int) -> Literal["", "closures", "masses"]:
+    """What keeps the force in a joint (index) from following from motion and torques: closures that repeat one
+    another, so that they could share it in any way; or masses, but one on its axis, that no motor tells apart.
+    """
+    bearing = bearing_of(geometry, joint)
+    if geometry.closed:
+        _, left = bearing_motion(bearing, _states(geometry))
+        if not np.all(left < FITS):
+            return "closures"
+    base = _base(geometry)
+    guessed = guessed_parameters(geometry)
+    _, open_share = mass_on_axis(geometry, joint, guessed, base.columns, base.grouping @ guessed)
+    return "" if open_share < MOST_OPEN else "masses"
+
+
+@lru_cache(maxsize=KEPT)
+def _base(geometry: Geometry) -> BaseParameters:
+    return base_parameters(geometry)
 
 
 @lru_cache(maxsize=KEPT)

@@ -6,7 +6,7 @@ import numpy as np
 
 from bench.effects.effect import Effect, EffectParameter
 from bench.effects.passive_joint import passive_velocity, seen_by_motors
-from bench.effects.signals import RobotSignals
+from bench.effects.signals import Borne, RobotSignals
 
 MOST = 10.0  # times the force of the model: what a mass on the axis may add to it
 NOTHING = 1e-9  # of the largest force: no direction is told from less
@@ -51,17 +51,19 @@ class PassiveLoadFriction(Effect):
 
     def columns(self, robot: RobotSignals, joint: str) -> np.ndarray:
         borne = robot.borne(joint, robot.every)
-        force = borne.force + self._mass(borne.force, borne.of_mass) * borne.of_mass
+        force = borne.force + self._mass(borne) * borne.of_mass
         size = np.linalg.norm(force, axis=1, keepdims=True)
         along = force / np.maximum(size, NOTHING * max(float(size.max()), np.finfo(float).tiny))
         parts = np.column_stack([(along * part).sum(axis=1) for part in (borne.force, borne.of_mass)])
         torque = robot.refined(parts) * np.sign(passive_velocity(robot, joint))[:, None]
         return np.stack([seen_by_motors(robot, joint, column) for column in torque.T], axis=2)
 
-    def _mass(self, force: np.ndarray, of_mass: np.ndarray) -> float:
-        """kg on the axis; none where there is no friction yet that would tell it."""
-        largest = float(np.linalg.norm(of_mass))
-        if not self.mu > 0.0 or not largest > 0.0:
+    def _mass(self, borne: Borne) -> float:
+        """kg on the axis: where there is no friction yet that would tell it, as bars would have."""
+        if not self.mu > 0.0:
+            return borne.mass
+        largest = float(np.linalg.norm(borne.of_mass))
+        if not largest > 0.0:
             return 0.0
-        most = MOST * float(np.linalg.norm(force)) / largest
+        most = MOST * float(np.linalg.norm(borne.force)) / largest
         return float(np.clip(self.mum / self.mu, -most, most))

@@ -11,7 +11,8 @@ from bench.basics.errors import BenchError
 from bench.basics.joint_units import units_of_gain
 from bench.dataset.catalogue import built_in_scenarios
 from bench.dataset.robot import Robot, load_robot
-from bench.effects import CATALOGUE, places_in
+from bench.effects import CATALOGUE, Effect, places_in
+from bench.effects.places import Places
 from bench.model.geometry import read_geometry
 from bench.scenario.file import find_scenario, read_with_bases
 from bench.studies.trial.unknown import LAW
@@ -85,8 +86,17 @@ def make_setup(robot: str, scenario: str | None = None, duration: float | None =
         if joint.body in places.body and joint.kind in ("hinge", "slide")
     }
     setup = Setup(found.name, content, found.joints, places.passive, links, places.payload, ())
-    names = tuple(name for name in HIDDEN_EFFECTS if _possible(setup, name, found))
+    names = tuple(
+        name
+        for name in HIDDEN_EFFECTS
+        if _possible(setup, name, found) and (name not in CATALOGUE or _everywhere(places, CATALOGUE[name]))
+    )
     return Setup(found.name, content, found.joints, places.passive, links, places.payload, names)
+
+
+def _everywhere(places: Places, effect: Effect) -> bool:
+    """Whether a model can have an effect of passive joints in all of them."""
+    return effect.place != "bearing" or places.bearing == places.passive
 
 
 def where(effect: str) -> Where:
