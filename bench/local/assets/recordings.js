@@ -189,12 +189,16 @@ const Recordings = (() => {
           draw();
         }),
       );
+    const reading = el("p", {class: "aid", role: "status"}, `Reading ${form.log}: a large log takes its time.`);
+    setup.append(reading);
     let look;
     try {
       look = await Server.look("columns", source());
     } catch (error) {
       if (mine === drawn) setup.append(el("p", {class: "fault", role: "alert"}, error.message));
       return undefined;
+    } finally {
+      reading.remove();
     }
     if (mine !== drawn) return undefined;
     if (look.topics.length > 1)
