@@ -163,6 +163,17 @@ def test_friction_is_told_by_direction_with_its_sign():
     assert one.low_at < one.high_at
 
 
+def test_friction_is_told_by_direction_where_a_little_that_is_left_lasts_long():
+    """A slow swing of a twentieth of it is alike for long, which says nothing of how surely the friction is found."""
+
+    def error(row, random):
+        return 0.1 * friction(row) + 0.005 * np.sin(2 * np.pi * 0.05 * row["time"]) + 0.05 * white(random)
+
+    first = found_of(made(error)).dependences[0]
+    assert first.variable == "direction"
+    assert first.error_share > 0.99
+
+
 def test_what_repeats_over_position_is_found_with_its_period():
     what = made(lambda row, random: 0.06 * np.sin(40.0 * row["position"]) + white(random))
     (one,) = [line for line in lines(what.of("left")) if line.over == "position"]

@@ -22,7 +22,9 @@ VARIABLES: tuple[Variable, ...] = (
 )
 BINS = 12
 SURPRISING = 1e-6  # probability of so strong a dependence by chance, all variables together
-AS_GOOD = 0.95  # of the best variable's share: a constant that takes up so much is preferred to it
+AS_GOOD = (
+    0.95  # of the best variable's share: a direction or a constant that takes up so much is preferred to it
+)
 WORTH_NAMING = 0.2  # of the squared error
 MOST = 2  # variables named for one motor
 
@@ -111,8 +113,9 @@ def dependences(series: Sequence[MotorSeries]) -> list[Dependence]:
     while len(named) < MOST:
         tried = [_dependence(series, kind, errors, named) for kind in VARIABLES]
         best, left, chance = max(tried, key=lambda pair: pair[0].error_share)
-        if tried[0][0].error_share > AS_GOOD * best.error_share:
-            best, left, chance = tried[0]
+        for plain in (tried[VARIABLES.index("direction")], tried[VARIABLES.index("constant")]):
+            if plain[0].error_share > AS_GOOD * best.error_share:
+                best, left, chance = plain
         small = best.error_share * float(errors @ errors) < WORTH_NAMING / 2 * float(whole @ whole)
         if chance > SURPRISING / len(VARIABLES) or best.error_share < WORTH_NAMING or small:
             break
@@ -137,8 +140,8 @@ def _dependence(
     alike = memory(correlations([trace.row for trace in series], np.split(left, cuts)))
     independent = len(errors) / alike
     ratio = -independent * float(np.log(max(1.0 - share, 1e-12)))
-    # bin means alone take a share of size / independent by chance
-    found = max(share - size / independent, 0.0)
+    # of what is left, bin means alone take a share of size / independent by chance
+    found = max(1.0 - (1.0 - share) / (1.0 - size / independent), 0.0) if size < independent else 0.0
     low, high = int(np.argmin(means)), int(np.argmax(means))
     ends = (float(means[low]), float(bins.center[low]), float(means[high]), float(bins.center[high]))
     return Dependence(series[0].joint, variable, found, *ends, bool(named)), left, tail(ratio, size)
