@@ -70,5 +70,5 @@ const Server = (() => {
     events.addEventListener("error", () => reachable(false));
   }
 
-  return {get, post, file, look, offer, upload, run, cancel, listen, address, own};
+  return {get, file, look, offer, upload, run, cancel, listen, address, own};
 })();
