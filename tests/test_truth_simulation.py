@@ -2,6 +2,7 @@
 
 import json
 
+import mujoco
 import numpy as np
 import pytest
 
@@ -11,6 +12,7 @@ from bench.scenario.scenario import load_scenario
 from bench.truth.dataset import as_dataset, truth_path, write_simulation
 from bench.truth.loops import loop_gaps
 from bench.truth.simulate import simulate
+from bench.truth.timers import stop_step_timers
 
 RECORDINGS = [
     {"name": "free", "use": "identify", "design": {"seed": 1}},
@@ -169,3 +171,15 @@ def test_gaps_on_the_way_are_those_of_the_poses(hidden):
         model = simulation.machine.models[one.table.payload]
         np.testing.assert_array_equal(one.motion.gaps, loop_gaps(model, one.motion.qpos))
         assert one.loop_gap == one.motion.gaps.max() > 0
+
+
+def test_timers_stop_only_where_a_process_asks_for_it_and_a_clock_of_the_caller_stays():
+    ticks = []
+    mujoco.set_mjcb_time(lambda: ticks.append(0) or 0.0)
+    try:
+        stop_step_timers()
+        model = mujoco.MjModel.from_xml_string("<mujoco/>")
+        mujoco.mj_step(model, mujoco.MjData(model))
+    finally:
+        mujoco.set_mjcb_time(None)
+    assert ticks

@@ -40,6 +40,7 @@ def demo(output: Path, scenario: str) -> None:
     from bench.truth.dataset import write_simulation
     from bench.truth.report import truth
     from bench.truth.simulate import simulate
+    from bench.truth.timers import stop_step_timers
     from bench.viewer.recording import write_rrd
 
     console = Console()
@@ -48,6 +49,7 @@ def demo(output: Path, scenario: str) -> None:
     console.print(
         "Simulating the machine in MuJoCo, with drive gains and noise that identification does not know ..."
     )
+    stop_step_timers()
     simulation = simulate(loaded, trajectories)
     write_simulation(simulation, output / "dataset")
     console.print("Identifying from what was logged ...")

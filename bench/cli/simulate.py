@@ -34,9 +34,11 @@ def simulate(scenario: str, output: Path, seed: int | None, overwrite: bool, qui
         from bench.basics.errors import BenchError
         from bench.dataset.names import DATASET_FILE
         from bench.truth.dataset import write_simulation
+        from bench.truth.timers import stop_step_timers
 
         if (output / DATASET_FILE).exists() and not overwrite:
             raise BenchError(f"{output}: holds a dataset already; --overwrite replaces it")
+        stop_step_timers()
         simulation = simulation_of(scenario, seed, progress)
         progress.phase("writing the recordings")
         truth = write_simulation(simulation, output)

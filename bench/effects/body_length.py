@@ -57,18 +57,6 @@ def lengths(geometry: Geometry) -> dict[str, BodyLength]:
     return found
 
 
-def _direction(geometry: Geometry, index: int, points: np.ndarray, length: float) -> np.ndarray | None:
-    """Unit vector (3,) along which a body reaches to what is fixed to it, where that lies to one side."""
-    if index < 0:
-        return None
-    mean = points[np.linalg.norm(points, axis=1) > NEGLIGIBLE].mean(axis=0)
-    if geometry.joints[index].kind == "hinge":
-        axis = geometry.joints[index].axis
-        mean = mean - axis * (axis @ mean)
-    size = float(np.linalg.norm(mean))
-    return mean / size if size > ONE_SIDED * length else None
-
-
 def with_length(geometry: Geometry, body: BodyLength, change: float) -> Geometry:
     """The geometry with a body longer by `change` m; what else is fixed to it moves along."""
 

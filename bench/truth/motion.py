@@ -86,13 +86,9 @@ def simulate_motion(
 
     A run begins with the loops closed at the start of its trajectory, at rest, and is held there by the
     controller for `timing.settle` samples before time 0. A run that is shorter than another one is held at
-    its end meanwhile. `MjData.timer` of this process stands still from then on.
+    its end meanwhile.
     Raises BenchError if the loops do not close at the start or the simulation diverges.
     """
-    if mujoco.get_mjcb_time() is None:  # no clock of the caller's own
-        mujoco.set_mjcb_time(
-            None
-        )  # MuJoCo's, which times the parts of every step: a tenth of a five-bar's time
     # threads that meet after every step take longer than what they share
     batch = Batch(machine.models[None], len(runs), 1 if machine.laws else max(1, min(threads, len(runs))))
     models = [machine.models[run.payload] for run in runs]

@@ -27,6 +27,7 @@ from bench.studies.sweep.settings import flat_settings, plain
 from bench.truth.dataset import as_dataset
 from bench.truth.resense import sense_again
 from bench.truth.simulate import Simulation, simulate
+from bench.truth.timers import stop_step_timers
 
 Trajectories = Mapping[str, FourierTrajectory]
 OK, FAILED = "ok", "failed"
@@ -154,6 +155,7 @@ def _simulated(run: Run, trajectories: Trajectories) -> Simulation:
     before = mujoco.get_mju_user_warning()
     mujoco.set_mju_user_warning(_left_to_the_reason)
     try:
+        stop_step_timers()
         return simulate(_scenario(run, content), trajectories, threads=1)
     finally:
         mujoco.set_mju_user_warning(before)

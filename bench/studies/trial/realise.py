@@ -17,6 +17,7 @@ from bench.studies.trial.unknown import sized
 from bench.truth.hidden.reference import Reference
 from bench.truth.hidden.sizes import typical
 from bench.truth.simulate import Simulation, simulate
+from bench.truth.timers import stop_step_timers
 
 ATTEMPTS = 4  # an effect that the machine does not stand is halved, and again
 Entry = dict[str, Any]
@@ -35,6 +36,7 @@ def realised(
 
     Raises BenchError if it does not stand them in the end either.
     """
+    stop_step_timers()
     for _ in range(ATTEMPTS - 1):
         try:
             return case, simulate(case_scenario(setup, case, reference), trajectories, threads=1)
