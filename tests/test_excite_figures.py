@@ -10,6 +10,7 @@ from bench.studies.excite_page import PAGE, kept_figures, page
 
 ROOT = Path(__file__).resolve().parents[1]
 KEPT = ROOT / "results" / "excite"
+NAMES = {"five_bar": "the five-bar", "two_link": "the arm", "delta": "the Delta", "stewart": "the hexapod"}
 
 
 def figures(robot):
@@ -20,7 +21,7 @@ def test_the_page_is_made_of_the_kept_figures():
     assert (KEPT / PAGE).read_text(encoding="utf-8") == page(kept_figures(KEPT, ROBOTS))
 
 
-@pytest.mark.parametrize("robot", ["two_link", "five_bar", "delta"])
+@pytest.mark.parametrize("robot", ROBOTS)
 def test_forecasts_come_true_within_a_fifth_as_far_as_so_many_repetitions_can_say(robot):
     kept = figures(robot)
     assert kept["smallest_interval"][0] > 0.8
@@ -30,7 +31,7 @@ def test_forecasts_come_true_within_a_fifth_as_far_as_so_many_repetitions_can_sa
 
 def test_the_handbook_quotes_them():
     text = (ROOT / "docs" / "pages" / "howto" / "experiment.md").read_text(encoding="utf-8")
-    for robot, name in (("five_bar", "the five-bar"), ("two_link", "the arm"), ("delta", "the Delta")):
+    for robot, name in NAMES.items():
         kept = figures(robot)
         reach = f"{kept['smallest']:.2f} to {kept['largest']:.2f}"
         assert reach in text, name

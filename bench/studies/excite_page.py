@@ -33,8 +33,6 @@ a standard deviation of so many repetitions is no better known. Those of the sma
 unknowns at once (Bonferroni), because these two were picked from all. "By chance alone": between which all ratios lie
 with at least that probability where every forecast is exact. "On the whole" is the root mean square over the unknowns;
 its interval takes account of their correlations."""
-OLDER = """\
-Without a commit: of a motion whose limits were proven at the samples alone, before every time was."""
 
 Figures = Mapping[str, Any]
 
@@ -60,7 +58,6 @@ def page(robots: Sequence[Figures]) -> str:
         rows_in_markdown(TRUE, [_true(figures) for figures in robots if "pooled" in figures]),
         f"In brackets {in_percent(CONFIDENCE, 2)} intervals by chi-square:\n{INTERVALS}",
         "`python -m bench.studies.excite_figures ROBOT --repetitions N -o results/excite` writes this anew.",
-        *[OLDER for figures in robots if "commit" not in figures][:1],
     )
     return "\n\n".join(parts) + "\n"
 
