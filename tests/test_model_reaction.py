@@ -9,7 +9,6 @@ from bench.dataset.robot import load_robot
 from bench.effects import places_in, select_effects
 from bench.effects.places import passive_joints
 from bench.model.geometry import read_geometry
-from bench.model.guess import guessed_parameters
 from bench.model.model import build_model
 from bench.model.reaction import bearing_of, bearing_rows, mass_on_axis, undetermined_by
 from bench.model.regressor import projected_regressor
@@ -105,8 +104,7 @@ def test_a_mass_on_its_axis_is_all_of_an_elbow_s_force_that_motors_do_not_tell()
     geometry = model.geometry
     for joint in passive_joints(geometry):
         index = geometry.joint_index(joint)
-        guessed = guessed_parameters(geometry)
-        mass, left = mass_on_axis(geometry, index, guessed, model.base.columns, model.guessed)
+        mass, left = mass_on_axis(geometry, index)
         assert mass > 0.0
         assert left < 1e-9
         assert undetermined_by(geometry, index) == ""

@@ -15,7 +15,7 @@ from bench.diagnosis.normal_equations import System, build_system, solve_set
 from bench.diagnosis.restart import restarted
 from bench.diagnosis.revealed import beside, partners
 from bench.diagnosis.search import NEEDED, Found, neighbours, score, search
-from bench.effects import ActuatorEffect, Effect, EffectInstance
+from bench.effects import Effect, EffectInstance, changes_torque
 from bench.identification.nonlinear import converged, present_model
 from bench.identification.perturbations import Nearby
 from bench.identification.prepare import Prepared, seen_nearby, with_effects
@@ -85,10 +85,7 @@ def _instances(proposals: Sequence[Proposal], chosen: Sequence[int]) -> list[Eff
 
 def _less_nearby(instances: Sequence[EffectInstance]) -> bool:
     """Whether effects are much less work where small changes of the torque are known."""
-    return any(
-        instance.effect.depends_on_model and not isinstance(instance.effect, ActuatorEffect)
-        for instance in instances
-    )
+    return any(changes_torque(instance.effect) for instance in instances)
 
 
 @dataclass(frozen=True)

@@ -9,6 +9,7 @@ from bench.effects.effect import (
     EffectParameter,
     Place,
     ShapeParameter,
+    changes_torque,
 )
 from bench.effects.places import Places, passive_joints, places_in
 from bench.effects.samples import JointSamples
@@ -31,6 +32,7 @@ __all__ = [
     "ShapeParameter",
     "TorqueModel",
     "catalogue_for",
+    "changes_torque",
     "effect_columns",
     "load_effects",
     "passive_joints",

@@ -201,3 +201,8 @@ class ActuatorEffect(Effect):
         columns = np.zeros((len(torque), len(robot.joints), torque.shape[1]))
         columns[:, list(robot.joints).index(joint)] = torque
         return columns
+
+
+def changes_torque(effect: Effect) -> bool:
+    """Whether an effect is a change of the present model's torque: much less work where small changes are known."""
+    return effect.depends_on_model and not isinstance(effect, ActuatorEffect)

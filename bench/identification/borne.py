@@ -6,7 +6,6 @@ import numpy as np
 
 from bench.effects.signals import Borne, BorneModel
 from bench.identification.filtered import Measured
-from bench.model.guess import guessed_parameters
 from bench.model.model import IdentificationModel
 from bench.model.reaction import bearing_of, bearing_rows, mass_on_axis
 from bench.model.regressor import payload_transform, redundant_columns
@@ -50,18 +49,6 @@ def borne_by(
         force = rows[:, :, :mass] @ known
         if len(extra):
             force = force + np.einsum("kur,kr->ku", rows[:, :, mass + 1 :], beside()[::every])
-        return Borne(force, rows[:, :, mass], max(heavier, 0.0) * _mass_of_bars(model, measured, index))
+        return Borne(force, rows[:, :, mass], max(heavier, 0.0) * mass_on_axis(geometry, index)[0])
 
     return borne
-
-
-def _mass_of_bars(model: IdentificationModel, measured: Measured, joint: int) -> float:
-    """`mass_on_axis` of the model's guess, kept."""
-    key = ("mass", joint)
-    kept = measured.borne.get(key)
-    if kept is None:
-        guessed = guessed_parameters(model.geometry)
-        mass, _ = mass_on_axis(model.geometry, joint, guessed, model.base.columns, model.guessed)
-        kept = np.full((1, 1, 1), mass)
-        measured.borne.keep(key, kept)
-    return float(kept[0, 0, 0])

@@ -71,7 +71,7 @@ def robot_signals(model: IdentificationModel, measured: Measured, present: Prese
 
     torques: dict[
         Hashable, np.ndarray
-    ] = {}  # what effects and the torque that they are part of ask for alike
+    ] = {}  # effects, and the torque that they are part of, ask for the same
 
     def torque(changed: Changed = UNCHANGED, every: int = 1) -> np.ndarray:
         key = change_key(changed, every)

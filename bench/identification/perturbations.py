@@ -14,7 +14,7 @@ import numpy as np
 
 from bench.basics.errors import BenchError
 from bench.basics.interpolation import cubic_spline
-from bench.effects import ActuatorEffect, RobotSignals
+from bench.effects import RobotSignals, changes_torque
 from bench.effects.motor_link_difference import motion_band
 from bench.effects.row_cache import KeptRows
 from bench.effects.signals import OVERSAMPLING, UNCHANGED, Borne, Changed, Sparse
@@ -131,9 +131,8 @@ class Nearby:
         parameters = np.concatenate((present.base, load))
         few = self.few[index]
         beside = seen.redundant_torque[few] if seen.redundant else None
-        if any(seen.offsets.values()) or _changes_torque(
-            present
-        ):  # what it needs is then smooth changes, too
+        changes = any(changes_torque(instance.effect) for instance, _ in present.effects)
+        if changes or any(seen.offsets.values()):  # what the torque needs is then smooth changes, too
             needed_at = needed_torque(lambda: near, present)
             given["joints"] = {
                 name: replace(joint, needs=partial(needed_at, j))
@@ -339,14 +338,6 @@ class NearbySignals(RobotSignals):
         if len(self.knots) == len(time):
             return values
         return cubic_spline(self.knots, values)(time)
-
-
-def _changes_torque(present: PresentModel) -> bool:
-    """Whether an effect of the present model is a change of its torque: much less work as it is known nearby."""
-    return any(
-        instance.effect.depends_on_model and not isinstance(instance.effect, ActuatorEffect)
-        for instance, _ in present.effects
-    )
 
 
 def _few_samples(measured: Measured) -> np.ndarray:

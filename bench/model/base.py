@@ -5,6 +5,7 @@ calculation of the base inertial parameters of robots").
 """
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 
@@ -16,6 +17,7 @@ from bench.model.states import random_motion
 SEED = 20120601  # of the states; fixed, so that a robot's base parameters never depend on data
 DEPENDENT = 1e-5  # of a column's norm: what is smaller beside the columns before it cannot be measured
 NEGLIGIBLE = 1e-8
+KEPT = 16  # geometries whose base parameters stay in memory
 
 
 @dataclass(frozen=True)
@@ -35,6 +37,7 @@ class BaseParameters:
     descriptions: tuple[str, ...]
 
 
+@lru_cache(maxsize=KEPT)
 def base_parameters(geometry: Geometry) -> BaseParameters:
     """The base parameters of a robot; geometry alone decides them.
 

@@ -11,7 +11,7 @@ from typing import Literal
 
 import numpy as np
 
-from bench.model.base import BaseParameters, base_parameters
+from bench.model.base import base_parameters
 from bench.model.closure import loop_jacobian
 from bench.model.geometry import Anchor, Geometry, Joint, Placement
 from bench.model.guess import guessed_parameters
@@ -126,18 +126,17 @@ def bearing_rows(bearing: Bearing, motion: Motion, columns: np.ndarray) -> np.nd
     return rows
 
 
-def mass_on_axis(
-    geometry: Geometry, joint: int, standard: np.ndarray, columns: np.ndarray, base: np.ndarray
-) -> tuple[float, float]:
-    """What base parameters leave open of the force in a joint (index): a mass on its axis, kg, that the motors cannot
-    tell from one on its other side. And what that does not account for either, of the force at random states.
-
-    standard (10 joints,): of all bodies; base (nb,): the same as base parameters, of these columns.
+@lru_cache(maxsize=KEPT)
+def mass_on_axis(geometry: Geometry, joint: int) -> tuple[float, float]:
+    """What base parameters leave open of the force in a joint (index), where all bodies are equal bars: a mass on its
+    axis, kg, that the motors cannot tell from one on its other side. And what that does not account for either, of the
+    force at random states.
     """
+    standard, base = guessed_parameters(geometry), base_parameters(geometry)
     bearing, states = bearing_of(geometry, joint), _states(geometry)
     rows = bearing_rows(bearing, states, np.arange(10 * len(geometry.joints)))
     force, of_mass = rows @ standard, rows[:, :, 10 * joint]
-    left = force - bearing_rows(bearing, states, columns) @ base
+    left = force - bearing_rows(bearing, states, base.columns) @ (base.grouping @ standard)
     square = float(np.vdot(of_mass, of_mass))
     mass = float(np.vdot(of_mass, left)) / square if square > 0.0 else 0.0
     size = float(np.linalg.norm(force))
@@ -154,15 +153,8 @@ def undetermined_by(geometry: Geometry, joint: int) -> Literal["", "closures", "
         _, left = bearing_motion(bearing, _states(geometry))
         if not np.all(left < FITS):
             return "closures"
-    base = _base(geometry)
-    guessed = guessed_parameters(geometry)
-    _, open_share = mass_on_axis(geometry, joint, guessed, base.columns, base.grouping @ guessed)
+    _, open_share = mass_on_axis(geometry, joint)
     return "" if open_share < MOST_OPEN else "masses"
-
-
-@lru_cache(maxsize=KEPT)
-def _base(geometry: Geometry) -> BaseParameters:
-    return base_parameters(geometry)
 
 
 @lru_cache(maxsize=KEPT)
