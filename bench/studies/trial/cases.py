@@ -63,7 +63,7 @@ class Hide:
 
 @dataclass(frozen=True)
 class Case:
-    """One blind dataset. seed: of the sensors' noise and of the gains."""
+    """One blind dataset. seed: of the sensors' noise and of the gains. drawn_from: effects asked for; empty: all."""
 
     kind: Kind
     index: int
@@ -71,6 +71,7 @@ class Case:
     noise: float
     encoder_bits: int
     seed: int
+    drawn_from: tuple[str, ...] = ()
 
     @property
     def effects(self) -> tuple[str, ...]:
@@ -121,6 +122,7 @@ def draw_case(setup: Setup, kind: Kind, index: int, effects: Sequence[str] = ())
         noise=_even_on_log_scale(NOISE, random),
         encoder_bits=int(random.choice(ENCODER_BITS)),
         seed=int(random.integers(2**31)),
+        drawn_from=tuple(effects),
     )
 
 

@@ -26,6 +26,7 @@ from bench.studies.sweep.workers import ON_ALL_CORES, Workers
 from bench.studies.trial.cases import KINDS, Kind, chosen_effects
 from bench.studies.trial.figures import write_figures
 from bench.studies.trial.markdown import parts, trial_markdown
+from bench.studies.trial.numbers import check_numbers
 from bench.studies.trial.plan import TrialPlan
 from bench.studies.trial.run_trial import TrialRequest, run_trial
 from bench.studies.trial.setup import Setup, make_setup
@@ -106,7 +107,11 @@ def run_command(
 def write_results(
     robot: str, rows: Sequence[Row], folder: Path, seconds: float
 ) -> tuple[TrialSummary, list[Path]]:
-    """Write ROBOT.parquet, ROBOT.md and the figures; returns the figures of the trial and the files."""
+    """Write ROBOT.parquet, ROBOT.md and the figures; returns the figures of the trial and the files.
+
+    Raises BenchError where two rows have one number.
+    """
+    check_numbers(rows)
     unknown = [row for row in rows if row["kind"] == "unknown"]
     rows = [row for row in rows if row["kind"] != "unknown"]
     nothing = [row for row in rows if row["kind"] == "nothing"]

@@ -141,6 +141,7 @@ def diagnosed_row(setup: Setup, case: Case, number: int, simulation: Simulation)
 def _case_columns(setup: Setup, case: Case, number: int) -> Row:
     return {
         "run": number,
+        "drawn_from": cell_of(case.drawn_from),
         "status": OK,
         "reason": None,
         "scenario": setup.name,
