@@ -13,6 +13,7 @@ from bench.effects.body_length import lengths, with_length
 from bench.effects.on_spring import deflection
 from bench.effects.signals import RobotSignals
 from bench.effects.tool_motion import tool_motion, tool_of
+from bench.identification.effect_columns import robot_signals
 from bench.model.geometry import read_geometry
 from bench.model.model import IdentificationModel
 from bench.model.motion import Motion, motion_of
@@ -334,3 +335,24 @@ def test_friction_of_a_bearing_goes_by_the_size_of_its_force(tmp_path: Path) -> 
     force = np.hypot(*(borne.force + borne.mass * borne.of_mass).T)
     friction = robot.refined(force) * np.sign(robot.tree.v[:, index])
     close(plain, robot.tree.jacobian[:, index] * friction[:, None], 1e-6)
+
+
+def test_friction_of_a_bearing_counts_what_friction_presses_on_it(tmp_path: Path) -> None:
+    _, model, measured, present = moving_robot("five_bar", tmp_path, "disc")
+    effects = (
+        (EffectInstance(CATALOGUE["passive_coulomb_friction"], "right_elbow", "other"), np.array([0.5])),
+        (EffectInstance(CATALOGUE["passive_load_friction"], "left_elbow", "own"), np.array([0.02, 0.03])),
+    )
+    robot = robot_signals(model, measured, replace(present, effects=effects))
+    torques = robot.in_joints()
+    assert set(torques) == {"left_elbow", "right_elbow"}
+    borne = robot.borne("left_elbow", robot.every)
+    force = robot.refined(borne.force + 1.5 * borne.of_mass)
+    force += sum(robot.refined(borne.by_torque(name)) * torques[name][:, None] for name in torques)
+    index = robot.geometry.joints[robot.geometry.joint_index("left_elbow")].v.start
+    friction = 0.02 * np.hypot(*force.T) * np.sign(robot.tree.v[:, index])
+    close(torques["left_elbow"][:, None], friction[:, None], 5e-3)  # a few rounds of what presses on itself
+    found = columns_at(robot, "passive_load_friction", "left_elbow", mu=0.02, mum=0.03) @ np.array(
+        [0.02, 0.03]
+    )
+    close(found, robot.tree.jacobian[:, index] * friction[:, None], 1e-9)

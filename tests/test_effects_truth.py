@@ -71,8 +71,8 @@ CASES = {
     "joint_spring": Case({"k": 1.0, "q0": -1.0}, {"k": 1.0, "kq0": -1.0}),
     "load_dependent_friction": Case({"mu": 0.05}, {"mu": 0.05}, floor=1.25),
     "passive_coulomb_friction": Case({"Fc": 0.05}, {"Fc": 0.05}, share=0.02),
-    # what mum is, only the model's parameters tell
-    "passive_load_friction": Case({"mu": 0.003}, {"mu": 0.003}, share=0.03),
+    # what mum is, only the model's parameters tell; so large that what it does to the force itself shows
+    "passive_load_friction": Case({"mu": 0.015}, {"mu": 0.015}, share=0.03),
     "passive_spring": Case(
         {"k": 1.5, "q0": 0.4, "joint": "left_elbow"}, {"k": 1.5, "kq0": 0.6}, "left_elbow"
     ),

@@ -10,7 +10,13 @@ from bench.effects import places_in, select_effects
 from bench.effects.places import passive_joints
 from bench.model.geometry import read_geometry
 from bench.model.model import build_model
-from bench.model.reaction import bearing_of, bearing_rows, mass_on_axis, undetermined_by
+from bench.model.reaction import (
+    bearing_of,
+    bearing_rows,
+    bearing_torques,
+    mass_on_axis,
+    undetermined_by,
+)
 from bench.model.regressor import projected_regressor
 from bench.model.states import random_motion
 from tests.mechanisms import to_mujoco, write_robot
@@ -23,6 +29,7 @@ from tests.test_model_regressor import (
 )
 
 STATES = 4
+RESISTANCE = 3.0  # N*m, or N, in a joint without a motor
 # A coupler on three parallel rockers: any two of them would carry it.
 THREE_ROCKERS = """
   <worldbody>
@@ -49,6 +56,13 @@ def mujocos_forces(compiled, state, qpos, qvel, torque, motors, drift):
     return state.cfrc_int[:, 3:].copy()
 
 
+def across(compiled, state, joint, forces):
+    """Size of the force in a joint, forces (bodies, 3), at right angles to its axis."""
+    index = compiled.joint(joint).id
+    axis, force = state.xaxis[index], forces[compiled.jnt_bodyid[index]]
+    return np.linalg.norm(force - axis * (axis @ force))
+
+
 def drift_of(compiled, state, qpos, qvel, h=1e-6):
     jacobians = []
     for sign in (1, -1):
@@ -70,19 +84,28 @@ def test_the_force_in_a_joint_is_mujocos(name):
     motors = [int(compiled.joint(joint).dofadr[0]) for joint in robot.joints]
     joints = passive_joints(geometry)[:3]
     every = np.arange(10 * len(geometry.joints))
-    found = {
-        joint: bearing_rows(bearing_of(geometry, geometry.joint_index(joint)), motion, every) @ parameters
-        for joint in joints
+    stiff = geometry.joint_index(joints[0])
+    bearings = {joint: bearing_of(geometry, geometry.joint_index(joint)) for joint in joints}
+    found = {joint: bearing_rows(bearing, motion, every) @ parameters for joint, bearing in bearings.items()}
+    resisted = {
+        joint: found[joint] + RESISTANCE * bearing_torques(bearing, motion, stiff)
+        for joint, bearing in bearings.items()
     }
+    more = RESISTANCE * motion.jacobian[:, geometry.joints[stiff].v.start]
+    with_stiff = [*motors, int(compiled.joint(joints[0]).dofadr[0])]
     for i in range(STATES):
         qpos, qvel = to_mujoco(geometry, motion.q[i]), to_mujoco_velocity(geometry, motion, i)
         drift = drift_of(compiled, state, qpos, qvel)
         forces = mujocos_forces(compiled, state, qpos, qvel, torque[i], motors, drift)
+        applied = np.append(torque[i] + more[i], -RESISTANCE)
+        against = mujocos_forces(compiled, state, qpos, qvel, applied, with_stiff, drift)
         for joint in joints:
-            index = compiled.joint(joint).id
-            axis, force = state.xaxis[index], forces[compiled.jnt_bodyid[index]]
-            across = np.linalg.norm(force - axis * (axis @ force))
-            assert np.linalg.norm(found[joint][i]) == pytest.approx(across, rel=1e-5)
+            assert np.linalg.norm(found[joint][i]) == pytest.approx(
+                across(compiled, state, joint, forces), rel=1e-5
+            )
+            assert np.linalg.norm(resisted[joint][i]) == pytest.approx(
+                across(compiled, state, joint, against), rel=1e-5
+            )
 
 
 def test_a_force_that_closures_may_share_in_any_way_is_refused_with_the_reason(tmp_path):

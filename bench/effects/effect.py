@@ -125,6 +125,10 @@ class Effect(ABC):
         joint: where the effect sits (a joint, a body or a payload); empty for an effect of the whole robot.
         """
 
+    def in_joint(self, robot: RobotSignals, joint: str) -> np.ndarray | None:  # noqa: ARG002 - by default none
+        """Torque or force (N, p) in its joint without a motor for a value of one of each parameter; None elsewhere."""
+        return None
+
     def shape_values(self) -> dict[str, float]:
         """The values of the shape parameters of this instance."""
         return {parameter.name: getattr(self, parameter.name) for parameter in self.shape}

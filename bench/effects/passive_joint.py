@@ -39,7 +39,11 @@ class PassiveEffect(Effect):
         position, velocity: (N,) of the joint, rad or m, zero where the MJCF has it, and its rate.
         """
 
+    def in_joint(self, robot: RobotSignals, joint: str) -> np.ndarray:
+        """`torque` (N, p)."""
+        return self.torque(passive_position(robot, joint), passive_velocity(robot, joint))
+
     def columns(self, robot: RobotSignals, joint: str) -> np.ndarray:
         """Columns (N, n, p): what the motors need against `torque`."""
-        torque = self.torque(passive_position(robot, joint), passive_velocity(robot, joint))
+        torque = self.in_joint(robot, joint)
         return np.stack([seen_by_motors(robot, joint, column) for column in torque.T], axis=2)

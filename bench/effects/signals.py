@@ -96,12 +96,14 @@ class Borne:
     """What a joint bears across its axis by the present model, in two directions at right angles to it.
 
     force (K, 2) N, at every so many-th sample; of_mass (K, 2) N/kg: what a mass on the joint's axis, beyond it, adds.
-    mass: kg, how much of that the force of equal bars, as heavy as the model, has beside its own.
+    mass: kg, how much of that the force of equal bars, as heavy as the model, has beside its own. by_torque: what a
+    torque or force of one that another joint without a motor needs, by name, or the joint itself, adds to it (K, 2).
     """
 
     force: np.ndarray
     of_mass: np.ndarray
     mass: float
+    by_torque: Callable[[str], np.ndarray]
 
 
 class BorneModel(Protocol):
@@ -143,8 +145,9 @@ class RobotSignals:
     joints: the actuated ones that move independently by name, in actuator order; redundant: the others with a motor.
     `moved` computes `tree`. payload: the name of what it carries, None without; payload_mass kg, as declared, zero
     where unknown; `carried` computes `payload_torque`. torque: the rigid-body torque of the present model, less what
-    redundant motors give. borne: what joints bear by it. An effect that depends on the model is linearised about the
-    present one, and the fit repeats until it converges. gaps: stretches of samples in which each joint stands still.
+    redundant motors give. borne: what joints bear by it; in_joints: what its effects need (N,) in joints without a
+    motor, by name, N*m or N. An effect that depends on the model is linearised about the present one, and the fit
+    repeats until it converges. gaps: stretches of samples in which each joint stands still.
     offsets: of the present model's encoders by joint, rad or m. log: the recording whose own values hold here, of
     effects that have a value for each. lasting: rows of effects that do not depend on the present model, kept as long
     as the recording; passing: those that do. noted: what else effects have computed of the present model. sparse: where
@@ -163,6 +166,7 @@ class RobotSignals:
     torque: TorqueModel
     gaps: tuple[np.ndarray, ...]
     borne: BorneModel
+    in_joints: Callable[[], Mapping[str, np.ndarray]]
     offsets: Mapping[str, float] = field(default_factory=dict)
     log: str = ""
     redundant: Mapping[str, JointSignals] = field(default_factory=dict)

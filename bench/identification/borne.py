@@ -7,7 +7,7 @@ import numpy as np
 from bench.effects.signals import Borne, BorneModel
 from bench.identification.filtered import Measured
 from bench.model.model import IdentificationModel
-from bench.model.reaction import bearing_of, bearing_rows, mass_on_axis
+from bench.model.reaction import bearing_of, bearing_rows, bearing_torques, mass_on_axis
 from bench.model.regressor import payload_transform, redundant_columns
 
 
@@ -49,6 +49,17 @@ def borne_by(
         force = rows[:, :, :mass] @ known
         if len(extra):
             force = force + np.einsum("kur,kr->ku", rows[:, :, mass + 1 :], beside()[::every])
-        return Borne(force, rows[:, :, mass], max(heavier, 0.0) * mass_on_axis(geometry, index)[0])
+
+        def by_torque(other: str) -> np.ndarray:
+            second = geometry.joint_index(other)
+            key = (index, every, second)
+            along = measured.borne.get(key)
+            if along is None:
+                tree = measured.tree.at(slice(None, None, every))
+                along = bearing_torques(bearing_of(geometry, index), tree, second)
+                measured.borne.keep(key, along)
+            return along
+
+        return Borne(force, rows[:, :, mass], max(heavier, 0.0) * mass_on_axis(geometry, index)[0], by_torque)
 
     return borne

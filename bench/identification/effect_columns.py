@@ -20,6 +20,8 @@ from bench.model.model import IdentificationModel
 from bench.model.motion import Motion, motion_of
 from bench.model.regressor import payload_transform, projected_regressor, redundant_columns
 
+AGAIN = 3  # times that torques in joints are worked out, which press on the bearings that they come from
+
 
 @dataclass(frozen=True)
 class PresentModel:
@@ -96,6 +98,7 @@ def robot_signals(model: IdentificationModel, measured: Measured, present: Prese
         return _carried(model, model.geometry, measured.tree, present.declared[payload])
 
     mass = 0.0 if payload is None else float(present.declared[payload][0])
+    in_joints = torques_in_joints(lambda: signals, present)
     log = measured.recording.log
     offsets = _encoder_offsets(present, log)
     signals = RobotSignals(
@@ -114,6 +117,7 @@ def robot_signals(model: IdentificationModel, measured: Measured, present: Prese
             None if payload is None else present.payloads[payload],
             lambda: signals.redundant_torque,
         ),
+        in_joints,
         offsets=offsets,
         log=log,
         lasting=measured.kept,
@@ -155,6 +159,34 @@ def needed_torque(seen: Callable[[], RobotSignals], present: PresentModel) -> Ca
         if adding:
             raise AskedWithinError
         return needed()[:, motor]
+
+    return at
+
+
+def torques_in_joints(
+    seen: Callable[[], RobotSignals], present: PresentModel
+) -> Callable[[], Mapping[str, np.ndarray]]:
+    """What the present model's effects need (N,) in joints without a motor, by name, in a recording that is `seen` so.
+
+    Where one of them asks for it, as friction does that goes by the force in its joint, it is told what was found
+    before: the first time nothing, then what the others and it make of that.
+    """
+    known: dict[str, np.ndarray] = {}
+    asked = False
+
+    def at() -> Mapping[str, np.ndarray]:
+        nonlocal asked, known
+        if not asked:
+            asked = True
+            for _ in range(AGAIN):
+                found: dict[str, np.ndarray] = {}
+                for instance, values in present.effects:
+                    for part, share in made_of(seen(), instance):
+                        columns = part.effect.in_joint(seen(), part.joint)
+                        if columns is not None:
+                            found[part.joint] = found.get(part.joint, 0.0) + columns @ (share * values)
+                known = found
+        return known
 
     return at
 

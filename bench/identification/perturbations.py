@@ -5,7 +5,7 @@ is computed once for a dataset, at as few samples as the motion needs, of all re
 tried then costs a product with its parameters. A shift of an active joint counts to second order.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, fields, replace
 from functools import cached_property, partial
 from itertools import pairwise
@@ -256,6 +256,9 @@ class NearbySignals(RobotSignals):
         def borne(joint: str, every: int) -> Borne:
             return self.borne(joint, every * self.every)
 
+        def in_joints() -> Mapping[str, np.ndarray]:
+            return {name: torque[some] for name, torque in self.in_joints().items()}
+
         return replace(
             self,
             joints={name: sparse_joint(joint, every) for name, joint in self.joints.items()},
@@ -264,6 +267,7 @@ class NearbySignals(RobotSignals):
             carried=lambda: self.payload_torque[some],
             torque=torque,
             borne=borne,
+            in_joints=in_joints,
             gaps=gaps,
             lasting=self.nearby.rows[self.index],
             passing=KeptRows(),

@@ -126,6 +126,13 @@ def bearing_rows(bearing: Bearing, motion: Motion, columns: np.ndarray) -> np.nd
     return rows
 
 
+def bearing_torques(bearing: Bearing, motion: Motion, other: int) -> np.ndarray:
+    """Force (N, 2), N, along both slides for a torque or force of one that a joint without a motor (index) needs."""
+    wider, _ = bearing_motion(bearing, motion)
+    joint = bearing.geometry.joints[_index(other, bearing.joint)]
+    return np.asarray(wider.jacobian[:, joint.v.start])
+
+
 @lru_cache(maxsize=KEPT)
 def mass_on_axis(geometry: Geometry, joint: int) -> tuple[float, float]:
     """What base parameters leave open of the force in a joint (index), where all bodies are equal bars: a mass on its

@@ -17,10 +17,11 @@ class PassiveLoadFriction(Effect):
     """Friction of a bearing in proportion to the force that it bears across its axis, carried to the motors.
 
     mu |F| is what the columns give together where they are linearised about mu and mum (Euler's rule for what is in
-    proportion to both). Valid while the joint turns, for a force that follows from the motion: not where closures
-    repeat one another. Friction in the joints, small beside the force, is not counted in it. Source: Rosyid and
-    El-Khasawneh, "Identification of the dynamic parameters of a parallel kinematics mechanism with prismatic joints by
-    considering varying friction", Applied Sciences 10(14), 2020 (friction as a coefficient times the normal force).
+    proportion to both). Friction and springs in joints without a motor press on the bearing as well, its own friction
+    too: those of the present model count. Valid while the joint turns, for a force that follows from the motion: not
+    where closures repeat one another. Source: Rosyid and El-Khasawneh, "Identification of the dynamic parameters of a
+    parallel kinematics mechanism with prismatic joints by considering varying friction", Applied Sciences 10(14), 2020
+    (friction as a coefficient times the normal force).
     """
 
     name = "passive_load_friction"
@@ -49,13 +50,24 @@ class PassiveLoadFriction(Effect):
     mu: float = 0.0
     mum: float = 0.0
 
-    def columns(self, robot: RobotSignals, joint: str) -> np.ndarray:
+    def in_joint(self, robot: RobotSignals, joint: str) -> np.ndarray:
+        """Torque or force (N, 2) in the joint by mu and mum."""
         borne = robot.borne(joint, robot.every)
-        force = borne.force + self._mass(borne) * borne.of_mass
-        size = np.linalg.norm(force, axis=1, keepdims=True)
-        along = force / np.maximum(size, NOTHING * max(float(size.max()), np.finfo(float).tiny))
-        parts = np.column_stack([(along * part).sum(axis=1) for part in (borne.force, borne.of_mass)])
-        torque = robot.refined(parts) * np.sign(passive_velocity(robot, joint))[:, None]
+        force, of_mass, torques = borne.force, borne.of_mass, robot.in_joints()
+        if torques:  # which change at once where a joint turns back
+            force, of_mass = robot.refined(force), robot.refined(of_mass)
+        for other, torque in torques.items():
+            force = force + robot.refined(borne.by_torque(other)) * torque[:, None]
+        whole = force + self._mass(borne) * of_mass
+        size = np.linalg.norm(whole, axis=1, keepdims=True)
+        along = whole / np.maximum(size, NOTHING * max(float(size.max()), np.finfo(float).tiny))
+        parts = np.column_stack([(along * part).sum(axis=1) for part in (force, of_mass)])
+        if not torques:
+            parts = robot.refined(parts)
+        return np.asarray(parts * np.sign(passive_velocity(robot, joint))[:, None])
+
+    def columns(self, robot: RobotSignals, joint: str) -> np.ndarray:
+        torque = self.in_joint(robot, joint)
         return np.stack([seen_by_motors(robot, joint, column) for column in torque.T], axis=2)
 
     def _mass(self, borne: Borne) -> float:
