@@ -88,6 +88,15 @@ class Site:
         number = self.started(step)["number"]
         return self.until(lambda job: job["number"] == number and job["state"] in OVER)
 
+    def workers(self):
+        """Numbers of the processes that the server has started to work."""
+        words = ["ps", "-wweo", "pid=,ppid=,args="]
+        listed = subprocess.run(words, capture_output=True, text=True, check=True).stdout
+        rows = [line.split(None, 2) for line in listed.splitlines()]
+        return [
+            int(pid) for pid, parent, line in rows if int(parent) == self.process.pid and "spawn_main" in line
+        ]
+
     def until(self, wanted):
         """The first job that is as wanted."""
         return next(job for jobs in self.jobs() for job in jobs if wanted(job))

@@ -6,8 +6,9 @@ import mujoco
 import numpy as np
 import pytest
 
+from bench.basics.errors import BenchError
 from bench.dataset.robot import load_robot
-from bench.excitation.experiment import open_limits
+from bench.excitation.experiment import open_limits, proof
 from bench.excitation.experiment.enclosed_loops import enclosed, follows
 from bench.excitation.experiment.enclosed_torques import enclosed_torques
 from bench.excitation.experiment.motor_balls import intervals_of, motor_balls
@@ -282,6 +283,20 @@ def test_where_no_interval_holds_its_loops_there_are_no_margins(delta):
     found = margins(delta.nominal, room, None, nothing)
     assert set(found) == set(margins(delta.nominal, room, None, enclosure))
     assert all(margin.middle.size == margin.least.size == 0 for margin in found.values())
+
+
+def test_why_loops_cannot_be_closed_is_told(delta, monkeypatch):
+    def out_of_reach(*_):
+        raise BenchError(
+            "t = 1.5000 s: the loops of delta cannot be closed at a = 3 (singular or out of reach)"
+        )
+
+    monkeypatch.setattr(proof, "motion_of", out_of_reach)
+    told = prove(delta.promise())
+    assert told.limit is Kept.LOOPS
+    assert limit_in_words(told).startswith(
+        "the loops (t = 1.5000 s: the loops of delta cannot be closed at a = 3 ("
+    )
 
 
 def test_a_limit_that_stays_open_is_told_in_words():

@@ -12,6 +12,7 @@ from bench.cli import main
 from bench.dataset.catalogue import built_in_robots
 from bench.dataset.dataset import load_dataset
 from tests.open_kit import opened, short_dataset, write_log
+from tests.patience import PATIENT, ended_at_a_standstill
 
 LEFT = "viscous_friction:left"
 PHONE = 390
@@ -39,8 +40,8 @@ def look(chromium):
         page = chromium.new_page(
             viewport={"width": width, "height": 900}, color_scheme="dark" if dark else "light"
         )
-        page.set_default_timeout(60_000)
-        expect.set_options(timeout=60_000)
+        page.set_default_timeout(PATIENT)
+        expect.set_options(timeout=PATIENT)
         page.heard = []
         page.on("console", lambda message: page.heard.append(message.text))
         page.on("pageerror", lambda error: page.heard.append(str(error)))
@@ -48,7 +49,8 @@ def look(chromium):
         page.goto(site.address)
         return page
 
-    yield look
+    with ended_at_a_standstill():
+        yield look
     for page in pages:
         page.close()
 

@@ -178,8 +178,8 @@ def test_only_what_belongs_to_the_page_is_an_asset(site, name):
         ("dataset.toml", b"robot = 'x'", "a log is one of"),
         ("..%2fup.csv", CSV, None),
         (".hidden2.csv", CSV, "give a name"),
-        ("-rf.csv", CSV, "give a name"),
-        ("%3Cimg%20src=x%3E.csv", CSV, "give a name"),
+        ("a%5Cb.csv", CSV, "give a name"),
+        ("%3Cimg%20src=x%3E.py", CSV, "a log is one of"),
         ("log.csv", CSV + b"0,0\n", "another file of that name is in the folder already"),
         ("empty.csv", b"", "empty"),
         ("program.parquet", b"\x7fELF", "does not begin as"),
@@ -198,6 +198,23 @@ def test_only_logs_are_taken(site, root, name, content, says):
     if says is not None:
         assert says in answer.json["error"]
     assert sorted(os.listdir(root)) == before
+
+
+@pytest.mark.parametrize(
+    ("name", "taken"),
+    [
+        ("-rf.csv", "log-rf.csv"),
+        ("%3Cimg%20src=x%3E.csv", "_img src=x_.csv"),
+        ("$(rm%20-r)%0A;%22'.csv", "_(rm -r)____.csv"),
+        (f"{'q' * 200}%3F.CSV", f"{'q' * 116}.CSV"),
+    ],
+)
+def test_a_log_of_an_odd_name_is_taken_under_a_plain_one(site, root, name, taken):
+    answer = site.ask("PUT", f"api/logs/{name}", CSV)
+    assert (answer.status, answer.json) == (200, {"log": taken})
+    assert (root / taken).read_bytes() == CSV
+    assert taken in site.get("api/folder").json["logs"]
+    (root / taken).unlink()
 
 
 def test_a_log_that_is_there_already_is_taken_as_it_is(site, root):

@@ -4,18 +4,14 @@ import json
 import os
 import shlex
 import signal
-import subprocess
 import sys
 import time
 
 import pytest
 
-from bench.basics.errors import BenchError
-from bench.basics.progress import SILENT
 from bench.cli import main
 from bench.local.folder import Folder
 from bench.local.steps import command_of
-from bench.local.worker import CancelledError, DiedError, Worker
 from tests.open_kit import opened, short_dataset, write_log
 
 LEFT = "viscous_friction:left"
@@ -204,13 +200,6 @@ def test_a_command_is_cancelled_and_the_next_one_runs(site, root):
     assert site.post("api/cancel", {"number": number}).status == 400
 
 
-def children(process):
-    """Numbers of the processes that a process has started."""
-    listed = subprocess.run(["ps", "-eo", "pid=,ppid="], capture_output=True, text=True, check=True).stdout
-    pairs = [tuple(map(int, line.split())) for line in listed.splitlines()]
-    return [pid for pid, parent in pairs if parent == process]
-
-
 def alive(number):
     try:
         os.kill(number, 0)
@@ -225,7 +214,7 @@ def test_a_killed_server_leaves_nothing_half_written_and_nobody_at_work(tmp_path
     with opened(tmp_path, cwd=tmp_path) as site:
         site.started({"step": "diagnose", "dataset": "data"})
         site.until(lambda job: job["phase"])
-        workers = children(site.process.pid)
+        workers = site.workers()
         assert workers
         site.process.send_signal(signal.SIGKILL)
         site.process.wait()
@@ -236,52 +225,3 @@ def test_a_killed_server_leaves_nothing_half_written_and_nobody_at_work(tmp_path
         assert not any(map(alive, workers))
     assert partials(tmp_path) == []
     assert os.listdir(tmp_path / "data.results") == []
-
-
-def double(arguments, progress):
-    progress.phase("doubling", 2)
-    progress.advance()
-    return 2 * arguments["number"]
-
-
-def refuse(arguments, progress):
-    raise BenchError(f"{arguments['number']}: is odd")
-
-
-def die(arguments, progress):
-    os._exit(3)
-
-
-def wait(arguments, progress):
-    progress.phase("waiting")
-    time.sleep(600)
-
-
-class Heard:
-    """Progress that calls somebody."""
-
-    def __init__(self, called):
-        self.called = called
-        self.said = []
-
-    def phase(self, name, total=None):
-        self.said.append((name, total))
-        self.called()
-
-    def advance(self, steps=1):
-        self.said.append(steps)
-
-
-def test_a_worker_answers_refuses_dies_and_is_cancelled():
-    worker = Worker({name: f"{__name__}:{name}" for name in ("double", "refuse", "die", "wait")})
-    heard = Heard(lambda: None)
-    assert worker.call("double", {"number": 21}, heard) == 42
-    assert heard.said == [("doubling", 2), 1]
-    with pytest.raises(BenchError, match="3: is odd"):
-        worker.call("refuse", {"number": 3}, SILENT)
-    with pytest.raises(DiedError):
-        worker.call("die", {}, SILENT)
-    with pytest.raises(CancelledError):
-        worker.call("wait", {}, Heard(worker.cancel))
-    assert worker.call("double", {"number": 1}, SILENT) == 2
-    worker.close()

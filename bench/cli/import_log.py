@@ -9,6 +9,7 @@ import click
 from bench.cli.completion import robots
 from bench.cli.last_lines import next_line, say, wrote
 from bench.cli.parameters import Assignment, Numbers, number_or_word, unique
+from bench.cli.progress import quiet_option, shown_progress
 
 if TYPE_CHECKING:
     from bench.dataset.logs.importing import LogRequest
@@ -116,6 +117,7 @@ BESIDE_MAPPING = ("mapping_file", "output", "replace", "quiet")
     help="Put the log in the place of a recording that the dataset has under its name, and change a payload that it"
     " has to what is told here. What is replaced is kept until the new is whole.",
 )
+@quiet_option
 @click.pass_context
 def import_log(
     context: click.Context,
@@ -123,6 +125,7 @@ def import_log(
     file: Path | None,
     mapping_file: Path | None,
     output: Path | None,
+    quiet: bool,
     **options: Any,
 ) -> None:
     """Turn a controller's logs into a dataset.
@@ -140,14 +143,17 @@ def import_log(
     if mapping_file is not None:
         _refuse_beside_mapping(context)
         folder = output or Path(mapping_file.stem)
-        imported = import_mapping(mapping_file, folder, replace=options["replace"])
+        with shown_progress(quiet) as progress:
+            imported = import_mapping(mapping_file, folder, replace=options["replace"], progress=progress)
     else:
         if file is None or options["robot"] is None:
             raise click.UsageError("give a log and --robot, or --mapping MAP.toml")
         folder = output or Path(f"{file.name}_dataset" if file.is_dir() else file.stem)
-        imported = import_log(
-            options["robot"], _request(file, options), folder, _payload(options), replace=options["replace"]
-        )
+        request, payload = _request(file, options), _payload(options)
+        with shown_progress(quiet) as progress:
+            imported = import_log(
+                options["robot"], request, folder, payload, replace=options["replace"], progress=progress
+            )
     for path, note in imported.notes:
         click.echo(f"{path}: {note}")
     for entry in imported.entries:

@@ -13,9 +13,11 @@ import pyarrow.parquet as pq
 
 from bench.basics.errors import BenchError
 from bench.basics.files.atomic import atomic_path
+from bench.basics.progress import SILENT, Progress
 from bench.dataset.names import Use
 
 Array = npt.NDArray[np.float64]
+WRITTEN = 50_000  # rows of a CSV that are written at a time
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -120,21 +122,28 @@ def write_recording(
     write_table(path, columns)
 
 
-def write_table(path: Path, columns: Mapping[str, Array]) -> None:
-    """Write columns of equal length as CSV or Parquet, by suffix, whole or not at all."""
+def write_table(path: Path, columns: Mapping[str, Array], progress: Progress = SILENT) -> None:
+    """Write columns of equal length as CSV or Parquet, by suffix, whole or not at all; progress is told of rows."""
     writer = {".csv": _write_csv, ".parquet": _write_parquet}.get(path.suffix.lower())
     if writer is None:
         raise BenchError(f"{path}: a recording is a .csv or a .parquet file")
     with atomic_path(path) as temporary:
-        writer(temporary, columns)
+        writer(temporary, columns, progress)
 
 
-def _write_csv(path: Path, columns: Mapping[str, Array]) -> None:
+def _write_csv(path: Path, columns: Mapping[str, Array], progress: Progress) -> None:
     # repr of a float is the shortest text that reads back as the same float
-    rows = zip(*(map(repr, values.tolist()) for values in columns.values()), strict=True)
     header = ",".join(f'"{name}"' if "," in name else name for name in columns)
-    path.write_text(header + "\n" + "\n".join(map(",".join, rows)) + "\n", encoding="utf-8")
+    count = max((values.size for values in columns.values()), default=0)
+    with path.open("w", encoding="utf-8") as file:
+        file.write(header + "\n")
+        for first in range(0, count, WRITTEN):
+            part = (map(repr, values[first : first + WRITTEN].tolist()) for values in columns.values())
+            file.writelines(f"{','.join(row)}\n" for row in zip(*part, strict=True))
+            progress.advance(min(WRITTEN, count - first))
 
 
-def _write_parquet(path: Path, columns: Mapping[str, Array]) -> None:
-    pq.write_table(pa.table({name: pa.array(values) for name, values in columns.items()}), path)
+def _write_parquet(path: Path, columns: Mapping[str, Array], progress: Progress) -> None:
+    table = pa.table({name: pa.array(values) for name, values in columns.items()})
+    pq.write_table(table, path)
+    progress.advance(table.num_rows)

@@ -19,6 +19,7 @@ from bench.basics.errors import BenchError
 from bench.basics.plain_data import finite
 from bench.basics.progress import SILENT
 from bench.dataset.names import DATASET_FILE
+from bench.local.ending import ENDING
 from bench.local.folder import Folder, said_time
 from bench.local.guard import REPORT_POLICY
 from bench.local.jobs import Jobs
@@ -99,8 +100,10 @@ class Pages:
         arguments = self._arguments(name, asked)
         try:
             answer = await asyncio.to_thread(self.looker.call, name, arguments, SILENT)
-        except (CancelledError, DiedError):
-            raise BenchError("reading ended unexpectedly; the terminal of `bench open` says why") from None
+        except CancelledError:
+            raise BenchError(ENDING) from None
+        except DiedError as error:
+            raise BenchError(f"reading ended unexpectedly: {error}") from None
         return JSONResponse(finite(answer))
 
     async def shown_command(self, request: Request) -> Response:

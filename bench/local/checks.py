@@ -2,13 +2,15 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from bench.basics.errors import BenchError
 from bench.basics.files.recording_fault import IN_UNIT, Remedy
-from bench.basics.files.table import HUGE
+from bench.basics.files.table import HUGE, release_tables
 from bench.basics.plural import plural
 from bench.dataset.exchanged import exchanged, without_exchange
 from bench.dataset.joint_facts import JointFacts, joint_facts
@@ -49,7 +51,7 @@ def checked(path: str, robot: Robot, mapped: Mapped) -> dict[str, Any]:
     remedy: {"unit": its name}, {"split_gaps": true}, {"accept": the check}, or None.
     Raises BenchError where the file is no log.
     """
-    log = read_log(path, Reading(mapped.skip_rows, topic=mapped.topic))
+    log = _log(Path(path), Reading(mapped.skip_rows, topic=mapped.topic))
     joints = {joint.name: joint for joint in joint_facts(robot)}
     found: dict[str, list[dict[str, Any]]] = {}
     series: dict[str, np.ndarray] = {}
@@ -63,6 +65,25 @@ def checked(path: str, robot: Robot, mapped: Mapped) -> dict[str, Any]:
         for problem in problems:
             problem["remedy"] = _in_place(problem["remedy"], given)
     return {target: {"ok": not problems, "problems": problems} for target, problems in found.items()}
+
+
+def _log(path: Path, reading: Reading) -> LogFile:
+    """The log, which the next check of it finds read already."""
+    if not path.is_file():
+        return read_log(path, reading)
+    state = path.stat()
+    return _read_once(path, (state.st_size, state.st_mtime_ns), reading)
+
+
+@lru_cache(maxsize=1)
+def _read_once(path: Path, _state: tuple[int, int], reading: Reading) -> LogFile:
+    return read_log(path, reading)
+
+
+def forget() -> None:
+    """Give back the memory of the log that was checked last."""
+    _read_once.cache_clear()
+    release_tables()
 
 
 def _pieces(

@@ -8,7 +8,8 @@ from typing import Any
 import numpy as np
 
 from bench.dataset.logs.columns import GROUPS
-from bench.dataset.logs.log_file import LogFile, Reading, read_log
+from bench.dataset.logs.glimpse import glimpse
+from bench.dataset.logs.log_file import LogFile, Reading
 from bench.dataset.logs.ros_bag import is_bag, joint_topics
 from bench.dataset.logs.unit_names import LAST, name_of, unit_in, units_of
 from bench.dataset.logs.units import UNITS
@@ -38,7 +39,7 @@ def look_at(path: str, robot: Robot, topic: str | None = None, skip_rows: int = 
     topics = joint_topics(Path(path)) if is_bag(Path(path)) else ()
     if len(topics) > 1 and topic is None:
         return {"topics": topics}
-    return {**columns_of(read_log(path, Reading(skip_rows, topic=topic)), robot), "topics": topics}
+    return {**columns_of(glimpse(Path(path), Reading(skip_rows, topic=topic)), robot), "topics": topics}
 
 
 def columns_of(log: LogFile, robot: Robot) -> dict[str, Any]:
@@ -126,11 +127,10 @@ def _number(name: str) -> tuple[int, ...]:
 
 
 def _seen(values: np.ndarray) -> dict[str, Any]:
-    """Length, range and a few evenly spaced values."""
+    """Range and a few evenly spaced values."""
     known = values[np.isfinite(values)]
     rows = np.unique(np.linspace(0, max(values.size - 1, 0), min(POINTS, values.size)).astype(int))
     return {
-        "samples": int(values.size),
         "low": float(known.min()) if known.size else None,
         "high": float(known.max()) if known.size else None,
         "picture": [float(value) if np.isfinite(value) else None for value in values[rows]],

@@ -81,6 +81,21 @@ class Folder:
         plain = FOREIGN.sub("_", text)[:LONGEST].strip(" .")
         return plain if NAME.fullmatch(plain) else f"log{plain}"[:LONGEST].strip(" .")
 
+    def taken_name(self, text: str) -> str:
+        """The plain name under which a file that is called so is taken.
+
+        Raises BenchError for a hidden file's name and for one that holds a path.
+        """
+        path = Path(text)
+        if not text or text.startswith(".") or "/" in text or "\\" in text or "\0" in text:
+            raise BenchError(
+                f"{text!r}: rename it, then drop it again: give a name that begins with a letter or digit"
+            )
+        if NAME.fullmatch(text):
+            return text
+        suffix = FOREIGN.sub("_", path.suffix)
+        return f"{self.cleaned(path.stem)[: LONGEST - len(suffix)]}{suffix}"
+
     def free(self, stem: str) -> str:
         """A name that neither a folder nor the results of one has: the stem, or the stem with a number."""
         names = (stem if number == 1 else f"{stem}_{number}" for number in count(1))

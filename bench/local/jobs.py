@@ -16,7 +16,6 @@ HEARTBEAT = 15.0  # s after which an open page is told that nothing has changed
 
 SAID: Mapping[State, str] = {
     "cancelled": "Cancelled; nothing was written.",
-    "ended": "The command ended unexpectedly; the terminal in which `bench open` runs says why.",
 }
 
 
@@ -115,7 +114,8 @@ class Jobs:
                 answer = await asyncio.to_thread(self._worker.call, "command", {"words": words}, progress)
             except CancelledError:
                 self._over(job, "cancelled")
-            except DiedError:
+            except DiedError as error:
+                job.error = f"The command ended unexpectedly: {error}. Nothing half-written is left."
                 self._over(job, "ended")
             else:
                 job.output, job.error = answer["output"], answer["error"]

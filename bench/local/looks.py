@@ -21,7 +21,7 @@ from bench.effects.display_names import begun, spoken
 from bench.identification.model_file import apply_model, load_model
 from bench.identification.model_json import to_json
 from bench.identification.problem import places_of, problem_of
-from bench.local.checks import Mapped, checked
+from bench.local.checks import Mapped, checked, forget
 from bench.local.columns import look_at
 from bench.page.folder import read_json
 from bench.page.model_errors import model_beside
@@ -59,6 +59,7 @@ def parts(arguments: Mapping[str, Any], _progress: Progress) -> dict[str, Any]:
 
 def dataset(arguments: Mapping[str, Any], _progress: Progress) -> dict[str, Any]:
     """Recordings and payloads of a dataset, and the effects that its robot may have, with their places."""
+    forget()  # whatever was checked is imported by now, or is read again
     data = load_dataset(arguments["dataset"])
     spec = read_toml(data.folder / DATASET_FILE, DatasetSpec)
     accepted = {recording.file: list(recording.accept) for recording in spec.recordings}

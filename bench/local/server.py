@@ -11,6 +11,7 @@ from starlette.applications import Starlette
 from bench.basics.errors import BenchError
 from bench.dataset.names import DATASET_FILE
 from bench.local.app import Pages, application
+from bench.local.ending import EndingServer, answered_at_the_end
 from bench.local.folder import Folder
 from bench.local.guard import LOOPBACK, Guard, new_token
 from bench.local.jobs import Jobs
@@ -62,7 +63,7 @@ def serve(asked: Opened, functions: Mapping[str, Home], ready: Callable[[str], N
     with _listening(asked.port) as listener:
         port = listener.getsockname()[1]
         token = new_token()
-        app = Guard(_app(asked, commander, looker), token, port)
+        app = answered_at_the_end(Guard(_app(asked, commander, looker), token, port))
         config = uvicorn.Config(
             app,
             log_level="critical",
@@ -72,12 +73,16 @@ def serve(asked: Opened, functions: Mapping[str, Home], ready: Callable[[str], N
             lifespan="off",
             proxy_headers=False,
         )
-        ready(f"http://{LOOPBACK}:{port}/{token}/")
-        try:
-            uvicorn.Server(config).run(sockets=[listener])
-        finally:
+
+        def close() -> None:
             commander.close()
             looker.close()
+
+        ready(f"http://{LOOPBACK}:{port}/{token}/")
+        try:
+            EndingServer(config, close).run(sockets=[listener])
+        finally:
+            close()
 
 
 def _app(asked: Opened, commander: Worker, looker: Worker) -> Starlette:

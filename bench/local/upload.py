@@ -26,15 +26,17 @@ STARTS: dict[str, tuple[bytes, ...]] = {
 async def take(folder: Folder, name: str, content: AsyncIterator[bytes], largest: int = LARGEST) -> str:
     """Write a log, or an MJCF, into the folder and return its path in it; a file that is there with this content stays.
 
-    Raises BenchError for a name that is none, a kind that neither has, another file of that name, content that is not
-    of its kind, and too much of it; nothing is written then.
+    A name with characters that commands would stumble over becomes a plain one. Raises BenchError for a name of a
+    hidden file, a kind that neither has, another file of that name, content that is not of its kind, and too much of
+    it; nothing is written then.
     """
-    suffix = Path(folder.name(name)).suffix.lower()
+    name = folder.taken_name(name)
+    suffix = Path(name).suffix.lower()
     if suffix not in (*LOGS, *MODELS):
         raise BenchError(f"{name}: a log is one of {', '.join(LOGS)}; an MJCF model is .xml")
     target = folder.inside(name)
     if target.is_symlink() or (target.exists() and not target.is_file()):
-        raise BenchError(f"{name}: is in the folder already; rename one of the two")
+        raise BenchError(f"{name}: is in the folder already; rename one of the two, then drop it again")
     with atomic_path(target) as partial:
         size = 0
         with partial.open("wb") as file:
@@ -51,7 +53,7 @@ async def take(folder: Folder, name: str, content: AsyncIterator[bytes], largest
             raise BenchError(f"{name}: the file is empty")
         if target.exists() and not filecmp.cmp(partial, target, shallow=False):
             raise BenchError(
-                f"{name}: another file of that name is in the folder already; rename one of the two"
+                f"{name}: another file of that name is in the folder already; rename one of the two, then drop it again"
             )
     return name
 

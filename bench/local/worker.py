@@ -3,8 +3,11 @@
 import importlib
 import os
 import signal
+import subprocess
+import sys
 import threading
 from collections.abc import Callable, Mapping
+from contextlib import suppress
 from multiprocessing import get_context, parent_process
 from multiprocessing.connection import Connection
 from typing import Any
@@ -21,11 +24,11 @@ GRACE = 5.0  # s that an ended process has to remove its half-written files
 
 
 class CancelledError(Exception):
-    """The work was ended because somebody asked for it."""
+    """The work was ended because somebody asked for it, or because the worker is closed."""
 
 
 class DiedError(Exception):
-    """The process ended by itself: a fault of the program, whose traceback stands in the terminal."""
+    """The process could not start, or ended by itself: why, in words. A fault's traceback stands in the terminal."""
 
 
 class Worker:
@@ -37,15 +40,16 @@ class Worker:
         self._changing = threading.Lock()
         self._process: Any = None
         self._connection: Connection | None = None
-        self._busy = self._cancelled = self._gone = False
+        self._busy = self._cancelled = self._gone = self._closed = False
 
     def call(self, name: str, arguments: Mapping[str, Any], progress: Progress) -> Any:
         """Run a function and wait for its answer; progress is told on the way.
 
-        Raises BenchError as the function did, CancelledError after `cancel`, DiedError where the process ended itself.
+        Raises BenchError as the function did, CancelledError after `cancel` or `close`, DiedError where the process
+        cannot start or ended itself.
         """
         with self._one_at_a_time:
-            connection = self._started()
+            connection, fault = self._started(), ""
             try:
                 connection.send((name, dict(arguments)))
                 while True:
@@ -56,11 +60,15 @@ class Worker:
                         progress.advance(*content)
                     elif kind == "refused":
                         raise BenchError(content[0])
+                    elif kind == "fault":
+                        fault = content[0]
                     else:
                         return content[0]
             except (EOFError, ConnectionError) as error:
                 self._gone = True  # also where the system has not noticed yet
-                raise CancelledError if self._cancelled else DiedError from error
+                if self._cancelled or self._closed:
+                    raise CancelledError from error
+                raise DiedError(fault or self._why()) from error
             finally:
                 with self._changing:
                     self._busy = False
@@ -73,12 +81,29 @@ class Worker:
                 self._process.terminate()
 
     def close(self) -> None:
-        """End the process for good."""
+        """End the process for good; who waits for it hears of it."""
         with self._changing:
+            self._closed = True
             self._end()
+
+    def _why(self) -> str:
+        """How the process ended that said nothing of it."""
+        process = self._process
+        process.join(GRACE)
+        code = process.exitcode
+        if code is not None and code < 0:
+            ended = signal.Signals(-code).name
+            memory = ", as when memory runs out" if ended == "SIGKILL" else ""
+            return f"its process was ended by {ended}{memory}"
+        try_it = f"import sys; sys.path[:] = {sys.path!r}; import {__name__}"  # whether one like it can start at all
+        tried = subprocess.run([sys.executable, "-c", try_it], capture_output=True, text=True, check=False)
+        said = tried.stderr.strip().splitlines()
+        return f"its process cannot start: {said[-1]}" if said else f"its process ended with exit code {code}"
 
     def _started(self) -> Connection:
         with self._changing:
+            if self._closed:
+                raise CancelledError
             self._busy = True
             if self._process is None or self._cancelled or self._gone or not self._process.is_alive():
                 self._end()
@@ -86,8 +111,13 @@ class Worker:
                 context = get_context("spawn")  # a fork of a process with threads may hang
                 self._connection, theirs = context.Pipe()
                 self._process = context.Process(target=_serve, args=(theirs, self._functions), daemon=True)
-                self._process.start()
-                theirs.close()
+                try:
+                    self._process.start()
+                except OSError as error:
+                    self._process, self._busy = None, False
+                    raise DiedError(f"its process cannot start: {error.strerror}") from error
+                finally:
+                    theirs.close()
                 self._cancelled = self._gone = False
             return self._connection
 
@@ -95,11 +125,14 @@ class Worker:
         process, self._process = self._process, None
         if process is not None:
             process.terminate()
+            if process.is_alive() and hasattr(signal, "SIGCONT"):
+                with suppress(ProcessLookupError):
+                    os.kill(process.pid, signal.SIGCONT)  # one that is stopped ends, too
             process.join(GRACE)
             if process.is_alive():
                 process.kill()
                 process.join()
-        if self._connection is not None:
+        if self._connection is not None and not (self._closed and self._busy):  # who waits reads its end
             self._connection.close()
             self._connection = None
 
@@ -133,6 +166,9 @@ def _serve(connection: Connection, functions: Mapping[str, Home]) -> None:
             answer = _function(functions[name])(arguments, progress)
         except BenchError as error:
             connection.send(("refused", str(error)))
+        except Exception as error:
+            connection.send(("fault", f"a fault of the program, {type(error).__name__}: {error}"))
+            raise
         else:
             connection.send(("done", answer))
 

@@ -7,16 +7,21 @@ written there, and it is asked only when something is wrong.
 from __future__ import annotations
 
 import csv
-import io
 import re
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import islice
 from pathlib import Path
 
 from bench.basics.errors import BenchError
 from bench.basics.plural import plural
 
 DELIMITERS = ",;\t"
+KEPT = (
+    1 << 25
+)  # characters of a text whose cells are kept once they are asked for; of a larger one they are read anew
+LINE = re.compile(r"[^\r\n]*(?:\r\n|\n|\r)|[^\r\n]+\Z")
 FOREIGN = {
     b"PAR1": "a Parquet file",
     b"PK\x03\x04": "an Excel workbook or a zip archive",
@@ -41,16 +46,15 @@ class CsvText:
 
     def line(self, row: int) -> int:
         """Line of data row `row` (0 is the first) as an editor counts, the file's first line being 1."""
-        return self._rows[row][0]
+        return self._row(row)[0]
 
     def cell(self, row: int, column: int) -> str:
         """What is written in a cell, without the spaces around it."""
-        return self._rows[row][1][column].strip()
+        return self._row(row)[1][column].strip()
 
     def first_text(self, column: int, rows: range) -> tuple[int, str] | None:
         """Row and content of the first cell of a column that is no number, None where all of these rows are."""
-        for row in rows:
-            cell = self.cell(row, column)
+        for row, cell in zip(rows, self._column(column, rows), strict=False):
             try:
                 if cell:
                     self.number(cell)
@@ -63,7 +67,7 @@ class CsvText:
 
         otherwise: what stands for text. Raises ValueError for text without it.
         """
-        return [self._float(self.cell(row, column), otherwise) for row in rows]
+        return [self._float(cell, otherwise) for cell in self._column(column, rows)]
 
     def _float(self, cell: str, otherwise: float | None) -> float:
         if not cell:
@@ -81,9 +85,10 @@ class CsvText:
 
     def ragged(self) -> str | None:
         """What is wrong with the first line that has more or fewer values than the header has names."""
-        for row, (line, cells) in enumerate(self._rows):
+        rows = iter(self._all())
+        for line, cells in rows:
             if len(cells) != len(self.names):
-                last = row == len(self._rows) - 1
+                last = next(rows, None) is None
                 comma = len(cells) > len(self.names) and self.delimiter == ","
                 hint = " (decimal commas? then separate the values by semicolons)" if comma else ""
                 cure = "the file breaks off there: remove that line" if last else "mend or remove that line"
@@ -91,20 +96,41 @@ class CsvText:
                 return f"line {line}: has {held}, the header names {len(self.names)}{hint}; {cure}"
         return None
 
+    def _column(self, column: int, rows: range) -> Iterator[str]:
+        """The cells of a column in neighbouring rows."""
+        for _, cells in islice(self._all(), rows.start, rows.stop):
+            yield cells[column].strip()
+
+    def _row(self, row: int) -> tuple[int, list[str]]:
+        if len(self.body) <= KEPT:
+            return self._rows[row]
+        if row not in self._asked:
+            self._asked[row] = next(islice(self._lines(), row, None))
+        return self._asked[row]
+
+    def _all(self) -> Iterable[tuple[int, list[str]]]:
+        return self._rows if len(self.body) <= KEPT else self._lines()
+
     @cached_property
     def _rows(self) -> list[tuple[int, list[str]]]:
+        return list(self._lines())
+
+    @cached_property
+    def _asked(self) -> dict[int, tuple[int, list[str]]]:
+        return {}
+
+    def _lines(self) -> Iterator[tuple[int, list[str]]]:
         """Line number and cells of each line that is not blank, as the fast reader counts them."""
-        reader = csv.reader(io.StringIO(self.body, newline=""), delimiter=self.delimiter)
-        rows = []
+        lines = (found.group() for found in LINE.finditer(self.body))
+        reader = csv.reader(lines, delimiter=self.delimiter)
         start = self.first_line
         try:
             for cells in reader:
                 if cells:
-                    rows.append((start, cells))
+                    yield start, cells
                 start = self.first_line + reader.line_num
         except csv.Error as error:
             raise BenchError(f"{self.path}: line {start}: {error} (a quotation mark left open?)") from error
-        return rows
 
 
 def decoded(path: Path, content: bytes) -> str:

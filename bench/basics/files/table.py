@@ -7,6 +7,7 @@ semicolon or tab a decimal comma is read too. Blank lines are skipped. Parquet: 
 from __future__ import annotations
 
 import io
+import re
 from collections import Counter
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
@@ -25,6 +26,7 @@ from bench.basics.files.recording_fault import RecordingFaultError, Remedy
 from bench.basics.files.toml_input import one_line
 
 SUFFIXES = (".csv", ".parquet")
+BLOCK = 1 << 26  # bytes of a text that are read at a time
 HUGE = 1e100  # what exceeds it is no measurement, and its square no number
 Array = npt.NDArray[np.float64]
 
@@ -165,18 +167,53 @@ def table_of(text: CsvText) -> FileTable:
 
     Errors: BenchError in one line: no rows, a column twice, a line with too few or too many values.
     """
-    path, body = text.path, text.body.encode()
-    if not body.strip():
+    path = text.path
+    if not re.search(r"[^ \t\n\r\v\f]", text.body):
         raise BenchError(f"{path}: has a header but no rows")
+    try:
+        return _checked(FileTable(path, _cells(text), text))
+    except pa.ArrowInvalid as error:
+        raise BenchError(f"{path}: {text.ragged() or one_line(error)}") from error
+
+
+def _cells(text: CsvText) -> pa.Table:
+    """The cells of a text, a column's kind by all of its rows.
+
+    A large one is read in blocks, which take less memory. Where a later block does not fit to the kinds that the first
+    one has, it is read at once.
+    """
+    if len(text.body) > BLOCK:
+        try:
+            return _parsed(text, _Encoded(text.body), BLOCK).combine_chunks()
+        except pa.ArrowInvalid:
+            pass
+    body = text.body.encode()
+    return _parsed(text, io.BytesIO(body), len(body) + 1)
+
+
+def _parsed(text: CsvText, body: io.IOBase, block: int) -> pa.Table:
     options: dict[str, Any] = {
-        "read_options": pacsv.ReadOptions(column_names=text.names, block_size=len(body) + 1),
+        "read_options": pacsv.ReadOptions(column_names=text.names, block_size=block),
         "parse_options": pacsv.ParseOptions(delimiter=text.delimiter),
         "convert_options": pacsv.ConvertOptions(decimal_point="," if text.decimal_comma else "."),
     }
-    try:
-        return _checked(FileTable(path, pacsv.read_csv(io.BytesIO(body), **options), text))
-    except pa.ArrowInvalid as error:
-        raise BenchError(f"{path}: {text.ragged() or one_line(error)}") from error
+    return pacsv.read_csv(body, **options)
+
+
+class _Encoded(io.RawIOBase):
+    """A text that is encoded as it is read, so that it does not stand in memory twice."""
+
+    def __init__(self, text: str) -> None:
+        self._text, self._at = text, 0
+
+    def readable(self) -> bool:
+        return True
+
+    def read(self, size: int = -1) -> bytes:
+        """At most `size` bytes: a character takes up to four of them."""
+        end = len(self._text) if size < 0 else self._at + max(size // 4, 1)
+        part, self._at = self._text[self._at : end], end
+        return part.encode()
 
 
 def _read_parquet(path: Path) -> FileTable:

@@ -15,6 +15,7 @@ from bench.basics.files.atomic import atomic_path, write_text_atomically
 from bench.basics.files.recording_fault import IN_UNIT, RecordingFaultError, Remedy
 from bench.basics.files.table import FileTable
 from bench.basics.files.toml_input import read_toml
+from bench.basics.progress import SILENT, Progress
 from bench.dataset.catalogue import built_in_robots
 from bench.dataset.dataset_toml import DatasetSpec, RecordingEntry, extended_toml
 from bench.dataset.heavy_payload import doubted
@@ -94,9 +95,11 @@ def import_log(
     payload: Payload | None = None,
     *,
     replace: bool = False,
+    progress: Progress = SILENT,
 ) -> Imported:
     """Write one log into a dataset folder; see import_logs."""
-    return import_logs(robot, [request], folder, () if payload is None else (payload,), replace=replace)
+    payloads = () if payload is None else (payload,)
+    return import_logs(robot, [request], folder, payloads, replace=replace, progress=progress)
 
 
 def import_logs(
@@ -106,6 +109,7 @@ def import_logs(
     payloads: Sequence[Payload] = (),
     *,
     replace: bool = False,
+    progress: Progress = SILENT,
 ) -> Imported:
     """Write logs as recordings into the dataset `folder`, all or none.
 
@@ -127,7 +131,7 @@ def import_logs(
     faults: list[LogFault] = []
     for request in requests:
         try:
-            found, wrong, told = _parts(loaded, request, joints)
+            found, wrong, told = _parts(loaded, request, joints, progress)
         except BenchError as error:
             faults += [_as_fault(request.file, line) for line in lines_of(error)]
             continue
@@ -145,16 +149,19 @@ def import_logs(
     notes += [(folder / DATASET_FILE, note) for note in _payload_notes(folder, payloads, names)]
     if replace:
         notes += [(folder / DATASET_FILE, note) for note in _left_pieces(folder, requests, names)]
-    _write(folder, text, parts)
+    progress.phase("writing the recordings", sum(part.rows for part in parts))
+    _write(folder, text, parts, progress)
     return Imported(tuple(entries), tuple(notes))
 
 
 def _parts(
-    robot: Robot, request: LogRequest, joints: Sequence[JointFacts]
+    robot: Robot, request: LogRequest, joints: Sequence[JointFacts], progress: Progress
 ) -> tuple[list[Segment], list[LogFault], tuple[str, ...]]:
     """The recordings of one log, what is wrong with them, and what was assumed."""
     file = request.file
+    progress.phase(f"reading {file.name}")
     log = read_log(file, request.reading)
+    progress.phase(f"checking {file.name}")
     columns = columns_of(file, log, robot, request.log_map)
     parts, cuts = cut(file, columns.values, request.use, request.recording, request.cutting)
     faults = [_as_fault(file, line) for line in columns.faults]
@@ -274,7 +281,7 @@ def _number(given: float | str) -> str:
     return given if isinstance(given, str) else f"{given:.12g}"
 
 
-def _write(folder: Path, text: str, parts: Sequence[Segment]) -> None:
+def _write(folder: Path, text: str, parts: Sequence[Segment], progress: Progress) -> None:
     """All files, or none when something goes wrong on the way.
 
     Every recording is whole under another name before any that it replaces is moved aside. A command that is killed
@@ -293,7 +300,7 @@ def _write(folder: Path, text: str, parts: Sequence[Segment]) -> None:
         try:
             with ExitStack() as stack:
                 for path, part in zip(paths, parts, strict=True):
-                    write_table(stack.enter_context(atomic_path(path)), part.columns)
+                    write_table(stack.enter_context(atomic_path(path)), part.columns, progress)
                 for path in paths:
                     if path not in fresh:
                         aside[path] = path.replace(path.with_name(f"{path.name}{BEFORE}"))

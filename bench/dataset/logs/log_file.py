@@ -101,13 +101,23 @@ def read_log(path: str | Path, reading: Reading = AS_FOUND) -> LogFile:
 
 
 def _read_text(path: Path, reading: Reading) -> LogFile:
+    return text_log(path, _content(path), reading)
+
+
+def _content(path: Path) -> bytes:
     try:
         content = path.read_bytes()
     except OSError as error:
         raise BenchError(f"{path}: cannot be read: {error.strerror}") from error
     if not content:
         raise BenchError(f"{path}: the file is empty")
+    return content
+
+
+def text_log(path: Path, content: bytes, reading: Reading) -> LogFile:
+    """The log that a text is. Raises BenchError where there is no table in it."""
     found = split_log(path, content, reading.skip_rows, reading.header)
+    del content  # of a large log that is much memory
     return replace(_log_of(table_of(found.text)), units=found.units, notes=found.notes)
 
 

@@ -27,6 +27,7 @@ from pydantic import Field, field_validator
 
 from bench.basics.errors import BenchError
 from bench.basics.files.toml_input import UserTable, read_toml
+from bench.basics.progress import SILENT, Progress
 from bench.dataset.dataset_toml import Number, PayloadSpec, payload_of
 from bench.dataset.logs.columns import LogMap
 from bench.dataset.logs.importing import Imported, LogRequest, import_logs
@@ -70,7 +71,9 @@ class MappingTable(UserTable):
     logs: Annotated[tuple[LogsTable, ...], Field(min_length=1)]
 
 
-def import_mapping(path: Path, folder: Path, *, replace: bool = False) -> Imported:
+def import_mapping(
+    path: Path, folder: Path, *, replace: bool = False, progress: Progress = SILENT
+) -> Imported:
     """Import all logs that the mapping file `path` names into the dataset `folder`, all or none; see import_logs.
 
     Raises BenchError: what is wrong with the mapping, in one line, or with the logs, a line for each fault.
@@ -95,7 +98,7 @@ def import_mapping(path: Path, folder: Path, *, replace: bool = False) -> Import
         for i, log in enumerate(table.logs)
         for file in _files(path, i, log)
     ]
-    return import_logs(robot, requests, folder, payloads, replace=replace)
+    return import_logs(robot, requests, folder, payloads, replace=replace, progress=progress)
 
 
 def _files(path: Path, index: int, table: LogsTable) -> list[Path]:

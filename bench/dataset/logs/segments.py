@@ -32,6 +32,11 @@ class Segment:
     first_row: int = 0
 
     @property
+    def rows(self) -> int:
+        """How many samples it has."""
+        return self.columns["time"].size
+
+    @property
     def table(self) -> pa.Table:
         """The columns as a table."""
         return pa.table({name: pa.array(values) for name, values in self.columns.items()})

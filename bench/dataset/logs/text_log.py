@@ -20,7 +20,7 @@ from itertools import islice
 from pathlib import Path
 
 from bench.basics.errors import BenchError
-from bench.basics.files.csv_text import CsvText, decoded, is_number
+from bench.basics.files.csv_text import LINE, CsvText, decoded, is_number
 from bench.basics.plural import plural
 from bench.dataset.logs.units import unit_named
 
@@ -54,9 +54,7 @@ def split_log(path: Path, content: bytes, skip_rows: int = 0, header: bool | Non
     text, encoding = _text(path, content)
     lines = [
         _Line(number, found.start(), found.group().rstrip("\r\n"))
-        for number, found in enumerate(
-            islice(re.finditer(r"[^\r\n]*(?:\r\n|\n|\r)|[^\r\n]+\Z", text), LOOKED_AT), 1
-        )
+        for number, found in enumerate(islice(LINE.finditer(text), LOOKED_AT), 1)
     ][skip_rows:]
     rows = [line for line in lines if line.text.strip() and not _comment(line)]
     if not rows:
@@ -96,11 +94,11 @@ def _text(path: Path, content: bytes) -> tuple[str, tuple[str, ...]]:
             return content.decode("utf-16"), ("read as UTF-16 text",)
         except UnicodeDecodeError:
             raise BenchError(f"{path}: begins as UTF-16 text, but is none") from None
-    if CONTROL.search(content):
-        return decoded(path, content), ()
     try:
         return decoded(path, content), ()
     except BenchError:
+        if CONTROL.search(content):
+            raise
         try:
             return content.decode("cp1252"), ("read as Windows-1252 (Latin-1) text, since it is not UTF-8",)
         except UnicodeDecodeError:

@@ -30,14 +30,17 @@ class Proof:
 
 @dataclass(frozen=True)
 class Unproven:
-    """A limit that could not be proven at a time, s, None where the loops could not be closed somewhere; where: the
-    joint or the number of the box, "" for the whole robot; exceeded: whether it is exceeded there.
+    """A limit that could not be proven at a time, s, None where the loops could not be closed somewhere.
+
+    where: the joint or the number of the box, "" for the whole robot; exceeded: whether it is exceeded there; why: what
+    was said of loops that could not be closed.
     """
 
     limit: Kept
     where: str
     time: float | None
     exceeded: bool
+    why: str = ""
 
 
 @dataclass(frozen=True)
@@ -75,8 +78,8 @@ def prove(promise: Promise) -> Proof | Unproven:
     intervals = intervals_of(trajectory, RATE)
     try:
         motion = motion_of(geometry, intervals.middle, *trajectory.evaluate(intervals.middle))
-    except BenchError:  # out of reach, or through a singular pose
-        return Unproven(*LOOPS, None, exceeded=True)
+    except BenchError as error:  # out of reach, or through a singular pose
+        return Unproven(*LOOPS, None, exceeded=True, why=str(error))
     known = _looked(promise, intervals, motion)
     for halving in range(HALVINGS + 1):
         known = _followed(geometry, known)
@@ -91,8 +94,8 @@ def prove(promise: Promise) -> Proof | Unproven:
             motion = motion_beside(
                 geometry, replace(near, time=finer.middle), *trajectory.evaluate(finer.middle)
             )
-        except BenchError:
-            break
+        except BenchError as error:
+            return replace(_first(known), why=str(error))
         known = _merged(known, ~undecided, _looked(promise, finer, motion))
     return _first(known)
 

@@ -163,17 +163,29 @@ def random_candidates(
                 )
                 if few:
                     drawn = _with_few(drawn, random)
-                shrunk = search.shrunk(filled(room, drawn, grow=True), load)
+                drawn = filled(room, drawn, grow=True)
+                shrunk = search.shrunk(drawn, load)
                 if shrunk is not None:
                     candidate.append(shrunk)
                     break
             else:
-                raise BenchError(
-                    f"robot {search.nominal.model.geometry.robot.name}: no motion from home keeps all limits, however "
-                    "small: they leave no room"
-                )
+                raise _no_room(search, scaled(drawn, SHRINK ** (MOST_SHRINKS - 1)), load)
         found.append(tuple(candidate))
     return found
+
+
+def _no_room(search: Search, smallest: FourierTrajectory, load: str | None) -> BenchError:
+    """What is said where no motion keeps the limits: the one that the smallest of all does not keep."""
+    told = prove(Promise(search.nominal, search.room, smallest, load))
+    which = (
+        f"; the smallest that was tried does not keep {limit_in_words(told)}"
+        if isinstance(told, Unproven)
+        else ""
+    )
+    robot = search.nominal.model.geometry.robot.name
+    return BenchError(
+        f"robot {robot}: no motion from home keeps all limits, however small: they leave no room{which}"
+    )
 
 
 def _with_few(trajectory: FourierTrajectory, random: np.random.Generator) -> FourierTrajectory:

@@ -4,6 +4,7 @@ const Columns = (() => {
   const {el, field, select, spark} = Dom;
   const PAUSE = 150; // ms without a change after which the columns are checked
   const told = new Map(); // what is measured -> the unit that somebody chose for it, in this log or one before
+  const kept = new Map(); // a log and how it is read -> how its columns were mapped when it was looked at last
 
   /* look: what the server says of the log; asked: log and robot; changed: called with the mapping after each change. */
   function create(look, asked, changed) {
@@ -19,10 +20,15 @@ const Columns = (() => {
       const before = guess.unit ? "" : remembered(target, guess.column);
       mapping[target] = {...guess, unit: guess.unit || before || own(target, guess.column), before};
     }
+    const key = JSON.stringify([asked.log, asked.robot, asked.skip_rows, asked.topic]);
+    const last = kept.get(key);
+    for (const [target, chosen] of Object.entries(last?.mapping || {}))
+      if (look.columns.some((column) => column.name === chosen.column))
+        mapping[target] = {...chosen, before: chosen.unit === own(target, chosen.column) ? "" : chosen.unit};
     const state = {
       active: look.needs.find((need) => !mapping[need].column) || look.needs[0],
-      accept: [],
-      split_gaps: false,
+      accept: last?.accept || [],
+      split_gaps: last?.split_gaps || false,
       rate: null,
       found: {},
       checked: false, // whether that is what is found of the columns as they are now
@@ -83,6 +89,7 @@ const Columns = (() => {
     }
 
     function tell() {
+      kept.set(key, {mapping, accept: state.accept, split_gaps: state.split_gaps});
       const given = needs().filter((need) => mapping[need].column);
       changed({
         lack: lack(),

@@ -67,26 +67,36 @@ const Recordings = (() => {
 
   async function take(files) {
     await app.ready;
-    const [refused, models] = [[], []];
+    const [refused, models, renamed] = [[], [], []];
     for (const file of files) {
       if (file.size > app.folder.largest)
-        refused.push(`${file.name}: larger than this page takes; put it into the folder by hand`);
-      else
+        refused.push(
+          `${file.name}: larger than this page takes (${Math.floor(app.folder.largest / 2 ** 20)} MB): put it into the folder by hand, then load this page anew`,
+        );
+      else {
+        notes = [`${file.name} is being copied into the folder (${Math.ceil(file.size / 2 ** 20)} MB).`];
+        render();
         await Server.upload(file).then(
-          () => {
-            if (/\.xml$/i.test(file.name)) models.push(file.name);
-            else form.log = file.name;
+          ({log}) => {
+            if (/\.xml$/i.test(log)) models.push(log);
+            else form.log = log;
+            if (log !== file.name)
+              renamed.push(`${file.name} is in the folder as ${log}, a name that every command takes.`);
           },
           (error) => refused.push(error.message),
         );
+      }
     }
     await app.refresh();
     await choose(form.log);
     faults = refused;
-    notes = models.map(
-      (name) =>
-        `${name} is in the folder. A model alone is no robot yet: below, tick its motors and type their gains, and it becomes one.`,
-    );
+    notes = [
+      ...renamed,
+      ...models.map(
+        (name) =>
+          `${name} is in the folder. A model alone is no robot yet: below, tick its motors and type their gains, and it becomes one.`,
+      ),
+    ];
     render();
     if (models.length) await Robots.open(models.at(-1));
   }
