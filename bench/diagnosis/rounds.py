@@ -135,12 +135,18 @@ def first_round(origin: Origin, catalogue: Mapping[str, Effect], progress: Progr
     return judged(origin, origin.start, proposals, ())
 
 
-def searched(origin: Origin, first: Round, barred: Collection[str], progress: Progress = SILENT) -> Round:
+def searched(
+    origin: Origin,
+    first: Round,
+    barred: Collection[str],
+    progress: Progress = SILENT,
+    wanted: Collection[str] = (),
+) -> Round:
     """Search, linearise about what was found, and search again until the same is found; then as long as an effect that
     joins leads to a set which, converged, leaves clearly less.
 
     barred: effects that may not be found: of an impossible sign, or superfluous. What a round found without them is
-    there to be surpassed.
+    there to be surpassed. wanted: where there are any, the search ends with the first set that has none of them.
     """
     here, before = first, None
     if barred:
@@ -148,19 +154,26 @@ def searched(origin: Origin, first: Round, barred: Collection[str], progress: Pr
         stayed = tuple(i for i in first.chosen if first.proposals[i].name not in barred)
         if stayed and stayed != here.chosen:
             before = _converged(origin, _with_set(first, stayed))
-    here = _again(origin, here, barred, progress, before)
+    here = _again(origin, here, barred, progress, before, wanted)
     tried = {frozenset(here.chosen)}
     for _ in range(ROUNDS - 1):
+        if without_any(here, wanted):
+            break
         progress.phase("searching for partners")
         better = _with_partner(origin, here, barred)
         if better is None or frozenset(better.chosen) in tried:
             break
-        there = _again(origin, better, barred, progress, here)
+        there = _again(origin, better, barred, progress, here, wanted)
         if there is here:
             break
         here = there
         tried.add(frozenset(here.chosen))
     return here
+
+
+def without_any(here: Round, wanted: Collection[str]) -> bool:
+    """Whether a round has found none of the effects that are wanted."""
+    return bool(wanted) and not here.names.intersection(wanted)
 
 
 def error_of(model: Prepared) -> float:
@@ -175,17 +188,24 @@ def error_of(model: Prepared) -> float:
 
 
 def _again(
-    origin: Origin, here: Round, barred: Collection[str], progress: Progress, before: Round | None = None
+    origin: Origin,
+    here: Round,
+    barred: Collection[str],
+    progress: Progress,
+    before: Round | None = None,
+    wanted: Collection[str] = (),
 ) -> Round:
     """Linearise about what was found, and search again, until the same is found, or nothing that is found does better:
     the converged model with it.
 
     Sets are compared in one system, which is right about its own model only. So a set takes the place of another only
     if, both converged, it leaves clearly less, or is smaller and leaves hardly more; where the best set does not, those
-    like the present one are tried. before: a converged round in whose place the first is to be.
+    like the present one are tried. before: a converged round in whose place the first is to be. wanted: see `searched`.
     """
     if before is not None and not here.chosen:
         return before
+    if before is None and without_any(here, wanted):
+        return here
     for number in range(2, ROUNDS + 1):
         if not here.chosen:
             break
@@ -194,6 +214,8 @@ def _again(
         if better is None:
             assert before is not None  # without one to surpass, the best set is taken
             return before
+        if without_any(better, wanted):
+            return better
         proposals = reshaped(origin, better, progress)
         here = judged(origin, better.model, proposals, barred)
         if here.names == better.names:
