@@ -48,7 +48,8 @@ def told(unlike: Dataset) -> Diagnosis:
 
 def found_in(dataset: Dataset, effects: tuple[str, ...] = ()) -> list[str]:
     prepared = prepare(problem_of(dataset, effects))
-    return [one.request for one in differing(converged(prepared), CATALOGUE)]
+    found, _ = differing(converged(prepared), CATALOGUE)
+    return [one.request for one in found]
 
 
 @pytest.mark.parametrize("effects", [(), FRICTION, ("stribeck_friction", "constant_offset:right")])
@@ -99,6 +100,51 @@ def test_the_diagnosis_tells_it(told: Diagnosis) -> None:
     (said,) = [sentence for sentence in sentences if "run to run" in sentence]
     assert said.startswith("The constant offset at left differs from run to run: -0.3")
     assert "`--with constant_offset:left@recording` gives them" in said
+
+
+def test_the_answer_has_the_values_and_the_gains_that_go_with_them(told: Diagnosis) -> None:
+    request = "constant_offset:left@recording"
+    assert told.by_recording == told.added == (request,)
+    assert told.after.effects == (request,)
+    assert [step.effects for step in told.ladder] == [(), (request,)]
+    assert [step.identify for step in told.ladder] == [told.before.error.identify, told.after.error.identify]
+    before, after = told.before.drive_gains["left"], told.after.drive_gains["left"]
+    assert abs(after.value - 3.3) < 3.0 * after.std < 0.03
+    assert abs(before.value - 3.3) > 0.3
+    (moved,) = [sentence for sentence in summary_sentences(told) if "drive gain" in sentence]
+    assert moved.startswith("With a value for each recording the drive gain of left is 3.3")
+
+
+def test_a_gain_holds_what_values_for_each_recording_make_of_it(unlike: Dataset, monkeypatch) -> None:
+    monkeypatch.setattr("bench.diagnosis.catalogue_search.OWN_VALUES_TRIED", 0)
+    told = diagnose_with_catalogue(problem_of(unlike))
+    gain = told.after.drive_gains["left"]
+    assert told.by_recording == ()
+    assert told.after.std_from == "models"
+    assert 0.3 < abs(gain.value - 3.3) < 1.02 * gain.std
+    (said,) = [sentence for sentence in summary_sentences(told) if "run to run" in sentence]
+    assert said.endswith("not fitted; `--with constant_offset:left@recording` gives them.")
+
+
+def test_both_are_found_where_coulomb_friction_is_missing_too(tmp_path) -> None:
+    """One offset for both recordings makes the gain of the left motor 1.7, where 3.3 is right."""
+    hidden = ({"effect": "coulomb_friction", "joint": "left", "Fc": 0.2},)
+    dataset = load_dataset(write_dataset(tmp_path / "data", hidden=hidden, recordings=RECORDINGS[:2]))
+    recordings = [
+        replace(recording, current=recording.current + np.array([step, 0.0]))
+        for recording, step in zip(dataset.recordings, (STEP, -STEP), strict=True)
+    ]
+    given = ("constant_offset",)
+    told = diagnose_with_catalogue(problem_of(replace(dataset, recordings=tuple(recordings)), given))
+    assert told.superfluous == ()
+    assert told.missing == ("coulomb_friction",)
+    assert told.by_recording == ("constant_offset:left@recording",)
+    assert told.ranking[0].actuators == ("left",)
+    gain = told.after.drive_gains["left"]
+    assert abs(gain.value - 3.3) < 3.0 * gain.std < 0.05
+    request = "constant_offset:left@recording"
+    assert [step.effects for step in told.ladder] == [(), (request,), (request, "coulomb_friction")]
+    assert summary_sentences(told)[0].startswith("Coulomb friction at left")
 
 
 def test_it_stands_in_the_json(told: Diagnosis) -> None:

@@ -151,7 +151,7 @@ def _requests(diagnosis: Diagnosis, rung: LadderStep) -> tuple[str, ...]:
     """The effects of a rung's model where the found model has them, beside those that were there before."""
     own = diagnosis.before.effects
     added = [effect for effect in diagnosis.after.effects if effect not in own]
-    return (*own, *(name for name in added if name.partition(":")[0] in rung.effects))
+    return (*own, *(name for name in added if {name, name.partition(":")[0]} & {*rung.effects}))
 
 
 def _of_sweep(folder: Path, asked: ViewRequest) -> list[ViewedRun]:

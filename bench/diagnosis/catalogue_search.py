@@ -14,6 +14,13 @@ from bench.diagnosis.differs import differing
 from bench.diagnosis.encoder_noise import encoder_error
 from bench.diagnosis.mounting import mounted_otherwise
 from bench.diagnosis.normal_equations import System
+from bench.diagnosis.own_values import (
+    explains_more,
+    leading,
+    own_values,
+    with_common_values,
+    with_own_values,
+)
 from bench.diagnosis.pruning import (
     impossible_but_needed,
     impossible_effects,
@@ -21,7 +28,7 @@ from bench.diagnosis.pruning import (
     superfluous_effect,
 )
 from bench.diagnosis.reason import Reason
-from bench.diagnosis.result import Diagnosis, EffectVerdict, LadderStep, Superfluous
+from bench.diagnosis.result import Diagnosis, Differing, EffectVerdict, LadderStep, Superfluous
 from bench.diagnosis.rounds import Origin, Round, first_round, origin_of, searched, without_any
 from bench.diagnosis.search import Found
 from bench.diagnosis.showing import shows
@@ -37,10 +44,12 @@ from bench.identification.nonlinear import converged
 from bench.identification.prepare import Prepared, prepare
 from bench.identification.problem import Problem
 from bench.identification.result import Identification, relative_error
+from bench.identification.widened import gains_widened
 
 Fits = Callable[[frozenset[str]], Identification]
 
 NONE_BARRED: Mapping[str, Reason] = {}
+OWN_VALUES_TRIED = 3  # sets of values for each recording beside which effects are searched
 
 
 @dataclass(frozen=True)
@@ -56,7 +65,8 @@ class SplitProblem:
 @dataclass(frozen=True)
 class SearchResult:
     """What a search found. new: beyond what the starting model has; names: of their effects; fits: see `_fits`; barred:
-    effects that may not be found, and why.
+    effects that may not be found, and why. differs: what differs from run to run, and differently: the answer with a
+    value of it for each; compared: whether they are known.
     """
 
     origin: Origin
@@ -69,6 +79,9 @@ class SearchResult:
     ladder: tuple[LadderStep, ...]
     superfluous: tuple[Superfluous, ...]
     barred: Mapping[str, Reason]
+    compared: bool = False
+    differs: tuple[Differing, ...] = ()
+    differently: Identification | None = None
 
 
 @on_one_thread
@@ -95,13 +108,47 @@ def split_and_fitted(problem: Problem, progress: Progress = SILENT) -> SplitProb
 
 
 def search_catalogue(case: SplitProblem, progress: Progress = SILENT) -> SearchResult:
-    """Search beside a model that has the starting model's effects, or some of them: the others are to be found."""
-    for start in origins_of(case.start):
+    """Search beside the starting model; where values for each recording take most of a motor's error away, beside them.
+
+    One value for all recordings, where it differs, moves the gains and looks like other effects. Values for each are
+    part of the answer where with what is found beside them they explain clearly more of parts that are not fitted, no
+    less of other recordings, and still differ.
+    """
+    plain = _compared(case, _search_beside(case, case.start, case.before, progress))
+    here, tried = plain, list[frozenset[str]]()
+    while leading(here.differs) and len(tried) < OWN_VALUES_TRIED:
+        wanted = frozenset(each.request for each in here.differs)
+        if wanted in tried:
+            break
+        tried.append(wanted)
+        start = with_own_values(case.start, here.differs, case.problem.catalogue)
+        here = _compared(case, _search_beside(case, start, fit(start), progress))
+        if frozenset(each.request for each in here.differs) == wanted:
+            better = explains_more(here.model, plain.model) and not worse(here.after, plain.after)
+            return here if better else plain
+    return plain
+
+
+def _search_beside(
+    case: SplitProblem, model: Prepared, before: Identification, progress: Progress
+) -> SearchResult:
+    """Search beside a model that has this model's effects, or some of them: the others are to be found.
+
+    before: the answer of `model` as it is.
+    """
+    for start in origins_of(model):
         origin = origin_of(start)
         finding = search_from(case, origin, first_round(origin, case.problem.catalogue, progress), progress)
-        if start is case.start or not worse(finding.after, case.before):
+        if start is model or not worse(finding.after, before):
             break
     return finding
+
+
+def _compared(case: SplitProblem, finding: SearchResult) -> SearchResult:
+    """With what has another value in each recording of the found model, or would have, and the answer with these."""
+    model = with_common_values(finding.model, case.start.effects)
+    differs, differently = differing(model, case.problem.catalogue)
+    return replace(finding, compared=True, differs=differs, differently=differently)
 
 
 def search_from(
@@ -146,9 +193,13 @@ def search_for(
             names = tuple(dict.fromkeys(instance.effect.name for instance in new))
             if wanted and not set(names).intersection(wanted):
                 return None
-            fits = _fits(origin, kept, new, case.before, after)
+            each = dict.fromkeys(instance.request for instance in own_values(origin.start, given))
+            without = fit(origin.with_instances(kept)) if each else case.before
+            fits = _fits(origin, kept, new, without, after)
             ladder = _ladder(names, fits)
             out = superfluous_effect(ladder)
+            if each:
+                ladder = (_step((), case.before), *(replace(s, effects=(*each, *s.effects)) for s in ladder))
         if not out:
             return SearchResult(origin, last, model, after, new, names, fits, ladder, superfluous, known)
         known |= out
@@ -173,6 +224,10 @@ def answered(case: SplitProblem, finding: SearchResult, progress: Progress = SIL
         progress.phase("fitting models that are as good")
         added = model.effects[len(finding.origin.start.effects) :]
         after = with_spread_over_models(finding.origin, finding.last, added, after)
+    if not finding.compared:
+        finding = _compared(case, finding)
+    if finding.differently is not None and not {each.request for each in finding.differs} <= {*after.effects}:
+        after = gains_widened(after, [finding.differently])  # values for each recording explain the data, too
     ranking = verdicts(system, proposals, best, _shown_places(proposals, best, places), scale, left, without)
     known = {*given_wholly(start.effects, proposals), *_shown_places(proposals, best, {})} - {*places}
     ranking = tuple(
@@ -191,7 +246,7 @@ def answered(case: SplitProblem, finding: SearchResult, progress: Progress = SIL
         unexplained=left,
         before=case.before,
         after=replace(after, findings=(*mounted_otherwise(model), *after.findings)),
-        differs=differing(model, case.problem.catalogue),
+        differs=finding.differs,
         superfluous=finding.superfluous,
     )
 
@@ -280,8 +335,8 @@ def _fits(
     before: Identification,
     after: Identification,
 ) -> Fits:
-    """What is kept of the starting model with some of the new effects, by name, each such set fitted once; the starting
-    model as it is without any.
+    """What is kept of the starting model with some of the new effects, by name, each such set fitted once; `before`
+    without any.
     """
 
     @cache
@@ -303,8 +358,7 @@ def _errors_without(names: Sequence[str], fits: Fits) -> dict[str, float]:
 
 def _ladder(names: Sequence[str], fits: Fits) -> tuple[LadderStep, ...]:
     """Errors after each added effect, the one that helps most first."""
-    before = fits(frozenset())
-    steps = [LadderStep((), before.error.identify, before.error.validate, before.recordings)]
+    steps = [_step((), fits(frozenset()))]
     left = list(names)
     taken: list[str] = []
     while left:
@@ -312,6 +366,9 @@ def _ladder(names: Sequence[str], fits: Fits) -> tuple[LadderStep, ...]:
         result, name = min(tried, key=lambda pair: pair[0].error.validate or pair[0].error.identify or 0.0)
         taken.append(name)
         left.remove(name)
-        error = result.error
-        steps.append(LadderStep(tuple(taken), error.identify, error.validate, result.recordings))
+        steps.append(_step(tuple(taken), result))
     return tuple(steps)
+
+
+def _step(effects: tuple[str, ...], result: Identification) -> LadderStep:
+    return LadderStep(effects, result.error.identify, result.error.validate, result.recordings)

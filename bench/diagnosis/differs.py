@@ -15,7 +15,7 @@ from bench.effects.select import TAG
 from bench.identification.identify import fit
 from bench.identification.nonlinear import converged
 from bench.identification.prepare import Prepared, with_effects
-from bench.identification.result import Quantity
+from bench.identification.result import Identification, Quantity
 from bench.identification.solve_only import candidate_columns, solved_quickly
 
 MATERIAL = (
@@ -33,18 +33,21 @@ class _Candidate:
     own: tuple[int, ...]
 
 
-def differing(model: Prepared, catalogue: Mapping[str, Effect]) -> tuple[Differing, ...]:
-    """Effects of a converged model that have another value in each fitted recording, or would have, strongest first.
+def differing(
+    model: Prepared, catalogue: Mapping[str, Effect]
+) -> tuple[tuple[Differing, ...], Identification | None]:
+    """Effects of a converged model that have another value in each fitted recording, or would have, strongest first;
+    and the answer with these values, None where nothing differs.
 
     One value for all recordings competes with one for each. A recording that is not fitted has no value of its own, so
     that every other part of each is kept apart to judge on.
     """
     logs = model.logs
     if len(logs) < 2:
-        return ()
+        return (), None
     candidates, instances = _candidates(model, catalogue)
     if not candidates:
-        return ()
+        return (), None
     halves = halves_of(*solved_quickly(model), candidate_columns(model, instances))
     motors = list(model.dataset.robot.joints)
     chosen: list[tuple[_Candidate, float, float, float]] = []
@@ -64,7 +67,7 @@ def differing(model: Prepared, catalogue: Mapping[str, Effect]) -> tuple[Differi
         if not tried:
             break
         chosen.append(max(tried, key=lambda pair: pair[1]))
-    return _that_show(model, chosen) if chosen else ()
+    return _that_show(model, chosen) if chosen else ((), None)
 
 
 def _candidates(
@@ -94,8 +97,8 @@ def _candidates(
 
 def _that_show(
     model: Prepared, chosen: Sequence[tuple[_Candidate, float, float, float]]
-) -> tuple[Differing, ...]:
-    """Those whose values, all fitted together, differ clearly and are possible."""
+) -> tuple[tuple[Differing, ...], Identification | None]:
+    """Those whose values, all fitted together, differ clearly and are possible; and that fit."""
     places = {(candidate.effect.name, candidate.joint) for candidate, *_ in chosen}
     kept = [instance for instance in model.effects if (instance.effect.name, instance.joint) not in places]
     logs = model.logs
@@ -118,7 +121,7 @@ def _that_show(
         impossible = parameter.positive and any(x.value < -SHOWS * x.std for x in values.values())
         if not impossible and _apart(list(values.values()), result.covariance[own, own]):
             found.append(Differing(candidate.effect.name, candidate.joint, values, evidence, before, after))
-    return tuple(sorted(found, key=lambda difference: -difference.evidence))
+    return tuple(sorted(found, key=lambda difference: -difference.evidence)), result if found else None
 
 
 def _apart(values: Sequence[Quantity], covariance: np.ndarray) -> bool:

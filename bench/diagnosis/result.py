@@ -188,7 +188,8 @@ class Superfluous:
 @dataclass(frozen=True, repr=False)
 class Diagnosis:
     """The answer of `diagnose`. missing: names, strongest first; before, after: the models without and with
-    them. differs: what has another value in each recording, whether the model has it or not; `after` has one for all.
+    them. differs: what has another value in each recording, whether the model has it or not; by_recording: those of
+    which `after` has these values, with one for all of the others.
     superfluous: effects of the starting model that `after` does without.
     discovered: laws that are in no catalogue, motor by motor; `after` and the ladder have them, too.
     """
@@ -206,12 +207,18 @@ class Diagnosis:
     discovered: tuple[Discovered, ...] = ()
 
     @property
+    def by_recording(self) -> tuple[str, ...]:
+        """What has a value for each recording in `after` and not in `before`, as EFFECT:MOTOR@recording."""
+        requests = [differing.request for differing in self.differs]
+        return tuple(request for request in requests if request in self.after.effects)
+
+    @property
     def added(self) -> tuple[str, ...]:
-        """Names of all that `after` has beyond `before`: effects of the catalogue, and laws."""
-        return (*self.missing, *dict.fromkeys(law.law for law in self.discovered))
+        """Names of all that `after` has beyond `before`: effects of the catalogue, values by recording, and laws."""
+        return (*self.missing, *self.by_recording, *dict.fromkeys(law.law for law in self.discovered))
 
     def __repr__(self) -> str:
-        found = (*self.missing, *(law.formula for law in self.discovered))
+        found = (*self.missing, *self.by_recording, *(law.formula for law in self.discovered))
         errors = [step.validate if step.validate is not None else step.identify for step in self.ladder]
         fall = " → ".join(f"{100.0 * error:.3g} %" for error in errors if error is not None)
         return f"<{self.robot}: {', '.join(found) or 'nothing'} missing; error {fall}>"

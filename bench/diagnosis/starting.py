@@ -47,13 +47,14 @@ def leaving(
     Each is tried once more beside what was found: one that takes a clear share of the error away comes back.
     """
     own = len(origin.start.effects)
-    added = _named(model.effects[own:], given)
+    each = {instance.effect.name for instance in origin.start.effects if instance.recording}
+    added = _named(model.effects[own:], [instance for instance in given if instance.effect.name not in each])
     model = replace(model, effects=(*model.effects[:own], *added))
     if model.effects and added:
         after = replace(after, effects=tuple(dict.fromkeys(instance.request for instance in model.effects)))
     gone: list[Superfluous] = []
-    there = {(instance.effect.name, instance.place) for instance in origin.start.effects}
-    left = [instance for instance in given if (instance.effect.name, instance.place) not in there]
+    there = _places(origin.start.effects)
+    left = [instance for instance in given if (instance.effect.name, instance.joint) not in there]
     for name in dict.fromkeys(instance.effect.name for instance in left):
         if any(instance.effect.name == name for instance in added):
             continue
@@ -64,7 +65,7 @@ def leaving(
         if _judged(result) < (1.0 - MATERIAL) * _judged(after):
             model, after = wider, result
             added = list(model.effects[own:])
-        else:
+        elif name not in each:  # else it has a value for each recording somewhere
             wholes = [instance.effect.name for instance in added if name in instance.effect.contains]
             gone.append(Superfluous(name, wholes[0] if wholes else None))
     return model, after, tuple(gone)

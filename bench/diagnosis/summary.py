@@ -84,13 +84,14 @@ def summary_of(diagnosis: Diagnosis) -> DiagnosisSummary:
     left = f"{_capital(left_words(diagnosis.unexplained))}."
     judged = judged_on(diagnosis)
     needless = _superfluous(diagnosis)
-    differs = from_run_to_run(diagnosis.differs, clear=not diagnosis.unexplained.significant)
+    each = diagnosis.by_recording
+    differs = from_run_to_run(diagnosis.differs, each, clear=not diagnosis.unexplained.significant)
     laws = law_sentences(diagnosis.discovered)
     if not found:
         what = "No effect with one value for all recordings" if differs else "Nothing"
         nothing = (
             f"{what} is missing that the catalogue knows: judged on {judged}, no effect makes the "
-            f"error clearly smaller than {in_percent(before)} of the current."
+            f"error clearly smaller than {in_percent(after if each else before)} of the current."
         )
         causes = [expected for expected in diagnosis.after.findings if expected.code in CAUSES]
         if causes:
@@ -101,7 +102,8 @@ def summary_of(diagnosis: Diagnosis) -> DiagnosisSummary:
         strange = [
             sentence(finding) for finding in (runaway(diagnosis.after), unlike(diagnosis.after)) if finding
         ]
-        return DiagnosisSummary(nothing, tuple(strange), "", (), "", needless, differs, left, laws)
+        moved = _largest_change(diagnosis) if each else None
+        return DiagnosisSummary(nothing, tuple(strange), "", (), moved or "", needless, differs, left, laws)
     sure = [
         _named(diagnosis, effect_verdict) for effect_verdict in found if effect_verdict.verdict != "resembles"
     ]
@@ -116,6 +118,8 @@ def summary_of(diagnosis: Diagnosis) -> DiagnosisSummary:
         said_of = "seems to be" if len(parts) == 1 else "seem to be"
     if laws:
         names = f"{names}, beside {'a law' if len(laws) == 1 else 'laws'} that no catalogue has,"
+    elif each:
+        names = f"{names}, beside what differs from run to run,"
     verdict = (
         f"{_capital(names)} {said_of} missing: judged on {judged}, the error falls from {in_percent(before)} "
         f"to {in_percent(after)} of the current, where noise leaves {in_percent(floor)}."
@@ -262,11 +266,12 @@ def _largest_change(diagnosis: Diagnosis) -> str | None:
     if joint is None:
         return None
     before, after = diagnosis.before.drive_gains, diagnosis.after.drive_gains
-    them = "it" if len(diagnosis.missing) == 1 else "them"
+    them = "it" if len(diagnosis.added) == 1 else "them"
+    beside = "a value for each recording" if diagnosis.by_recording and not diagnosis.missing else them
     gain, was = after[joint], before[joint]
     came = f"came out at {with_error(was.value, was.std)}" if was.determined else "is not determined"
     return (
-        f"With {them} the drive gain of {joint} is {with_error(gain.value, gain.std)} {gain.unit.replace('*', '·')}, "
+        f"With {beside} the drive gain of {joint} is {with_error(gain.value, gain.std)} {gain.unit.replace('*', '·')}, "
         f"{100.0 * (gain.value / gain.nominal - 1.0):+.3g} % from its nominal {gain.nominal:.4g}; without {them} it "
         f"{came}."
     )

@@ -7,6 +7,7 @@ from bench.diagnosis.result import Diagnosis, EffectVerdict
 from bench.diagnosis.summary import effort_unit, error_share, motor_torques
 from bench.document.numbers import effect_name, gain_change
 from bench.document.table import PLAIN, Column, Mark, Table
+from bench.effects.select import TAG
 from bench.identification.result import Identification, Quantity
 
 FEW = 4  # alternatives named in a cell
@@ -20,7 +21,11 @@ def step_labels(steps: Sequence[Sequence[str]]) -> list[str]:
     """
     labels = ["the model as it is"]
     for before, after in pairwise(steps):
-        added = dict.fromkeys(effect_name(name.partition(":")[0]) for name in after if name not in before)
+        added = dict.fromkeys(
+            effect_name(name if name.endswith(TAG) else name.partition(":")[0])
+            for name in after
+            if name not in before
+        )
         labels.append(f"+ {', '.join(added)}")
     return labels
 

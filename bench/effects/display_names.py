@@ -2,12 +2,19 @@
 
 import re
 
+from bench.effects.select import TAG
+
 _PEOPLE = re.compile(r"\b(coulomb|stribeck)\b")
 
 
 def spoken(name: str) -> str:
-    """Such as "Coulomb friction" of coulomb_friction, "viscous friction" of viscous_friction."""
-    return named_after(name.replace("_", " "))
+    """Such as "Coulomb friction" of coulomb_friction, "constant offset at left for each recording" of
+    constant_offset:left@recording.
+    """
+    effect, _, place = name.removesuffix(TAG).partition(":")
+    said = named_after(effect.replace("_", " "))
+    said += f" at {place}" if place else ""
+    return f"{said} for each recording" if name.endswith(TAG) else said
 
 
 def begun(name: str) -> str:

@@ -1,0 +1,83 @@
+"""Models in which an offset or a friction that differs from run to run has a value for each recording."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from bench.diagnosis.halves import Halves, halves_of
+from bench.diagnosis.result import Differing
+from bench.diagnosis.search import NEEDED
+from bench.effects import Effect, EffectInstance
+from bench.identification.nonlinear import converged
+from bench.identification.prepare import Prepared, with_effects
+from bench.identification.solve_only import solved_quickly
+
+MOST_OF_IT = 0.5  # share of a motor's squared error: what takes more away is looked for before all else
+
+
+def leading(differs: Sequence[Differing]) -> bool:
+    """Whether values for each recording take most of a motor's error away: effects found without them may be theirs."""
+    return any(differing.error_after**2 < MOST_OF_IT * differing.error_before**2 for differing in differs)
+
+
+def with_own_values(
+    start: Prepared, differs: Sequence[Differing], catalogue: Mapping[str, Effect]
+) -> Prepared:
+    """A starting model with a value for each recording of what differs, in place of one for all; converged."""
+    places = {(differing.effect, differing.joint) for differing in differs}
+    names = {name for name, _ in places}
+    kept = [
+        replace(instance, request=f"{instance.effect.name}:{instance.joint}")
+        if instance.effect.name in names and not instance.recording
+        else instance
+        for instance in start.effects
+        if (instance.effect.name, instance.joint) not in places
+    ]
+    logs = start.logs
+    added = [
+        EffectInstance(catalogue[differing.effect], differing.joint, differing.request, log, logs)
+        for differing in differs
+        for log in logs
+    ]
+    return converged(with_effects(start, (*kept, *added)))
+
+
+def own_values(model: Prepared, given: Sequence[EffectInstance]) -> tuple[EffectInstance, ...]:
+    """The instances of a model with a value for one recording that the starting model (`given`) has not as such."""
+    there = {(instance.effect.name, instance.place) for instance in given}
+    return tuple(
+        instance
+        for instance in model.effects
+        if instance.recording and (instance.effect.name, instance.place) not in there
+    )
+
+
+def with_common_values(model: Prepared, given: Sequence[EffectInstance]) -> Prepared:
+    """The converged model with one value for all recordings in the place of those; itself where it has none."""
+    own = own_values(model, given)
+    if not own:
+        return model
+    kept = [instance for instance in model.effects if instance not in own]
+    common = {
+        (instance.effect.name, instance.joint): replace(
+            instance.everywhere(), request=f"{instance.effect.name}:{instance.joint}"
+        )
+        for instance in own
+    }
+    return converged(with_effects(model, (*kept, *common.values())))
+
+
+def explains_more(model: Prepared, other: Prepared) -> bool:
+    """Whether a converged model clearly explains more of the fitted recordings than another: each is fitted to every
+    other part of each recording and judged on the rest, where values for one recording hold, too.
+    """
+    here, there = _by_halves(model), _by_halves(other)
+    samples = np.minimum(here.samples, there.samples)
+    ratio = (there.judged(()) / there.measured) / (here.judged(()) / here.measured)
+    return 0.5 * float(samples @ np.log(ratio)) > NEEDED
+
+
+def _by_halves(model: Prepared) -> Halves:
+    stack, solution = solved_quickly(model)
+    return halves_of(stack, solution, np.zeros((*stack.current.shape, 0)))
