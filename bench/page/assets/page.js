@@ -5,7 +5,7 @@
   const root = document.documentElement;
   const figures = JSON.parse(document.getElementById("figures").textContent);
   const LOWER = 0.8; // times its height on a screen, of a wide chart on paper
-  const PRINTED = {wide: 900, grid: 300}; // px, at which a chart is drawn; paper shows it smaller
+  const PRINTED = {wide: 900, grid: 340}; // px, at which a chart is drawn; paper shows it smaller
 
   function remembered() {
     try {
