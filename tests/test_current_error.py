@@ -1,5 +1,7 @@
 """The least error of the currents is found from inner products as it is from the equations themselves."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -7,6 +9,7 @@ from bench.identification.compressed import Stack, compress
 from bench.identification.current_error import REWEIGHTINGS, current_error, minimised, squared_errors
 from bench.identification.least_squares import weighted_least_squares
 from bench.identification.solution import NominalGains
+from bench.identification.solved_from_products import solved_from_products
 
 TRUE = np.array([3.3, 2.8, 40.0])
 NOMINAL = np.array([3.0, 3.0, 38.0])
@@ -39,8 +42,34 @@ def test_steps_on_inner_products_lead_where_steps_on_the_equations_do(noise, fit
     for _ in range(REWEIGHTINGS):
         theta, gains = minimised(stack.factors, theta, gains, weights, fit_gains)
         weights = weights_of(theta, gains)
-    for to_the_last_digit, digits in ((True, 1e-7), (False, 1e-5)):
-        found = current_error(stack, start, to_the_last_digit=to_the_last_digit)
+    quickly = solved_from_products(stack, NominalGains(NOMINAL, fit_gains), NOMINAL)
+    for found, digits in ((current_error(stack, start), 1e-7), (quickly, 1e-5)):
         np.testing.assert_allclose(found.gains, gains, rtol=digits * noise)
         np.testing.assert_allclose(found.weights, weights, rtol=digits)
         np.testing.assert_allclose(stack.phi @ (found.theta - theta), 0.0, atol=10.0 * digits * noise)
+
+
+def test_a_start_far_away_leads_to_the_same_solution():
+    stack = stack_of(0.1)
+    gains = NominalGains(NOMINAL, fitted=True)
+    found = solved_from_products(stack, gains, NOMINAL)
+    for near in (NOMINAL * 1e7, NOMINAL * np.array([30.0, 1.0, 1.0]), NOMINAL / 1e3):
+        other = solved_from_products(stack, gains, near)
+        np.testing.assert_allclose(other.gains, found.gains, rtol=1e-6)
+        np.testing.assert_allclose(stack.phi @ (other.theta - found.theta), 0.0, atol=1e-4)
+
+
+def test_a_motor_whose_gain_runs_away_leaves_no_more_than_where_steps_on_the_equations_end():
+    stack = stack_of(0.1)
+    random = np.random.default_rng(5)
+    current = stack.current.copy()
+    current[:, 0] = 0.1 * random.standard_normal(
+        len(current)
+    )  # nothing of the model: the larger the gain the better
+    stack = replace(stack, current=current, factors=compress(stack.phi, stack.kappa, current))
+    gains = NominalGains(NOMINAL, fitted=True)
+    exact = current_error(stack, weighted_least_squares(stack, gains))
+    found = solved_from_products(stack, gains, NOMINAL)
+    left = [np.log(squared_errors(stack.factors, each.theta, each.gains)).sum() for each in (found, exact)]
+    assert abs(found.gains[0]) > 100.0 * NOMINAL[0]
+    assert left[0] < left[1] + 1e-3

@@ -73,4 +73,5 @@ def test_whether_gains_are_fitted_travels_with_what_is_asked(project_root: Path)
         ("centred.py", "minimised"),
         ("current_error.py", "minimised"),
         ("robust.py", "_likeliest"),
+        ("solved_from_products.py", "_weighted"),
     }

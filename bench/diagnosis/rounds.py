@@ -12,7 +12,7 @@ from bench.diagnosis.candidates import Context, Proposal, context_of, propose, s
 from bench.diagnosis.leaves_less import SquaresLeft, leaves_clearly_less, left_by
 from bench.diagnosis.noise import leaves_only_noise, noise_squares
 from bench.diagnosis.normal_equations import System, build_system, solve_set
-from bench.diagnosis.restart import restarted
+from bench.diagnosis.restart import believable_gains, held_at, restarted
 from bench.diagnosis.revealed import beside, partners
 from bench.diagnosis.search import NEEDED, Found, neighbours, score, search
 from bench.effects import Effect, EffectInstance, changes_torque
@@ -20,7 +20,7 @@ from bench.identification.nonlinear import converged, present_model
 from bench.identification.perturbations import Nearby
 from bench.identification.prepare import Prepared, seen_nearby, with_effects
 from bench.identification.result import relative_error
-from bench.identification.solve_only import solved_quickly
+from bench.identification.solve_only import solved_quickly, stacked
 from bench.identification.summary import modelled_series
 
 ROUNDS = 6
@@ -217,7 +217,7 @@ def _again(
         if without_any(better, wanted):
             return better
         proposals = reshaped(origin, better, progress)
-        here = judged(origin, better.model, proposals, barred)
+        here = judged(origin, better.model, proposals, barred, better.chosen)
         if here.names == better.names:
             return here
         before = _with_set(here, better.chosen)
@@ -280,7 +280,7 @@ def _with_partner(origin: Origin, here: Round, barred: Collection[str]) -> Round
             if not _better(replace(here, model=joined), here):
                 break
             others = beside(here.proposals, joined, len(origin.start.effects))
-            wider = judged(origin, joined, others, barred)
+            wider = judged(origin, joined, others, barred, tuple(sorted((*here.chosen, i))))
             without = score(wider.system, solve_set(wider.system, here.chosen), wider.found.empty)
             if wider.found.best.total <= without.total + NEEDED:
                 break
@@ -289,19 +289,28 @@ def _with_partner(origin: Origin, here: Round, barred: Collection[str]) -> Round
     return None
 
 
-def judged(origin: Origin, model: Prepared, proposals: Sequence[Proposal], barred: Collection[str]) -> Round:
-    """The starting model's equations with every proposal's columns, linearised about `model`, and the best set."""
+def judged(
+    origin: Origin,
+    model: Prepared,
+    proposals: Sequence[Proposal],
+    barred: Collection[str],
+    present: tuple[int, ...] = (),
+) -> Round:
+    """The starting model's equations with every proposal's columns, linearised about `model`, and the best set.
+
+    present: the proposals that this model has.
+    """
     system = system_about(origin, model, proposals)
-    return Round(model, proposals, system, _search(system, proposals, barred))
+    return Round(model, proposals, system, search(system, usable(proposals, barred), present))
 
 
 def system_about(origin: Origin, model: Prepared, proposals: Sequence[Proposal]) -> System:
     """The starting model's equations with every proposal's columns, linearised about `model`."""
     start = origin.start
     _, solution = solved_quickly(model)
+    gains = believable_gains(solution, start.dataset.robot.nominal_gains)
     about = with_effects(model, start.effects)
-    stack, own = solved_quickly(about)
-    own = restarted(stack, replace(own, weights=solution.weights), start.dataset.robot.nominal_gains)
+    own = held_at(stacked(about), solution, gains)
     exact = model.effects[len(start.effects) :]
     listed = [() if proposal.absorbed else proposal.instances for proposal in proposals]
     near = origin.nearby.signals(model.present, model.signals)

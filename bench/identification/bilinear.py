@@ -7,8 +7,7 @@ inner products. These are as exact as the solution is near: squares of what it l
 """
 
 import numpy as np
-from scipy.linalg import LinAlgError, cho_factor, cho_solve
-from scipy.linalg.lapack import dpstrf
+from scipy.linalg.lapack import dposv, dpstrf
 
 COLLINEAR = 1e-6  # least pivot of the scaled unknowns that Cholesky's factors are trusted with
 MOST = 4.0  # times which a gain may change in one step
@@ -43,21 +42,20 @@ def normal_equations(
     by_torque = (inner @ torque[..., None])[..., 0]
     across = -(share / gains)[..., None] * by_torque[..., :k]
     own = (share / gains * (torque * by_torque).sum(axis=-1))[..., None] * np.eye(n)
-    normal = np.block([[normal, across.swapaxes(-1, -2)], [across, own]])
-    return normal, np.concatenate((right, -share * (torque * by_error).sum(axis=-1)), axis=-1)
+    whole = np.empty((*gains.shape[:-1], k + n, k + n))
+    whole[..., :k, :k], whole[..., k:, k:] = normal, own
+    whole[..., k:, :k], whole[..., :k, k:] = across, across.swapaxes(-1, -2)
+    return whole, np.concatenate((right, -share * (torque * by_error).sum(axis=-1)), axis=-1)
 
 
 def least(normal: np.ndarray, right: np.ndarray) -> np.ndarray:
     """Solution of normal equations, scaled to a unit diagonal; the smallest where they do not determine it."""
-    diagonal = np.diag(normal)
+    diagonal = normal.diagonal()
     lengths = np.sqrt(np.where(diagonal > 0.0, diagonal, 1.0))
-    scaled = normal / np.outer(lengths, lengths)
-    try:
-        factor = cho_factor(scaled, lower=True, check_finite=False)
-    except LinAlgError:
-        factor = None
-    if factor is not None and np.diag(factor[0]).min() > COLLINEAR:
-        return np.asarray(cho_solve(factor, right / lengths, check_finite=False)) / lengths
+    scaled = normal / lengths[:, None] / lengths
+    factor, found, failed = dposv(scaled, right / lengths, lower=1)
+    if not failed and factor.diagonal().min(initial=1.0) > COLLINEAR:
+        return np.asarray(found) / lengths
     values, vectors = np.linalg.eigh(scaled)
     kept = values > COLLINEAR**2 * values[-1]
     along = vectors[:, kept]

@@ -1,6 +1,7 @@
 """A bilinear system counted from a solution, so that many steps from there cost next to nothing."""
 
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 from scipy.linalg import solve_triangular
@@ -11,7 +12,19 @@ INDEPENDENT = 1e-9  # least diagonal of the triangular factor of unit columns th
 DEPENDENT = 1e-13  # share of the largest singular value below which columns are dependent
 WORSE = 1e-9  # relative growth of the cost that rounding may make
 LEAST_SHARE = 1e-3  # of a step
+NOTHING = 1e-12  # share of the cost by which it falls where gains run away without end
 FAR = 2.0  # times a gain: beyond, products are as inexact as the start is far
+
+
+@dataclass(frozen=True)
+class Reached:
+    """Where steps have led, values (b,) and gains (n,), and why they ended there: the cost hardly falls any more, the
+    gains are far from those that they are counted from, or no part of the next step lowers the cost.
+    """
+
+    values: np.ndarray
+    gains: np.ndarray
+    why: Literal["converged", "far", "stuck"]
 
 
 @dataclass(frozen=True)
@@ -44,11 +57,11 @@ class Centred:
         tolerance: float,
         most_steps: int,
         unseen: float = 0.0,
-    ) -> tuple[np.ndarray, np.ndarray] | None:
+    ) -> Reached | None:
         """Steps of Gauss and Newton with step halving, until the weighted cost falls by less than a share.
 
         unseen: the same, from which on it is enough that steps creep; see `creeps`.
-        None where that is not so after so many steps, or gains are far from those that they are counted from.
+        None where the cost still falls after so many steps.
         """
         squares, n = weights**2, len(gains)
         cost, last = float(self.squares(values, gains) @ squares), np.inf
@@ -63,28 +76,48 @@ class Centred:
                     break
                 share /= 2.0
                 if share < LEAST_SHARE:
-                    return None
-            converged = share == 1.0 and (
-                cost - new <= tolerance * cost or creeps(cost - new, last, unseen * cost)
-            )
-            values, gains, cost, last = new_values, new_gains, new, cost - new
+                    return Reached(values, gains, "stuck")
+            fall = cost - new
+            converged = share == 1.0 and (fall <= tolerance * cost or creeps(fall, last, unseen * cost))
+            values, gains, cost, last = new_values, new_gains, new, fall
             ratio = gains / self.gains
-            if ratio.max() > FAR or ratio.min() < 1.0 / FAR:
-                return None
-            if converged:
-                return values, gains
+            far = bool(ratio.max() > FAR or ratio.min() < 1.0 / FAR)
+            if converged or far:
+                return Reached(values, gains, "far" if far and fall > NOTHING * cost else "converged")
         return None
 
 
-def centred(factors: np.ndarray, theta: np.ndarray, gains: np.ndarray, weights: np.ndarray) -> Centred:
-    """The system of factors (n, r, p + 2) of [phi, kappa, current] about a solution; weights (n,): of the errors."""
-    p = len(theta)
-    phi = factors[:, :, :p]
-    torque = phi @ theta + factors[:, :, p]
-    error = factors[:, :, p + 1] - torque / gains[:, None]
-    basis = _orthonormal((phi * (weights / gains)[:, None, None]).reshape(-1, p))
-    rows = np.concatenate((phi @ basis, torque[:, :, None], error[:, :, None]), axis=2)
-    return Centred(rows.swapaxes(1, 2) @ rows, basis, theta, gains)
+@dataclass(frozen=True)
+class FactorProducts:
+    """Factors (n, r, p + 2) of [phi, kappa, current] whose columns of phi are combined, by a basis (p, b), to nearly
+    orthonormal ones: these columns (n, r, b), and their inner products (n, b, b), motor by motor.
+    """
+
+    factors: np.ndarray
+    basis: np.ndarray
+    columns: np.ndarray
+    inner: np.ndarray
+
+    def about(self, theta: np.ndarray, gains: np.ndarray) -> Centred:
+        """The system counted from a solution."""
+        p, b = len(theta), self.basis.shape[1]
+        torque = self.factors[:, :, :p] @ theta + self.factors[:, :, p]
+        error = self.factors[:, :, p + 1] - torque / gains[:, None]
+        rows = np.stack((torque, error), axis=2)
+        inner = np.empty((len(gains), b + 2, b + 2))
+        inner[:, :b, :b] = self.inner
+        inner[:, :b, b:] = self.columns.swapaxes(1, 2) @ rows
+        inner[:, b:, :b] = inner[:, :b, b:].swapaxes(1, 2)
+        inner[:, b:, b:] = rows.swapaxes(1, 2) @ rows
+        return Centred(inner, self.basis, theta, gains)
+
+
+def products_of(factors: np.ndarray, scale: np.ndarray) -> FactorProducts:
+    """Of factors (n, r, p + 2), with columns that are orthonormal where motors count by scale (n,)."""
+    phi = factors[:, :, :-2]
+    basis = _orthonormal((phi * scale[:, None, None]).reshape(-1, phi.shape[2]))
+    columns = phi @ basis
+    return FactorProducts(factors, basis, columns, columns.swapaxes(1, 2) @ columns)
 
 
 def _orthonormal(rows: np.ndarray) -> np.ndarray:

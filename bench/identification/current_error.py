@@ -5,64 +5,73 @@ on the left side, whatever the gains; the problem is bilinear and solved by Gaus
 of the compressed factors, counted from the starting solution, and last on the factors themselves.
 """
 
-from collections.abc import Sequence
-from dataclasses import replace
-
 import numpy as np
 
-from bench.identification.bilinear import creeps
-from bench.identification.centred import centred
+from bench.identification.centred import FactorProducts, products_of
 from bench.identification.compressed import Stack
 from bench.identification.solution import Solution, scaled_lstsq
 
 REWEIGHTINGS = 3
 MOST_STEPS = 50
 CONVERGED = 1e-12
-CHANCE = 1e-3  # nats
 NEARLY = 1e-9  # as long as the weights are not the last ones
+PASSES = [NEARLY] * (REWEIGHTINGS - 1) + [CONVERGED]
 
 
-def current_error(stack: Stack, start: Solution, *, to_the_last_digit: bool = True) -> Solution:
+def current_error(stack: Stack, start: Solution) -> Solution:
     """Minimise sum_j w_j^2 |v_j - (Phi_j theta + kappa_j) / g_j|^2 from a starting solution.
 
     The weights are one over each motor's current error. Without a known payload (start.gains_fitted is
-    False) the gains stay as they are and the problem is linear. to_the_last_digit: or as far as inner products lead,
-    which is nearer than any deviation, and only until steps creep where chance makes more of the errors than they do.
+    False) the gains stay as they are and the problem is linear.
     """
-    theta, gains, passes = start.theta, start.gains, [NEARLY] * (REWEIGHTINGS - 1) + [CONVERGED]
-    weights = _weights(stack, squared_errors(stack.factors, theta, gains))
-    unseen = 0.0 if to_the_last_digit else 2.0 * CHANCE / max(int(stack.moving.sum()), 1)
-    nearly = _from_products(stack, start, weights, passes, unseen)
+    theta, gains, passes = start.theta, start.gains, PASSES
+    weights = error_weights(stack, squared_errors(stack.factors, theta, gains))
+    products = products_of(stack.factors, weights / gains)
+    nearly = from_products(stack, products, start, weights)
     if nearly is not None:
         theta, gains, weights = nearly.theta, nearly.gains, nearly.weights
-        if not to_the_last_digit:
-            return replace(nearly, weights=_weights(stack, squared_errors(stack.factors, theta, gains)))
         passes = [CONVERGED]
     for tolerance in passes:
-        theta, gains = minimised(stack.factors, theta, gains, weights, start.gains_fitted, tolerance, unseen)
-        weights = _weights(stack, squared_errors(stack.factors, theta, gains))
+        theta, gains = minimised(stack.factors, theta, gains, weights, start.gains_fitted, tolerance)
+        weights = error_weights(stack, squared_errors(stack.factors, theta, gains))
     return Solution(theta, gains, weights, "current", start.gains_fitted)
 
 
-def _from_products(
-    stack: Stack, start: Solution, weights: np.ndarray, passes: Sequence[float], unseen: float
+def from_products(
+    stack: Stack,
+    products: FactorProducts,
+    start: Solution,
+    weights: np.ndarray,
+    *,
+    unseen: float = 0.0,
+    anew: int = 0,
 ) -> Solution | None:
-    """The solution with the weights (n,) of the last pass, from inner products about the start; None where that is too
-    far away, and steps on the equations themselves go their own way.
+    """The solution with the weights (n,) of the last pass, from inner products about the start.
+
+    anew: how often they are counted anew where gains come far from the start's; where that may be, steps that lead
+    nowhere end a pass. None where steps lead further away, or nowhere, and steps on the equations themselves go their
+    own way. unseen: see `creeps`.
     """
-    near = centred(stack.factors, start.theta, start.gains, weights)
-    values, gains = np.zeros(near.basis.shape[1]), start.gains
-    for i, tolerance in enumerate(passes):
+    near = products.about(start.theta, start.gains)
+    values, gains, fit_gains = np.zeros(near.basis.shape[1]), start.gains, start.gains_fitted
+    for i, tolerance in enumerate(PASSES):
         if i:
-            weights = _weights(stack, near.squares(values, gains))
-        found = near.minimised(values, gains, weights, start.gains_fitted, tolerance, MOST_STEPS, unseen)
-        if found is None:
-            return None
-        values, gains = found
-    return Solution(near.theta_at(values), gains, weights, "current", start.gains_fitted)
+            weights = error_weights(stack, near.squares(values, gains))
+        while True:
+            found = near.minimised(values, gains, weights, fit_gains, tolerance, MOST_STEPS, unseen)
+            if found is None:
+                return None
+            values, gains = found.values, found.gains
+            if found.why == "converged" or (found.why == "stuck" and anew):
+                break
+            if not anew:
+                return None
+            anew -= 1
+            near, values = products.about(near.theta_at(values), gains), np.zeros_like(values)
+    return Solution(near.theta_at(values), gains, weights, "current", fit_gains)
 
 
-def _weights(stack: Stack, squares: np.ndarray) -> np.ndarray:
+def error_weights(stack: Stack, squares: np.ndarray) -> np.ndarray:
     """One over each motor's current error (n,), of the sums of their squares."""
     return np.asarray(1.0 / np.maximum(np.sqrt(squares / len(stack.current)), current_floor(stack)))
 
@@ -81,15 +90,11 @@ def minimised(
     weights: np.ndarray,
     fit_gains: bool,
     tolerance: float = CONVERGED,
-    unseen: float = 0.0,
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Gauss-Newton with step halving on factors (n, r, p + 2), until the cost falls by less than a share.
-
-    unseen: the same, from which on it is enough that steps creep; see `creeps`.
-    """
+    """Gauss-Newton with step halving on factors (n, r, p + 2), until the cost falls by less than a share."""
     n, r, p = factors.shape[0], factors.shape[1], len(theta)
     squares = weights**2
-    cost, last = float(squared_errors(factors, theta, gains) @ squares), np.inf
+    cost = float(squared_errors(factors, theta, gains) @ squares)
     for _ in range(MOST_STEPS):
         scaled = factors * (weights / gains)[:, None, None]
         phi = scaled[:, :, :p]
@@ -111,9 +116,8 @@ def minimised(
             share /= 2.0
         else:
             return theta, gains
-        fall = cost - new_cost
-        converged = share == 1.0 and (fall <= tolerance * cost or creeps(fall, last, unseen * cost))
-        theta, gains, cost, last = new_theta, new_gains, new_cost, fall
+        converged = share == 1.0 and cost - new_cost <= tolerance * cost
+        theta, gains, cost = new_theta, new_gains, new_cost
         if converged:
             break
     return theta, gains

@@ -25,6 +25,8 @@ def identifiable_columns(stack: Stack, layout: ParameterLayout, gains: NominalGa
     own = np.append(kept, [p] if gains.fitted else [])
     basis = _orthonormal(rows[:, own.astype(int)])
     scale = np.linalg.norm(rows[:, :first], axis=0).max(initial=0.0)
+    if _all_independent(rows[:, first:p], basis, NOTHING * scale):
+        return np.array([*kept, *range(first, p)])
     for index in range(first, p):
         column = rows[:, index]
         size = float(np.linalg.norm(column))
@@ -38,6 +40,21 @@ def identifiable_columns(stack: Stack, layout: ParameterLayout, gains: NominalGa
             kept.append(index)
             basis = np.column_stack((basis, left / remainder))
     return np.array(kept)
+
+
+def _all_independent(columns: np.ndarray, basis: np.ndarray, nothing: float) -> bool:
+    """Whether every column (R, e) is more than nothing, and leaves enough beside a basis (R, r) and those before it.
+
+    All at once, as the diagonal of their triangular factor has what each leaves.
+    """
+    sizes = np.linalg.norm(columns, axis=0)
+    if sizes.min(initial=np.inf) <= nothing:
+        return False
+    left = columns / sizes
+    for _ in range(2):
+        left = left - basis @ (basis.T @ left)
+    triangle = np.asarray(np.linalg.qr(left, mode="r"))
+    return len(triangle) == len(sizes) and bool(np.all(np.abs(triangle.diagonal()) > DEPENDENT))
 
 
 def _orthonormal(columns: np.ndarray) -> np.ndarray:

@@ -7,26 +7,25 @@ import numpy as np
 
 from bench.effects import EffectInstance
 from bench.identification.compressed import Stack, stack_observations
-from bench.identification.current_error import current_error, squared_errors
 from bench.identification.effect_rows import effect_rows
 from bench.identification.essential_parameters import reduced, with_zeros
 from bench.identification.fixed_columns import fits, fixed_columns, stacked_beside
 from bench.identification.identifiability_of_effects import identifiable_columns
-from bench.identification.least_squares import weighted_least_squares
 from bench.identification.prepare import Prepared
 from bench.identification.solution import NominalGains, Solution
+from bench.identification.solved_from_products import solved_from_products
 
 FIXED = "fixed columns"
 
 
 def solved_quickly(prepared: Prepared) -> tuple[Stack, Solution]:
     """The current-domain solution of prepared equations, without deviations; zero for what is absorbed."""
-    stack = _stacked(prepared)
+    stack = stacked(prepared)
     kept = identifiable_columns(stack, prepared.layout, prepared.gains)
     return stack, solved_with(stack, kept, prepared.gains, prepared.present.gains)
 
 
-def _stacked(prepared: Prepared) -> Stack:
+def stacked(prepared: Prepared) -> Stack:
     """The equations of a model; what all models of these recordings have is orthogonalised once."""
     parts = prepared.fitted, prepared.layout, prepared.dataset.payloads
     if not prepared.layout.effects:
@@ -44,19 +43,8 @@ def solved_with(stack: Stack, kept: np.ndarray, gains: NominalGains, near: np.nd
     """
     size = stack.phi.shape[2]
     smaller = stack if len(kept) == size else reduced(stack, kept)
-    start = weighted_least_squares(smaller, gains)
-    if gains.fitted and not np.array_equal(near, gains.values):
-        held = weighted_least_squares(smaller, NominalGains(near, fitted=False))
-        held = replace(held, gains_fitted=True)
-        start = min(start, held, key=lambda candidate: _missed(smaller, candidate))
-    solution = current_error(smaller, start, to_the_last_digit=False)
+    solution = solved_from_products(smaller, gains, near)
     return replace(solution, theta=with_zeros(solution.theta, kept, size))
-
-
-def _missed(stack: Stack, start: Solution) -> float:
-    """How large the motors' current errors are, as a likelihood sees them: the sum of their logarithms."""
-    squares = squared_errors(stack.factors, start.theta, start.gains)
-    return float(np.log(np.maximum(squares, np.finfo(float).tiny)).sum())
 
 
 def spread(stack: Stack, solution: Solution) -> np.ndarray:
