@@ -16,6 +16,7 @@ from bench.model.reaction import (
     bearing_torques,
     mass_on_axis,
     undetermined_by,
+    with_motors_held,
 )
 from bench.model.regressor import projected_regressor
 from bench.model.states import random_motion
@@ -79,6 +80,7 @@ def test_the_force_in_a_joint_is_mujocos(name):
     compiled = rigid_machine(robot)
     state = mujoco.MjData(compiled)
     motion = random_motion(geometry, STATES, seed=9)
+    held = with_motors_held(geometry, motion)
     parameters = parameters_of(file_inertias(geometry, compiled))
     torque = projected_regressor(geometry, motion) @ parameters
     motors = [int(compiled.joint(joint).dofadr[0]) for joint in robot.joints]
@@ -86,9 +88,9 @@ def test_the_force_in_a_joint_is_mujocos(name):
     every = np.arange(10 * len(geometry.joints))
     stiff = geometry.joint_index(joints[0])
     bearings = {joint: bearing_of(geometry, geometry.joint_index(joint)) for joint in joints}
-    found = {joint: bearing_rows(bearing, motion, every) @ parameters for joint, bearing in bearings.items()}
+    found = {joint: bearing_rows(bearing, held, every) @ parameters for joint, bearing in bearings.items()}
     resisted = {
-        joint: found[joint] + RESISTANCE * bearing_torques(bearing, motion, stiff)
+        joint: found[joint] + RESISTANCE * bearing_torques(bearing, held, stiff)
         for joint, bearing in bearings.items()
     }
     more = RESISTANCE * motion.jacobian[:, geometry.joints[stiff].v.start]

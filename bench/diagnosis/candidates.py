@@ -80,6 +80,7 @@ def propose(start: Context, catalogue: Mapping[str, Effect], progress: Progress 
             proposals.append(Proposal(name, tuple(found), True, _taken_up_by(start, found[0])))
             continue
         proposals.append(Proposal(name, shaped(start, visible), False, ""))
+    forget_motions(prepared.measured)
     return proposals
 
 

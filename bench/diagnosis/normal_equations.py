@@ -24,6 +24,7 @@ from bench.identification.bilinear import (
     squares_of,
 )
 from bench.identification.effect_rows import effect_rows
+from bench.identification.filtered import forget_motions
 from bench.identification.layout import known_rows, regressor_rows
 from bench.identification.memory import memory_in_rows, repeats_of
 from bench.identification.observation import Observation
@@ -138,12 +139,15 @@ def build_system(
     """
     every = [instance for instances in candidates for instance in instances]
     blocks: dict[str, list[tuple[MotorRows, ...]]] = {"identify": [], "validate": []}
-    for signals, nearly, observation in zip(prepared.signals, near, prepared.observations, strict=True):
-        # handed on without a name, so that no recording's columns outlast its rows
+    for signals, nearly, observation, measured in zip(
+        prepared.signals, near, prepared.observations, prepared.measured, strict=True
+    ):
+        # handed on without a name, so that no recording's columns outlast its rows; nor does its motion
         rows = _rows(
             prepared, observation, _added(signals, nearly, prepared.settings.decimation, every, exact), start
         )
         blocks[observation.use].append(rows)
+        forget_motions((measured,))
     size = prepared.layout.size
     added = sum(len(instance.effect.parameters) for instance in every)
     triangle = _triangle(blocks["identify"], size + added, start)

@@ -1,13 +1,21 @@
 """What joints without a motor bear across their axes, by the present model: see bench.model.reaction."""
 
 from collections.abc import Callable
+from functools import cache
 
 import numpy as np
 
 from bench.effects.signals import Borne, BorneModel
 from bench.identification.filtered import Measured
 from bench.model.model import IdentificationModel
-from bench.model.reaction import bearing_of, bearing_rows, bearing_torques, mass_on_axis
+from bench.model.reaction import (
+    HeldMotion,
+    bearing_of,
+    bearing_rows,
+    bearing_torques,
+    mass_on_axis,
+    with_motors_held,
+)
 from bench.model.regressor import payload_transform, redundant_columns
 
 
@@ -33,14 +41,20 @@ def borne_by(
         )
     extra = redundant_columns(geometry)
 
+    def moving(every: int) -> HeldMotion:
+        if every not in measured.held:
+            tree = measured.tree.at(slice(None, None, every))
+            measured.held[every] = with_motors_held(geometry, tree)
+        return measured.held[every]
+
+    @cache  # asked for again by every effect that is tried, with the same answer
     def borne(joint: str, every: int) -> Borne:
         index = geometry.joint_index(joint)
         columns = np.concatenate((model.base.columns, loads, [10 * index], extra))
         key = (index, every, columns.tobytes())
         rows = measured.borne.get(key)
         if rows is None:
-            tree = measured.tree.at(slice(None, None, every))
-            rows = bearing_rows(bearing_of(geometry, index), tree, columns)
+            rows = bearing_rows(bearing_of(geometry, index), moving(every), columns)
             measured.borne.keep(key, rows)
         mass, nb = len(known), len(base)
         first = rows[:, :, :nb] @ model.guessed  # of equal bars: how much heavier the model is, forces tell
@@ -55,11 +69,11 @@ def borne_by(
             key = (index, every, second)
             along = measured.borne.get(key)
             if along is None:
-                tree = measured.tree.at(slice(None, None, every))
-                along = bearing_torques(bearing_of(geometry, index), tree, second)
+                along = bearing_torques(bearing_of(geometry, index), moving(every), second)
                 measured.borne.keep(key, along)
             return along
 
-        return Borne(force, rows[:, :, mass], max(heavier, 0.0) * mass_on_axis(geometry, index)[0], by_torque)
+        of_mass = rows[:, :, mass].copy()  # without the other rows
+        return Borne(force, of_mass, max(heavier, 0.0) * mass_on_axis(geometry, index)[0], by_torque)
 
     return borne

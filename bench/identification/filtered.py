@@ -13,12 +13,14 @@ from bench.identification.standstill import Gaps, no_gaps, standstills
 from bench.model.geometry import Geometry
 from bench.model.model import IdentificationModel
 from bench.model.motion import LongMotion, Motion, path_of
+from bench.model.reaction import HeldMotion
 from bench.signals.logged_velocity import LoggedVelocity
 from bench.signals.processing import estimate_motion, trim
 from bench.signals.settings import FilterSettings
 
 MOST_NUMBERS = 8_000_000  # of a motion of all joints that is kept: 64 MB
 FEW_NUMBERS = 2_000_000  # of one that is kept for good: 16 MB
+FEW_BYTES = 5_000_000  # of forces in joints that are kept: more would be gone before they are asked for again
 
 
 @dataclass(frozen=True)
@@ -29,7 +31,8 @@ class Measured:
     unit, as logged; tree: the motion of all joints of the opened tree; gaps: where joints stand still. logged: how
     velocities that were logged compare with the positions. kept: rows of effects that need no model; perturbed:
     observation matrices of other motions and gravities, which are the same again and again; reshaped: of other
-    geometries, of which a search tries many; borne: of the forces in joints.
+    geometries, of which a search tries many; borne: of the forces in joints; held: the motion that these are in, at
+    every so many-th sample.
     """
 
     recording: Recording
@@ -45,7 +48,8 @@ class Measured:
     kept: KeptRows = field(default_factory=KeptRows, compare=False, repr=False)
     perturbed: KeptRows = field(default_factory=KeptRows, compare=False, repr=False)
     reshaped: KeptRows = field(default_factory=KeptRows, compare=False, repr=False)
-    borne: KeptRows = field(default_factory=KeptRows, compare=False, repr=False)
+    borne: KeptRows = field(default_factory=lambda: KeptRows(FEW_BYTES), compare=False, repr=False)
+    held: dict[int, HeldMotion] = field(default_factory=dict, compare=False, repr=False)
 
     @property
     def redundant(self) -> np.ndarray:

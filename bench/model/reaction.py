@@ -94,43 +94,75 @@ def bearing_of(geometry: Geometry, joint: int) -> Bearing:
     return Bearing(wider, joint, first, _places(geometry.passive, first))
 
 
-def bearing_motion(bearing: Bearing, motion: Motion) -> tuple[Motion, np.ndarray]:
-    """The motion (N samples) with the slides at rest and the Jacobian by their velocities, motors held; and (N,) how
-    much of a slide's speed the closures do not let happen, whatever else moves, as a share of what it does to them.
+@dataclass(frozen=True, eq=False)
+class HeldMotion:
+    """A motion (N samples), and how its joints without a motor follow where something else moves and motors are held.
+
+    inverse (N, k, m): of the derivative of m closures by the velocities of k such joints, in the sense of least
+    squares; None where no loop is closed.
     """
-    geometry, first = bearing.geometry, bearing.first
-    at = geometry.joints[bearing.joint].q.start
-    q = np.insert(motion.q, [at] * ACROSS, 0.0, axis=1)
+
+    geometry: Geometry
+    motion: Motion
+    inverse: np.ndarray | None
+
+
+def with_motors_held(geometry: Geometry, motion: Motion) -> HeldMotion:
+    """The motion with what all of its bearings have in common."""
+    if not geometry.closed:
+        return HeldMotion(geometry, motion, None)
+    own = _closures(geometry, motion.q)[:, :, geometry.passive]
+    turned = own.transpose(0, 2, 1)
+    # far from singular: such poses are refused
+    return HeldMotion(geometry, motion, np.linalg.solve(turned @ own, turned))
+
+
+def bearing_motion(bearing: Bearing, held: HeldMotion) -> Motion:
+    """The motion with the slides at rest and the Jacobian by their velocities, motors held."""
+    geometry, first, motion = bearing.geometry, bearing.first, held.motion
+    q = _with_slides(bearing, motion.q)
     v, a = (np.insert(rates, [first] * ACROSS, 0.0, axis=1) for rates in (motion.v, motion.a))
     more = np.zeros((len(q), geometry.nv, ACROSS))
     more[:, first + np.arange(ACROSS), np.arange(ACROSS)] = 1.0
-    left = np.zeros(len(q))
-    if geometry.closed:
-        closures = loop_jacobian(geometry, np.ascontiguousarray(q.T)).transpose(2, 0, 1)
-        opened = closures[:, :, first : first + ACROSS]
-        held = closures[:, :, bearing.held]
-        turned = held.transpose(0, 2, 1)
-        follow = -np.linalg.solve(turned @ held, turned @ opened)  # far from singular: such poses are refused
-        more[:, bearing.held] = follow
-        size = np.linalg.norm(opened, axis=(1, 2))
-        left = np.linalg.norm(opened + held @ follow, axis=(1, 2)) / np.where(size > 0.0, size, 1.0)
-    return Motion(motion.time, q, v, a, more), left
+    if held.inverse is not None:
+        opened = _closures(geometry, q)[:, :, first : first + ACROSS]
+        more[:, bearing.held] = -held.inverse @ opened
+    return Motion(motion.time, q, v, a, more)
 
 
-def bearing_rows(bearing: Bearing, motion: Motion, columns: np.ndarray) -> np.ndarray:
+def _not_followed(bearing: Bearing, held: HeldMotion) -> np.ndarray:
+    """How much of a slide's speed the closures do not let happen, whatever else moves, (N,), as a share of what it
+    does to them.
+    """
+    closures = _closures(bearing.geometry, _with_slides(bearing, held.motion.q))
+    opened = closures[:, :, bearing.first : bearing.first + ACROSS]
+    left = opened - closures[:, :, bearing.held] @ (held.inverse @ opened)
+    size = np.linalg.norm(opened, axis=(1, 2))
+    return np.asarray(np.linalg.norm(left, axis=(1, 2)) / np.where(size > 0.0, size, 1.0))
+
+
+def _with_slides(bearing: Bearing, q: np.ndarray) -> np.ndarray:
+    """Positions (N, nq) with the slides' zeros among them."""
+    return np.insert(q, [bearing.geometry.joints[bearing.joint].q.start] * ACROSS, 0.0, axis=1)
+
+
+def _closures(geometry: Geometry, q: np.ndarray) -> np.ndarray:
+    """Derivative (N, m, nv) of the closures by the velocities at positions (N, nq)."""
+    return loop_jacobian(geometry, np.ascontiguousarray(q.T)).transpose(2, 0, 1)
+
+
+def bearing_rows(bearing: Bearing, held: HeldMotion, columns: np.ndarray) -> np.ndarray:
     """Force (N, 2, p), N, along both slides for each parameter; columns: of `projected_regressor` without slides."""
-    wider, _ = bearing_motion(bearing, motion)
-    places, shown = _columns(bearing, motion.jacobian.shape[2], columns)
-    rows = np.zeros((len(motion.time), ACROSS, len(columns)))
-    rows[:, :, shown] = projected_regressor(bearing.geometry, wider, places[shown])
+    places, shown = _columns(bearing, held.motion.jacobian.shape[2], columns)
+    rows = np.zeros((len(held.motion.time), ACROSS, len(columns)))
+    rows[:, :, shown] = projected_regressor(bearing.geometry, bearing_motion(bearing, held), places[shown])
     return rows
 
 
-def bearing_torques(bearing: Bearing, motion: Motion, other: int) -> np.ndarray:
+def bearing_torques(bearing: Bearing, held: HeldMotion, other: int) -> np.ndarray:
     """Force (N, 2), N, along both slides for a torque or force of one that a joint without a motor (index) needs."""
-    wider, _ = bearing_motion(bearing, motion)
     joint = bearing.geometry.joints[_index(other, bearing.joint)]
-    return np.asarray(wider.jacobian[:, joint.v.start])
+    return np.asarray(bearing_motion(bearing, held).jacobian[:, joint.v.start])
 
 
 @lru_cache(maxsize=KEPT)
@@ -157,7 +189,7 @@ def undetermined_by(geometry: Geometry, joint: int) -> Literal["", "closures", "
     """
     bearing = bearing_of(geometry, joint)
     if geometry.closed:
-        _, left = bearing_motion(bearing, _states(geometry))
+        left = _not_followed(bearing, _states(geometry))
         if not np.all(left < FITS):
             return "closures"
     _, open_share = mass_on_axis(geometry, joint)
@@ -165,8 +197,8 @@ def undetermined_by(geometry: Geometry, joint: int) -> Literal["", "closures", "
 
 
 @lru_cache(maxsize=KEPT)
-def _states(geometry: Geometry) -> Motion:
-    return random_motion(geometry, STATES, SEED)
+def _states(geometry: Geometry) -> HeldMotion:
+    return with_motors_held(geometry, random_motion(geometry, STATES, SEED))
 
 
 def _across(axis: np.ndarray) -> np.ndarray:
