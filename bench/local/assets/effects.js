@@ -81,8 +81,10 @@ const Effects = (() => {
         ]),
         ["keep", "keep", "", ...(sized ? ["keep"] : []), "words"],
       );
+    const dataset = /\bdiagnose ('[^']+'|\S+)/.exec(run.line); // as a command is given it
+    const real = (text) => (dataset ? text.replace(" DATASET ", () => ` ${dataset[1]} `) : text);
     return [
-      el("div", {class: "verdict"}, ...diagnosis.summary.map((text) => el("p", {}, ...Dom.sentence(text)))),
+      el("div", {class: "verdict"}, ...diagnosis.summary.map((text) => el("p", {}, ...Dom.sentence(real(text))))),
       el("p", {class: "aid"}, "Error on recordings that were not fitted, as effects are added:"),
       bars(steps, most),
       shown.length ? table(shown, true) : null,
