@@ -73,3 +73,16 @@ def test_a_motor_whose_gain_runs_away_leaves_no_more_than_where_steps_on_the_equ
     left = [np.log(squared_errors(stack.factors, each.theta, each.gains)).sum() for each in (found, exact)]
     assert abs(found.gains[0]) > 100.0 * NOMINAL[0]
     assert left[0] < left[1] + 1e-3
+
+
+@pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize("near", [NOMINAL, np.array([3.0, 3.0, -1e-9]), np.array([3.0, 3.0, 0.0])])
+def test_a_motor_of_whose_gain_the_data_leave_nothing_does_not_stop_a_search(near):
+    """Its torques are nothing but columns of its own: no gain, and none of these, explains them as well as any."""
+    stack = stack_of(0.1)
+    phi, kappa = stack.phi.copy(), stack.kappa.copy()
+    phi[:, 2, :7], phi[:, :2, 7], kappa[:, 2] = 0.0, 0.0, 0.0
+    stack = replace(stack, phi=phi, kappa=kappa, factors=compress(phi, kappa, stack.current))
+    found = solved_from_products(stack, NominalGains(NOMINAL, fitted=True), near)
+    assert np.isfinite(found.gains).all()
+    assert np.isfinite(found.theta).all()

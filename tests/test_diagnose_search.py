@@ -58,8 +58,7 @@ def test_a_search_ends_with_a_settled_set_that_leaves_clearly_less(
     """Partners without end: each leaves this share of the error that the one before it has left."""
     names = count(1)
 
-    def again(_: object, here: FakeRound, *rest: Any) -> FakeRound:
-        before = rest[2]
+    def again(_: object, here: FakeRound, __: object, ___: object, before: FakeRound | None) -> FakeRound:
         found = FakeRound(here.chosen, factor ** here.chosen[0], converged=True)
         return found if before is None or found.model < 0.97 * before.model else before
 
@@ -99,7 +98,7 @@ def test_no_effect_goes_because_of_what_is_only_nearly_so(
         out = {} if possible and model == "exact" else {"found": "of an impossible sign"}
         return SimpleNamespace(effects=()), model, out
 
-    def searched(_: object, first: str, barred: dict[str, str], *_rest: object) -> Any:
+    def searched(_: object, first: str, barred: dict[str, str], __: object) -> Any:
         if barred:
             raise StopIteration(first, dict(barred))
         return SimpleNamespace(model="near")

@@ -13,19 +13,13 @@ from bench.api.compare import compare
 from bench.cli.diagnose import diagnose as diagnose_command
 from bench.dataset.dataset import Dataset
 from bench.diagnosis.as_json import diagnosis_json
-from bench.diagnosis.catalogue_search import (
-    diagnose_with_catalogue,
-    search_for,
-    search_from,
-    split_and_fitted,
-)
+from bench.diagnosis.catalogue_search import diagnose_with_catalogue
 from bench.diagnosis.discovery import find
 from bench.diagnosis.discovery.find import find_missing_effects, something_left
 from bench.diagnosis.discovery.merged import fewer
 from bench.diagnosis.discovery.written import write_laws
 from bench.diagnosis.law_words import law_sentences, symbols
 from bench.diagnosis.result import Diagnosis, Remainder, Unexplained
-from bench.diagnosis.rounds import first_round, origin_of
 from bench.diagnosis.summary import summary_sentences
 from bench.effects import CATALOGUE, EffectInstance, catalogue_for
 from bench.identification.identify import identify
@@ -185,19 +179,6 @@ def test_a_law_that_saves_no_unknown_stands_for_nothing() -> None:
     )
     assert list(fewer([coulomb, viscous], 2)) == []
     assert list(fewer([coulomb, viscous, shear], 2)) == [[], [coulomb], [viscous]]
-
-
-def test_a_search_ends_where_nothing_that_is_wanted_is_found() -> None:
-    names = ("coulomb_friction", "viscous_friction")
-    case = split_and_fitted(problem_of(measured({"effect": "viscous_friction", "Fv": 0.1})))
-    origin = origin_of(case.start)
-    first = first_round(origin, {name: CATALOGUE[name] for name in names})
-    whole = search_from(case, origin, first)
-    assert whole.names == ("viscous_friction",)
-    assert search_for(case, origin, first, ["law"]) is None
-    found = search_for(case, origin, first, whole.names)
-    assert found is not None
-    assert found.ladder == whole.ladder
 
 
 def test_where_it_is_not_wanted_nothing_is_discovered(braked: Dataset) -> None:

@@ -1,6 +1,6 @@
 """Which effects of the catalogue a model lacks, judged on recordings that were not fitted."""
 
-from collections.abc import Callable, Collection, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cache
 
@@ -29,7 +29,7 @@ from bench.diagnosis.pruning import (
 )
 from bench.diagnosis.reason import Reason
 from bench.diagnosis.result import Diagnosis, Differing, EffectVerdict, LadderStep, Superfluous
-from bench.diagnosis.rounds import Origin, Round, first_round, origin_of, searched, without_any
+from bench.diagnosis.rounds import Origin, Round, first_round, origin_of, searched
 from bench.diagnosis.search import Found
 from bench.diagnosis.showing import shows
 from bench.diagnosis.split import with_held_out_parts
@@ -162,26 +162,10 @@ def search_from(
 
     barred: effects that may not be found, and why.
     """
-    found = search_for(case, origin, first, (), progress, barred)
-    assert found is not None  # nothing is wanted
-    return found
-
-
-def search_for(
-    case: SplitProblem,
-    origin: Origin,
-    first: Round,
-    wanted: Collection[str],
-    progress: Progress = SILENT,
-    barred: Mapping[str, Reason] = NONE_BARRED,
-) -> SearchResult | None:
-    """The same; None as soon as none of the effects that are wanted is among what is found, where there are any."""
     known, given = dict(barred), case.start.effects
     own = len(origin.start.effects)
     while True:
-        last = searched(origin, first, known, progress, wanted)
-        if without_any(last, wanted):
-            return None
+        last = searched(origin, first, known, progress)
         progress.phase("fitting what was found")
         model, after, out = _where_possible(origin, last.model, given)
         exact = origin.exactly(last.model) if out else last.model
@@ -191,8 +175,6 @@ def search_for(
             model, after, superfluous = leaving(origin, model, after, given)
             kept, new = kept_and_new(model.effects[own:], given)
             names = tuple(dict.fromkeys(instance.effect.name for instance in new))
-            if wanted and not set(names).intersection(wanted):
-                return None
             each = dict.fromkeys(instance.request for instance in own_values(origin.start, given))
             without = fit(origin.with_instances(kept)) if each else case.before
             fits = _fits(origin, kept, new, without, after)

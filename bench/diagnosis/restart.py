@@ -11,30 +11,18 @@ FAR = 5.0  # times the nominal gain, or that part of it
 
 
 def restarted(stack: Stack, solution: Solution, nominal: np.ndarray) -> Solution:
-    """The solution, or where a gain has run away the one with its nominal gain; nominal (n,)."""
-    gains = believable_gains(solution, nominal)
-    return solution if gains is solution.gains else held_at(stack, solution, gains)
-
-
-def believable_gains(solution: Solution, nominal: np.ndarray) -> np.ndarray:
-    """The solution's gains (n,), with the nominal ones for those that are negative or far from them.
+    """The solution, with nominal gains for those that are negative or far from them, and theta (p,) solved anew.
 
     Gains that are all off by about the same factor have not run away: the nominal ones, or the currents, are in another
     unit. A model that lacks strong friction may fit best with a gain without bounds, or below zero; steps of the
-    current's error never lead back from there.
+    current's error never lead back from there. nominal (n,): nominal drive gains. Columns that are zero or
+    absorbed get the least values.
     """
     ratio = solution.gains / nominal
     away = (ratio < 1.0 / FAR) | (ratio > FAR)
     together = bool(np.all(ratio > 0.0)) and ratio.max() < FAR * ratio.min()
     if not (solution.gains_fitted and away.any()) or (away.all() and together):
-        return solution.gains
-    return np.where(away, nominal, solution.gains)
-
-
-def held_at(stack: Stack, solution: Solution, gains: np.ndarray) -> Solution:
-    """The solution with these gains (n,), and theta (p,) solved anew with its weights of currents' errors.
-
-    Columns that are zero or absorbed get the least values.
-    """
+        return solution
+    gains = np.where(away, nominal, solution.gains)
     rows, right = torque_system(weighted(stack.factors, solution.weights / gains), gains)
     return replace(solution, theta=scaled_lstsq(rows, right), gains=gains)

@@ -12,7 +12,7 @@ from bench.diagnosis.candidates import Context, Proposal, context_of, propose, s
 from bench.diagnosis.leaves_less import SquaresLeft, leaves_clearly_less, left_by
 from bench.diagnosis.noise import leaves_only_noise, noise_squares
 from bench.diagnosis.normal_equations import System, build_system, solve_set
-from bench.diagnosis.restart import believable_gains, held_at, restarted
+from bench.diagnosis.restart import restarted
 from bench.diagnosis.revealed import beside, partners
 from bench.diagnosis.search import NEEDED, Found, neighbours, score, search
 from bench.effects import Effect, EffectInstance, changes_torque
@@ -20,7 +20,7 @@ from bench.identification.nonlinear import converged, present_model
 from bench.identification.perturbations import Nearby
 from bench.identification.prepare import Prepared, seen_nearby, with_effects
 from bench.identification.result import relative_error
-from bench.identification.solve_only import solved_quickly, stacked
+from bench.identification.solve_only import solved_quickly
 from bench.identification.summary import modelled_series
 
 ROUNDS = 6
@@ -135,18 +135,12 @@ def first_round(origin: Origin, catalogue: Mapping[str, Effect], progress: Progr
     return judged(origin, origin.start, proposals, ())
 
 
-def searched(
-    origin: Origin,
-    first: Round,
-    barred: Collection[str],
-    progress: Progress = SILENT,
-    wanted: Collection[str] = (),
-) -> Round:
+def searched(origin: Origin, first: Round, barred: Collection[str], progress: Progress = SILENT) -> Round:
     """Search, linearise about what was found, and search again until the same is found; then as long as an effect that
     joins leads to a set which, converged, leaves clearly less.
 
     barred: effects that may not be found: of an impossible sign, or superfluous. What a round found without them is
-    there to be surpassed. wanted: where there are any, the search ends with the first set that has none of them.
+    there to be surpassed.
     """
     here, before = first, None
     if barred:
@@ -154,26 +148,19 @@ def searched(
         stayed = tuple(i for i in first.chosen if first.proposals[i].name not in barred)
         if stayed and stayed != here.chosen:
             before = _converged(origin, _with_set(first, stayed))
-    here = _again(origin, here, barred, progress, before, wanted)
+    here = _again(origin, here, barred, progress, before)
     tried = {frozenset(here.chosen)}
     for _ in range(ROUNDS - 1):
-        if without_any(here, wanted):
-            break
         progress.phase("searching for partners")
         better = _with_partner(origin, here, barred)
         if better is None or frozenset(better.chosen) in tried:
             break
-        there = _again(origin, better, barred, progress, here, wanted)
+        there = _again(origin, better, barred, progress, here)
         if there is here:
             break
         here = there
         tried.add(frozenset(here.chosen))
     return here
-
-
-def without_any(here: Round, wanted: Collection[str]) -> bool:
-    """Whether a round has found none of the effects that are wanted."""
-    return bool(wanted) and not here.names.intersection(wanted)
 
 
 def error_of(model: Prepared) -> float:
@@ -188,24 +175,17 @@ def error_of(model: Prepared) -> float:
 
 
 def _again(
-    origin: Origin,
-    here: Round,
-    barred: Collection[str],
-    progress: Progress,
-    before: Round | None = None,
-    wanted: Collection[str] = (),
+    origin: Origin, here: Round, barred: Collection[str], progress: Progress, before: Round | None = None
 ) -> Round:
     """Linearise about what was found, and search again, until the same is found, or nothing that is found does better:
     the converged model with it.
 
     Sets are compared in one system, which is right about its own model only. So a set takes the place of another only
     if, both converged, it leaves clearly less, or is smaller and leaves hardly more; where the best set does not, those
-    like the present one are tried. before: a converged round in whose place the first is to be. wanted: see `searched`.
+    like the present one are tried. before: a converged round in whose place the first is to be.
     """
     if before is not None and not here.chosen:
         return before
-    if before is None and without_any(here, wanted):
-        return here
     for number in range(2, ROUNDS + 1):
         if not here.chosen:
             break
@@ -214,10 +194,8 @@ def _again(
         if better is None:
             assert before is not None  # without one to surpass, the best set is taken
             return before
-        if without_any(better, wanted):
-            return better
         proposals = reshaped(origin, better, progress)
-        here = judged(origin, better.model, proposals, barred, better.chosen)
+        here = judged(origin, better.model, proposals, barred)
         if here.names == better.names:
             return here
         before = _with_set(here, better.chosen)
@@ -280,7 +258,7 @@ def _with_partner(origin: Origin, here: Round, barred: Collection[str]) -> Round
             if not _better(replace(here, model=joined), here):
                 break
             others = beside(here.proposals, joined, len(origin.start.effects))
-            wider = judged(origin, joined, others, barred, tuple(sorted((*here.chosen, i))))
+            wider = judged(origin, joined, others, barred)
             without = score(wider.system, solve_set(wider.system, here.chosen), wider.found.empty)
             if wider.found.best.total <= without.total + NEEDED:
                 break
@@ -289,28 +267,19 @@ def _with_partner(origin: Origin, here: Round, barred: Collection[str]) -> Round
     return None
 
 
-def judged(
-    origin: Origin,
-    model: Prepared,
-    proposals: Sequence[Proposal],
-    barred: Collection[str],
-    present: tuple[int, ...] = (),
-) -> Round:
-    """The starting model's equations with every proposal's columns, linearised about `model`, and the best set.
-
-    present: the proposals that this model has.
-    """
+def judged(origin: Origin, model: Prepared, proposals: Sequence[Proposal], barred: Collection[str]) -> Round:
+    """The starting model's equations with every proposal's columns, linearised about `model`, and the best set."""
     system = system_about(origin, model, proposals)
-    return Round(model, proposals, system, search(system, usable(proposals, barred), present))
+    return Round(model, proposals, system, _search(system, proposals, barred))
 
 
 def system_about(origin: Origin, model: Prepared, proposals: Sequence[Proposal]) -> System:
     """The starting model's equations with every proposal's columns, linearised about `model`."""
     start = origin.start
     _, solution = solved_quickly(model)
-    gains = believable_gains(solution, start.dataset.robot.nominal_gains)
     about = with_effects(model, start.effects)
-    own = held_at(stacked(about), solution, gains)
+    stack, own = solved_quickly(about)
+    own = restarted(stack, replace(own, weights=solution.weights), start.dataset.robot.nominal_gains)
     exact = model.effects[len(start.effects) :]
     listed = [() if proposal.absorbed else proposal.instances for proposal in proposals]
     near = origin.nearby.signals(model.present, model.signals)

@@ -61,13 +61,12 @@ class Found:
     empty: SetFit
 
 
-def search(system: System, usable: Sequence[int], present: tuple[int, ...] = ()) -> Found:
-    """The supported set among the usable candidates (indices); present: of them, those that the present model has.
+def search(system: System, usable: Sequence[int]) -> Found:
+    """The supported set among the usable candidates (indices).
 
     A larger set wins only if each of its effects earns NEEDED nats and MATERIAL of the error on recordings that
     were not fitted, and if none of its effects has an impossible sign. All pairs and triples of the shortlist
-    compete, so that a first choice that a better pair makes superfluous does not stay; and so does the present model's
-    set, about which the system is right and which the shortlist may miss.
+    compete, so that a first choice that a better pair makes superfluous does not stay.
     """
     empty = solve_set(system, ())
     alone = solve_sets(system, [(i,) for i in usable])
@@ -92,9 +91,6 @@ def search(system: System, usable: Sequence[int], present: tuple[int, ...] = ())
                 break
         if size >= EXHAUSTIVE and best is before:
             break
-    here = score(system, solve_set(system, present), empty)
-    if here.total > best.total + NEEDED and possible(system, here.fit) and earned(system, here, empty):
-        best = here
     return Found(best, singles, empty)
 
 

@@ -20,12 +20,12 @@ FIXED = "fixed columns"
 
 def solved_quickly(prepared: Prepared) -> tuple[Stack, Solution]:
     """The current-domain solution of prepared equations, without deviations; zero for what is absorbed."""
-    stack = stacked(prepared)
+    stack = _stacked(prepared)
     kept = identifiable_columns(stack, prepared.layout, prepared.gains)
     return stack, solved_with(stack, kept, prepared.gains, prepared.present.gains)
 
 
-def stacked(prepared: Prepared) -> Stack:
+def _stacked(prepared: Prepared) -> Stack:
     """The equations of a model; what all models of these recordings have is orthogonalised once."""
     parts = prepared.fitted, prepared.layout, prepared.dataset.payloads
     if not prepared.layout.effects:

@@ -16,7 +16,9 @@ from bench.identification.least_squares import REWEIGHTINGS, weighted_least_squa
 from bench.identification.solution import NominalGains, Solution
 
 CHANCE = 1e-3  # nats: steps that creep are followed no further where chance makes more of the errors
-ANEW = 100  # times that products are counted anew as gains run away
+AWAY = 30.0  # times the nominal gain, or that part of it
+NOTHING = 1e-12  # times the nominal gain
+ANEW = 4  # times that products are counted anew where gains come far from those of the start
 UNLIKE = 100.0  # ratio of the motors' scales from which a basis is made anew for others
 FLOOR = 1e-9  # least error of a motor, of the largest torque
 
@@ -24,8 +26,19 @@ FLOOR = 1e-9  # least error of a motor, of the largest torque
 def solved_from_products(stack: Stack, gains: NominalGains, near: np.ndarray) -> Solution:
     """The current-domain solution, nearer to the best one than any deviation; near (n,): gains of a model much like it.
 
-    It starts from weighted least squares with the gains among the unknowns, or held near, whichever leaves less.
+    It starts from weighted least squares with the gains among the unknowns, or held near, whichever leaves less. Where
+    a gain runs away from its nominal value, beyond all that products are exact enough for, steps on the factors
+    themselves go their own way.
     """
+    found = _found(stack, gains, near)
+    if found is None:
+        return _on_factors(stack, gains, near)
+    return replace(
+        found, weights=error_weights(stack, squared_errors(stack.factors, found.theta, found.gains))
+    )
+
+
+def _found(stack: Stack, gains: NominalGains, near: np.ndarray) -> Solution | None:
     lengths = np.linalg.norm(stack.factors[:, :, -1], axis=1)
     scale = 1.0 / np.maximum(np.abs(gains.values) * lengths, TINY)
     products = products_of(stack.factors, scale)
@@ -34,12 +47,15 @@ def solved_from_products(stack: Stack, gains: NominalGains, near: np.ndarray) ->
         about, values = _held(products, gains.values, lengths)
         about = products.about(about.theta_at(values), gains.values)  # from where products are exact enough
         values, first = _weighted(about, lengths, fit_gains=True)
-        starts.append((about.theta_at(values), first))
-    if not gains.fitted or not np.array_equal(near, gains.values):
+        if _not_away(first, gains.values):
+            starts.append((about.theta_at(values), first))
+    if (not gains.fitted or not np.array_equal(near, gains.values)) and _not_away(near, gains.values):
         about, values = _held(products, near, lengths)
         starts.append((about.theta_at(values), near))
+    if not starts:
+        return None
     errors = [squared_errors(stack.factors, *start) for start in starts]
-    best = int(np.argmin([np.log(np.maximum(squares, TINY)).sum() for squares in errors]))
+    best = int(np.argmin([_missed(squares) for squares in errors]))
     start = Solution(*starts[best], np.ones(len(near)), "torque", gains.fitted)
     weights = error_weights(stack, errors[best])
     ratio = weights / np.abs(start.gains) / scale
@@ -47,11 +63,37 @@ def solved_from_products(stack: Stack, gains: NominalGains, near: np.ndarray) ->
         products = products_of(stack.factors, weights / start.gains)
     unseen = 2.0 * CHANCE / max(int(stack.moving.sum()), 1)
     found = from_products(stack, products, start, weights, unseen=unseen, anew=ANEW)
-    if found is None:
-        return current_error(stack, weighted_least_squares(stack, gains))
-    return replace(
-        found, weights=error_weights(stack, squared_errors(stack.factors, found.theta, found.gains))
-    )
+    return found if found is not None and _not_away(found.gains, gains.values) else None
+
+
+def _on_factors(stack: Stack, gains: NominalGains, near: np.ndarray) -> Solution:
+    """The same by steps on the factors themselves; from nominal gains where a motor has none at the other starts."""
+
+    def held(at: np.ndarray) -> Solution:
+        return replace(weighted_least_squares(stack, NominalGains(at, fitted=False)), gains_fitted=True)
+
+    starts = [weighted_least_squares(stack, gains)]
+    if gains.fitted:
+        starts += [] if np.array_equal(near, gains.values) or _none(near, gains.values) else [held(near)]
+        starts = [start for start in starts if not _none(start.gains, gains.values)] or [held(gains.values)]
+    missed = [_missed(squared_errors(stack.factors, start.theta, start.gains)) for start in starts]
+    return current_error(stack, starts[int(np.argmin(missed))])
+
+
+def _none(gains: np.ndarray, nominal: np.ndarray) -> bool:
+    """Whether a gain is nothing beside its nominal value."""
+    return bool(np.any(np.abs(gains) < NOTHING * np.abs(nominal)))
+
+
+def _not_away(gains: np.ndarray, nominal: np.ndarray) -> bool:
+    """Whether gains (n,) are within AWAY times their nominal values, and have their signs."""
+    ratio = gains / nominal
+    return bool(np.all((ratio > 1.0 / AWAY) & (ratio < AWAY)))
+
+
+def _missed(squares: np.ndarray) -> float:
+    """How large the motors' current errors are, of their squares (n,), as a likelihood sees them."""
+    return float(np.log(np.maximum(squares, TINY)).sum())
 
 
 def _held(products: FactorProducts, gains: np.ndarray, lengths: np.ndarray) -> tuple[Centred, np.ndarray]:

@@ -14,7 +14,7 @@ from bench.diagnosis.catalogue_search import (
     SplitProblem,
     answered,
     search_catalogue,
-    search_for,
+    search_from,
     split_and_fitted,
 )
 from bench.diagnosis.discovery.called import stood_for
@@ -149,10 +149,7 @@ def _with_laws(
         here = judged(
             origin, model, [proposal for proposal in proposals if proposal.name not in called], barred
         )
-    wanted = () if called else [law.name for law in laws]
-    finding = search_for(case, origin, here, wanted, progress, barred)
-    if finding is None:
-        return plain
+    finding = search_from(case, origin, here, progress, barred)
     staying = tuple(law for law in laws if law.name in finding.names)
     if fewer:
         good = len(finding.names) < len(plain.finding.names) and _better(finding, plain.diagnosis, -AS_GOOD)
@@ -193,10 +190,10 @@ def _with_tables(case: SplitProblem, plain: _Answer, progress: Progress) -> _Ans
     proposals = [proposal for proposal in finding.last.proposals if proposal.name in finding.names]
     proposals += _proposed(model, laws, NEEDED)
     here = judged(origin, model, proposals, finding.barred)
-    wider = search_for(case, origin, here, [law.name for law in laws], progress, finding.barred)
-    if wider is None or not _better(wider, plain.diagnosis):
-        return plain
+    wider = search_from(case, origin, here, progress, finding.barred)
     staying = tuple(law for law in (*plain.laws, *laws) if law.name in wider.names)
+    if not {law.name for law in laws}.intersection(wider.names) or not _better(wider, plain.diagnosis):
+        return plain
     told = _told(wider, staying, answered(case, wider, progress))
     judged_before = {verdict.effect for verdict in told.ranking}
     others = tuple(verdict for verdict in plain.diagnosis.ranking if verdict.effect not in judged_before)
