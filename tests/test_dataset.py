@@ -73,7 +73,7 @@ def test_an_interrupted_write_leaves_the_older_file_whole(
         "bench.dataset.recording._write_csv" if suffix == "csv" else "bench.dataset.recording._write_parquet"
     )
 
-    def half(target: Path, columns: object) -> None:
+    def half(target: Path, *_: object) -> None:
         target.write_text("time,posi")
         raise KeyboardInterrupt
 
