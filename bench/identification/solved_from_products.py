@@ -17,7 +17,7 @@ from bench.identification.solution import NominalGains, Solution
 
 CHANCE = 1e-3  # nats: steps that creep are followed no further where chance makes more of the errors
 AWAY = 30.0  # times the nominal gain, or that part of it
-NOTHING = 1e-12  # times the nominal gain
+NOTHING = 1e-150  # times the nominal gain: what has no square
 ANEW = 4  # times that products are counted anew where gains come far from those of the start
 UNLIKE = 100.0  # ratio of the motors' scales from which a basis is made anew for others
 FLOOR = 1e-9  # least error of a motor, of the largest torque
