@@ -7,8 +7,10 @@ import numpy as np
 
 from bench.identification.by_unknown import changed, estimates
 from bench.identification.finding import Unknown
-from bench.identification.result import Identification
+from bench.identification.result import DriveGain, Identification
 from bench.identification.standard_errors import StdFrom
+
+AWAY = 5.0  # times the nominal gain, or that part of it: an answer that says so tells nothing of the gain
 
 
 def widened(result: Identification, apart: Mapping[Unknown, float], by: StdFrom) -> Identification:
@@ -35,15 +37,26 @@ def widened(result: Identification, apart: Mapping[Unknown, float], by: StdFrom)
 def gains_widened(
     result: Identification, others: Sequence[Identification], by: StdFrom = "models"
 ) -> Identification:
-    """As `widened`, for the gains that were fitted, by the farthest of other answers."""
+    """As `widened`, for the gains that were fitted, by the farthest of other answers, but those in which they alone
+    have run away.
+    """
     apart = {
         Unknown("gain", "gain", joint): max(
-            (abs(other.drive_gains[joint].value - gain.value) for other in others), default=0.0
+            (
+                abs(other.drive_gains[joint].value - gain.value)
+                for other in others
+                if _away(gain) or not _away(other.drive_gains[joint])
+            ),
+            default=0.0,
         )
         for joint, gain in result.drive_gains.items()
         if gain.std > 0.0
     }
     return widened(result, apart, by)
+
+
+def _away(gain: DriveGain) -> bool:
+    return not 1.0 / AWAY < gain.value / gain.nominal < AWAY
 
 
 def all_widened(result: Identification, other: Identification, by: StdFrom) -> Identification:

@@ -38,6 +38,7 @@ from bench.identification.identify import fit
 from bench.identification.mistaken import mistaken
 from bench.identification.prepare import Prepared
 from bench.identification.problem import Problem
+from bench.identification.widened import gains_widened
 
 LEFT = 1.15  # times what noise leaves: where more is left, laws are looked for, whatever it varies with
 TRIED = 1000  # laws that might stand for several effects, as many as a search looks at
@@ -174,7 +175,8 @@ def _with_one_for_several(case: SplitProblem, plain: _Answer, progress: Progress
 def _with_tables(case: SplitProblem, plain: _Answer, progress: Progress) -> _Answer:
     """The answer with functions as they were measured, where much is left that no formula fits.
 
-    They compete with what was found alone: what the effects of the catalogue are worth has been judged before.
+    They compete with what was found alone: what the effects of the catalogue are worth has been judged before. A table
+    is no law: the gains' standard errors hold what they are without it, where they have not run away there.
     """
     finding, left = plain.finding, plain.diagnosis.unexplained
     if not (left.significant or left.much):
@@ -195,6 +197,7 @@ def _with_tables(case: SplitProblem, plain: _Answer, progress: Progress) -> _Ans
     if not {law.name for law in laws}.intersection(wider.names) or not _better(wider, plain.diagnosis):
         return plain
     told = _told(wider, staying, answered(case, wider, progress))
+    told = replace(told, after=gains_widened(told.after, [plain.diagnosis.after]))
     judged_before = {verdict.effect for verdict in told.ranking}
     others = tuple(verdict for verdict in plain.diagnosis.ranking if verdict.effect not in judged_before)
     return _Answer(wider, staying, replace(told, ranking=(*told.ranking, *others)))
