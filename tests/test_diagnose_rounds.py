@@ -12,7 +12,7 @@ from bench.dataset.dataset import load_dataset
 from bench.diagnosis import rounds
 from bench.diagnosis.catalogue_search import diagnose_with_catalogue
 from bench.diagnosis.leaves_less import SquaresLeft, leaves_clearly_less
-from bench.diagnosis.normal_equations import AWAY, run_away
+from bench.identification.bilinear import AWAY, run_away
 from bench.identification.problem import problem_of
 
 SYSTEM: Any = SimpleNamespace(

@@ -4,8 +4,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from bench.diagnosis.normal_equations import System, run_away
+from bench.diagnosis.normal_equations import System
 from bench.diagnosis.search import MATERIAL, NEEDED
+from bench.identification.bilinear import run_away
 from bench.identification.prepare import Prepared
 from bench.identification.solve_only import solved_quickly
 from bench.identification.summary import modelled_current

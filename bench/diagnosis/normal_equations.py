@@ -20,6 +20,7 @@ from bench.identification.bilinear import (
     least,
     moved_gains,
     normal_equations,
+    run_away,
     share_within_reach,
     squares_of,
 )
@@ -33,7 +34,6 @@ from bench.identification.solution import Solution
 
 CONVERGED = 1e-7  # share of the cost by which a step must lower it, to be followed by another
 NEARLY = 1e-4  # the same where a gain has run away, so that the set is of no use
-AWAY = 30.0  # times the gain that it is counted from, or that part of it
 MOST_STEPS = 50
 DEPENDENT = 1e-13  # share of the largest singular value below which the model's own columns are dependent
 NOTHING = 1e-10  # share of a candidate's column that the model's own must leave
@@ -225,13 +225,6 @@ def has_converged(
     fall = np.subtract(cost, new)
     whole = np.equal(share, 1.0) & (fall <= np.multiply(CONVERGED, cost))
     return np.asarray(whole | (away & (fall <= np.multiply(NEARLY, cost))))
-
-
-def run_away(ratio: np.ndarray) -> np.ndarray:
-    """Whether a gain has run away, so that a set is of no use; ratio (..., n): of the gains to those they are counted
-    from.
-    """
-    return np.asarray((ratio > AWAY).any(axis=-1) | (ratio < 1.0 / AWAY).any(axis=-1))
 
 
 def start_of(system: System, chosen: tuple[int, ...]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

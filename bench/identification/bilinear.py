@@ -12,6 +12,7 @@ from scipy.linalg.lapack import dposv, dpstrf
 COLLINEAR = 1e-6  # least pivot of the scaled unknowns that Cholesky's factors are trusted with
 MOST = 4.0  # times which a gain may change in one step
 SLOWLY = 0.1  # of the last step's, what the next one makes of the cost where steps lead along a valley
+AWAY = 30.0  # times the gain that it is counted from, or that part of it
 TINY = float(np.finfo(float).tiny)
 
 
@@ -76,6 +77,13 @@ def independent_of(inner: np.ndarray) -> np.ndarray:
 def creeps(fall: float, last: float, unseen: float) -> bool:
     """Whether steps lower the cost by less than `unseen` each and yet go on: along what the errors hardly tell."""
     return SLOWLY * last < fall <= unseen
+
+
+def run_away(ratio: np.ndarray) -> np.ndarray:
+    """Whether a gain has run away, so that a solution is of no use; ratio (..., n): of the gains to those they are
+    counted from.
+    """
+    return np.asarray(~((ratio > 1.0 / AWAY) & (ratio < AWAY)).all(axis=-1))
 
 
 def share_within_reach(gains: np.ndarray, by_gain: np.ndarray) -> np.ndarray:

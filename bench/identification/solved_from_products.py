@@ -8,7 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from bench.identification.bilinear import TINY, least, squares_of
+from bench.identification.bilinear import TINY, least, run_away, squares_of
 from bench.identification.centred import Centred, FactorProducts, products_of
 from bench.identification.compressed import Stack
 from bench.identification.current_error import current_error, error_weights, from_products, squared_errors
@@ -16,7 +16,6 @@ from bench.identification.least_squares import REWEIGHTINGS, weighted_least_squa
 from bench.identification.solution import NominalGains, Solution
 
 CHANCE = 1e-3  # nats: steps that creep are followed no further where chance makes more of the errors
-AWAY = 30.0  # times the nominal gain, or that part of it
 NOTHING = 1e-150  # times the nominal gain: what has no square
 ANEW = 4  # times that products are counted anew where gains come far from those of the start
 UNLIKE = 100.0  # ratio of the motors' scales from which a basis is made anew for others
@@ -47,9 +46,9 @@ def _found(stack: Stack, gains: NominalGains, near: np.ndarray) -> Solution | No
         about, values = _held(products, gains.values, lengths)
         about = products.about(about.theta_at(values), gains.values)  # from where products are exact enough
         values, first = _weighted(about, lengths, fit_gains=True)
-        if _not_away(first, gains.values):
+        if not run_away(first / gains.values):
             starts.append((about.theta_at(values), first))
-    if (not gains.fitted or not np.array_equal(near, gains.values)) and _not_away(near, gains.values):
+    if (not gains.fitted or not np.array_equal(near, gains.values)) and not run_away(near / gains.values):
         about, values = _held(products, near, lengths)
         starts.append((about.theta_at(values), near))
     if not starts:
@@ -63,7 +62,7 @@ def _found(stack: Stack, gains: NominalGains, near: np.ndarray) -> Solution | No
         products = products_of(stack.factors, weights / start.gains)
     unseen = 2.0 * CHANCE / max(int(stack.moving.sum()), 1)
     found = from_products(stack, products, start, weights, unseen=unseen, anew=ANEW)
-    return found if found is not None and _not_away(found.gains, gains.values) else None
+    return None if found is None or run_away(found.gains / gains.values) else found
 
 
 def _on_factors(stack: Stack, gains: NominalGains, near: np.ndarray) -> Solution:
@@ -83,12 +82,6 @@ def _on_factors(stack: Stack, gains: NominalGains, near: np.ndarray) -> Solution
 def _none(gains: np.ndarray, nominal: np.ndarray) -> bool:
     """Whether a gain is nothing beside its nominal value."""
     return bool(np.any(np.abs(gains) < NOTHING * np.abs(nominal)))
-
-
-def _not_away(gains: np.ndarray, nominal: np.ndarray) -> bool:
-    """Whether gains (n,) are within AWAY times their nominal values, and have their signs."""
-    ratio = gains / nominal
-    return bool(np.all((ratio > 1.0 / AWAY) & (ratio < AWAY)))
 
 
 def _missed(squares: np.ndarray) -> float:
