@@ -14,6 +14,7 @@ from time import process_time
 import matplotlib as mpl
 import numpy as np
 from matplotlib.figure import Figure as Drawing
+from matplotlib.ticker import LogLocator
 from rich.table import Table
 
 from bench.basics.figure_style import STYLE
@@ -35,7 +36,7 @@ SAMPLES = (10_000, 20_000, 40_000, 80_000, 160_000)
 SAME = 20_000  # samples where something else grows
 RATE = 1000.0  # Hz
 ROBOT = "five_bar"
-ROBOTS = {2: "five_bar", 3: "three_rrr", 6: "stewart"}
+ROBOTS = {1: "emps", 2: "five_bar", 3: "three_rrr", 6: "stewart"}
 """By their motors."""
 EFFECTS = (4, 8, 16, len(CATALOGUE))
 FILTERS = {"decimation": 20, "position_cutoff": 100.0, "border": (60, 60)}  # alike for all
@@ -123,13 +124,18 @@ def growth_figure(series: Sequence[Growth]) -> Drawing:
     """Seconds against sizes, one panel for each thing that grows, with the power laws."""
     things = list(dict.fromkeys(growth.of for growth in series))
     with mpl.rc_context(STYLE):
-        drawing = Drawing(figsize=(3.6 * len(things), 3.2), layout="constrained")
+        drawing = Drawing(figsize=(4.0 * len(things), 3.2), layout="constrained")
         for axes, thing in zip(drawing.subplots(1, len(things), squeeze=False)[0], things, strict=True):
-            for growth in series:
-                if growth.of == thing:
-                    axes.loglog(
-                        growth.sizes, growth.seconds, "o-", label=f"{growth.command}: {growth.exponent:.2f}"
-                    )
+            shown = [growth for growth in series if growth.of == thing]
+            for growth in shown:
+                label = f"{growth.command}: {growth.exponent:.2f}"
+                color = f"C{list(WORKS).index(growth.command)}"
+                axes.loglog(growth.sizes, growth.seconds, "o-", color=color, label=label)
+            sizes = shown[0].sizes
+            axes.set_xticks(sizes, labels=[f"{size:,}".replace(",", "\u202f") for size in sizes])
+            axes.yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+            axes.yaxis.set_major_formatter("{x:g}")
+            axes.minorticks_off()
             axes.set_xlabel(thing)
             axes.legend(title="exponent", frameon=False)
         drawing.axes[0].set_ylabel("processor time [s]")
