@@ -49,7 +49,7 @@ def motor_torque_needed(model, motion, driven, samples, leading=None):
         force[driven[leading:]] -= motion.torque[k, leading:]
         multipliers = np.linalg.lstsq(jacobian[:, passive].T, force[passive], rcond=None)[0]
         rest = force - jacobian.T @ multipliers
-        assert np.abs(rest[passive]).max(initial=0.0) < 1e-9 * np.abs(force).max()
+        assert np.abs(rest[passive]).max(initial=0.0) <= 1e-9 * np.abs(force).max()
         needed.append(rest[dofs])
     return np.array(needed)
 
