@@ -74,6 +74,22 @@ class Origin:
             return self.exactly(self._settled_nearby(instances))
         return at_its_solution(converged(with_effects(self.start, (*self.start.effects, *instances))))
 
+    def again_nearby(self, model: Prepared) -> Prepared:
+        """A model that is converged as it is, converged as it is known nearby, if that is less work."""
+        if not _less_nearby(model.effects[len(self.start.effects) :]):
+            return model
+        near = with_effects(seen_nearby(self.start, self.nearby), model.effects, model.present)
+        return at_its_solution(converged(near, nearly=True))
+
+    def joined_nearby(
+        self, model: Prepared, others: Sequence[EffectInstance], added: Sequence[EffectInstance]
+    ) -> Prepared:
+        """A model converged nearby with some of its effects and one more, which has its shape beside these first."""
+        rest = with_effects(model, (*self.start.effects, *others))
+        joining = shaped(self.context(rest), added)
+        joined = with_effects(model, (*rest.effects, *joining))
+        return at_its_solution(converged(joined, nearly=True))
+
     def _settled_nearby(self, instances: Sequence[EffectInstance]) -> Prepared:
         near = with_effects(seen_nearby(self.start, self.nearby), (*self.start.effects, *instances))
         return converged(near)

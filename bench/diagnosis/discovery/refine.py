@@ -1,7 +1,8 @@
 """Found terms with an exponent or a frequency set free, where that does better or makes others superfluous."""
 
-from collections.abc import Collection, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import partial
 from itertools import islice
 
 from bench.diagnosis.discovery.grammar import LOAD
@@ -19,6 +20,8 @@ from bench.identification.solve_only import solved_quickly
 
 MOST = 18  # models that are tried
 AS_GOOD = 0.5 * MATERIAL  # by which the error may grow where fewer effects do
+NEARBY = 0.5 * MATERIAL  # of the error, by which a model may seem worse as it is known nearby
+THERE = 0.005  # of the error, by which it may seem worse as it is, with the values that were found nearby
 FAR_LESS = 1.5  # times the best error: a model that starts from there is not converged
 
 
@@ -45,31 +48,72 @@ def instances_of(name: str, screened: Screened, places: Sequence[Place]) -> tupl
     )
 
 
+@dataclass(frozen=True)
+class _Variant:
+    """A model that is tried: converged as it is known nearby, and a function that gives it converged as it is."""
+
+    looked_at: Refined
+    exactly: Callable[[], Prepared]
+
+
 def refined(origin: Origin, model: Prepared, terms: Mapping[str, Term], places: Sequence[Place]) -> Refined:
     """The best of the found model and those with one number more to be adapted, or with a wave at another harmonic.
 
     They have fewer other effects or as many.
 
-    Each is converged by itself and judged on recordings that were not fitted; MOST of them, those beside all or none of
-    the other effects first.
+    Each is judged on recordings that were not fitted, first as it is known nearby beside the found model as that is
+    known there; what does well is then converged as it is. MOST of them are tried, those beside all or none of the
+    other effects first.
     """
     own = len(origin.start.effects)
     best = Refined(model, terms, error_of(model))
-    for new in islice(_tried(origin, best, places), MOST):
-        if new.size(own) <= best.size(own) and better(new, best, own) and not _slower(new, own):
-            best = new
+    near = origin.again_nearby(model)
+    looked_at = Refined(near, terms, error_of(near))
+    for variant in islice(_tried(origin, looked_at, places), MOST):
+        if variant.looked_at.size(own) > best.size(own) or not _promises(origin, variant, looked_at, best):
+            continue
+        exact = variant.exactly()
+        new = replace(variant.looked_at, model=exact, error=error_of(exact))
+        if better(new, best, own) and not _slower(new, own):
+            best, looked_at = new, variant.looked_at
     return best
 
 
-def _tried(origin: Origin, found: Refined, places: Sequence[Place]) -> Iterator[Refined]:
-    """Converged models with a number of one term set free, with all other effects, none of them, and all but one."""
+def _promises(origin: Origin, variant: _Variant, looked_at: Refined, best: Refined) -> bool:
+    """Whether a model may be better than the best: by what it leaves nearby, then as it is with the values found there.
+
+    looked_at: the best as it is known nearby.
+    """
+    own = len(origin.start.effects)
+    near = variant.looked_at
+    if not better(near, looked_at, own, NEARBY):
+        return False
+    if near.model.nearby is None:
+        return True
+    there = with_effects(origin.start, near.model.effects, near.model.present)
+    return better(replace(near, model=there, error=error_of(there)), best, own, THERE)
+
+
+def _tried(origin: Origin, found: Refined, places: Sequence[Place]) -> Iterator[_Variant]:
+    """Models with a number of one term set free, with all other effects, none of them, and all but one.
+
+    found: the model that they start from, converged as it is known nearby.
+    """
     own = len(origin.start.effects)
     wholes = []
 
-    def told(model: Prepared, name: str, variant: Term) -> Refined:
-        kept = {instance.effect.name for instance in model.effects[own:]}
+    def told(look: Prepared, exactly: Callable[[], Prepared], name: str, variant: Term) -> _Variant:
+        kept = {instance.effect.name for instance in look.effects[own:]}
         terms = {key: found_term for key, found_term in found.terms.items() if key in kept} | {name: variant}
-        return Refined(model, terms, error_of(model))
+        return _Variant(Refined(look, terms, error_of(look)), exactly)
+
+    def beside(others: Sequence[EffectInstance], name: str, variant: Term) -> _Variant:
+        added = instances_of(name, Screened(variant, {}, 0.0), places)
+        exactly = partial(origin.with_instances, [*others, *added])
+        if found.model.nearby is None or not others:
+            exact = exactly()
+            return told(exact, lambda: exact, name, variant)
+        return told(origin.joined_nearby(found.model, others, added), exactly, name, variant)
 
     added_names = {instance.effect.name for instance in found.model.effects[own:]}
     for name, term in found.terms.items():
@@ -77,23 +121,23 @@ def _tried(origin: Origin, found: Refined, places: Sequence[Place]) -> Iterator[
             others = [
                 instance for instance in found.model.effects[own:] if instance.effect.name not in (name, mean)
             ]
-            added = instances_of(f"{name}_mean", Screened(variant, {}, 0.0), places)
-            yield told(origin.with_instances([*others, *added]), f"{name}_mean", variant)
+            yield beside(others, f"{name}_mean", variant)
     for name, term in found.terms.items():
         others = [instance for instance in found.model.effects[own:] if instance.effect.name != name]
         for variant in (*at_other_harmonics(term), *freed(term)):
             free = f"{name}_free"
-            added = instances_of(free, Screened(variant, {}, 0.0), places)
             if others:
-                yield told(origin.with_instances(added), free, variant)
-            whole = origin.with_instances([*others, *added])
-            yield told(whole, free, variant)
-            wholes.append((whole, free, variant, {instance.effect.name for instance in others}))
-    for whole, free, variant, names in wholes:
+                yield beside([], free, variant)
+            whole = beside(others, free, variant)
+            yield whole
+            wholes.append(
+                (whole.looked_at.model, free, variant, {instance.effect.name for instance in others})
+            )
+    for whole_model, free, variant, names in wholes:
         for name in sorted(names) if len(names) > 1 else ():
-            fewer = _without(origin, whole, {*names, free} - {name}, found.error)
+            fewer = _without(origin, whole_model, {*names, free} - {name}, found.error)
             if fewer is not None:
-                yield told(fewer, free, variant)
+                yield told(fewer, partial(origin.exactly, fewer), free, variant)
 
 
 def _with_a_mean(term: Term, names: Collection[str]) -> Iterator[tuple[Term, str]]:
@@ -139,7 +183,10 @@ def _slower(new: Refined, own: int) -> bool:
 
 
 def _without(origin: Origin, whole: Prepared, kept: Collection[str], error: float) -> Prepared | None:
-    """A converged model without some of its effects; None where that explains far less, the others as they are."""
+    """A converged model without some of its effects; None where that explains far less, the others as they are.
+
+    As the whole: as it is known nearby, or as it is.
+    """
     own = len(origin.start.effects)
     left = [instance for i, instance in enumerate(whole.effects) if i < own or instance.effect.name in kept]
     fewer = with_effects(whole, left)
@@ -148,7 +195,10 @@ def _without(origin: Origin, whole: Prepared, kept: Collection[str], error: floa
     return at_its_solution(converged(fewer, nearly=True))
 
 
-def better(new: Refined, old: Refined, own: int) -> bool:
-    """Whether a model's error is clearly smaller, or as small with fewer effects beyond the first `own` instances."""
+def better(new: Refined, old: Refined, own: int, nearly: float = 0.0) -> bool:
+    """Whether a model's error is clearly smaller, or as small with fewer effects beyond the first `own` instances.
+
+    nearly: share of the error by which it may miss that.
+    """
     fewer = new.size(own) < old.size(own)
-    return new.error < ((1.0 + AS_GOOD) if fewer else (1.0 - MATERIAL)) * old.error
+    return new.error < ((1.0 + AS_GOOD) if fewer else (1.0 - MATERIAL)) * (1.0 + nearly) * old.error
