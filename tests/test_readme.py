@@ -91,6 +91,18 @@ def test_figures_of_the_readme_are_those_of_the_results(project_root):
         assert cell == f"{100 * statistics.median(errors):.3f} %"
 
 
+def test_speeds_of_the_readme_are_those_last_measured(project_root):
+    text = (project_root / "README.md").read_text(encoding="utf-8")
+    rows = re.findall(r"^\| (.+?) \| ([\d.]+) (\w+) \| ≤ [\d.]+ \w+ \|$", text, flags=re.MULTILINE)
+    assert len(rows) > 10
+    last = {}
+    history = project_root / "results" / "speed" / "history.jsonl"
+    for line in history.read_text(encoding="utf-8").splitlines():
+        record = json.loads(line)
+        last |= {name: (f"{value:.3g}", record["units"][name]) for name, value in record["figures"].items()}
+    assert {name: (value, unit) for name, value, unit in rows} == {row[0]: last[row[0]] for row in rows}
+
+
 def test_what_the_readme_says_of_five_commands_is_what_they_gave(project_root):
     text = (project_root / "README.md").read_text(encoding="utf-8")
     kept = json.loads((project_root / "results" / "excite" / FILE).read_text(encoding="utf-8"))
