@@ -13,6 +13,9 @@ from bench.diagnosis.differs import differing
 from bench.diagnosis.result import Diagnosis
 from bench.diagnosis.summary import summary_sentences
 from bench.effects import CATALOGUE
+from bench.identification.finding import Code
+from bench.identification.finding_words import sentence
+from bench.identification.identify import identify
 from bench.identification.nonlinear import converged
 from bench.identification.prepare import prepare
 from bench.identification.problem import problem_of
@@ -23,6 +26,7 @@ from bench.truth.simulate import simulate
 from tests.workbench_kit import RECORDINGS, write_dataset
 
 FRICTION = ("viscous_friction", "coulomb_friction", "constant_offset")
+RUBS = {"effect": "coulomb_friction", "joint": "left", "Fc": 0.2}
 STEP = 0.1  # A, by which the left current of one recording is shifted, and that of the other against it
 
 
@@ -33,12 +37,23 @@ def alike(tmp_path_factory) -> Dataset:
 
 
 @pytest.fixture(scope="module")
-def unlike(alike: Dataset) -> Dataset:
+def rubbing(tmp_path_factory) -> Dataset:
+    folder = tmp_path_factory.mktemp("rubbing") / "data"
+    return load_dataset(write_dataset(folder, hidden=(RUBS,), recordings=RECORDINGS))
+
+
+def shifted(dataset: Dataset, steps: tuple[float, ...]) -> Dataset:
+    """With an offset of its own in the left current of every recording."""
     recordings = [
-        replace(one, current=one.current + np.array([step, 0.0]))
-        for one, step in zip(alike.recordings, (STEP, -STEP, 0.0), strict=True)
+        replace(recording, current=recording.current + np.array([step, 0.0]))
+        for recording, step in zip(dataset.recordings, steps, strict=True)
     ]
-    return replace(alike, recordings=tuple(recordings))
+    return replace(dataset, recordings=tuple(recordings))
+
+
+@pytest.fixture(scope="module")
+def unlike(alike: Dataset) -> Dataset:
+    return shifted(alike, (STEP, -STEP, 0.0))
 
 
 @pytest.fixture(scope="module")
@@ -128,14 +143,8 @@ def test_a_gain_holds_what_values_for_each_recording_make_of_it(unlike: Dataset,
 
 def test_both_are_found_where_coulomb_friction_is_missing_too(tmp_path) -> None:
     """One offset for both recordings makes the gain of the left motor 1.7, where 3.3 is right."""
-    hidden = ({"effect": "coulomb_friction", "joint": "left", "Fc": 0.2},)
-    dataset = load_dataset(write_dataset(tmp_path / "data", hidden=hidden, recordings=RECORDINGS[:2]))
-    recordings = [
-        replace(recording, current=recording.current + np.array([step, 0.0]))
-        for recording, step in zip(dataset.recordings, (STEP, -STEP), strict=True)
-    ]
-    given = ("constant_offset",)
-    told = diagnose_with_catalogue(problem_of(replace(dataset, recordings=tuple(recordings)), given))
+    dataset = load_dataset(write_dataset(tmp_path / "data", hidden=(RUBS,), recordings=RECORDINGS[:2]))
+    told = diagnose_with_catalogue(problem_of(shifted(dataset, (STEP, -STEP)), ("constant_offset",)))
     assert told.superfluous == ()
     assert told.missing == ("coulomb_friction",)
     assert told.by_recording == ("constant_offset:left@recording",)
@@ -153,3 +162,41 @@ def test_it_stands_in_the_json(told: Diagnosis) -> None:
     assert set(one["values"]) == {"free.csv", "held.csv"}
     assert set(one["values"]["free.csv"]) == {"value", "std", "unit"}
     assert one["error_after"] < 0.2 * one["error_before"]
+
+
+def test_recordings_that_were_not_fitted_may_have_other_values_still(rubbing: Dataset) -> None:
+    """As large ones as that hide the friction from a search that gives them those of the fitted recordings."""
+    told = diagnose_with_catalogue(problem_of(shifted(rubbing, (STEP, -STEP, 4 * STEP, -4 * STEP))))
+    assert told.missing == ("coulomb_friction",)
+    assert told.by_recording == ("constant_offset:left@recording",)
+    assert abs(told.after.drive_gains["left"].value - 3.3) < 0.03
+    assert told.after.error.validate < 1.2 * told.unexplained.noise_floor
+    none_of_its_own = {"free_check.csv", "held_check.csv"}
+    (said,) = [each for each in told.after.findings if each.code == Code.NO_VALUE_OF_ITS_OWN]
+    assert set(said.names) == none_of_its_own
+
+
+def test_where_only_they_have_other_values_that_is_said_and_what_helps(rubbing: Dataset) -> None:
+    dataset = shifted(rubbing, (0.0, 0.0, 4 * STEP, -4 * STEP))
+    told = diagnose_with_catalogue(problem_of(dataset))
+    (said,) = [each for each in told.after.findings if each.code == Code.CHECKED_HAS_OTHER_VALUES]
+    assert said.names[1:] == ("constant_offset:left",)
+    assert any(sentence(said) in each for each in summary_sentences(told))
+    helped = diagnose_with_catalogue(problem_of(dataset, ("constant_offset:left@recording",)))
+    assert helped.missing == ("coulomb_friction",)
+
+
+def test_a_model_is_judged_with_the_value_that_suits_a_recording(unlike: Dataset) -> None:
+    """Whatever constant is in the current there: it is taken up, and nothing else."""
+    request = ("constant_offset:left@recording",)
+    here, other = (
+        identify(prepare(problem_of(shifted(unlike, (0.0, 0.0, step)), request))) for step in (0.0, 0.7)
+    )
+    assert other.error.identify == here.error.identify
+    (seen,) = [series for series in here.recordings if series.use == "validate"]
+    (moved,) = [series for series in other.recordings if series.use == "validate"]
+    assert np.where(seen.moving, moved.error - seen.error, 0.0) == pytest.approx(0.0, abs=1e-9)
+    torque = moved.by_effect["constant_offset"] - seen.by_effect["constant_offset"]
+    current = (moved.measured - seen.measured)[:, 0]
+    there = seen.moving[:, 0]
+    assert torque[there, 0] == pytest.approx(here.drive_gains["left"].value * current[there], rel=1e-9)

@@ -6,9 +6,9 @@ from dataclasses import replace
 import pytest
 
 from bench.dataset.robot import load_robot
-from bench.identification.finding import Code, Finding, Unknown
-from bench.identification.finding_words import UNBELIEVABLE, WORDS, note, sentence
-from bench.identification.findings import runaway, unlike, with_findings
+from bench.identification.finding import UNBELIEVABLE, Code, Finding, Unknown
+from bench.identification.finding_words import WORDS, note, sentence
+from bench.identification.findings import runaway, unlike, with_findings, with_other_values
 from bench.identification.model_file import load_model, save_model
 from bench.identification.result import Quantity
 from tests.shown import dataset_of, identification_of
@@ -46,8 +46,15 @@ def test_the_worst_recording_that_was_not_fitted_is_named_with_its_payload(resul
     assert found.code == Code.CHECKED_UNLIKE_FITTED
     assert found.numbers == {"fitted": 0.01, "checked": 0.5}
     assert found.names[0] == max(error.by_recording, key=error.by_recording.get)
-    own = unlike(replace(result, error=error, effects=("constant_offset@recording",)))
-    assert (own.code, own.names[1:]) == (Code.CHECKED_HAS_OTHER_VALUES, ("constant_offset",))
+    far = replace(result, error=error, findings=(found,))
+    own = unlike(with_other_values(far, ["constant_offset:left"]))
+    assert (own.code, own.names) == (
+        Code.CHECKED_HAS_OTHER_VALUES,
+        (found.names[0], "constant_offset:left"),
+    )
+    assert sentence(own).endswith(
+        "`--with constant_offset:left@recording` takes a value from each recording."
+    )
 
 
 @pytest.mark.parametrize(

@@ -86,7 +86,7 @@ def identify(  # noqa: PLR0913, PLR0917 - an argument for each option
     from bench.api.identify import identify as identified
     from bench.dataset.dataset import load_dataset
     from bench.document.terminal.identification import identification_report
-    from bench.identification.finding_words import MEND_FIRST
+    from bench.identification.finding import MEND_FIRST
     from bench.identification.model_file import model_json
     from bench.residuals.motor import compared
     from bench.residuals.next_step import left_over

@@ -87,7 +87,7 @@ def after_diagnosis(
 
     effect_files: what the model needs beside the catalogue.
     """
-    from bench.identification.finding_words import MEND_FIRST
+    from bench.identification.finding import MEND_FIRST
 
     if any(finding.code in MEND_FIRST for finding in diagnosis.after.findings):
         return f"next: {again}    {AGAIN}"

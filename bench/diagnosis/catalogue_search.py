@@ -11,13 +11,16 @@ from bench.basics.threads import on_one_thread
 from bench.diagnosis.as_good import with_spread_over_models
 from bench.diagnosis.candidates import Proposal
 from bench.diagnosis.differs import differing
+from bench.diagnosis.elsewhere import differing_elsewhere, worse_elsewhere
 from bench.diagnosis.encoder_noise import encoder_error
 from bench.diagnosis.mounting import mounted_otherwise
 from bench.diagnosis.normal_equations import System
 from bench.diagnosis.own_values import (
+    Place,
     explains_more,
     leading,
     own_values,
+    places_of,
     with_common_values,
     with_own_values,
 )
@@ -37,6 +40,7 @@ from bench.diagnosis.starting import given_wholly, kept_and_new, leaving, origin
 from bench.diagnosis.unexplained import unexplained
 from bench.diagnosis.verdicts import judged_error, verdicts
 from bench.effects import EffectInstance
+from bench.identification.findings import with_other_values
 from bench.identification.identify import fit
 from bench.identification.impossible_payload import with_possible_payloads
 from bench.identification.noise_let_through import with_noise_heard
@@ -108,23 +112,30 @@ def split_and_fitted(problem: Problem, progress: Progress = SILENT) -> SplitProb
 
 
 def search_catalogue(case: SplitProblem, progress: Progress = SILENT) -> SearchResult:
-    """Search beside the starting model; where values for each recording take most of a motor's error away, beside them.
+    """Search beside the starting model; where values for each recording take most of a motor's error away, of fitted
+    recordings or of others, beside them.
 
     One value for all recordings, where it differs, moves the gains and looks like other effects. Values for each are
     part of the answer where with what is found beside them they explain clearly more of parts that are not fitted, no
-    less of other recordings, and still differ.
+    less of other recordings with values of theirs, and still differ.
     """
     plain = _compared(case, _search_beside(case, case.start, case.before, progress))
-    here, tried = plain, list[frozenset[str]]()
-    while leading(here.differs) and len(tried) < OWN_VALUES_TRIED:
-        wanted = frozenset(each.request for each in here.differs)
+    here, tried = plain, list[frozenset[Place]]()
+    while len(tried) < OWN_VALUES_TRIED:
+        wanted = places_of(here.differs)
+        if not leading(here.differs):
+            wanted |= differing_elsewhere(here.model, here.after, case.problem.catalogue)
+            if wanted == places_of(here.differs):
+                break
         if wanted in tried:
             break
         tried.append(wanted)
-        start = with_own_values(case.start, here.differs, case.problem.catalogue)
+        start = with_own_values(case.start, wanted, case.problem.catalogue)
         here = _compared(case, _search_beside(case, start, fit(start), progress))
-        if frozenset(each.request for each in here.differs) == wanted:
-            better = explains_more(here.model, plain.model) and not worse(here.after, plain.after)
+        if places_of(here.differs) == wanted:
+            better = explains_more(here.model, plain.model) and not worse_elsewhere(
+                here.model, here.after, plain.after, wanted
+            )
             return here if better else plain
     return plain
 
@@ -201,6 +212,9 @@ def answered(case: SplitProblem, finding: SearchResult, progress: Progress = SIL
         places[instance.effect.name] = (*places.get(instance.effect.name, ()), *at)
     scale = _relative(after, system, best)
     without = _errors_without(finding.names, finding.fits)
+    others = differing_elsewhere(model, after, case.problem.catalogue)
+    if others:
+        after = with_other_values(after, [f"{effect}:{joint}" for effect, joint in sorted(others)])
     left = unexplained(after, dataset.recordings, lambda: encoder_error(model))
     if (left.significant or left.much) and model.fit_gains:
         progress.phase("fitting models that are as good")

@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.linalg import orth
 
 
 @dataclass(frozen=True)
@@ -23,6 +24,14 @@ def motor_rows(columns: Sequence[np.ndarray], ends: np.ndarray) -> MotorRows:
     every = np.concatenate(columns, axis=1)
     filled = np.flatnonzero(every.any(axis=0))
     return MotorRows(filled, every[:, filled], ends)
+
+
+def apart_from(rows: MotorRows, columns: Sequence[int]) -> MotorRows:
+    """The rows without what some of the columns, in any size, account for."""
+    own = rows.values[:, np.isin(rows.filled, columns)]
+    basis = orth(own) if own.any() else np.zeros((len(own), 0))
+    values, ends = (part - basis @ (basis.T @ part) for part in (rows.values, rows.ends))
+    return MotorRows(rows.filled, values, ends)
 
 
 def folded(triangle: np.ndarray, rows: MotorRows, weight: float) -> np.ndarray:

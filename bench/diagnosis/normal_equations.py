@@ -12,7 +12,7 @@ from functools import cached_property
 
 import numpy as np
 
-from bench.diagnosis.motor_rows import MotorRows, combined, folded, motor_rows, products
+from bench.diagnosis.motor_rows import MotorRows, apart_from, combined, folded, motor_rows, products
 from bench.effects import EffectInstance, RobotSignals
 from bench.identification.bilinear import (
     errors_by,
@@ -24,6 +24,7 @@ from bench.identification.bilinear import (
     share_within_reach,
     squares_of,
 )
+from bench.identification.by_recording import columns_without_value
 from bench.identification.effect_rows import effect_rows
 from bench.identification.filtered import forget_motions
 from bench.identification.layout import known_rows, regressor_rows
@@ -290,14 +291,18 @@ def _added(
 def _rows(
     prepared: Prepared, observation: Observation, added: np.ndarray, start: Solution
 ) -> tuple[MotorRows, ...]:
-    """[phi, candidates, torque, error] of one recording at each motor, zero where it stands still."""
+    """[phi, candidates, torque, error] of one recording at each motor, zero where it stands still; apart from what a
+    value of its own accounts for, where it has none.
+    """
     phi = regressor_rows(observation, prepared.layout)
     torque = phi @ start.theta + known_rows(observation, prepared.dataset.payloads)
     ends = np.stack((torque, observation.current - torque / start.gains), axis=2)
-    return tuple(
+    every = tuple(
         motor_rows((phi[:, j] * moving[:, None], added[:, j] * moving[:, None]), ends[:, j] * moving[:, None])
         for j, moving in enumerate(observation.moving.T)
     )
+    suited = [own[0] for own in columns_without_value(prepared, observation)]
+    return tuple(apart_from(rows, suited) for rows in every) if suited else every
 
 
 def _triangle(blocks: Sequence[Sequence[MotorRows]], size: int, start: Solution) -> np.ndarray:

@@ -1,6 +1,6 @@
 """Models in which an offset or a friction that differs from run to run has a value for each recording."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -9,6 +9,7 @@ from bench.diagnosis.halves import Halves, halves_of
 from bench.diagnosis.result import Differing
 from bench.diagnosis.search import NEEDED
 from bench.effects import Effect, EffectInstance
+from bench.effects.select import TAG
 from bench.identification.nonlinear import converged
 from bench.identification.prepare import Prepared, with_effects
 from bench.identification.solve_only import solved_quickly
@@ -16,16 +17,22 @@ from bench.identification.solve_only import solved_quickly
 MOST_OF_IT = 0.5  # share of a motor's squared error: what takes more away is looked for before all else
 
 
+Place = tuple[str, str]
+"""An effect and the joint at which it is."""
+
+
+def places_of(differs: Sequence[Differing]) -> frozenset[Place]:
+    """Where what differs is."""
+    return frozenset((differing.effect, differing.joint) for differing in differs)
+
+
 def leading(differs: Sequence[Differing]) -> bool:
     """Whether values for each recording take most of a motor's error away: effects found without them may be theirs."""
     return any(differing.error_after**2 < MOST_OF_IT * differing.error_before**2 for differing in differs)
 
 
-def with_own_values(
-    start: Prepared, differs: Sequence[Differing], catalogue: Mapping[str, Effect]
-) -> Prepared:
+def with_own_values(start: Prepared, places: Collection[Place], catalogue: Mapping[str, Effect]) -> Prepared:
     """A starting model with a value for each recording of what differs, in place of one for all; converged."""
-    places = {(differing.effect, differing.joint) for differing in differs}
     names = {name for name, _ in places}
     kept = [
         replace(instance, request=f"{instance.effect.name}:{instance.joint}")
@@ -36,8 +43,8 @@ def with_own_values(
     ]
     logs = start.logs
     added = [
-        EffectInstance(catalogue[differing.effect], differing.joint, differing.request, log, logs)
-        for differing in differs
+        EffectInstance(catalogue[name], joint, f"{name}:{joint}{TAG}", log, logs)
+        for name, joint in sorted(places)
         for log in logs
     ]
     return converged(with_effects(start, (*kept, *added)))

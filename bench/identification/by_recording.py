@@ -1,11 +1,54 @@
 """Recordings without a value of their own of an effect that has one for each recording."""
 
+from dataclasses import replace
+
+import numpy as np
+
 from bench.identification.finding import Code, Finding, Unknown
+from bench.identification.layout import known_rows, regressor_rows
+from bench.identification.observation import Observation
 from bench.identification.prepare import Prepared
+from bench.identification.solution import Solution
+
+
+def columns_without_value(prepared: Prepared, observation: Observation) -> list[np.ndarray]:
+    """Of effects that have a value for each recording, but none for this one: the columns (of theta) that are one
+    effect's, each with its share of the mean.
+    """
+    (log,) = {seen.recording.log for seen in prepared.measured if seen.recording.name == observation.name}
+    together: dict[tuple[str, str, int], list[int]] = {}
+    at = prepared.layout.size - prepared.layout.effects
+    for instance in prepared.effects:
+        size = len(instance.effect.parameters)
+        if instance.recording and log not in instance.among:
+            for k in range(size):
+                together.setdefault((instance.effect.name, instance.joint, k), []).append(at + k)
+        at += size
+    return [np.array(columns) for columns in together.values()]
+
+
+def in_this_recording(prepared: Prepared, observation: Observation, solution: Solution) -> Solution:
+    """The solution with the values that suit a recording best where it has none of its own.
+
+    What differs from run to run is not what a recording is judged on.
+    """
+    together = columns_without_value(prepared, observation)
+    if not together:
+        return solution
+    rows = regressor_rows(observation, prepared.layout)
+    torque = rows @ solution.theta + known_rows(observation, prepared.dataset.payloads)
+    error = (observation.current - torque / solution.gains) * observation.moving
+    columns = np.stack([rows[:, :, own].sum(axis=2) for own in together], axis=2)
+    columns *= (observation.moving / solution.gains)[:, :, None]
+    shifts = np.linalg.lstsq(columns.reshape(-1, len(together)), error.ravel(), rcond=None)[0]
+    theta = solution.theta.copy()
+    for own, shift in zip(together, shifts, strict=True):
+        theta[own] += shift
+    return replace(solution, theta=theta)
 
 
 def without_own_values(prepared: Prepared) -> list[Finding]:
-    """The recordings, and the effect with the recordings by whose values they are modelled."""
+    """The recordings, and the effect with the recordings whose values are known."""
     among = {instance.effect.name: instance.among for instance in prepared.effects if instance.recording}
     found = []
     for name, logs in among.items():

@@ -78,3 +78,30 @@ class Finding:
     of: tuple[Unknown, ...] = ()
     numbers: Mapping[str, float] = field(default_factory=dict)
     unit: str = ""
+
+
+UNBELIEVABLE = frozenset(
+    {
+        Code.GAIN_RUNAWAY,
+        Code.PARAMETER_WITHOUT_DEVIATION,
+        Code.ROUNDING_DECIDES,
+        Code.NOISE_DECIDES,
+        Code.GAINS_A_THOUSAND,
+        Code.GAINS_A_THOUSANDTH,
+    }
+)
+"""Of an answer that is not to be believed."""
+
+MEND_FIRST = UNBELIEVABLE | {
+    Code.UNITS_UNLIKE,
+    Code.COLUMNS_SWAPPED,
+    Code.OTHER_LOAD,
+    Code.PAYLOAD_HEAVY,
+    Code.CLOSURE_CONTRADICTED,
+    Code.MOUNTED_OTHERWISE,
+    Code.GAINS_NEGATIVE,
+    Code.GAIN_NEGATIVE,
+    Code.SIGN_REVERSED,
+    Code.NO_MODEL_IS_BETTER,
+}
+"""What is to be mended before anything else is asked of the data."""

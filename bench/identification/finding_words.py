@@ -4,35 +4,9 @@ from collections.abc import Callable, Mapping
 
 from bench.dataset.heavy_payload import HeavyPayload
 from bench.effects.display_names import begun, spoken
-from bench.effects.select import ROBOT
-from bench.identification.finding import Code, Finding, Unknown
+from bench.effects.select import ROBOT, TAG
+from bench.identification.finding import UNBELIEVABLE, Code, Finding, Unknown
 from bench.identification.wording import in_percent, with_error
-
-UNBELIEVABLE = frozenset(
-    {
-        Code.GAIN_RUNAWAY,
-        Code.PARAMETER_WITHOUT_DEVIATION,
-        Code.ROUNDING_DECIDES,
-        Code.NOISE_DECIDES,
-        Code.GAINS_A_THOUSAND,
-        Code.GAINS_A_THOUSANDTH,
-    }
-)
-
-
-MEND_FIRST = UNBELIEVABLE | {
-    Code.UNITS_UNLIKE,
-    Code.COLUMNS_SWAPPED,
-    Code.OTHER_LOAD,
-    Code.PAYLOAD_HEAVY,
-    Code.CLOSURE_CONTRADICTED,
-    Code.MOUNTED_OTHERWISE,
-    Code.GAINS_NEGATIVE,
-    Code.GAIN_NEGATIVE,
-    Code.SIGN_REVERSED,
-    Code.NO_MODEL_IS_BETTER,
-}
-"""What is to be mended before anything else is asked of the data."""
 
 
 def note(finding: Finding) -> str:
@@ -232,7 +206,11 @@ def _unlike(finding: Finding) -> str:
 
 def _other_values(finding: Finding) -> str:
     worst, *effects = finding.names
-    return f"{_far_worse(finding)}, {worst} worst: there {', '.join(effects)} may have yet another value."
+    ask = " ".join(f"--with {effect}{TAG}" for effect in effects)
+    return (
+        f"{_far_worse(finding)}, {worst} worst: {', '.join(effects)} differs there, which hides what the model lacks; "
+        f"`{ask}` takes a value from each recording."
+    )
 
 
 def _far_worse(finding: Finding) -> str:
@@ -264,11 +242,10 @@ def _short(finding: Finding) -> str:
 
 
 def _no_value(finding: Finding) -> str:
-    value = "the mean of the values of these" if len(finding.of) > 1 else "the value of that one"
-    has, its, it_is = ("has", "its", "it is") if len(finding.names) == 1 else ("have", "their", "they are")
+    has, its = ("has", "its") if len(finding.names) == 1 else ("have", "their")
     return (
-        f"{', '.join(finding.names)} {has} no {spoken(finding.of[0].effect)} of {its} own, as the fitted "
-        f"recordings have ({', '.join(log.place for log in finding.of)}): {it_is} modelled with {value}."
+        f"{', '.join(finding.names)} {has} no {spoken(finding.of[0].effect)} of {its} own, as the fitted recordings "
+        f"have ({', '.join(log.place for log in finding.of)}): the value that suits each best is taken."
     )
 
 

@@ -6,7 +6,6 @@ from dataclasses import replace
 import numpy as np
 
 from bench.effects import EffectInstance
-from bench.effects.select import TAG
 from bench.identification.finding import Code, Finding, Unknown
 from bench.identification.periods_not_whole import periods_not_whole
 from bench.identification.result import DriveGain, Identification
@@ -86,18 +85,28 @@ def _beyond(outside: Sequence[EffectInstance]) -> list[Finding]:
 
 def unlike(result: Identification) -> Finding | None:
     """Whether recordings that were not fitted are modelled far worse than those that were; the worst is named."""
+    for told in result.findings:
+        if told.code == Code.CHECKED_HAS_OTHER_VALUES:
+            return told
     fitted, checked = result.error.identify, result.error.validate
     if fitted is None or checked is None or checked <= UNLIKE * fitted:
         return None
     by_recording = result.error.by_recording
     worst = max(by_recording, key=lambda name: by_recording[name])
     carried = {recording.name: recording.payload for recording in result.recordings}.get(worst)
-    own = [effect.removesuffix(TAG) for effect in result.effects if effect.endswith(TAG)]
-    numbers = {"fitted": fitted, "checked": checked}
-    if own:
-        return Finding(Code.CHECKED_HAS_OTHER_VALUES, (worst, *own), numbers=numbers)
     names = (worst, carried) if carried else (worst,)
-    return Finding(Code.CHECKED_UNLIKE_FITTED, names, numbers=numbers)
+    return Finding(Code.CHECKED_UNLIKE_FITTED, names, numbers={"fitted": fitted, "checked": checked})
+
+
+def with_other_values(result: Identification, effects: Sequence[str]) -> Identification:
+    """With the reason why recordings that were not fitted are modelled worse: effects that have other values there."""
+    findings = [
+        replace(found, code=Code.CHECKED_HAS_OTHER_VALUES, names=(found.names[0], *effects))
+        if found.code == Code.CHECKED_UNLIKE_FITTED
+        else found
+        for found in result.findings
+    ]
+    return replace(result, findings=tuple(findings))
 
 
 def runaway(result: Identification) -> Finding | None:

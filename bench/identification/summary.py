@@ -7,7 +7,7 @@ import numpy as np
 from bench.basics.joint_units import drive_unit
 from bench.effects import EffectInstance
 from bench.effects.select import ROBOT as ROBOT
-from bench.identification.by_recording import without_own_values
+from bench.identification.by_recording import in_this_recording, without_own_values
 from bench.identification.finding import Code, Finding, Unknown
 from bench.identification.findings import with_findings
 from bench.identification.hardly_apart import hardly_apart, unsettled
@@ -117,7 +117,8 @@ def redundant_gains(prepared: Prepared, solution: Solution, std: np.ndarray) -> 
 
 
 def modelled_current(prepared: Prepared, observation: Observation, solution: Solution) -> np.ndarray:
-    """Modelled currents (M, n) of one recording, drive units."""
+    """Modelled currents (M, n) of one recording, drive units; see `in_this_recording`."""
+    solution = in_this_recording(prepared, observation, solution)
     torque = regressor_rows(observation, prepared.layout) @ solution.theta
     torque += known_rows(observation, prepared.dataset.payloads)
     return np.asarray(torque / solution.gains)
@@ -136,7 +137,7 @@ def modelled_series(prepared: Prepared, observation: Observation, solution: Solu
         velocity=observation.velocity,
         acceleration=observation.acceleration,
         moving=observation.moving,
-        by_effect=_effect_torques(prepared, observation, solution),
+        by_effect=_effect_torques(prepared, observation, in_this_recording(prepared, observation, solution)),
         sharing=_sharing(prepared, observation.name, solution),
     )
 
