@@ -1,5 +1,7 @@
 """Following the closures: one assembly mode throughout, the same answer however it is cut, errors with a time."""
 
+import tracemalloc
+
 import numpy as np
 import pinocchio as pin
 import pytest
@@ -9,7 +11,7 @@ from bench.model import motion as motion_module
 from bench.model.closure import loop_residual
 from bench.model.follow import advance, home_pose, make_follower
 from bench.model.geometry import read_geometry
-from bench.model.motion import motion_of
+from bench.model.motion import motion_of, path_of
 from tests.mechanisms import LOOPED, movement, robot_named, write_robot
 
 CRANK, COUPLER, ROCKER, GROUND = 0.2, 0.3, 0.25, 0.5
@@ -180,6 +182,25 @@ def test_answer_does_not_depend_on_where_it_is_cut(name, tmp_path, monkeypatch):
     for field in ("q", "v", "a", "jacobian"):
         assert np.abs(getattr(whole, field)[777:] - getattr(tail, field)).max() < 2e-8
         assert np.abs(getattr(whole, field) - getattr(blocks, field)).max() < 2e-8
+
+
+def test_a_block_finds_the_memory_of_the_one_before_free(tmp_path, monkeypatch):
+    geometry = read_geometry(robot_named("stewart", tmp_path))
+    path = path_of(geometry, *movement(geometry))
+    samples = len(path.track.time)
+
+    def beside_the_motion(block):
+        monkeypatch.setattr(motion_module, "BLOCK", block)
+        path.motion(slice(None))  # what is kept from one time to the next
+        tracemalloc.start()
+        try:
+            found = path.motion(slice(None))
+            largest = tracemalloc.get_traced_memory()[1]
+        finally:
+            tracemalloc.stop()
+        return largest - sum(getattr(found, field).nbytes for field in ("q", "v", "a", "jacobian"))
+
+    assert beside_the_motion(-(-samples // 4)) < 0.28 * beside_the_motion(samples)
 
 
 @pytest.mark.parametrize("name", LOOPED)

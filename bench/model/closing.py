@@ -21,7 +21,7 @@ from bench.model.tape import Program, Reused, Tape, TapeRun
 
 @dataclass(frozen=True)
 class LoopEquations:
-    """The equations of the loops at a pose: frames, rows by tree velocities, and those of the passive ones reduced."""
+    """The equations of the loops at a pose: frames, rows by the motors' velocities, and by the passive ones reduced."""
 
     frames: Frames
     rows: list[Row]
@@ -56,6 +56,7 @@ class Direct:
 
     def correct(self, q: np.ndarray) -> tuple[Sequence[Scalar] | np.ndarray, dict[int, Scalar]]:
         """See `Closing`."""
+        self.__dict__.pop("_linear", None)  # two poses' equations are never there at once
         self._linear, residual, correction = _correction(self._closures, q)
         return residual, correction
 
@@ -133,12 +134,20 @@ def closing_of(geometry: Geometry, samples: int) -> Closing:
 
 
 def _correction(closures: Closures, q: Rows) -> tuple[LoopEquations, list[Scalar], dict[int, Scalar]]:
-    frames, passive = frames_of(closures.links, q), set(closures.passive)
+    frames = frames_of(closures.links, q)
     residual, rows = loop_rows(closures, frames)
+    motors, passive = _columns_of(rows, closures.active), _columns_of(rows, closures.passive)
+    del rows
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
-        elimination = eliminate([{c: x for c, x in row.items() if c in passive} for row in rows])
+        elimination = eliminate(passive)
         correction = elimination.solve([minus(0.0, value) for value in residual])
-    return LoopEquations(frames, rows, elimination), residual, correction
+    return LoopEquations(frames, motors, elimination), residual, correction
+
+
+def _columns_of(rows: Sequence[Row], columns: Sequence[int]) -> list[Row]:
+    """The rows with these columns alone."""
+    wanted = set(columns)
+    return [{column: value for column, value in row.items() if column in wanted} for row in rows]
 
 
 def _amplification(closures: Closures, linear: LoopEquations) -> list[dict[int, Scalar]]:

@@ -245,30 +245,45 @@ def _solved(
     v, a = np.empty((2, samples, geometry.nv))
     jacobian = np.zeros((samples, geometry.nv, n))
     jacobian[:, geometry.active, np.arange(n)] = 1.0
-    left: list[np.ndarray] = []
-    for block in blocks_of(samples, BLOCK):
-        time = track.time[block]
-        pose = np.ascontiguousarray(guess(block))
-        pose[geometry.active_configuration] = track.position(block).T
-        closing = closing_of(geometry, len(time))
-        pose, still_open = _closed(geometry, closing, closures, time, normalised(geometry, pose), enough)
-        left.append(block.start + still_open)
-        amplification = closing.amplify()
-        _check(geometry, time, amplification)
-        speeds, growths = closing.rates(track.velocity[block], track.acceleration[block])
-        q[block] = pose.T
-        for index, (speed, growth) in enumerate(zip(speeds, growths, strict=True)):
-            v[block, index] = speed
-            a[block, index] = growth
-        for j, column in enumerate(amplification):
-            for index, value in column.items():
-                jacobian[block, index, j] = value
+    motion = Motion(track.time, q, v, a, jacobian)
+    left = [
+        block.start + _solve_block(geometry, closures, track, guess, enough, block, motion)
+        for block in blocks_of(samples, BLOCK)
+    ]
     few = np.concatenate(left) if left else np.arange(0)
     if len(few):
         nearly = np.ascontiguousarray(q[few].T)
         again = _solved(geometry, closures, track.at(few), lambda block: nearly[:, block], enough)
         q[few], v[few], a[few], jacobian[few] = again.q, again.v, again.a, again.jacobian
-    return Motion(track.time, q, v, a, jacobian)
+    return motion
+
+
+def _solve_block(
+    geometry: Geometry,
+    closures: Closures,
+    track: Track,
+    guess: _Guess,
+    enough: float,
+    block: slice,
+    motion: Motion,
+) -> np.ndarray:
+    """Write the motion at a block of samples; see `_closed` for those that are left open (indices in the block)."""
+    time = track.time[block]
+    pose = np.ascontiguousarray(guess(block))
+    pose[geometry.active_configuration] = track.position(block).T
+    closing = closing_of(geometry, len(time))
+    pose, still_open = _closed(geometry, closing, closures, time, normalised(geometry, pose), enough)
+    amplification = closing.amplify()
+    _check(geometry, time, amplification)
+    speeds, growths = closing.rates(track.velocity[block], track.acceleration[block])
+    motion.q[block] = pose.T
+    for index, (speed, growth) in enumerate(zip(speeds, growths, strict=True)):
+        motion.v[block, index] = speed
+        motion.a[block, index] = growth
+    for j, column in enumerate(amplification):
+        for index, value in column.items():
+            motion.jacobian[block, index, j] = value
+    return still_open
 
 
 def blocks_of(samples: int, most: int) -> list[slice]:
