@@ -12,7 +12,7 @@ from bench.identification.expansion import made_of
 from bench.signals.decimation import decimate, decimated_indices
 from bench.signals.sparse_decimation import decimate_sparse
 
-TOGETHER = 8_000_000  # bytes of columns that are filtered together, at most
+TOGETHER = 2_000_000  # bytes of columns that are filtered together, at most
 
 
 def effect_rows(signals: RobotSignals, decimation: int, effects: Sequence[EffectInstance]) -> np.ndarray:
