@@ -54,9 +54,10 @@ def robot_signals(model: IdentificationModel, measured: Measured, present: Prese
     kinds = {joint.name: joint.kind for joint in model.geometry.joints}
 
     needed_at = needed_torque(lambda: signals, present)
+    time = measured.time - measured.recording.began
     joints = {
         actuator.joint: JointSignals(
-            time=measured.time - measured.recording.began,
+            time=time,
             position=measured.position[:, j],
             velocity=measured.velocity[:, j],
             acceleration=measured.acceleration[:, j],

@@ -52,6 +52,7 @@ class PassiveLoadFriction(Effect):
 
     def in_joint(self, robot: RobotSignals, joint: str) -> np.ndarray:
         """Torque or force (N, 2) in the joint by mu and mum."""
+        direction = np.sign(passive_velocity(robot, joint))
         borne = robot.borne(joint, robot.every)
         force, of_mass, torques = borne.force, borne.of_mass, robot.in_joints()
         if torques:  # which change at once where a joint turns back
@@ -64,7 +65,7 @@ class PassiveLoadFriction(Effect):
         parts = np.column_stack([(along * part).sum(axis=1) for part in (force, of_mass)])
         if not torques:
             parts = robot.refined(parts)
-        return np.asarray(parts * np.sign(passive_velocity(robot, joint))[:, None])
+        return np.asarray(parts * direction[:, None])
 
     def columns(self, robot: RobotSignals, joint: str) -> np.ndarray:
         torque = self.in_joint(robot, joint)
