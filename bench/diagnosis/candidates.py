@@ -65,10 +65,10 @@ def propose(start: Context, catalogue: Mapping[str, Effect], progress: Progress 
     # Filtered together, and kept: each is asked for by itself below.
     plain = [instance for found in every.values() for instance in found if not instance.effect.shape]
     alone = [instance for instance in plain if not instance.effect.depends_on_model]
-    for seen in prepared.signals:
-        effect_rows(seen, prepared.settings.decimation, alone)
-    forget_motions(prepared.measured)  # what follows needs them at few samples
-    candidate_columns(prepared, plain)
+    for seen, measured in zip(prepared.signals, prepared.measured, strict=True):
+        fitted = measured.recording.use == "identify"
+        effect_rows(seen, prepared.settings.decimation, plain if fitted else alone)
+        forget_motions((measured,))
     proposals = []
     for name, found in every.items():
         progress.advance()
@@ -80,7 +80,7 @@ def propose(start: Context, catalogue: Mapping[str, Effect], progress: Progress 
             proposals.append(Proposal(name, tuple(found), True, _taken_up_by(start, found[0])))
             continue
         proposals.append(Proposal(name, shaped(start, visible), False, ""))
-    forget_motions(prepared.measured)
+        forget_motions(prepared.measured)  # few effects need them
     return proposals
 
 

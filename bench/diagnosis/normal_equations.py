@@ -148,6 +148,8 @@ def build_system(
             prepared, observation, _added(signals, nearly, prepared.settings.decimation, every, exact), start
         )
         blocks[observation.use].append(rows)
+        for seen in (signals, nearly):
+            seen.forget()
         forget_motions((measured,))
     size = prepared.layout.size
     added = sum(len(instance.effect.parameters) for instance in every)

@@ -20,6 +20,7 @@ from bench.identification.nonlinear import converged, present_model
 from bench.identification.perturbations import Nearby
 from bench.identification.prepare import Prepared, seen_nearby, with_effects
 from bench.identification.result import relative_error
+from bench.identification.solution import Solution
 from bench.identification.solve_only import solved_quickly
 from bench.identification.summary import modelled_series
 
@@ -292,15 +293,19 @@ def judged(origin: Origin, model: Prepared, proposals: Sequence[Proposal], barre
 def system_about(origin: Origin, model: Prepared, proposals: Sequence[Proposal]) -> System:
     """The starting model's equations with every proposal's columns, linearised about `model`."""
     start = origin.start
-    _, solution = solved_quickly(model)
     about = with_effects(model, start.effects)
-    stack, own = solved_quickly(about)
-    own = restarted(stack, replace(own, weights=solution.weights), start.dataset.robot.nominal_gains)
+    own = _own_solution(start, about, solved_quickly(model)[1].weights)
     exact = model.effects[len(start.effects) :]
     listed = [() if proposal.absorbed else proposal.instances for proposal in proposals]
     near = origin.nearby.signals(model.present, model.signals)
     system = build_system(about, near, listed, exact, own)
     return replace(system, priors=tuple(proposal.prior for proposal in proposals))
+
+
+def _own_solution(start: Prepared, about: Prepared, weights: np.ndarray) -> Solution:
+    """Of the starting model, linearised as `about` is, with other weights (n,)."""
+    stack, own = solved_quickly(about)
+    return restarted(stack, replace(own, weights=weights), start.dataset.robot.nominal_gains)
 
 
 def _search(system: System, proposals: Sequence[Proposal], barred: Collection[str]) -> Found:

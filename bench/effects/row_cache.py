@@ -18,6 +18,11 @@ class KeptRows:
         self._bytes = 0
         self._most = most_bytes
 
+    @property
+    def nbytes(self) -> int:
+        """What is kept takes so much."""
+        return self._bytes
+
     def get(self, key: Hashable) -> np.ndarray | None:
         """The array kept for this key, not to be changed; None where there is none.
 
@@ -46,3 +51,8 @@ class KeptRows:
         self._bytes += values.nbytes
         while self._bytes > self._most:
             self._bytes -= self._parts.pop(next(iter(self._parts)))[2].nbytes
+
+    def forget(self) -> None:
+        """Keep none of them."""
+        self._parts.clear()
+        self._bytes = 0

@@ -175,6 +175,10 @@ class RobotSignals:
     noted: dict[Hashable, np.ndarray] = field(default_factory=dict, compare=False, repr=False)
     sparse: Sparse | None = None
 
+    def forget(self) -> None:
+        """Free what effects have noted, where their rows are known: it is computed again where it is asked for."""
+        self.noted.clear()
+
     @property
     def sparsely(self) -> "RobotSignals":
         """As effects see it whose columns are tried often: in a search, at few samples."""
@@ -239,9 +243,9 @@ class RobotSignals:
         return Coarse(
             time=self.time[step],
             interval=self.every / joint.rate,
-            position=self.position[step],
-            velocity=self.velocity[step],
-            acceleration=self.acceleration[step],
+            position=np.column_stack([joint.position[step] for joint in self.joints.values()]),
+            velocity=np.column_stack([joint.velocity[step] for joint in self.joints.values()]),
+            acceleration=np.column_stack([joint.acceleration[step] for joint in self.joints.values()]),
             torque=self.torque(every=self.every),
         )
 

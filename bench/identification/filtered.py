@@ -104,10 +104,15 @@ def _closed(
 
 
 def forget_motions(measured: Sequence[Measured]) -> None:
-    """Free what long motions of all joints take; where one is asked for again, it is worked out again."""
+    """Free what long motions of all joints take, and what follows from them and effects ask for once beside each model;
+    where it is asked for again, it is worked out again, the very same.
+    """
     for entry in measured:
         if isinstance(entry.tree, LongMotion):
             entry.tree.forget()
+            entry.held.clear()
+            for rows in (entry.perturbed, entry.reshaped, entry.borne):
+                rows.forget()
 
 
 def passive_rates(geometry: Geometry, tree: Motion) -> np.ndarray:

@@ -242,6 +242,12 @@ class NearbySignals(RobotSignals):
         """See `RobotSignals`: at the coarse samples."""
         return self if self.sparse is not None else self.nearby.sparsely(self)
 
+    def forget(self) -> None:
+        """As `RobotSignals.forget`, at the coarse samples too."""
+        super().forget()
+        if self.sparsely is not self:
+            self.sparsely.forget()
+
     def at_coarse_samples(self) -> RobotSignals:
         """The same at the coarse samples; itself where these are all, or few."""
         every, length = self.every, len(self.time)
