@@ -256,12 +256,15 @@ def loop_residual(geometry: Geometry, q: np.ndarray) -> np.ndarray:
     return dense(loop_rows(closures, frames_of(closures.links, q))[0], q.shape[1])
 
 
-def loop_jacobian(geometry: Geometry, q: np.ndarray) -> np.ndarray:
-    """Derivative of the residual by the tree velocities at q (nq, N): (m, nv, N)."""
+def loop_jacobian(geometry: Geometry, q: np.ndarray, columns: np.ndarray | None = None) -> np.ndarray:
+    """Derivative of the residual by the tree velocities at q (nq, N): (m, nv, N); columns: by some of these alone."""
     closures = closures_of(geometry)
     rows = loop_rows(closures, frames_of(closures.links, q))[1]
-    jacobian = np.zeros((len(rows), closures.nv, q.shape[1]))
+    wanted = np.arange(closures.nv) if columns is None else columns
+    place = {int(index): k for k, index in enumerate(wanted)}
+    jacobian = np.zeros((len(rows), len(wanted), q.shape[1]))
     for i, row in enumerate(rows):
         for index, value in row.items():
-            jacobian[i, index] = value
+            if index in place:
+                jacobian[i, place[index]] = value
     return jacobian

@@ -111,7 +111,7 @@ def with_motors_held(geometry: Geometry, motion: Motion) -> HeldMotion:
     """The motion with what all of its bearings have in common."""
     if not geometry.closed:
         return HeldMotion(geometry, motion, None)
-    own = _closures(geometry, motion.q)[:, :, geometry.passive]
+    own = _closures(geometry, motion.q, geometry.passive)
     turned = own.transpose(0, 2, 1)
     # far from singular: such poses are refused
     return HeldMotion(geometry, motion, np.linalg.solve(turned @ own, turned))
@@ -125,7 +125,7 @@ def bearing_motion(bearing: Bearing, held: HeldMotion) -> Motion:
     more = np.zeros((len(q), geometry.nv, ACROSS))
     more[:, first + np.arange(ACROSS), np.arange(ACROSS)] = 1.0
     if held.inverse is not None:
-        opened = _closures(geometry, q)[:, :, first : first + ACROSS]
+        opened = _closures(geometry, q, first + np.arange(ACROSS))
         more[:, bearing.held] = -held.inverse @ opened
     return Motion(motion.time, q, v, a, more)
 
@@ -146,9 +146,9 @@ def _with_slides(bearing: Bearing, q: np.ndarray) -> np.ndarray:
     return np.insert(q, [bearing.geometry.joints[bearing.joint].q.start] * ACROSS, 0.0, axis=1)
 
 
-def _closures(geometry: Geometry, q: np.ndarray) -> np.ndarray:
-    """Derivative (N, m, nv) of the closures by the velocities at positions (N, nq)."""
-    return loop_jacobian(geometry, np.ascontiguousarray(q.T)).transpose(2, 0, 1)
+def _closures(geometry: Geometry, q: np.ndarray, columns: np.ndarray | None = None) -> np.ndarray:
+    """Derivative (N, m, k) of the closures by all or some of the velocities at positions (N, nq)."""
+    return loop_jacobian(geometry, np.ascontiguousarray(q.T), columns).transpose(2, 0, 1)
 
 
 def bearing_rows(bearing: Bearing, held: HeldMotion, columns: np.ndarray) -> np.ndarray:
