@@ -20,8 +20,8 @@ class Stack:
 
     Rows of a joint at standstill are zero and `moving` (M, n) is False there.
     phi (M, n, p) torque or force for each unit of theta; kappa (M, n) torque of the known payload
-    parameters; current (M, n); starts: the first row of every recording. factors (n, p + 2, p + 2): for every
-    motor the triangular factor of [phi, kappa, current], which has the same inner products. courses: the motion of
+    parameters; current (M, n); starts: the first row of every recording. factors (n, r, p + 2): for every
+    motor few rows that have the same inner products as its [phi, kappa, current]. courses: the motion of
     every recording, where it is known.
     """
 

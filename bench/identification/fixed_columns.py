@@ -1,12 +1,13 @@
 """The columns that all models of a dataset have, orthogonalised once: those of effects are compressed beside them."""
 
 from collections.abc import Hashable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from bench.dataset.payload import Payload
 from bench.identification.compressed import Stack, stack_observations
+from bench.identification.identifiability_of_effects import orthonormal
 from bench.identification.layout import ParameterLayout
 from bench.identification.observation import Observation
 
@@ -17,7 +18,8 @@ MOST_BYTES = 100_000_000  # of orthogonalised columns that are kept
 class FixedColumns:
     """The stack of a model without effects, and for every motor an orthonormal basis (n, M, r) of its columns.
 
-    triangles (n, r, p + 2): the columns [phi, kappa, current] in that basis. of: what they are made of.
+    triangles (n, r, p + 2): the columns [phi, kappa, current] in that basis. of: what they are made of. spans: see
+    `span`, by the columns.
     """
 
     stack: Stack
@@ -25,6 +27,16 @@ class FixedColumns:
     triangles: np.ndarray
     of: tuple[Hashable, ...]
     observations: tuple[Observation, ...]
+    spans: dict[bytes, np.ndarray] = field(default_factory=dict, repr=False)
+
+    def span(self, columns: np.ndarray, rows: int) -> np.ndarray:
+        """An orthonormal basis (n, rows, b) of some of the columns (k,) in factors of so many rows for each motor."""
+        known = self.spans.get(columns.tobytes())
+        if known is None:
+            n, r, _ = self.triangles.shape
+            known = orthonormal(self.triangles[:, :, columns].reshape(n * r, -1)).reshape(n, r, -1)
+            self.spans[columns.tobytes()] = known
+        return np.concatenate((known, np.zeros((len(known), rows - known.shape[1], known.shape[2]))), axis=1)
 
 
 def fixed_columns(
@@ -58,17 +70,18 @@ def fits(
 
 
 def stacked_beside(fixed: FixedColumns, observations: Sequence[Observation]) -> Stack:
-    """As `stack_observations`, of observations with other effects."""
+    """As `stack_observations`, of observations with other effects; factors have as many rows as a motor needs."""
     stack = fixed.stack
     effects = np.concatenate([observation.effects for observation in observations]) * stack.moving[:, :, None]
     n, p, e = stack.phi.shape[1], stack.phi.shape[2], effects.shape[2]
-    factors = np.zeros((n, p + 2 + e, p + e + 2))
+    shown = effects.any(axis=0)
+    factors = np.zeros((n, p + 2 + int(shown.sum(axis=1).max(initial=0)), p + e + 2))
     factors[:, : p + 2, :p], factors[:, : p + 2, p + e :] = (
         fixed.triangles[:, :, :p],
         fixed.triangles[:, :, p:],
     )
     for j, basis in enumerate(fixed.bases):
-        own = np.flatnonzero(effects[:, j].any(axis=0))
+        own = np.flatnonzero(shown[j])
         left = effects[:, j, own]
         for _ in range(2):  # the second time for what rounding left of the first
             within = basis.T @ left

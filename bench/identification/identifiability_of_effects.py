@@ -1,5 +1,7 @@
 """Columns of effects that the model's own parameters take up, so that no fit can tell them apart."""
 
+from collections.abc import Callable
+
 import numpy as np
 
 from bench.identification.compressed import Stack
@@ -10,20 +12,26 @@ DEPENDENT = 1e-7  # share of a column that the model must leave for it to count 
 NOTHING = 1e-9  # of the motors' torque: a smaller column is rounding
 
 
-def identifiable_columns(stack: Stack, layout: ParameterLayout, gains: NominalGains) -> np.ndarray:
+def identifiable_columns(
+    stack: Stack,
+    layout: ParameterLayout,
+    gains: NominalGains,
+    span: Callable[[np.ndarray], np.ndarray] | None = None,
+) -> np.ndarray:
     """Indices of the columns of phi without those of effects that depend on the columns before them.
 
     Those of redundant motors' gains are left out where gains are known. With unknown gains the torque of the known
     payload, which gives their scale, counts among the columns before: an effect that can imitate it, such as a wrong
-    mass of the only payload, would leave none.
+    mass of the only payload, would leave none. span: gives an orthonormal basis (n, r, b) of these columns (k,) of the
+    motors' factors where it is known.
     """
     p, first = layout.size, layout.size - layout.effects
     kept = list(range(first if gains.fitted else first - layout.redundant))
     if not layout.effects:
         return np.array(kept, dtype=int)
     rows = stack.factors.reshape(-1, p + 2)
-    own = np.append(kept, [p] if gains.fitted else [])
-    basis = _orthonormal(rows[:, own.astype(int)])
+    own = np.array([*kept, p] if gains.fitted else kept, dtype=int)
+    basis = orthonormal(rows[:, own]) if span is None else span(own).reshape(len(rows), -1)
     scale = np.linalg.norm(rows[:, :first], axis=0).max(initial=0.0)
     if _all_independent(rows[:, first:p], basis, NOTHING * scale):
         return np.array([*kept, *range(first, p)])
@@ -57,7 +65,7 @@ def _all_independent(columns: np.ndarray, basis: np.ndarray, nothing: float) -> 
     return len(triangle) == len(sizes) and bool(np.all(np.abs(triangle.diagonal()) > DEPENDENT))
 
 
-def _orthonormal(columns: np.ndarray) -> np.ndarray:
+def orthonormal(columns: np.ndarray) -> np.ndarray:
     """An orthonormal basis (R, r) of the span of columns (R, p)."""
     norms = np.linalg.norm(columns, axis=0)
     norms[norms == 0.0] = 1.0

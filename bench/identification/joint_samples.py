@@ -3,22 +3,24 @@
 import numpy as np
 
 from bench.effects import EffectInstance, JointSamples
-from bench.identification.partial_regression import PartialRegression
 from bench.identification.prepare import Prepared
 from bench.signals.decimation import decimated_indices
 
 
 def joint_samples(
-    prepared: Prepared, instance: EffectInstance, partial: PartialRegression
+    prepared: Prepared, instance: EffectInstance, lacks: np.ndarray
 ) -> tuple[JointSamples, ...]:
-    """What an effect at an actuated joint may look at when it looks for its shape; nothing for the others."""
+    """What an effect at an actuated joint may look at when it looks for its shape; nothing for the others.
+
+    lacks (M, n): torque that the model lacks at every motor, in the order of the stack.
+    """
     names = list(prepared.dataset.robot.joints)
     if instance.joint in prepared.signals[0].redundant:
-        return _at_redundant(prepared, instance.joint, partial)
+        return _at_redundant(prepared, instance.joint, lacks)
     if instance.joint not in names:
         return ()
     j = names.index(instance.joint)
-    error = -partial.remainder[:, j] / partial.weights[j]
+    error = lacks[:, j]
     travel = np.ptp(np.concatenate([observation.position[:, j] for observation in prepared.fitted]))
     found, start = [], 0
     for observation in prepared.fitted:
@@ -40,7 +42,7 @@ def joint_samples(
     return tuple(found)
 
 
-def _at_redundant(prepared: Prepared, joint: str, partial: PartialRegression) -> tuple[JointSamples, ...]:
+def _at_redundant(prepared: Prepared, joint: str, lacks: np.ndarray) -> tuple[JointSamples, ...]:
     """The same at a redundant motor; its error is the torque there that comes nearest to the others' errors."""
     index = prepared.model.geometry.redundant[list(prepared.signals[0].redundant).index(joint)]
     found, start = [], 0
@@ -53,7 +55,7 @@ def _at_redundant(prepared: Prepared, joint: str, partial: PartialRegression) ->
         at = decimated_indices(len(own.time), prepared.settings.decimation)
         signals, follow = seen.redundant[joint], seen.tree.jacobian[at, index]
         rows = slice(start, start + len(at))
-        error = -partial.remainder[rows] / partial.weights * observation.moving
+        error = lacks[rows] * observation.moving
         power = (follow**2).sum(axis=1)
         found.append(
             JointSamples(

@@ -8,13 +8,13 @@ import numpy as np
 from bench.effects import Bracket, EffectInstance
 from bench.identification.compressed import Stack, compress
 from bench.identification.essential_parameters import with_zeros
-from bench.identification.identifiability_of_effects import identifiable_columns
 from bench.identification.joint_samples import joint_samples
-from bench.identification.partial_regression import PartialRegression, partial_regression
+from bench.identification.partial_regression import torque_errors
 from bench.identification.prepare import Prepared, with_effects
 from bench.identification.solution import Solution
 from bench.identification.solve_only import (
     candidate_columns,
+    identifiable,
     linearised,
     reshaped,
     solved_quickly,
@@ -39,13 +39,13 @@ def stepped(prepared: Prepared) -> tuple[Prepared, Stack, Solution] | None:
     bent, about = _bends(prepared, stack.current.shape, every=False)
     if not shapes and not about.any():
         return None
-    kept = identifiable_columns(stack, prepared.layout, prepared.gains)
+    kept = identifiable(prepared, stack)
     linear = prepared.layout.size - prepared.layout.effects
     whole = np.concatenate((np.zeros((*bent.shape[:2], linear)), bent), axis=2)
     system = _linearised(stack, whole, np.append(np.zeros(linear), about), columns)
     added = np.arange(len(shapes)) + prepared.layout.size
-    left = partial_regression(stack, solution)
-    reaches = [_reach(prepared, left, i, name) for i, name in shapes]
+    lacks = torque_errors(stack, solution)
+    reaches = [_reach(prepared, lacks, i, name) for i, name in shapes]
     free = added
     while True:  # the others stay where they are searched no further
         theta = solved_with(system, np.append(kept, free), prepared.gains, solution.gains).theta
@@ -93,12 +93,15 @@ def _leaves(prepared: Prepared, i: int, name: str, low: float, high: float, step
     return (step < 0.0 and value <= low) or (step > 0.0 and value >= high)
 
 
-def _reach(prepared: Prepared, left: PartialRegression, i: int, name: str) -> tuple[float, float]:
-    """Between which values a shape parameter may lie: where it is searched, and near its present value."""
+def _reach(prepared: Prepared, lacks: np.ndarray, i: int, name: str) -> tuple[float, float]:
+    """Between which values a shape parameter may lie: where it is searched, and near its present value.
+
+    lacks (M, n): torque that the model lacks.
+    """
     instance = prepared.effects[i]
     parameter = next(shape for shape in instance.effect.shape if shape.name == name)
     value = instance.effect.shape_values()[name]
-    brackets = instance.effect.beside(parameter, joint_samples(prepared, instance, left))
+    brackets = instance.effect.beside(parameter, joint_samples(prepared, instance, lacks))
     return within_reach(value, brackets)
 
 

@@ -76,6 +76,11 @@ class PartialRegression:
         return self.products(columns).explained()
 
     @property
+    def lacks(self) -> np.ndarray:
+        """Torque (M, n) that the model lacks, N*m or N."""
+        return np.asarray(-self.remainder / self.weights)
+
+    @property
     def sum_of_squares(self) -> float:
         """What is left of the right side, weighted."""
         return float((self.remainder**2).sum())
@@ -94,7 +99,7 @@ def partial_regression(stack: Stack, solution: Solution) -> PartialRegression:
     own = 1.0 / np.maximum(rms, 1e-12 * rms.max() + np.finfo(float).tiny)
     weights = own / solution.gains
     size = p + (n if solution.gains_fitted else 0)
-    columns, factors = np.zeros((n, samples, size)), np.zeros((n, p + 2, size))
+    columns, factors = np.zeros((n, samples, size)), np.zeros((n, stack.factors.shape[1], size))
     of_gain = np.append(solution.theta, [1.0, 0.0]) / solution.gains[:, None]
     for j in range(n):
         columns[j, :, :p] = stack.phi[:, j] * weights[j]
@@ -108,6 +113,12 @@ def partial_regression(stack: Stack, solution: Solution) -> PartialRegression:
         explained = basis @ (basis.T @ sum(column.T @ target[:, j] for j, column in enumerate(columns)))
         target = target - np.stack([column @ explained for column in columns], axis=1)
     return PartialRegression(columns, basis, target, weights, stack.moving)
+
+
+def torque_errors(stack: Stack, solution: Solution) -> np.ndarray:
+    """Torque (M, n) that a solved system lacks, N*m or N; zero where a joint stands still."""
+    lacks = stack.current * solution.gains - stack.phi @ solution.theta - stack.kappa
+    return np.asarray(lacks * stack.moving)
 
 
 def _orthonormal(factor: np.ndarray) -> np.ndarray:

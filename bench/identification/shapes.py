@@ -23,7 +23,7 @@ def best_shape(prepared: Prepared, instance: EffectInstance, partial: PartialReg
 
     Every combination of discrete values is tried, and with each the other parameters, one after the other.
     """
-    samples = joint_samples(prepared, instance, partial)
+    samples = joint_samples(prepared, instance, partial.lacks)
     shape = instance.effect.shape
     free = [parameter for parameter in shape if not parameter.discrete]
     if not free:

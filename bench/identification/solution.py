@@ -47,17 +47,17 @@ class Solution:
 
 
 def torque_system(factors: np.ndarray, gains: np.ndarray | None) -> tuple[np.ndarray, np.ndarray]:
-    """Rows A and right side b of A x = b in torque, from compressed factors (n, p + 2, p + 2).
+    """Rows A and right side b of A x = b in torque, from compressed factors (n, r, p + 2).
 
     With gains (n,): x = theta, b = diag(v) g - kappa. With None: x = [theta, g], b = kappa
     (equation 12, the gains among the unknowns).
     """
-    n, size, _ = factors.shape
+    n, r, size = factors.shape
     p = size - 2
     phi, kappa, current = factors[:, :, :p], factors[:, :, p], factors[:, :, p + 1]
     if gains is not None:
         return phi.reshape(-1, p), (current * gains[:, None] - kappa).reshape(-1)
-    rows = np.zeros((n, size, p + n))
+    rows = np.zeros((n, r, p + n))
     rows[:, :, :p] = -phi
     rows[np.arange(n), :, p + np.arange(n)] = current
     return rows.reshape(-1, p + n), kappa.reshape(-1)

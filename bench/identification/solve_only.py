@@ -9,7 +9,7 @@ from bench.effects import EffectInstance
 from bench.identification.compressed import Stack, stack_observations
 from bench.identification.effect_rows import effect_rows
 from bench.identification.essential_parameters import reduced, with_zeros
-from bench.identification.fixed_columns import fits, fixed_columns, stacked_beside
+from bench.identification.fixed_columns import FixedColumns, fits, fixed_columns, stacked_beside
 from bench.identification.identifiability_of_effects import identifiable_columns
 from bench.identification.prepare import Prepared
 from bench.identification.solution import NominalGains, Solution
@@ -21,8 +21,21 @@ FIXED = "fixed columns"
 def solved_quickly(prepared: Prepared) -> tuple[Stack, Solution]:
     """The current-domain solution of prepared equations, without deviations; zero for what is absorbed."""
     stack = _stacked(prepared)
-    kept = identifiable_columns(stack, prepared.layout, prepared.gains)
+    kept = identifiable(prepared, stack)
     return stack, solved_with(stack, kept, prepared.gains, prepared.present.gains)
+
+
+def identifiable(prepared: Prepared, stack: Stack) -> np.ndarray:
+    """See `identifiable_columns`; stack: the model's equations, from `solved_quickly`."""
+    layout, fixed = prepared.layout, prepared.kept.get(FIXED)
+    if fixed is None or not layout.effects:
+        return identifiable_columns(stack, layout, prepared.gains)
+
+    def span(columns: np.ndarray, fixed: FixedColumns = fixed) -> np.ndarray:
+        own = np.where(columns < layout.size, columns, columns - layout.effects)
+        return fixed.span(own, stack.factors.shape[1])
+
+    return identifiable_columns(stack, layout, prepared.gains, span)
 
 
 def _stacked(prepared: Prepared) -> Stack:

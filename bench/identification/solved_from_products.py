@@ -101,22 +101,29 @@ def _weighted(about: Centred, lengths: np.ndarray, *, fit_gains: bool) -> tuple[
     lengths (n,): of the currents.
     """
     start, b, n = about.gains, about.basis.shape[1], len(about.gains)
-    columns, current = np.zeros((n, b + 2, b + (n if fit_gains else 0))), np.zeros((n, b + 2))
-    columns[:, :b, :b] = np.eye(b)
-    current[:, b], current[:, b + 1] = 1.0 / start, 1.0  # every motor's, of [columns, torque, error]
-    right = np.zeros((n, b + 2))
-    right[:, b + 1] = start
-    if fit_gains:
-        columns[np.arange(n), :, b + np.arange(n)] = -current
-    normal = columns.swapaxes(1, 2) @ about.inner @ columns
-    towards = (columns.swapaxes(1, 2) @ (about.inner @ right[:, :, None]))[:, :, 0]
-    weights = np.ones(n)
+    motors = b + np.arange(n) if fit_gains else np.arange(0)
+    current = np.zeros((n, b + 2))  # every motor's, of [columns, torque, error]
+    current[:, b], current[:, b + 1] = 1.0 / start, 1.0
+    by_current = (about.inner @ current[:, :, None])[:, :, 0]
+    own = (current * by_current).sum(axis=1)
+    towards = about.inner[:, :b, b + 1] * start[:, None]
+    weights, found = np.ones(n), np.zeros(b + len(motors))
+    normal, right = np.zeros((len(found), len(found))), np.zeros(len(found))
     for left in range(REWEIGHTINGS, -1, -1):
         squares = weights**2
-        found = least(np.tensordot(squares, normal, axes=1), squares @ towards)
+        normal[:b, :b] = np.tensordot(squares, about.inner[:, :b, :b], axes=1)
+        right[:b] = squares @ towards
+        if fit_gains:
+            normal[motors, :b] = -squares[:, None] * by_current[:, :b]
+            normal[:b, motors] = normal[motors, :b].T
+            normal[motors, motors] = squares * own
+            right[motors] = -squares * start * by_current[:, b + 1]
+        found = least(normal, right)
         gains = start + found[b:] if fit_gains else start
         if left:
-            errors = right - columns @ found
+            errors = current * (gains - start)[:, None]
+            errors[:, :b] -= found[:b]
+            errors[:, b + 1] += start
             size = lengths * np.abs(gains)
             weights = 1.0 / np.maximum(np.sqrt(squares_of(about.inner, errors)), FLOOR * size.max() + TINY)
     return found[:b], gains
