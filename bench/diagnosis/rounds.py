@@ -1,7 +1,7 @@
 """Rounds of a search: about the model that the last one found, until the same is found."""
 
-from collections.abc import Collection, Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Collection, Hashable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
@@ -16,6 +16,7 @@ from bench.diagnosis.restart import restarted
 from bench.diagnosis.revealed import beside, partners
 from bench.diagnosis.search import NEEDED, Found, neighbours, score, search
 from bench.effects import Effect, EffectInstance, changes_torque
+from bench.identification.effect_columns import PresentModel
 from bench.identification.nonlinear import converged, present_model
 from bench.identification.perturbations import Nearby
 from bench.identification.prepare import Prepared, seen_nearby, with_effects
@@ -30,10 +31,16 @@ MOST_ALIKE = 2  # sets like the present one that are converged where a search's 
 
 @dataclass(frozen=True)
 class Origin:
-    """What a search starts from: the model at its own solution, and what is worked out once for all beside it."""
+    """What a search starts from: the model at its own solution, and what is worked out once for all beside it.
+
+    known: effects beside it that were converged before, by what they began as, and the model that they belong to.
+    """
 
     start: Prepared
     nearby: Nearby
+    known: dict[Hashable, tuple[tuple[EffectInstance, ...], PresentModel]] = field(
+        default_factory=dict, compare=False, repr=False
+    )
 
     @cached_property
     def noise(self) -> np.ndarray | None:
@@ -46,11 +53,13 @@ class Origin:
 
     def with_proposals(self, proposals: Sequence[Proposal], chosen: Sequence[int]) -> Prepared:
         """The starting model with some of the proposals, converged."""
-        return self.with_instances([instance for i in chosen for instance in proposals[i].instances])
+        return self.with_instances(_instances(proposals, chosen))
 
     def nearly(self, proposals: Sequence[Proposal], chosen: Sequence[int]) -> Prepared:
         """The same as it is known nearby, for a first look."""
-        return at_its_solution(self._settled_nearby(_instances(proposals, chosen)))
+        instances = _instances(proposals, chosen)
+        found = self._found_before(instances)
+        return at_its_solution(self._settled_nearby(instances)) if found is None else found
 
     def in_search(self, system: System, proposals: Sequence[Proposal], chosen: Sequence[int]) -> Prepared:
         """The same as a search goes by it: as it is known nearby, if that is less work and all that a model can be
@@ -73,7 +82,17 @@ class Origin:
         """The starting model with these effects, converged; first as it is known nearby, if that is less work."""
         if _less_nearby(instances):
             return self.exactly(self._settled_nearby(instances))
-        return at_its_solution(converged(with_effects(self.start, (*self.start.effects, *instances))))
+        found = self._found_before(instances)
+        if found is None:
+            found = converged(with_effects(self.start, (*self.start.effects, *instances)))
+            if found.converged and _hashable(found.effects):
+                self.known[tuple(instances)] = found.effects, found.present
+        return at_its_solution(found)
+
+    def _found_before(self, instances: Sequence[EffectInstance]) -> Prepared | None:
+        """The starting model with these effects, if they were converged from the same beginning before."""
+        found = self.known.get(tuple(instances)) if _hashable(instances) else None
+        return None if found is None else replace(with_effects(self.start, *found), converged=True)
 
     def again_nearby(self, model: Prepared) -> Prepared:
         """A model that is converged as it is, converged as it is known nearby, if that is less work."""
@@ -97,7 +116,12 @@ class Origin:
 
 
 def _instances(proposals: Sequence[Proposal], chosen: Sequence[int]) -> list[EffectInstance]:
-    return [instance for i in chosen for instance in proposals[i].instances]
+    return [instance for i in sorted(chosen) for instance in proposals[i].instances]
+
+
+def _hashable(instances: Sequence[EffectInstance]) -> bool:
+    """Whether effects can be keys: a user's class need not be hashable."""
+    return all(type(instance.effect).__hash__ is not None for instance in instances)
 
 
 def _less_nearby(instances: Sequence[EffectInstance]) -> bool:

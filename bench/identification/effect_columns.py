@@ -8,7 +8,8 @@ import numpy as np
 
 from bench.basics.errors import BenchError
 from bench.dataset.payload import Payload
-from bench.effects import EffectInstance, JointSignals, RobotSignals, effect_columns
+from bench.effects import EffectInstance, JointSignals, RobotSignals
+from bench.effects.checked_columns import columns_at_motors
 from bench.effects.signals import UNCHANGED, AskedWithinError, Changed
 from bench.identification.borne import borne_by
 from bench.identification.expansion import made_of
@@ -138,7 +139,7 @@ def needed_torque(seen: Callable[[], RobotSignals], present: PresentModel) -> Ca
     def needed() -> np.ndarray:
         nonlocal adding
         signals = seen()
-        total = signals.refined(signals.coarse.torque)
+        total = np.array(signals.refined(signals.coarse.torque))  # which is what others ask for, too
         adding = True
         try:
             for instance, values in present.effects:
@@ -146,12 +147,13 @@ def needed_torque(seen: Callable[[], RobotSignals], present: PresentModel) -> Ca
                     continue
                 try:
                     parts = [
-                        (share, effect_columns(part, signals)) for part, share in made_of(signals, instance)
+                        (share, *columns_at_motors(part, signals))
+                        for part, share in made_of(signals, instance)
                     ]
                 except AskedWithinError:  # it is made of this very torque
                     continue
-                for share, columns in parts:
-                    total = total + columns @ (share * values)
+                for share, columns, motors in parts:
+                    total[:, motors] += columns @ (share * values)
         finally:
             adding = False
         return total
@@ -195,7 +197,7 @@ def torques_in_joints(
 def combined_torque(rows: np.ndarray, parameters: np.ndarray, beside: np.ndarray | None) -> np.ndarray:
     """Torque (K, n) of rows (K, n, p + r) by parameters (p,); the last by torques (K, r) of redundant motors."""
     if beside is None:
-        return np.asarray(rows @ parameters)
+        return np.einsum("knp,p->kn", rows, parameters)
     own, extra = np.split(rows, [len(parameters)], axis=2)
     return np.asarray(own @ parameters + np.einsum("knr,kr->kn", extra, beside))
 
