@@ -51,7 +51,7 @@ def test_what_wants_past_the_end_of_its_range_stays_there_and_the_rest_moves(
 ) -> None:
     model, low = lowest
     before = spread(*solved_quickly(model))
-    found = stepped(model)
+    found = stepped(model, *solved_quickly(model))
     assert found is not None
     moved, *solved = found
     assert np.mean((spread(*solved) / before) ** 2) < 1.0
@@ -63,6 +63,6 @@ def test_what_wants_past_the_end_of_its_range_stays_there_and_the_rest_moves(
 def test_steps_end_where_nothing_is_left_that_may_move(lowest: tuple[Prepared, float]) -> None:
     model, _ = lowest
     alone = with_effects(model, model.effects[1:])
-    found = stepped(alone)
+    found = stepped(alone, *solved_quickly(alone))
     assert found is not None
     assert found[0].effects == alone.effects

@@ -41,16 +41,16 @@ from bench.diagnosis.unexplained import unexplained
 from bench.diagnosis.verdicts import judged_error, verdicts
 from bench.effects import EffectInstance
 from bench.identification.findings import with_other_values
-from bench.identification.identify import fit
+from bench.identification.identify import fit, fitted_currents
 from bench.identification.impossible_payload import with_possible_payloads
 from bench.identification.noise_let_through import with_noise_heard
 from bench.identification.nonlinear import converged
 from bench.identification.prepare import Prepared, prepare
 from bench.identification.problem import Problem
-from bench.identification.result import Identification, relative_error
+from bench.identification.result import CurrentSeries, Identification, relative_error
 from bench.identification.widened import gains_widened
 
-Fits = Callable[[frozenset[str]], Identification]
+Fits = Callable[[frozenset[str]], LadderStep]
 
 NONE_BARRED: Mapping[str, Reason] = {}
 OWN_VALUES_TRIED = 3  # sets of values for each recording beside which effects are searched
@@ -192,7 +192,10 @@ def search_from(
             ladder = _ladder(names, fits)
             out = superfluous_effect(ladder)
             if each:
-                ladder = (_step((), case.before), *(replace(s, effects=(*each, *s.effects)) for s in ladder))
+                ladder = (
+                    _step((), case.before.recordings),
+                    *(replace(s, effects=(*each, *s.effects)) for s in ladder),
+                )
         if not out:
             return SearchResult(origin, last, model, after, new, names, fits, ladder, superfluous, known)
         known |= out
@@ -331,40 +334,45 @@ def _fits(
     before: Identification,
     after: Identification,
 ) -> Fits:
-    """What is kept of the starting model with some of the new effects, by name, each such set fitted once; `before`
-    without any.
+    """What is kept of the starting model with some of the new effects, by name, each set fitted once; before, after:
+    without any, and with all.
     """
 
     @cache
-    def fitted(names: frozenset[str]) -> Identification:
+    def fitted(names: frozenset[str]) -> LadderStep:
         if not names:
-            return before
+            return _step((), before.recordings)
         chosen = [instance for instance in new if instance.effect.name in names]
         if len(chosen) == len(new):
-            return after
-        return fit(origin.with_instances([*kept, *chosen]))
+            return _step(tuple(names), after.recordings)
+        return _step(tuple(names), fitted_currents(origin.with_instances([*kept, *chosen])))
 
     return fitted
 
 
 def _errors_without(names: Sequence[str], fits: Fits) -> dict[str, float]:
     """Relative error on recordings that were not fitted, by effect, of the found model without it, fitted anew."""
-    return {name: fits(frozenset(names) - {name}).error.validate or 0.0 for name in names}
+    return {name: fits(frozenset(names) - {name}).validate or 0.0 for name in names}
 
 
 def _ladder(names: Sequence[str], fits: Fits) -> tuple[LadderStep, ...]:
     """Errors after each added effect, the one that helps most first."""
-    steps = [_step((), fits(frozenset()))]
+    steps = [fits(frozenset())]
     left = list(names)
     taken: list[str] = []
     while left:
-        tried = [(fits(frozenset((*taken, name))), name) for name in left]
-        result, name = min(tried, key=lambda pair: pair[0].error.validate or pair[0].error.identify or 0.0)
-        taken.append(name)
-        left.remove(name)
-        steps.append(_step(tuple(taken), result))
+        tried = [replace(fits(frozenset((*taken, name))), effects=(*taken, name)) for name in left]
+        best = min(tried, key=lambda step: step.validate or step.identify or 0.0)
+        taken.append(best.effects[-1])
+        left.remove(best.effects[-1])
+        steps.append(best)
     return tuple(steps)
 
 
-def _step(effects: tuple[str, ...], result: Identification) -> LadderStep:
-    return LadderStep(effects, result.error.identify, result.error.validate, result.recordings)
+def _step(effects: tuple[str, ...], fitted: Sequence[CurrentSeries]) -> LadderStep:
+    return LadderStep(effects, _error(fitted, "identify"), _error(fitted, "validate"), tuple(fitted))
+
+
+def _error(fitted: Sequence[CurrentSeries], use: str) -> float | None:
+    """Relative error on the recordings of this use; None without any."""
+    return relative_error([trace for trace in fitted if trace.use == use])

@@ -1,18 +1,19 @@
 """From a dataset to drive gains, base parameters and effect parameters."""
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from bench.basics.errors import BenchError
 from bench.basics.threads import on_one_thread
 from bench.dataset.recording import Recording
+from bench.effects import EffectInstance
 from bench.identification.bad_stretches import bad_stretches
 from bench.identification.bounds import columns_of, within_bounds
 from bench.identification.closed_loop import commanded_currents
 from bench.identification.column_errors import column_errors
 from bench.identification.compressed import Stack, stack_observations
-from bench.identification.essential_parameters import essential_columns, expanded, reduced
+from bench.identification.essential_parameters import essential_columns, expanded, reduced, with_zeros
 from bench.identification.estimators import DEFAULT_METHOD, Request, solve
 from bench.identification.filtered import measure
 from bench.identification.identifiability_of_effects import identifiable_columns
@@ -20,11 +21,11 @@ from bench.identification.impossible_payload import with_possible_payloads
 from bench.identification.newton import with_shape_columns
 from bench.identification.noise_let_through import with_noise_heard
 from bench.identification.prepare import Prepared
-from bench.identification.result import Identification
+from bench.identification.result import CurrentSeries, Identification
 from bench.identification.simulated import columns_at, simulated_columns
 from bench.identification.solution import Solution
 from bench.identification.standard_errors import Deviations, uncertainty
-from bench.identification.summary import summarise
+from bench.identification.summary import modelled_series, summarise
 
 
 def identify(
@@ -56,6 +57,43 @@ def fit(
     essential: bool = False,
 ) -> Identification:
     """Estimate from prepared equations; see `identify`."""
+    found = _solved(prepared, method, deviations, essential=essential)
+    prepared, solution, kept = found.prepared, found.solution, found.kept
+    shaped, extended = with_shape_columns(prepared, found.stack, solution, kept)
+    spread = uncertainty(shaped, extended, deviations)
+    solution, spread = expanded(solution, spread, kept, prepared.layout.size)
+    result = summarise(prepared, method, solution, spread, deviations, kept, found.outside)
+    if solution.counted is None:
+        return result
+    bad = bad_stretches(prepared.fitted, solution.counted, prepared.dataset.robot.joints)
+    return replace(result, findings=(*result.findings, *bad))
+
+
+@on_one_thread
+def fitted_currents(prepared: Prepared) -> tuple[CurrentSeries, ...]:
+    """Measured and modelled currents of every recording as `fit` has them, without the rest of its answer."""
+    found = _solved(prepared, DEFAULT_METHOD, "autocorrelated", essential=False)
+    theta = with_zeros(found.solution.theta, found.kept, found.prepared.layout.size)
+    solution = replace(found.solution, theta=theta)
+    return tuple(modelled_series(found.prepared, seen, solution) for seen in found.prepared.observations)
+
+
+@dataclass(frozen=True)
+class _Solved:
+    """A model within its bounds, its equations with the columns that are kept (k,), and what solves them.
+
+    outside: effects that the data ask to be beyond their bounds.
+    """
+
+    prepared: Prepared
+    stack: Stack
+    solution: Solution
+    kept: np.ndarray
+    outside: tuple[EffectInstance, ...]
+
+
+def _solved(prepared: Prepared, method: str, deviations: Deviations, *, essential: bool) -> _Solved:
+    """See `identify`."""
     prepared, outside = within_bounds(prepared)
     gains = prepared.gains
     dataset, layout = prepared.dataset, prepared.layout
@@ -88,15 +126,7 @@ def fit(
             stack, layout.base, lambda system, columns: solved(system, kept[columns]), deviations
         )
         stack, kept = reduced(stack, needed), kept[needed]
-    solution = solved(stack, kept)
-    shaped, extended = with_shape_columns(prepared, stack, solution, kept)
-    spread = uncertainty(shaped, extended, deviations)
-    solution, spread = expanded(solution, spread, kept, layout.size)
-    result = summarise(prepared, method, solution, spread, deviations, kept, outside)
-    if solution.counted is None:
-        return result
-    bad = bad_stretches(prepared.fitted, solution.counted, dataset.robot.joints)
-    return replace(result, findings=(*result.findings, *bad))
+    return _Solved(prepared, stack, solved(stack, kept), kept, outside)
 
 
 def _column_errors(prepared: Prepared) -> np.ndarray:

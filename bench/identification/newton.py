@@ -29,12 +29,12 @@ SHARES = (1.0, 0.3, 0.1)  # of a step that are tried, until one makes the errors
 SHAPE_STEP = 1e-3  # relative, for the derivative by a shape parameter
 
 
-def stepped(prepared: Prepared) -> tuple[Prepared, Stack, Solution] | None:
+def stepped(prepared: Prepared, stack: Stack, solution: Solution) -> tuple[Prepared, Stack, Solution] | None:
     """All that is not linear moved by a step of Gauss and Newton, with all linear unknowns, and solved.
 
-    None where there is nothing to move, or the errors become larger even by a small share of the step.
+    stack, solution: of the model as it is, from `solved_quickly`. None where there is nothing to move, or the errors
+    become larger even by a small share of the step.
     """
-    stack, solution = solved_quickly(prepared)
     shapes, columns = _shape_derivatives(prepared, solution.theta, stack.current.shape)
     bent, about = _bends(prepared, stack.current.shape, every=False)
     if not shapes and not about.any():

@@ -71,10 +71,11 @@ def converged(prepared: Prepared, *, nearly: bool = False) -> Prepared:
     last = instances
     for _ in range(MOST_ROUNDS):
         prepared = with_effects(prepared, instances, present, fitted_only=True)
-        together = None if before is None else stepped(prepared)
+        solved = None if before is None else solved_quickly(prepared)
+        together = None if solved is None else stepped(prepared, *solved)
         if together is None:
-            prepared = _shaped(prepared)
-            stack, solution = solved_quickly(prepared)
+            unshaped, prepared = prepared, _shaped(prepared)
+            stack, solution = solved if solved and prepared is unshaped else solved_quickly(prepared)
         else:
             prepared, stack, solution = together
         instances = prepared.effects

@@ -6,8 +6,8 @@ from dataclasses import replace
 from bench.diagnosis.catalogue_search import SearchResult
 from bench.diagnosis.discovery.laws import Law
 from bench.diagnosis.reason import Doubt, Reason
-from bench.diagnosis.result import EffectVerdict
-from bench.identification.result import Identification
+from bench.diagnosis.result import EffectVerdict, LadderStep
+from bench.identification.result import ErrorSummary
 
 INEXACT = 0.1  # of what a law explains: as much may be wrong with its form
 
@@ -44,10 +44,10 @@ def _small(finding: SearchResult, effect: str, laws: Collection[str]) -> bool:
     return own < INEXACT**2 * by_laws
 
 
-def _taken_away(finding: SearchResult, without: Identification) -> float:
+def _taken_away(finding: SearchResult, without: LadderStep) -> float:
     """By how much the squared error of a model exceeds that of what was found."""
-    return _error(without) ** 2 - _error(finding.after) ** 2
+    return _error(without) ** 2 - _error(finding.after.error) ** 2
 
 
-def _error(result: Identification) -> float:
-    return float(result.error.validate or result.error.identify or 0.0)
+def _error(found: LadderStep | ErrorSummary) -> float:
+    return float(found.validate or found.identify or 0.0)

@@ -269,7 +269,7 @@ def _discovered(finding: SearchResult, law: Law, i: int) -> Discovered:
         for k, formula in enumerate(term.formulas(place))
     ]
     error = finding.after.error
-    without = finding.fits(frozenset(finding.names) - {law.name}).error
+    without = finding.fits(frozenset(finding.names) - {law.name})
     single = {name_of(term) for term in law.terms}
     return Discovered(
         place=place.name,
