@@ -14,7 +14,8 @@ from bench.diagnosis.noise import leaves_only_noise, noise_squares
 from bench.diagnosis.normal_equations import System, build_system, solve_set
 from bench.diagnosis.restart import restarted
 from bench.diagnosis.revealed import beside, partners
-from bench.diagnosis.search import NEEDED, Found, neighbours, score, search
+from bench.diagnosis.search import NEEDED, Found, contains, neighbours, score, search
+from bench.diagnosis.special_case import explaining_most, explains, with_shapes_of
 from bench.effects import Effect, EffectInstance, changes_torque
 from bench.identification.effect_columns import PresentModel
 from bench.identification.nonlinear import converged, present_model
@@ -347,7 +348,8 @@ def reshaped(origin: Origin, here: Round, progress: Progress) -> list[Proposal]:
     """Proposals in the shape that suits the found set: as found, or in the place of the effect that they rival.
 
     An effect that could stand for a found one is given the shape that it would have without that one; the
-    others the shape that explains most of what the found set leaves, if that is more than noise.
+    others the shape that explains most of what the found set leaves, if that is more than noise. A special case of a
+    found effect that explains little of this is given its shape in the place of that one.
     """
     model, own = here.model, len(origin.start.effects)
     added = model.effects[own:]
@@ -368,15 +370,28 @@ def reshaped(origin: Origin, here: Round, progress: Progress) -> list[Proposal]:
             result.append(proposal)
             continue
         rival = _rival(here.system, here.found, i)
-        if rival is None and only_noise:
-            result.append(proposal)
-            continue
+        if rival is None:
+            instances = proposal.instances if only_noise else shaped(contexts[None], proposal.instances)
+            rival = _whole(here.system, here.found, i)
+            if rival is None or (not only_noise and explains(contexts[None], instances)):
+                result.append(replace(proposal, instances=instances))
+                continue
+        name = here.proposals[rival].name
         if rival not in contexts:
-            name = here.proposals[rival].name if rival is not None else ""
             others = [instance for instance in added if instance.effect.name != name]
             contexts[rival] = origin.context(with_effects(model, (*origin.start.effects, *others)))
-        result.append(replace(proposal, instances=shaped(contexts[rival], proposal.instances)))
+        instances = shaped(contexts[rival], proposal.instances)
+        if contains(here.system.candidates[rival], here.system.candidates[i]):
+            found = [instance for instance in added if instance.effect.name == name]
+            instances = explaining_most(contexts[rival], instances, with_shapes_of(found, instances))
+        result.append(replace(proposal, instances=instances))
     return result
+
+
+def _whole(system: System, found: Found, i: int) -> int | None:
+    """The found effect of which effect i is a special case."""
+    wholes = (k for k in found.best.fit.chosen if contains(system.candidates[k], system.candidates[i]))
+    return next(wholes, None)
 
 
 def _has_shape(proposal: Proposal) -> bool:
