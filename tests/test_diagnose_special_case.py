@@ -7,7 +7,8 @@ from bench.dataset.dataset import Dataset
 from bench.diagnosis import rounds
 from bench.diagnosis.candidates import Proposal
 from bench.diagnosis.catalogue_search import diagnose_with_catalogue
-from bench.diagnosis.rounds import judged, origin_of
+from bench.diagnosis.origin import origin_of
+from bench.diagnosis.rounds import judged
 from bench.diagnosis.special_case import with_shapes_of
 from bench.effects import CATALOGUE, EffectInstance
 from bench.identification.nonlinear import converged

@@ -177,8 +177,16 @@ def test_a_law_that_saves_no_unknown_stands_for_nothing() -> None:
         EffectInstance(CATALOGUE[name], "left", name)
         for name in ("coulomb_friction", "viscous_friction", "shear_thinning_friction")
     )
-    assert list(fewer([coulomb, viscous], 2)) == []
-    assert list(fewer([coulomb, viscous, shear], 2)) == [[], [coulomb], [viscous]]
+    assert list(fewer([coulomb, viscous], 2, CATALOGUE)) == []
+    assert list(fewer([coulomb, viscous, shear], 2, CATALOGUE)) == [[], [coulomb], [viscous]]
+
+
+def test_a_special_case_of_what_was_found_may_stay_beside_a_law() -> None:
+    """Coulomb friction beside a power of the velocity looks like these three."""
+    names = ("stribeck_friction", "asymmetric_viscous_friction", "quadratic_drag")
+    found = [EffectInstance(CATALOGUE[name], "left", f"{name}:left") for name in names]
+    tried = [[each.request for each in kept] for kept in fewer(found, 2, CATALOGUE)]
+    assert tried[:3] == [[], ["coulomb_friction:left"], ["viscous_friction:left"]]
 
 
 def test_where_it_is_not_wanted_nothing_is_discovered(braked: Dataset) -> None:

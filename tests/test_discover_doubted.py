@@ -7,7 +7,7 @@ import pytest
 
 from bench.diagnosis.discovery.doubted import doubted
 from bench.diagnosis.reason import Because, Doubt, Reason
-from bench.diagnosis.result import EffectVerdict
+from bench.diagnosis.result import EffectVerdict, Remainder, Unexplained
 
 
 def _fitted(error: float) -> Any:
@@ -15,16 +15,17 @@ def _fitted(error: float) -> Any:
 
 
 @pytest.mark.parametrize(
-    ("places", "without", "verdict"),
+    ("places", "without", "floor", "verdict"),
     [
-        (("left",), 0.0015, "resembles"),  # a twentieth of what the law explains
-        (("left",), 0.0200, "missing"),
-        (("right",), 0.0015, "missing"),  # where no law is, none can be inexact
-        (("left", "right"), 0.0015, "missing"),
+        (("left",), 0.0015, 0.001, "resembles"),  # a twentieth of what the law explains
+        (("left",), 0.0200, 0.001, "missing"),
+        (("left",), 0.0200, 0.0006, "resembles"),  # more is left than noise: the law is another
+        (("right",), 0.0015, 0.0006, "missing"),  # where no law is, none can be inexact
+        (("left", "right"), 0.0015, 0.001, "missing"),
     ],
 )
 def test_what_may_make_up_for_an_inexact_law_is_not_sure(
-    places: tuple[str, ...], without: float, verdict: str
+    places: tuple[str, ...], without: float, floor: float, verdict: str
 ) -> None:
     errors = {frozenset({"ripple"}): 0.030, frozenset({"law"}): without}
     finding: Any = SimpleNamespace(
@@ -35,7 +36,8 @@ def test_what_may_make_up_for_an_inexact_law_is_not_sure(
     other = EffectVerdict(
         "lag", "not supported", 0.001, 0.001, 0.0, (), (), {}, Reason(Because.GAINS_NOTHING)
     )
-    told = doubted(finding, (law,), (named, other))
+    left = Unexplained(Remainder.PATTERN, 0.001, floor, ())
+    told = doubted(finding, (law,), (named, other), left)
     assert [one.verdict for one in told] == [verdict, "not supported"]
     assert told[1] is other
     assert (Doubt.BESIDE_A_LAW in told[0].why.doubts) == (verdict == "resembles")

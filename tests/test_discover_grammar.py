@@ -18,7 +18,7 @@ from bench.diagnosis.discovery.table import PiecewiseLinear, table_over
 from bench.diagnosis.discovery.term import Term, about_its_mean, at_other_harmonics, freed
 from bench.diagnosis.discovery.units import times, written
 from bench.diagnosis.discovery.variables import OF_A_MOTOR, Place, Seen, Variable
-from bench.diagnosis.rounds import origin_of
+from bench.diagnosis.origin import origin_of
 from bench.effects import CATALOGUE, EffectInstance, effect_columns
 from bench.effects.memory import first_order
 from bench.identification.prepare import prepare, with_effects

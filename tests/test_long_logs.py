@@ -10,7 +10,8 @@ from bench.dataset.dataset import load_dataset
 from bench.dataset.recording import Recording
 from bench.dataset.robot import load_robot
 from bench.diagnosis.candidates import propose
-from bench.diagnosis.rounds import origin_of, system_about
+from bench.diagnosis.origin import origin_of
+from bench.diagnosis.rounds import system_about
 from bench.identification import filtered as measured
 from bench.identification import observation
 from bench.identification import standard_errors as deviations

@@ -4,7 +4,8 @@ from collections.abc import Iterable, Iterator, Sequence
 
 from bench.diagnosis.candidates import Proposal
 from bench.diagnosis.normal_equations import solve_set
-from bench.diagnosis.rounds import Origin, Round
+from bench.diagnosis.origin import Origin
+from bench.diagnosis.rounds import Round
 from bench.diagnosis.search import MATERIAL, Scored, close, score
 from bench.effects import EffectInstance
 from bench.identification.findings import runaway

@@ -15,6 +15,7 @@ from bench.diagnosis.elsewhere import differing_elsewhere, worse_elsewhere
 from bench.diagnosis.encoder_noise import encoder_error
 from bench.diagnosis.mounting import mounted_otherwise
 from bench.diagnosis.normal_equations import System
+from bench.diagnosis.origin import Origin, origin_of
 from bench.diagnosis.own_values import (
     Place,
     explains_more,
@@ -32,7 +33,7 @@ from bench.diagnosis.pruning import (
 )
 from bench.diagnosis.reason import Reason
 from bench.diagnosis.result import Diagnosis, Differing, EffectVerdict, LadderStep, Superfluous
-from bench.diagnosis.rounds import Origin, Round, first_round, origin_of, searched
+from bench.diagnosis.rounds import Round, first_round, searched
 from bench.diagnosis.search import Found
 from bench.diagnosis.showing import shows
 from bench.diagnosis.split import with_held_out_parts

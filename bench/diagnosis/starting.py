@@ -4,8 +4,8 @@ from collections.abc import Collection, Sequence
 from dataclasses import replace
 
 from bench.diagnosis.candidates import Proposal
+from bench.diagnosis.origin import Origin
 from bench.diagnosis.result import Superfluous
-from bench.diagnosis.rounds import Origin
 from bench.diagnosis.search import MATERIAL
 from bench.effects import EffectInstance
 from bench.identification.identify import fit

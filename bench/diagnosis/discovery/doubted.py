@@ -2,32 +2,36 @@
 
 from collections.abc import Collection, Sequence
 from dataclasses import replace
+from math import hypot
 
 from bench.diagnosis.catalogue_search import SearchResult
 from bench.diagnosis.discovery.laws import Law
 from bench.diagnosis.reason import Doubt, Reason
-from bench.diagnosis.result import EffectVerdict, LadderStep
+from bench.diagnosis.result import EffectVerdict, LadderStep, Unexplained
 from bench.identification.result import ErrorSummary
 
+CLEARLY = 1.5  # times what noise leaves
 INEXACT = 0.1  # of what a law explains: as much may be wrong with its form
 
 
 def doubted(
-    finding: SearchResult, laws: Sequence[Law], ranking: Sequence[EffectVerdict]
+    finding: SearchResult, laws: Sequence[Law], ranking: Sequence[EffectVerdict], left: Unexplained
 ) -> tuple[EffectVerdict, ...]:
-    """The ranking with small effects at the motors of laws as what resembles something: they are not sure.
+    """The ranking with small effects at the motors of laws as what resembles something: they are not sure; nor are
+    others there where clearly more is left than noise: the law is not what is there, then.
 
     A law out of a finite grammar is near to what is there, seldom the same: what a second effect at its motor takes
     away, if that is less than INEXACT of what the law does, says little of the name. Both are errors on recordings
     that were not fitted, of models without the one and the other.
     """
+    inexact = left.error > CLEARLY * hypot(left.noise_floor, left.encoders)
     places = {place.name for law in laws for place in law.places}
     names = {law.name for law in laws}
     return tuple(
         replace(verdict, verdict="resembles", why=_doubted(verdict.why))
         if verdict.verdict == "missing"
         and places.issuperset(verdict.actuators)
-        and _small(finding, verdict.effect, names)
+        and (inexact or _small(finding, verdict.effect, names))
         else verdict
         for verdict in ranking
     )

@@ -165,7 +165,7 @@ def _with_one_for_several(case: SplitProblem, plain: _Answer, progress: Progress
     """The answer with one law for several frictions, where that has fewer unknowns and leaves as little."""
     progress.phase("trying one law for several frictions")
     finding = plain.finding
-    single = merged(finding)
+    single = merged(finding, case.problem.catalogue)
     if single is None:
         return plain
     prior = NEEDED + float(np.log(TRIED))
@@ -226,7 +226,7 @@ def _told(finding: SearchResult, laws: Sequence[Law], diagnosis: Diagnosis) -> D
     """The laws as what was discovered, and the catalogue's names as what is missing."""
     names = {law.name for law in laws}
     ranking = tuple(_without(verdict, names) for verdict in diagnosis.ranking if verdict.effect not in names)
-    ranking = doubted(finding, laws, ranking)
+    ranking = doubted(finding, laws, ranking, diagnosis.unexplained)
     return replace(
         diagnosis,
         missing=tuple(name for name in diagnosis.missing if name not in names),

@@ -11,7 +11,8 @@ from bench.diagnosis.discovery.screen import Screened, at_place
 from bench.diagnosis.discovery.source import law_effect
 from bench.diagnosis.discovery.term import Term, about_its_mean, at_other_harmonics, freed
 from bench.diagnosis.discovery.variables import Place
-from bench.diagnosis.rounds import Origin, at_its_solution, error_of
+from bench.diagnosis.origin import Origin, at_its_solution
+from bench.diagnosis.rounds import error_of
 from bench.diagnosis.search import MATERIAL
 from bench.effects import EffectInstance
 from bench.identification.nonlinear import converged

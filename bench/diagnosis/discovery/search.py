@@ -16,7 +16,8 @@ from bench.diagnosis.discovery.seen import places_of, scope_of, seen_at
 from bench.diagnosis.discovery.states import State, best_states
 from bench.diagnosis.discovery.term import Term
 from bench.diagnosis.normal_equations import solve_set
-from bench.diagnosis.rounds import Origin, Round, error_of, reshaped, system_about
+from bench.diagnosis.origin import Origin
+from bench.diagnosis.rounds import Round, error_of, reshaped, system_about
 from bench.diagnosis.search import NEEDED, Found, score
 from bench.identification.partial_regression import partial_regression
 from bench.identification.prepare import Prepared

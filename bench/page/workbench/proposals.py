@@ -6,7 +6,8 @@ from dataclasses import replace
 from bench.basics.progress import SILENT
 from bench.diagnosis.candidates import Proposal, propose
 from bench.diagnosis.normal_equations import solve_set
-from bench.diagnosis.rounds import Origin, Round, reshaped, system_about
+from bench.diagnosis.origin import Origin
+from bench.diagnosis.rounds import Round, reshaped, system_about
 from bench.diagnosis.search import Found, score
 from bench.effects import Effect, EffectInstance
 from bench.identification.perturbations import Nearby

@@ -1,0 +1,133 @@
+"""What a search starts from, and models beside it: converged as they are, or as they are known nearby."""
+
+from collections.abc import Hashable, Sequence
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+
+import numpy as np
+
+from bench.diagnosis.candidates import Context, Proposal, context_of, shaped
+from bench.diagnosis.noise import leaves_only_noise, noise_squares
+from bench.diagnosis.normal_equations import System
+from bench.diagnosis.restart import restarted
+from bench.effects import EffectInstance, changes_torque
+from bench.identification.effect_columns import PresentModel
+from bench.identification.nonlinear import converged, present_model
+from bench.identification.perturbations import Nearby
+from bench.identification.prepare import Prepared, seen_nearby, with_effects
+from bench.identification.solve_only import solved_quickly
+
+
+@dataclass(frozen=True)
+class Origin:
+    """What a search starts from: the model at its own solution, and what is worked out once for all beside it.
+
+    known: effects beside it that were converged before, by what they began as, and the model that they belong to.
+    """
+
+    start: Prepared
+    nearby: Nearby
+    known: dict[Hashable, tuple[tuple[EffectInstance, ...], PresentModel]] = field(
+        default_factory=dict, compare=False, repr=False
+    )
+
+    @cached_property
+    def noise(self) -> np.ndarray | None:
+        """See `noise_squares`."""
+        return noise_squares(self.start)
+
+    def context(self, model: Prepared) -> Context:
+        """What a model leaves, for effects to be given their shape beside it."""
+        return context_of(model, self.nearby.signals(model.present, model.signals))
+
+    def with_proposals(self, proposals: Sequence[Proposal], chosen: Sequence[int]) -> Prepared:
+        """The starting model with some of the proposals, converged."""
+        return self.with_instances(_instances(proposals, chosen))
+
+    def nearly(self, proposals: Sequence[Proposal], chosen: Sequence[int]) -> Prepared:
+        """The same as it is known nearby, for a first look."""
+        instances = _instances(proposals, chosen)
+        found = self._found_before(instances)
+        return at_its_solution(self._settled_nearby(instances)) if found is None else found
+
+    def in_search(self, system: System, proposals: Sequence[Proposal], chosen: Sequence[int]) -> Prepared:
+        """The same as a search goes by it: as it is known nearby, if that is less work and all that a model can be
+        asked for, as it leaves only noise. system: in which the set was found.
+        """
+        instances = _instances(proposals, chosen)
+        if not _less_nearby(instances):
+            return self.with_instances(instances)
+        near = self._settled_nearby(instances)
+        return at_its_solution(near) if leaves_only_noise(system, near, self.noise) else self.exactly(near)
+
+    def exactly(self, model: Prepared) -> Prepared:
+        """A model that is converged as it is known nearby, converged as it is."""
+        if model.nearby is None:
+            return model
+        near = with_effects(self.start, model.effects, model.present)
+        return at_its_solution(converged(near, nearly=model.converged))
+
+    def with_instances(self, instances: Sequence[EffectInstance]) -> Prepared:
+        """The starting model with these effects, converged; first as it is known nearby, if that is less work."""
+        if _less_nearby(instances):
+            return self.exactly(self._settled_nearby(instances))
+        found = self._found_before(instances)
+        if found is None:
+            found = converged(with_effects(self.start, (*self.start.effects, *instances)))
+            if found.converged and _hashable(found.effects):
+                self.known[tuple(instances)] = found.effects, found.present
+        return at_its_solution(found)
+
+    def _found_before(self, instances: Sequence[EffectInstance]) -> Prepared | None:
+        """The starting model with these effects, if they were converged from the same beginning before."""
+        found = self.known.get(tuple(instances)) if _hashable(instances) else None
+        return None if found is None else replace(with_effects(self.start, *found), converged=True)
+
+    def again_nearby(self, model: Prepared) -> Prepared:
+        """A model that is converged as it is, converged as it is known nearby, if that is less work."""
+        if not _less_nearby(model.effects[len(self.start.effects) :]):
+            return model
+        near = with_effects(seen_nearby(self.start, self.nearby), model.effects, model.present)
+        return at_its_solution(converged(near, nearly=True))
+
+    def joined_nearby(
+        self, model: Prepared, others: Sequence[EffectInstance], added: Sequence[EffectInstance]
+    ) -> Prepared:
+        """A model converged nearby with some of its effects and one more, which has its shape beside these first."""
+        rest = with_effects(model, (*self.start.effects, *others))
+        joining = shaped(self.context(rest), added)
+        joined = with_effects(model, (*rest.effects, *joining))
+        return at_its_solution(converged(joined, nearly=True))
+
+    def _settled_nearby(self, instances: Sequence[EffectInstance]) -> Prepared:
+        near = with_effects(seen_nearby(self.start, self.nearby), (*self.start.effects, *instances))
+        return converged(near)
+
+
+def _instances(proposals: Sequence[Proposal], chosen: Sequence[int]) -> list[EffectInstance]:
+    return [instance for i in sorted(chosen) for instance in proposals[i].instances]
+
+
+def _hashable(instances: Sequence[EffectInstance]) -> bool:
+    """Whether effects can be keys: a user's class need not be hashable."""
+    return all(type(instance.effect).__hash__ is not None for instance in instances)
+
+
+def _less_nearby(instances: Sequence[EffectInstance]) -> bool:
+    """Whether effects are much less work where small changes of the torque are known."""
+    return any(changes_torque(instance.effect) for instance in instances)
+
+
+def origin_of(start: Prepared) -> Origin:
+    """The search for what a converged starting model lacks."""
+    start = at_its_solution(start)
+    return Origin(start, Nearby(start.model, start.measured))
+
+
+def at_its_solution(model: Prepared) -> Prepared:
+    """A converged model, with itself as what effects are linearised about; from nominal gains where it has run away."""
+    if any(instance.effect.shape or instance.effect.depends_on_model for instance in model.effects):
+        return model
+    stack, solution = solved_quickly(model)
+    present = present_model(model, restarted(stack, solution, model.dataset.robot.nominal_gains))
+    return replace(with_effects(model, model.effects, present), converged=model.converged)
