@@ -9,7 +9,6 @@ from pathlib import Path
 import numpy as np
 import numpy.typing as npt
 import pyarrow as pa
-import pyarrow.parquet as pq
 
 from bench.basics.errors import BenchError
 from bench.basics.files.atomic import atomic_path
@@ -144,6 +143,8 @@ def _write_csv(path: Path, columns: Mapping[str, Array], progress: Progress) -> 
 
 
 def _write_parquet(path: Path, columns: Mapping[str, Array], progress: Progress) -> None:
+    import pyarrow.parquet as pq  # noqa: PLC0415 - takes 5 MB, and most files are CSV
+
     table = pa.table({name: pa.array(values) for name, values in columns.items()})
     pq.write_table(table, path)
     progress.advance(table.num_rows)

@@ -18,7 +18,6 @@ import numpy as np
 import numpy.typing as npt
 import pyarrow as pa
 import pyarrow.csv as pacsv
-import pyarrow.parquet as pq
 
 from bench.basics.errors import BenchError
 from bench.basics.files.csv_text import CsvText, split_csv
@@ -217,6 +216,8 @@ class _Encoded(io.RawIOBase):
 
 
 def _read_parquet(path: Path) -> FileTable:
+    import pyarrow.parquet as pq  # noqa: PLC0415 - takes 5 MB, and most files are CSV
+
     try:
         table = FileTable(path, pq.ParquetFile(path).read(), None)
         _ = table.columns  # names of a broken file may be no text
