@@ -176,8 +176,10 @@ def search_from(
     """
     known, given = dict(barred), case.start.effects
     own = len(origin.start.effects)
+    given_round = [first]
+    del first  # handed on without a name, so that its system is gone before the next is built
     while True:
-        last = searched(origin, first, known, progress)
+        last = searched(origin, given_round.pop(), known, progress)
         progress.phase("fitting what was found")
         model, after, out = _where_possible(origin, last.model, given)
         exact = origin.exactly(last.model) if out else last.model
@@ -200,7 +202,7 @@ def search_from(
         if not out:
             return SearchResult(origin, last, model, after, new, names, fits, ladder, superfluous, known)
         known |= out
-        first = last
+        given_round.append(last)
 
 
 def answered(case: SplitProblem, finding: SearchResult, progress: Progress = SILENT) -> Diagnosis:

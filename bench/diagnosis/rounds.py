@@ -67,13 +67,16 @@ def searched(origin: Origin, first: Round, barred: Collection[str], progress: Pr
     barred: effects that may not be found: of an impossible sign, or superfluous. What a round found without them is
     there to be surpassed.
     """
-    here, before = first, None
+    before = None
     if barred:
-        here = replace(first, found=_search(first.system, first.proposals, barred))
-        stayed = tuple(i for i in first.chosen if first.proposals[i].name not in barred)
-        if stayed and stayed != here.chosen:
-            before = _converged(origin, _with_set(first, stayed))
-    here = _again(origin, here, barred, progress, before)
+        whole, first = first, replace(first, found=_search(first.system, first.proposals, barred))
+        stayed = tuple(i for i in whole.chosen if whole.proposals[i].name not in barred)
+        if stayed and stayed != first.chosen:
+            before = _converged(origin, _with_set(whole, stayed))
+        del whole
+    given = [first]
+    del first  # handed on without a name, so that its system is gone before the next is built
+    here = _again(origin, given.pop(), barred, progress, before)
     tried = {frozenset(here.chosen)}
     for _ in range(ROUNDS - 1):
         progress.phase("searching for partners")
@@ -120,10 +123,13 @@ def _again(
             assert before is not None  # without one to surpass, the best set is taken
             return before
         proposals = reshaped(origin, better, progress)
-        here = judged(origin, better.model, proposals, barred)
-        if here.names == better.names:
+        model, chosen, names = better.model, better.chosen, better.names
+        before = None
+        del here, better  # so that this round's system is gone before the next is built
+        here = judged(origin, model, proposals, barred)
+        if here.names == names:
             return here
-        before = _with_set(here, better.chosen)
+        before = _with_set(here, chosen)
     return replace(here, model=origin.with_proposals(here.proposals, here.chosen))
 
 
