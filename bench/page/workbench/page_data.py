@@ -92,7 +92,7 @@ def _motor(model: FoundModel, system: PageSystem, kept: np.ndarray, j: int) -> d
     actuator = model.plain.dataset.robot.actuators[j]
     columns = np.flatnonzero(kept[j])
     rows = np.column_stack((system.columns[:, j, columns], system.modelled[:, j], system.error[:, j]))
-    measured = system.modelled[:, j] + system.error[:, j]
+    measured = system.measured[:, j]
     found: dict[str, Any] = {
         "joint": actuator.joint,
         "nominal": actuator.gain,

@@ -27,7 +27,7 @@ def thinned(model: FoundModel, system: PageSystem, kept: np.ndarray) -> list[dic
         edges = np.arange(0, len(observation.time), step)
         motors = []
         for j, columns in enumerate(used):
-            measured, modelled = observation.current[:, j], system.modelled[rows, j]
+            measured, modelled = observation.current[:, j], (system.measured - system.error)[rows, j]
             moving = system.moving[rows, j]
             motors.append(
                 {

@@ -5,10 +5,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from bench.diagnosis.motor_rows import apart_from, motor_rows
 from bench.effects import EffectInstance
+from bench.identification.by_recording import columns_without_value
 from bench.identification.effect_rows import effect_rows
 from bench.identification.layout import known_rows, regressor_rows
 from bench.identification.perturbations import Nearby
+from bench.identification.prepare import Prepared
 from bench.page.workbench.decorrelated import set_apart
 from bench.page.workbench.found_model import FoundModel
 
@@ -18,9 +21,11 @@ class PageSystem:
     """columns (M, n, C) over all recordings, zero where a joint stands still: the model's own, then each effect's.
 
     effects: with shapes, and linearised, as found; starts: the first column of each, and C. reference (C,): how the
-    found model combines the columns; gains (n,) its drive gains; modelled, error (M, n): its current and what it
-    leaves. moving (M, n). fitted (M,): whether a row is fitted. basis (own, C): columns are combined so that they are
-    far from each other; the model's parameters are basis @ the coordinates by these, an effect's its coordinates.
+    found model combines the columns; gains (n,) its drive gains; measured, modelled, error (M, n): currents, and what
+    the model leaves of them; columns, modelled and error apart from the value that suits a recording that has none of
+    what differs from run to run. moving (M, n). fitted (M,): whether a row is fitted. basis (own, C): columns are
+    combined so that they are far from each other; the model's parameters are basis @ the coordinates by these, an
+    effect's its coordinates.
     """
 
     columns: np.ndarray
@@ -28,6 +33,7 @@ class PageSystem:
     starts: tuple[int, ...]
     reference: np.ndarray
     gains: np.ndarray
+    measured: np.ndarray
     modelled: np.ndarray
     error: np.ndarray
     moving: np.ndarray
@@ -58,6 +64,8 @@ def build(model: FoundModel, instances: Sequence[EffectInstance], nearby: Nearby
     starts = np.cumsum([own.shape[2], *(len(instance.effect.parameters) for instance in instances)])
     reference = _reference(model, instances, starts)
     modelled = (columns @ reference + known) / model.solution.gains
+    error = current - modelled
+    _set_apart_from_values(plain, columns, modelled, error)
     basis = set_apart(columns, reference, columns[fitted] * model.solution.weights[:, None], own.shape[2])
     return PageSystem(
         columns=columns,
@@ -65,12 +73,30 @@ def build(model: FoundModel, instances: Sequence[EffectInstance], nearby: Nearby
         starts=tuple(int(start) for start in starts),
         reference=reference,
         gains=model.solution.gains,
+        measured=current,
         modelled=modelled,
-        error=current - modelled,
+        error=error,
         moving=moving,
         fitted=fitted,
         basis=basis,
     )
+
+
+def _set_apart_from_values(
+    plain: Prepared, columns: np.ndarray, modelled: np.ndarray, error: np.ndarray
+) -> None:
+    """Take from columns (M, n, C), modelled currents and errors (M, n) what a value of its own accounts for in
+    recordings that have none: they are not judged on it.
+    """
+    at = 0
+    for observation in plain.observations:
+        rows = slice(at, at := at + len(observation.time))
+        suited = [own[0] for own in columns_without_value(plain, observation)]
+        for j in range(modelled.shape[1]) if suited else ():
+            ends = np.stack((modelled[rows, j], error[rows, j]), axis=1)
+            left = apart_from(motor_rows((columns[rows, j],), ends), suited)
+            columns[rows, j, left.filled] = left.values
+            modelled[rows, j], error[rows, j] = left.ends.T
 
 
 def _added(model: FoundModel, instances: Sequence[EffectInstance], nearby: Nearby) -> np.ndarray:
