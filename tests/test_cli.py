@@ -120,6 +120,13 @@ def test_what_simulates_and_what_writes_a_page_imports_nothing_slow():
     assert {*done.stdout.split()} - own == set()
 
 
+def test_a_diagnosis_of_recordings_in_memory_imports_no_reader_of_files():
+    modules = "bench.dataset.dataset, bench.diagnosis.catalogue_search, bench.diagnosis.discovery.find"
+    program = f"import sys, {modules}; print(*sorted({HEAVY!r} & set(sys.modules)))"
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
+    assert done.stdout.split() == ["mujoco", "numpy", "pinocchio", "pydantic", "scipy"]
+
+
 def test_import_bench_is_light():
     program = f"import sys, bench; print(*sorted({HEAVY!r} & set(sys.modules)))"
     done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)

@@ -7,7 +7,6 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from bench.basics.errors import BenchError
-from bench.basics.files.table import release_tables
 from bench.basics.files.toml_input import read_toml
 from bench.basics.program import typed
 from bench.basics.shell_word import quoted
@@ -20,7 +19,6 @@ from bench.dataset.joint_facts import joint_facts
 from bench.dataset.names import DATASET_FILE, LOGS
 from bench.dataset.payload import Payload
 from bench.dataset.recording import Recording
-from bench.dataset.recording_file import load_recordings
 from bench.dataset.recording_window import Window
 from bench.dataset.robot import Robot, load_robot
 
@@ -56,6 +54,10 @@ def load_dataset(folder: str | Path) -> Dataset:
 
     Errors: BenchError in one line that names the file and the key, or the file, the column and the row.
     """
+    # pyarrow takes 25 MB, and is of no use to recordings that are in memory already
+    from bench.basics.files.table import release_tables  # noqa: PLC0415
+    from bench.dataset.recording_file import load_recordings  # noqa: PLC0415
+
     path = Path(folder)
     if path.is_dir():
         path = path / DATASET_FILE

@@ -8,7 +8,6 @@ from pathlib import Path
 
 import numpy as np
 import numpy.typing as npt
-import pyarrow as pa
 
 from bench.basics.errors import BenchError
 from bench.basics.files.atomic import atomic_path
@@ -143,7 +142,8 @@ def _write_csv(path: Path, columns: Mapping[str, Array], progress: Progress) -> 
 
 
 def _write_parquet(path: Path, columns: Mapping[str, Array], progress: Progress) -> None:
-    import pyarrow.parquet as pq  # noqa: PLC0415 - takes 5 MB, and most files are CSV
+    import pyarrow as pa  # noqa: PLC0415 - takes 25 MB, and most files are CSV
+    import pyarrow.parquet as pq  # noqa: PLC0415
 
     table = pa.table({name: pa.array(values) for name, values in columns.items()})
     pq.write_table(table, path)

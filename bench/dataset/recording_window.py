@@ -2,15 +2,17 @@
 
 from dataclasses import dataclass, replace
 from itertools import pairwise
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import numpy as np
 import numpy.typing as npt
 from pydantic import BeforeValidator
 
 from bench.basics.errors import BenchError
-from bench.basics.files.table import FileTable
 from bench.dataset.sampling import FEWEST
+
+if TYPE_CHECKING:
+    from bench.basics.files.table import FileTable
 
 
 def _spans(value: Any) -> tuple[tuple[float, float], ...]:
@@ -46,7 +48,7 @@ class Window:
     used: tuple[tuple[float, float], ...] = ()
     left_out: tuple[tuple[float, float], ...] = ()
 
-    def parts(self, table: FileTable) -> list[FileTable]:
+    def parts(self, table: "FileTable") -> "list[FileTable]":
         """The rows that are used, each stretch without a cut by itself; the whole table where nothing is cut.
 
         Raises BenchError where a stretch has too few samples, or no sample is where one is named.
@@ -66,7 +68,7 @@ class Window:
                     )
         return [_part(table, *stretch) for stretch in self._stretches(time, first, last)]
 
-    def began(self, table: FileTable) -> float:
+    def began(self, table: "FileTable") -> float:
         """When the log begins, s, whatever part of it is used."""
         return float(np.nanmin(table.stamps()))
 
@@ -91,7 +93,7 @@ class Window:
 WHOLE = Window()
 
 
-def _part(table: FileTable, start: float, end: float, chosen: npt.NDArray[np.bool_]) -> FileTable:
+def _part(table: "FileTable", start: float, end: float, chosen: npt.NDArray[np.bool_]) -> "FileTable":
     """The rows from the first to the last that is chosen (N,): what stands between them is checked, not left out."""
     rows = np.flatnonzero(chosen)
     if len(rows) < FEWEST:
