@@ -7,6 +7,7 @@ import pytest
 
 from bench.effects import CATALOGUE, EffectInstance, effect_columns
 from bench.effects.body_length import lengths
+from bench.identification import perturbations
 from bench.identification.effect_columns import robot_signals
 from bench.identification.effect_rows import effect_rows
 from bench.identification.perturbations import Nearby
@@ -87,6 +88,15 @@ def test_columns_filtered_together_are_those_of_each_alone(seen):
     alone = np.concatenate([effect_rows(replace(exact), DECIMATION, [one]) for one in every], axis=2)
     assert effect_columns(every[0], exact).shape == (len(exact.time), len(exact.joints), 1)
     np.testing.assert_allclose(together, alone, atol=1e-9 * np.abs(alone).max())
+
+
+def test_rows_of_a_robot_with_a_tool_are_the_regressor_s_own_and_no_copy(tmp_path, monkeypatch):
+    made, regressor = [], perturbations.projected_regressor
+    monkeypatch.setattr(
+        perturbations, "projected_regressor", lambda *given: made.append(regressor(*given)) or made[-1]
+    )
+    _, model, measured, _ = moving_robot("delta", tmp_path, samples=3001)
+    assert np.shares_memory(Nearby(model, [measured])._own, made[0])
 
 
 def test_torque_that_the_model_needs_with_an_offset_is_known_nearby(tmp_path):

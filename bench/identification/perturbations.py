@@ -95,9 +95,9 @@ class Nearby:
                     raise out_of_reach[0]
                 continue
             more, less = map(np.asarray, both)
-            differences = [((more - less) / (2.0 * step)).astype(KEPT)]
+            differences = [((more - less) / (2.0 * step)).astype(KEPT, order="C")]
             if not order:
-                differences.append(((more + less - 2.0 * self._own) / step**2).astype(KEPT))
+                differences.append(((more + less - 2.0 * self._own) / step**2).astype(KEPT, order="C"))
             for (_, _, degree), rows in zip(keys, differences, strict=True):
                 self._kept.keep((order, index, degree), rows)
             if index == motor:
@@ -150,7 +150,7 @@ class Nearby:
         rows = self._kept.get(key)
         if rows is None:
             more = replace(own, gravity=own.gravity + np.eye(3)[axis])
-            rows = (self._rows(more, self._tree) - self._own).astype(KEPT)
+            rows = (self._rows(more, self._tree) - self._own).astype(KEPT, order="C")
             self._kept.keep(key, rows)
         return rows
 
@@ -166,7 +166,7 @@ class Nearby:
             except BenchError as error:
                 self._barred[key] = str(error)
                 raise
-            rows = (self._rows(geometry, tree) - self._own).astype(KEPT)
+            rows = (self._rows(geometry, tree) - self._own).astype(KEPT, order="C")
             self._kept.keep(key, rows)
         return rows
 
@@ -210,13 +210,13 @@ class Nearby:
 
     def _rows(self, geometry: Geometry, tree: Motion) -> np.ndarray:
         own, beside = self._model.base.columns, redundant_columns(geometry)
-        nb, r = len(own), len(beside)
-        rows = np.zeros((len(tree.time), len(geometry.active), nb + 10 + r))
-        load = np.zeros(0, dtype=int) if geometry.tool is None else self._model.payload_columns
-        found = projected_regressor(geometry, tree, np.concatenate((own, load, beside)))
-        rows[:, :, :nb], rows[:, :, nb + 10 :] = found[:, :, :nb], found[:, :, found.shape[2] - r :]
-        if geometry.tool is not None:
-            rows[:, :, nb : nb + 10] = found[:, :, nb : nb + 10] @ payload_transform(geometry.tool)
+        nb, tool = len(own), geometry.tool
+        load = np.zeros(0, dtype=int) if tool is None else self._model.payload_columns
+        rows = projected_regressor(geometry, tree, np.concatenate((own, load, beside)))
+        if tool is None:
+            return np.insert(rows, [nb] * 10, 0.0, axis=2)
+        loaded = rows[:, :, nb : nb + 10]
+        loaded[:] = loaded @ payload_transform(tool)
         return rows
 
 
