@@ -11,8 +11,9 @@ from bench.basics.errors import BenchError
 from bench.effects import CATALOGUE, EffectInstance, effect_columns, places_in, select_effects
 from bench.effects.body_length import lengths, with_length
 from bench.effects.on_spring import deflection
-from bench.effects.signals import RobotSignals
+from bench.effects.signals import UNCHANGED, Changed, RobotSignals
 from bench.effects.tool_motion import tool_motion, tool_of
+from bench.identification import perturbed_observation
 from bench.identification.effect_columns import robot_signals
 from bench.model.geometry import read_geometry
 from bench.model.model import IdentificationModel
@@ -356,3 +357,17 @@ def test_friction_of_a_bearing_counts_what_friction_presses_on_it(tmp_path: Path
         [0.02, 0.03]
     )
     close(found, robot.tree.jacobian[:, index] * friction[:, None], 1e-9)
+
+
+@pytest.mark.parametrize(("most", "kept"), [(10**9, {0, 1, 2}), (0, {1})])
+def test_large_rows_of_other_motions_make_no_room_for_themselves(tmp_path, monkeypatch, most, kept):
+    monkeypatch.setattr(perturbed_observation, "FEW_BYTES", most)
+    robot, model, measured, _ = moving_robot("delta", tmp_path)
+    shifted = robot.position + 0.01, robot.velocity, robot.acceleration
+    heavier = Changed(gravity=model.geometry.gravity * 1.1)
+    sizes = [measured.perturbed.nbytes]
+    for changed in (UNCHANGED, heavier, Changed(motion=shifted)):
+        torque = robot.torque(changed)
+        assert np.isfinite(torque).all()
+        sizes.append(measured.perturbed.nbytes)
+    assert {i for i, more in enumerate(np.diff(sizes)) if more} == kept

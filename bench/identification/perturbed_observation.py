@@ -1,5 +1,6 @@
 """The observation matrix of a recording where its motion, gravity or geometry is another: kept, since effects ask
-for the same change again whenever the model has new parameters.
+for the same change again whenever the model has new parameters. Of large ones only those of another gravity are, of
+which there are few, and of other lengths: for as many motions as are asked for in turn there is no room.
 """
 
 from collections.abc import Hashable, Sequence
@@ -9,7 +10,7 @@ from hashlib import blake2b
 import numpy as np
 
 from bench.effects.signals import UNCHANGED, Changed
-from bench.identification.filtered import Measured
+from bench.identification.filtered import FEW_BYTES, Measured
 from bench.model.geometry import Anchor, Geometry
 from bench.model.model import IdentificationModel
 from bench.model.motion import Motion, motion_of
@@ -41,7 +42,8 @@ def perturbed_rows(
         if gravity is not None:
             other = replace(other, gravity=gravity)
         rows = projected_regressor(other, _motion(model, measured, other, motion, every), columns)
-        kept.keep(key, rows)
+        if geometry is not None or rows.nbytes <= FEW_BYTES:
+            kept.keep(key, rows)
     return rows
 
 
