@@ -65,7 +65,7 @@ class Origin:
         if model.nearby is None:
             return model
         near = with_effects(self.start, model.effects, model.present)
-        return at_its_solution(converged(near, nearly=model.converged))
+        return at_its_solution(self._converged(near, nearly=model.converged))
 
     def with_instances(self, instances: Sequence[EffectInstance]) -> Prepared:
         """The starting model with these effects, converged; first as it is known nearby, if that is less work."""
@@ -73,7 +73,7 @@ class Origin:
             return self.exactly(self._settled_nearby(instances))
         found = self._found_before(instances)
         if found is None:
-            found = converged(with_effects(self.start, (*self.start.effects, *instances)))
+            found = self._converged(with_effects(self.start, (*self.start.effects, *instances)))
             if found.converged and _hashable(found.effects):
                 self.known[tuple(instances)] = found.effects, found.present
         return at_its_solution(found)
@@ -88,7 +88,7 @@ class Origin:
         if not _less_nearby(model.effects[len(self.start.effects) :]):
             return model
         near = with_effects(seen_nearby(self.start, self.nearby), model.effects, model.present)
-        return at_its_solution(converged(near, nearly=True))
+        return at_its_solution(self._converged(near, nearly=True))
 
     def joined_nearby(
         self, model: Prepared, others: Sequence[EffectInstance], added: Sequence[EffectInstance]
@@ -97,11 +97,15 @@ class Origin:
         rest = with_effects(model, (*self.start.effects, *others))
         joining = shaped(self.context(rest), added)
         joined = with_effects(model, (*rest.effects, *joining))
-        return at_its_solution(converged(joined, nearly=True))
+        return at_its_solution(self._converged(joined, nearly=True))
 
     def _settled_nearby(self, instances: Sequence[EffectInstance]) -> Prepared:
         near = with_effects(seen_nearby(self.start, self.nearby), (*self.start.effects, *instances))
-        return converged(near)
+        return self._converged(near)
+
+    def _converged(self, model: Prepared, *, nearly: bool = False) -> Prepared:
+        """See `converged`; what the starting model has stays."""
+        return converged(model, nearly=nearly, added_from=len(self.start.effects))
 
 
 def _instances(proposals: Sequence[Proposal], chosen: Sequence[int]) -> list[EffectInstance]:

@@ -5,10 +5,9 @@ from dataclasses import replace
 import numpy as np
 
 from bench.effects import EffectInstance
-from bench.identification.findings import FAR
 from bench.identification.nonlinear import converged, present_model
+from bench.identification.out_of_bounds import out_of_bounds
 from bench.identification.prepare import Prepared, with_effects
-from bench.identification.solution import Solution
 from bench.identification.solve_only import linearised, solved_quickly
 
 LINEARISATIONS = 4
@@ -28,29 +27,13 @@ def beyond_bounds(prepared: Prepared) -> tuple[EffectInstance, ...]:
     before = None
     for _ in range(LINEARISATIONS):
         _, solution = solved_quickly(prepared)
-        found = _outside(prepared, solution)
+        found = out_of_bounds(prepared, solution)
         if found or (before is not None and np.allclose(solution.gains, before, rtol=STILL, atol=0.0)):
             return found
         before = solution.gains
         about = linearised(prepared.effects, solution.theta[prepared.layout.size - prepared.layout.effects :])
         prepared = with_effects(prepared, about, present_model(prepared, solution), fitted_only=True)
     return ()
-
-
-def _outside(prepared: Prepared, solution: Solution) -> tuple[EffectInstance, ...]:
-    robot = prepared.dataset.robot
-    ratios = dict(zip(robot.joints, (solution.gains / robot.nominal_gains).tolist(), strict=True))
-    found, at = [], prepared.layout.size - prepared.layout.effects
-    for instance in prepared.effects:
-        bounds = [parameter.below for parameter in instance.effect.parameters]
-        values = solution.theta[at : at + len(bounds)]
-        at += len(bounds)
-        if not np.any(np.isfinite(bounds)):
-            continue
-        wild = prepared.fit_gains and not 1.0 / FAR <= ratios.get(instance.joint, 1.0) <= FAR
-        if wild or np.any(np.abs(values) >= bounds):
-            found.append(instance)
-    return tuple(found)
 
 
 def within_bounds(prepared: Prepared) -> tuple[Prepared, tuple[EffectInstance, ...]]:

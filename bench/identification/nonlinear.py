@@ -9,6 +9,7 @@ from bench.effects import EffectInstance
 from bench.identification.compressed import Stack
 from bench.identification.effect_columns import PresentModel
 from bench.identification.newton import stepped
+from bench.identification.out_of_bounds import staying
 from bench.identification.partial_regression import partial_regression
 from bench.identification.prepare import Prepared, with_effects
 from bench.identification.shapes import best_shape
@@ -49,12 +50,13 @@ def present_model(prepared: Prepared, solution: Solution) -> PresentModel:
     )
 
 
-def converged(prepared: Prepared, *, nearly: bool = False) -> Prepared:
+def converged(prepared: Prepared, *, nearly: bool = False, added_from: int | None = None) -> Prepared:
     """Shape parameters found and model-dependent columns linearised, in a few rounds; nothing to do without.
 
     At first every shape is searched beside the others; then all move together by steps of Gauss and Newton, as long
     as the errors become smaller by them (see newton.py), and are searched again where they do not. nearly: shapes and
-    the present model are nearly right, so that no search comes first.
+    the present model are nearly right, so that no search comes first. added_from: in a search, the first of the effects
+    that it added; these leave the places where they are out of bounds (see out_of_bounds.py).
     """
     instances = prepared.effects
     curved = [instance for instance in instances if instance.effect.shape or instance.effect.depends_on_model]
@@ -85,6 +87,15 @@ def converged(prepared: Prepared, *, nearly: bool = False) -> Prepared:
             instances, last = _eased(last, instances, about), instances
         else:
             instances = tuple(x if x.effect.bends else y for x, y in zip(instances, about, strict=True))
+        stay = None if before is None or added_from is None else staying(prepared, solution, added_from)
+        if stay is not None and len(stay) < len(instances):
+            instances, last = (tuple(each[i] for i in stay) for each in (instances, last))
+            present = replace(present, effects=tuple(present.effects[i] for i in stay))
+            prepared = with_effects(prepared, instances, present, fitted_only=True)
+            stack, solution = solved_quickly(prepared)
+            present = present_model(prepared, solution)
+            before = _state(prepared, stack, solution)
+            continue
         now = _state(replace(prepared, effects=instances), stack, solution)
         if before is not None and _alike(now, before, int(stack.moving.sum())):
             break
