@@ -10,6 +10,7 @@ from bench.diagnosis.search import MATERIAL, Scored, close, score
 from bench.effects import EffectInstance
 from bench.identification.findings import runaway
 from bench.identification.identify import fit
+from bench.identification.prepare import Prepared
 from bench.identification.result import Identification
 from bench.identification.widened import gains_widened
 
@@ -17,20 +18,20 @@ MOST_MORE = 2  # models with one effect more that are fitted, the best supported
 
 
 def with_spread_over_models(
-    origin: Origin, last: Round, added: Sequence[EffectInstance], after: Identification
+    origin: Origin, last: Round, model: Prepared, after: Identification
 ) -> Identification:
     """The found model's answer, with deviations of its gains that hold those of models that are as good.
 
     Where something is left that no effect accounts for, one effect more, or another in the place of a found one, stands
-    for what it may be, whatever its sign: each has the shape of a torque that is not modelled. added: the found effects
-    where they show.
+    for what it may be, whatever its sign: each has the shape of a torque that is not modelled. model: with the found
+    effects where they show.
     """
-    others = []
+    others, added = [], model.effects[len(origin.start.effects) :]
     for chosen in _as_good(last):
         instances = [
             instance for i in chosen for instance in _instances(last.proposals[i], i in last.chosen, added)
         ]
-        other = fit(origin.with_instances(instances))
+        other = fit(origin.beside(model, instances))
         if runaway(other) is None and _no_worse(other, after):
             others.append(other)
     return gains_widened(after, others)

@@ -224,8 +224,7 @@ def answered(case: SplitProblem, finding: SearchResult, progress: Progress = SIL
     left = unexplained(after, dataset.recordings, lambda: encoder_error(model))
     if (left.significant or left.much) and model.fit_gains:
         progress.phase("fitting models that are as good")
-        added = model.effects[len(finding.origin.start.effects) :]
-        after = with_spread_over_models(finding.origin, finding.last, added, after)
+        after = with_spread_over_models(finding.origin, finding.last, model, after)
     if not finding.compared:
         finding = _compared(case, finding)
     if finding.differently is not None and not {each.request for each in finding.differs} <= {*after.effects}:
@@ -283,7 +282,7 @@ def _where_it_shows(
         if not any(other.effect.name == instance.effect.name for other in kept):
             kept.append(instance)
     if len(kept) < len(added):
-        there_only = origin.with_instances([instance for instance in added if instance in kept])
+        there_only = origin.beside(model, [instance for instance in added if instance in kept])
     else:
         there_only = origin.exactly(model)
     if there_only is model:

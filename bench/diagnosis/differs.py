@@ -109,7 +109,7 @@ def _that_show(
         for candidate, *_ in chosen
         for log in logs
     ]
-    wider = converged(with_effects(model, (*kept, *added)))
+    wider = converged(with_effects(model, (*kept, *added)), nearly=True)
     result = fit(wider)
     first = wider.layout.size - len(added)
     found = []

@@ -83,6 +83,16 @@ class Origin:
         found = self.known.get(tuple(instances)) if _hashable(instances) else None
         return None if found is None else replace(with_effects(self.start, *found), converged=True)
 
+    def beside(self, model: Prepared, instances: Sequence[EffectInstance]) -> Prepared:
+        """The starting model with these effects, converged from a converged model that is much like it and has the
+        shapes that they begin with, or that they were found beside.
+        """
+        if (found := self._found_before(instances)) is not None:
+            return at_its_solution(found)
+        start = seen_nearby(self.start, self.nearby) if _less_nearby(instances) else self.start
+        near = with_effects(start, (*self.start.effects, *instances), model.present)
+        return self.exactly(at_its_solution(self._converged(near, nearly=True)))
+
     def again_nearby(self, model: Prepared) -> Prepared:
         """A model that is converged as it is, converged as it is known nearby, if that is less work."""
         if not _less_nearby(model.effects[len(self.start.effects) :]):
