@@ -12,7 +12,7 @@ from bench.diagnosis.motions import telling_motions
 from bench.diagnosis.reason_words import judged_on, left_words, reason_sentence
 from bench.diagnosis.result import Diagnosis, EffectVerdict
 from bench.effects.display_names import spoken
-from bench.identification.finding import Code
+from bench.identification.finding import CAUSES
 from bench.identification.finding_words import sentence
 from bench.identification.findings import LOOSE, runaway, unlike
 from bench.identification.result import Identification
@@ -22,14 +22,6 @@ from bench.identification.wording import and_list, in_percent, or_list, with_err
 TELLING = 0.005  # change of a drive gain that is worth a word
 MOTIONS = 3  # that are advised: those of the effect and of its nearest alternatives
 HOPELESS = 10.0  # times the noise floor: where so much is left, names may be false
-CAUSES = {
-    Code.UNITS_UNLIKE,
-    Code.COLUMNS_SWAPPED,
-    Code.OTHER_LOAD,
-    Code.PAYLOAD_HEAVY,
-    Code.CLOSURE_CONTRADICTED,
-    Code.MOUNTED_OTHERWISE,
-}  # of false names
 REAL = 0.01  # of the current: what the best models leave of real machines, however little noise there is
 
 

@@ -92,16 +92,21 @@ UNBELIEVABLE = frozenset(
 )
 """Of an answer that is not to be believed."""
 
-MEND_FIRST = UNBELIEVABLE | {
-    Code.UNITS_UNLIKE,
-    Code.COLUMNS_SWAPPED,
-    Code.OTHER_LOAD,
-    Code.PAYLOAD_HEAVY,
-    Code.CLOSURE_CONTRADICTED,
-    Code.MOUNTED_OTHERWISE,
-    Code.GAINS_NEGATIVE,
-    Code.GAIN_NEGATIVE,
-    Code.SIGN_REVERSED,
-    Code.NO_MODEL_IS_BETTER,
-}
+CAUSES = frozenset(
+    {
+        Code.UNITS_UNLIKE,
+        Code.COLUMNS_SWAPPED,
+        Code.OTHER_LOAD,
+        Code.PAYLOAD_HEAVY,
+        Code.CLOSURE_CONTRADICTED,
+        Code.MOUNTED_OTHERWISE,
+    }
+)
+"""Of false names: what is wrong with the data or the robot beside which a diagnosis names effects."""
+
+MEND_FIRST = (
+    UNBELIEVABLE
+    | CAUSES
+    | {Code.GAINS_NEGATIVE, Code.GAIN_NEGATIVE, Code.SIGN_REVERSED, Code.NO_MODEL_IS_BETTER}
+)
 """What is to be mended before anything else is asked of the data."""

@@ -118,7 +118,10 @@ def redundant_gains(prepared: Prepared, solution: Solution, std: np.ndarray) -> 
 
 def modelled_current(prepared: Prepared, observation: Observation, solution: Solution) -> np.ndarray:
     """Modelled currents (M, n) of one recording, drive units; see `in_this_recording`."""
-    solution = in_this_recording(prepared, observation, solution)
+    return _current(prepared, observation, in_this_recording(prepared, observation, solution))
+
+
+def _current(prepared: Prepared, observation: Observation, solution: Solution) -> np.ndarray:
     torque = regressor_rows(observation, prepared.layout) @ solution.theta
     torque += known_rows(observation, prepared.dataset.payloads)
     return np.asarray(torque / solution.gains)
@@ -126,18 +129,19 @@ def modelled_current(prepared: Prepared, observation: Observation, solution: Sol
 
 def modelled_series(prepared: Prepared, observation: Observation, solution: Solution) -> CurrentSeries:
     """Measured and modelled currents of one recording."""
+    solution = in_this_recording(prepared, observation, solution)
     return CurrentSeries(
         name=observation.name,
         use=observation.use,
         payload=observation.payload_name,
         time=observation.time,
         measured=observation.current,
-        modelled=modelled_current(prepared, observation, solution),
+        modelled=_current(prepared, observation, solution),
         position=observation.position,
         velocity=observation.velocity,
         acceleration=observation.acceleration,
         moving=observation.moving,
-        by_effect=_effect_torques(prepared, observation, in_this_recording(prepared, observation, solution)),
+        by_effect=_effect_torques(prepared, observation, solution),
         sharing=_sharing(prepared, observation.name, solution),
     )
 
