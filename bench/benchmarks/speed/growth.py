@@ -36,7 +36,7 @@ SAMPLES = (10_000, 20_000, 40_000, 80_000, 160_000)
 SAME = 20_000  # samples where something else grows
 RATE = 1000.0  # Hz
 ROBOT = "five_bar"
-ROBOTS = {2: "five_bar", 3: "three_rrr", 6: "stewart"}
+ROBOTS = {1: "emps", 2: "five_bar", 3: "three_rrr", 6: "stewart"}
 """By their motors."""
 EFFECTS = (4, 8, 16, len(CATALOGUE))
 FILTERS = {"decimation": 20, "position_cutoff": 100.0, "border": (60, 60)}  # alike for all
