@@ -16,12 +16,11 @@ from bench.diagnosis.as_json import diagnosis_json
 from bench.diagnosis.catalogue_search import diagnose_with_catalogue
 from bench.diagnosis.discovery import find
 from bench.diagnosis.discovery.find import find_missing_effects, something_left
-from bench.diagnosis.discovery.merged import fewer
 from bench.diagnosis.discovery.written import write_laws
 from bench.diagnosis.law_words import law_sentences, symbols
 from bench.diagnosis.result import Diagnosis, Remainder, Unexplained
 from bench.diagnosis.summary import summary_sentences
-from bench.effects import CATALOGUE, EffectInstance, catalogue_for
+from bench.effects import catalogue_for
 from bench.identification.identify import identify
 from bench.identification.prepare import prepare
 from bench.identification.problem import Problem, problem_of
@@ -159,34 +158,6 @@ def test_what_no_formula_fits_is_added_as_measured(braked: Dataset, monkeypatch:
         "As measured, it is a smooth function of the acceleration that turns with the direction" in sentence
     )
     assert {one.effect for one in found.ranking} == set(catalogue_for())
-
-
-def test_one_power_of_the_velocity_stands_for_several_frictions_that_are_near_it() -> None:
-    """Three effects of the catalogue together leave no more than noise of it, and once were named for sure."""
-    dataset = measured({"effect": "product_law", "joint": "left", "c": 0.14, "direction": 1.0, "v": 0.57})
-    found = find_missing_effects(problem_of(dataset))
-    assert found.missing == ()
-    (law,) = found.discovered
-    assert law.numbers["p"].value == pytest.approx(0.57, abs=0.02)
-    assert law.terms[0].value == pytest.approx(0.14, rel=0.02)
-    assert left_over_floor(found) < FLOOR
-
-
-def test_a_law_that_saves_no_unknown_stands_for_nothing() -> None:
-    coulomb, viscous, shear = (
-        EffectInstance(CATALOGUE[name], "left", name)
-        for name in ("coulomb_friction", "viscous_friction", "shear_thinning_friction")
-    )
-    assert list(fewer([coulomb, viscous], 2, CATALOGUE)) == []
-    assert list(fewer([coulomb, viscous, shear], 2, CATALOGUE)) == [[], [coulomb], [viscous]]
-
-
-def test_a_special_case_of_what_was_found_may_stay_beside_a_law() -> None:
-    """Coulomb friction beside a power of the velocity looks like these three."""
-    names = ("stribeck_friction", "asymmetric_viscous_friction", "quadratic_drag")
-    found = [EffectInstance(CATALOGUE[name], "left", f"{name}:left") for name in names]
-    tried = [[each.request for each in kept] for kept in fewer(found, 2, CATALOGUE)]
-    assert tried[:3] == [[], ["coulomb_friction:left"], ["viscous_friction:left"]]
 
 
 def test_where_it_is_not_wanted_nothing_is_discovered(braked: Dataset) -> None:

@@ -1,4 +1,4 @@
-"""One law for several frictions is tried where nothing is left, and where no law does better than they do."""
+"""One law for several frictions is tried where nothing is left, and where something is, beside the laws found there."""
 
 from types import SimpleNamespace
 from typing import Any
@@ -16,7 +16,7 @@ ONE = SimpleNamespace(laws=("law",), diagnosis="one law")
     [
         (True, None, None, "one law"),
         (False, None, None, "one law"),
-        (True, ("model", "terms"), None, "laws"),
+        (True, ("model", "terms"), None, "one law"),
         (True, None, True, "one law"),
         (True, None, False, "frictions"),
     ],

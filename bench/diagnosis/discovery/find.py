@@ -22,6 +22,7 @@ from bench.diagnosis.discovery.doubted import doubted
 from bench.diagnosis.discovery.laws import Law, laws_of
 from bench.diagnosis.discovery.merged import merged
 from bench.diagnosis.discovery.named import name_of
+from bench.diagnosis.discovery.parts import parts_of, unknowns
 from bench.diagnosis.discovery.refine import AS_GOOD, Refined
 from bench.diagnosis.discovery.search import Laws, search_laws
 from bench.diagnosis.discovery.seen import places_of
@@ -82,7 +83,7 @@ def _found(case: SplitProblem, discover: bool | None, believed: bool, progress: 
     found_laws = search_laws(finding.origin, finding.last, _never(finding), progress)
     if found_laws is not None:
         answer = _with_laws(case, answer, *found_laws, progress)
-    if not answer.laws and wanted:
+    if answer.laws or wanted:
         answer = _with_one_for_several(case, answer, progress)
     return _with_tables(case, answer, progress).diagnosis
 
@@ -152,10 +153,8 @@ def _with_laws(
         )
     finding = search_from(case, origin, here, progress, barred)
     staying = tuple(law for law in laws if law.name in finding.names)
-    if fewer:
-        good = len(finding.names) < len(plain.finding.names) and _better(finding, plain.diagnosis, -AS_GOOD)
-    else:
-        good = _better(finding, plain.diagnosis)
+    simpler = fewer and _unknowns(finding, staying) < _unknowns(plain.finding, plain.laws)
+    good = _better(finding, plain.diagnosis, -AS_GOOD if simpler else MATERIAL)
     if not (staying or called) or not good:
         return plain
     return _Answer(finding, staying, _told(finding, staying, answered(case, finding, progress)))
@@ -164,12 +163,20 @@ def _with_laws(
 def _with_one_for_several(case: SplitProblem, plain: _Answer, progress: Progress) -> _Answer:
     """The answer with one law for several frictions, where that has fewer unknowns and leaves as little."""
     progress.phase("trying one law for several frictions")
-    finding = plain.finding
-    single = merged(finding, case.problem.catalogue)
-    if single is None:
-        return plain
+    finding, left = plain.finding, plain.diagnosis.unexplained
+    much = (1.0 - MATERIAL) * left.error > hypot(left.noise_floor, left.encoders)
     prior = NEEDED + float(np.log(TRIED))
-    return _with_laws(case, plain, Laws(finding.last, {}), single, progress, prior=prior, fewer=True)
+    searched = Laws(finding.last, {law.name: law.terms[0] for law in plain.laws})
+    for single in merged(finding, plain.laws, case.problem.catalogue, much=much):
+        answer = _with_laws(case, plain, searched, single, progress, prior=prior, fewer=True)
+        if answer is not plain:
+            return _with_one_for_several(case, answer, progress)
+    return plain
+
+
+def _unknowns(finding: SearchResult, laws: Sequence[Law]) -> int:
+    """Of all that was found beyond the starting model."""
+    return unknowns(parts_of(finding.new, laws))
 
 
 def _with_tables(case: SplitProblem, plain: _Answer, progress: Progress) -> _Answer:

@@ -1,81 +1,106 @@
-"""One power of the velocity in place of several frictions of the catalogue that only together come near it."""
+"""One power of the velocity in place of several functions of it that only together come near it."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
-from itertools import combinations
+from itertools import groupby, product
 
 from bench.diagnosis.catalogue_search import SearchResult
 from bench.diagnosis.discovery.factors import Power
 from bench.diagnosis.discovery.grammar import V
+from bench.diagnosis.discovery.laws import Law
+from bench.diagnosis.discovery.parts import Part, parts_of, unknowns
 from bench.diagnosis.discovery.refine import AS_GOOD, Refined, instances_of
 from bench.diagnosis.discovery.screen import Screened
 from bench.diagnosis.discovery.seen import places_of
 from bench.diagnosis.discovery.term import Term
+from bench.diagnosis.discovery.variables import Place
+from bench.diagnosis.origin import Origin
 from bench.diagnosis.rounds import error_of
-from bench.effects import Effect, EffectInstance
+from bench.diagnosis.search import MATERIAL
+from bench.effects import Effect
 
 EXPONENTS = (0.5, 1.5, 2.5)
 NAME = "power"
+OWN = 2  # unknowns of a power
 
 
-def merged(finding: SearchResult, catalogue: Mapping[str, Effect]) -> Refined | None:
-    """The found model with a power of the velocity for some of its frictions, if that has fewer unknowns and leaves as
-    little; None where there is nothing to be saved, or it leaves more.
+def merged(
+    finding: SearchResult, laws: Sequence[Law], catalogue: Mapping[str, Effect], *, much: bool
+) -> Iterator[Refined]:
+    """The found model with a power of the velocity for some of its functions of the velocity at some motors, wherever
+    that has fewer unknowns and leaves as little, or as many and leaves clearly less.
 
-    catalogue: in which the special cases of what was found are.
+    laws: among what was found. catalogue: in which the special cases of what was found are. much: whether more is left
+    than noise, so that a model with as many unknowns can leave clearly less.
     """
     origin = finding.origin
-    added = finding.model.effects[len(origin.start.effects) :]
-    sits = [instance for instance in added if instance.effect.of_velocity]
-    motors = [instance.joint for instance in sits]
-    alike = [instance for instance in sits if motors.count(instance.joint) > 1]
-    if not alike:
-        return None
-    others = [instance for instance in added if instance not in alike]
-    places = [place for place in places_of(origin.start) if place.name in {each.joint for each in alike}]
-    enough = (1.0 + AS_GOOD) * error_of(finding.model)
-    for kept in fewer(alike, 2 * len(places), catalogue):
-        found = []
-        for exponent in EXPONENTS:
-            term = Term((Power(V, exponent, free=True),))
-            instances = instances_of(NAME, Screened(term, {}, 0.0), places)
-            model = origin.with_instances([*others, *kept, *instances])
-            found.append(Refined(model, {NAME: term}, error_of(model)))
-        best = min(found, key=lambda refined: refined.error)
-        if best.error < enough:
-            return best
-    return None
+    parts = parts_of(finding.model.effects[len(origin.start.effects) :], laws)
+    error = error_of(finding.model)
+    for alike in together(parts):
+        others = [part for part in parts if part not in alike]
+        at = {part.instance.joint for part in alike}
+        places = [place for place in places_of(origin.start) if place.name in at]
+        own = OWN * len(places)
+
+        def size(kept: Sequence[Part], others: Sequence[Part] = others) -> tuple[int, int]:
+            return len({part.name for part in (*others, *kept)}), unknowns(kept)
+
+        sets = sorted(fewer(alike, own - much, catalogue), key=size)
+        for _, alternatives in groupby(sets, key=size):
+            tried = [(_with_power(origin, [*others, *kept], places), unknowns(kept)) for kept in alternatives]
+            best, beside = min(tried, key=lambda each: each[0].error)
+            saves = beside + own < unknowns(alike)
+            if best.error < ((1.0 + AS_GOOD) if saves else (1.0 - MATERIAL)) * error:
+                yield best
+                break
 
 
-def fewer(
-    alike: Sequence[EffectInstance], own: int, catalogue: Mapping[str, Effect]
-) -> Iterator[list[EffectInstance]]:
-    """The frictions that may stay beside a law with `own` unknowns, the fewest first, so that unknowns are saved: some
-    of those that were found, or a special case of one.
+def together(parts: Sequence[Part]) -> list[list[Part]]:
+    """Functions of the velocity in whose place one may stand: where there are several, at the motors that have the same
+    ones, and at each of these alone; the most unknowns first.
     """
-    names = sorted({instance.effect.name for instance in alike})
-    for size in range(len(names)):
-        sets = [
-            [instance for instance in alike if instance.effect.name in stay]
-            for stay in combinations(names, size)
-        ]
-        if size == 1:
-            sets = [*_special_cases(alike, catalogue), *sets]
-        yield from (kept for kept in sets if _unknowns(kept) + own < _unknowns(alike))
+    sits: dict[str, list[Part]] = {}
+    for part in parts:
+        if part.of_velocity:
+            sits.setdefault(part.instance.joint, []).append(part)
+    groups: dict[tuple[str, ...], list[list[Part]]] = {}
+    for some in sits.values():
+        if len(some) > 1:
+            groups.setdefault(tuple(sorted(part.name for part in some)), []).append(some)
+    joined = [[part for some in group for part in some] for group in groups.values()]
+    alone = [some for group in groups.values() if len(group) > 1 for some in group]
+    return sorted([*joined, *alone], key=lambda some: -unknowns(some))
 
 
-def _special_cases(
-    alike: Sequence[EffectInstance], catalogue: Mapping[str, Effect]
-) -> Iterator[list[EffectInstance]]:
-    """In place of one found effect each of its special cases that was not found."""
-    found = {instance.effect.name for instance in alike}
-    for special in sorted({name for instance in alike for name in instance.effect.contains} - found):
-        yield [
-            replace(instance, effect=catalogue[special], request=f"{special}:{instance.joint}")
-            for instance in alike
-            if special in instance.effect.contains
-        ]
+def _with_power(origin: Origin, stay: Sequence[Part], places: Sequence[Place]) -> Refined:
+    """The model with what stays and a power of the velocity at some places, from the exponent that suits it best."""
+    terms = {part.name: part.term for part in stay if part.term is not None}
+    found = []
+    for exponent in EXPONENTS:
+        term = Term((Power(V, exponent, free=True),))
+        instances = instances_of(NAME, Screened(term, {}, 0.0), places)
+        model = origin.with_instances([*(part.instance for part in stay), *instances])
+        found.append(Refined(model, {**terms, NAME: term}, error_of(model)))
+    return min(found, key=lambda refined: refined.error)
 
 
-def _unknowns(instances: Sequence[EffectInstance]) -> int:
-    return sum(len(instance.effect.parameters) + len(instance.effect.shape) for instance in instances)
+def fewer(alike: Sequence[Part], own: int, catalogue: Mapping[str, Effect]) -> list[list[Part]]:
+    """What may stay beside a law with `own` unknowns, so that unknowns are saved: some of the effects that were found,
+    each as it is or as a special case of it that was not found.
+    """
+    effects = [part for part in alike if part.term is None]
+    found = {part.name for part in effects}
+    ways = []
+    for name in sorted(found):
+        whole = [part for part in effects if part.name == name]
+        specials = sorted({*whole[0].instance.effect.contains} - found)
+        ways.append(
+            [[], whole, *([_as_special_case(part, catalogue[each]) for part in whole] for each in specials)]
+        )
+    sets = ([part for some in chosen for part in some] for chosen in product(*ways))
+    return [kept for kept in sets if unknowns(kept) + own < unknowns(alike)]
+
+
+def _as_special_case(part: Part, special: Effect) -> Part:
+    joint = part.instance.joint
+    return Part(replace(part.instance, effect=special, request=f"{special.name}:{joint}"))

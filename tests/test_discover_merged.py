@@ -1,0 +1,122 @@
+"""One power of the velocity where several functions of it come near one, and the frictions that there truly are."""
+
+import pytest
+
+from bench.diagnosis.discovery.factors import Memory, Power
+from bench.diagnosis.discovery.find import find_missing_effects
+from bench.diagnosis.discovery.grammar import LOAD, V
+from bench.diagnosis.discovery.laws import Law
+from bench.diagnosis.discovery.merged import fewer, together
+from bench.diagnosis.discovery.parts import Part, parts_of, unknowns
+from bench.diagnosis.discovery.source import law_effect
+from bench.diagnosis.discovery.term import Term
+from bench.diagnosis.discovery.variables import Place
+from bench.diagnosis.result import Diagnosis
+from bench.effects import CATALOGUE, EffectInstance
+from bench.identification.problem import problem_of
+from tests.discover_kit import BRAKED, measured
+
+FLOOR = 1.15  # times the noise: what may be left
+LEFT = Place(("left", "right"), (True, True), 0)
+BRAKED_LEFT = {**BRAKED, "joint": "left"}
+
+
+def power(c: float, exponent: float) -> dict[str, object]:
+    return {"effect": "product_law", "joint": "left", "c": c, "direction": 1.0, "v": exponent}
+
+
+def diagnosed(*hidden: dict[str, object]) -> Diagnosis:
+    found = find_missing_effects(problem_of(measured(*hidden)))
+    assert found.unexplained.error < FLOOR * found.unexplained.noise_floor
+    return found
+
+
+@pytest.mark.parametrize(("c", "exponent"), [(0.14, 0.57), (0.14, 1.6), (0.3, 2.4)])
+def test_one_power_of_the_velocity_stands_for_several_functions_that_are_near_it(
+    c: float, exponent: float
+) -> None:
+    """With 0.57 three effects of the catalogue leave no more than noise, with 1.6 two leave a little more."""
+    found = diagnosed(power(c, exponent))
+    assert found.missing == ()
+    (law,) = found.discovered
+    assert law.numbers["p"].value == pytest.approx(exponent, abs=0.02)
+    assert law.terms[0].value == pytest.approx(c, rel=0.02)
+
+
+def test_beside_what_goes_by_something_else_it_is_one_power_too() -> None:
+    found = diagnosed(power(0.3, 1.6), {"effect": "joint_spring", "k": 3.0, "q0": -1.0})
+    assert found.missing == ("joint_spring",)
+    (law,) = found.discovered
+    assert law.numbers["p"].value == pytest.approx(1.6, abs=0.02)
+
+
+FRICTIONS = {
+    "viscous and quadratic": {"viscous_friction": {"Fv": 0.1}, "quadratic_drag": {"c": 0.05}},
+    "Stribeck and viscous": {
+        "stribeck_friction": {"Fc": 0.1, "Fs": 0.1, "vs": 0.3},
+        "viscous_friction": {"Fv": 0.1},
+    },
+}
+
+
+@pytest.mark.parametrize("beside", [(), (BRAKED_LEFT,)], ids=["alone", "beside a law"])
+@pytest.mark.parametrize("frictions", FRICTIONS.values(), ids=FRICTIONS)
+def test_frictions_that_are_there_keep_their_names(
+    frictions: dict[str, dict[str, float]], beside: tuple[dict[str, object], ...]
+) -> None:
+    hidden = [{"effect": name, "joint": "left", **values} for name, values in frictions.items()]
+    found = diagnosed(*hidden, *beside)
+    assert set(found.missing) == set(frictions)
+    assert [law.place for law in found.discovered] == ["left"] * len(beside)
+
+
+def of_catalogue(*names: str, joint: str = "left") -> list[Part]:
+    return [Part(EffectInstance(CATALOGUE[name], joint, f"{name}:{joint}")) for name in names]
+
+
+def law_of(*terms: Term) -> Law:
+    effect, source = law_effect("law", terms, LEFT)
+    return Law("law", terms, (LEFT,), (EffectInstance(effect, "left", "law:left"),), source)
+
+
+def test_a_law_that_saves_no_unknown_stands_for_nothing() -> None:
+    coulomb, viscous, shear = of_catalogue("coulomb_friction", "viscous_friction", "shear_thinning_friction")
+    assert fewer([coulomb, viscous], 2, CATALOGUE) == []
+    kept = fewer([coulomb, viscous, shear], 2, CATALOGUE)
+    assert sorted(kept, key=len) == [[], [viscous], [coulomb]]
+
+
+def test_a_special_case_of_what_was_found_may_stay_beside_a_law() -> None:
+    """Coulomb friction beside a power of the velocity looks like the first three, with viscous friction like all."""
+    found = of_catalogue("stribeck_friction", "shear_thinning_friction", "quadratic_drag", "joint_spring")
+    kept = [sorted(part.name for part in some) for some in fewer(found, 2, CATALOGUE)]
+    assert ["coulomb_friction"] in kept
+    assert ["coulomb_friction", "viscous_friction"] in kept
+    assert ["constant_offset", "coulomb_friction"] in kept
+
+
+def test_an_exponent_that_was_chosen_is_an_unknown_like_one_that_was_adapted() -> None:
+    chosen, adapted = (Term((Power(V, 1.5, free=free),)) for free in (False, True))
+    parts = [parts_of(law_of(term).instances, [law_of(term)]) for term in (chosen, adapted)]
+    assert [unknowns(some) for some in parts] == [2, 2]
+    assert unknowns(of_catalogue("viscous_friction", "stribeck_friction")) == 5
+
+
+def test_terms_of_a_law_count_as_functions_of_the_velocity_by_themselves() -> None:
+    squared, by_load = Term((Power(V, 3.0),)), Term((Power(V), Power(LOAD, 1.0, odd=False)))
+    lagged = Term((Memory(0.1, (Power(V),)),))
+    law = law_of(squared, by_load, lagged)
+    parts = parts_of((*law.instances, of_catalogue("coulomb_friction")[0].instance), [law])
+    assert [part.of_velocity for part in parts] == [True, False, False, True]
+    (alike,) = together(parts)
+    assert [part.name for part in alike] == [parts[0].name, "coulomb_friction"]
+
+
+def test_motors_with_the_same_functions_are_looked_at_together_and_alone() -> None:
+    left, right = (
+        of_catalogue("coulomb_friction", "viscous_friction", joint=joint) for joint in ("left", "right")
+    )
+    assert together([*left, *right]) == [[*left, *right], left, right]
+    assert together([*left, *right[:1]]) == [left]
+    more = [*left, *of_catalogue("quadratic_drag")]
+    assert together([*right, *more]) == [more, right]
