@@ -7,6 +7,7 @@ import pytest
 
 from bench.diagnosis.discovery import find
 from bench.diagnosis.reason import Because, Reason
+from bench.effects import CATALOGUE, EffectInstance
 
 ONE = SimpleNamespace(laws=("law",), diagnosis="one law")
 
@@ -62,3 +63,22 @@ def test_an_effect_that_was_not_needed_may_be_found_beside_a_law(monkeypatch: py
     case: Any = None
     find._found(case, None, True, find.SILENT)
     assert [list(never) for never in asked] == [["stribeck_friction"]]
+
+
+@pytest.mark.parametrize(
+    ("why", "beside", "barred"),
+    [
+        (Reason(Because.IMPOSSIBLE, ("Fc", "left")), "stribeck_friction", False),
+        (Reason(Because.IMPOSSIBLE, ("Fc", "left")), "viscous_friction", True),
+        (Reason(Because.IMPOSSIBLE, ("Fc",)), "stribeck_friction", True),
+        (Reason(Because.NOT_NEEDED), "viscous_friction", False),
+    ],
+    ids=["a special case, at a motor", "no special case", "at all motors", "not needed"],
+)
+def test_a_special_case_that_drove_at_one_motor_may_be_found_beside_a_law(
+    why: Reason, beside: str, barred: bool
+) -> None:
+    """Friction by a power of the load beside Coulomb friction at another motor was called Stribeck friction."""
+    finding: Any = SimpleNamespace(barred={"coulomb_friction": why})
+    named = [EffectInstance(CATALOGUE[beside], "left", beside)]
+    assert ("coulomb_friction" in find._never_beside(finding, named)) is barred

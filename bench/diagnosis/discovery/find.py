@@ -35,6 +35,7 @@ from bench.diagnosis.result import Diagnosis, Discovered, EffectVerdict, LawTerm
 from bench.diagnosis.rounds import judged
 from bench.diagnosis.search import MATERIAL, NEEDED
 from bench.diagnosis.verdicts import judged_error
+from bench.effects import EffectInstance
 from bench.identification.identify import fit
 from bench.identification.mistaken import mistaken
 from bench.identification.prepare import Prepared
@@ -93,6 +94,18 @@ def _never(finding: SearchResult) -> dict[str, Reason]:
     return {name: why for name, why in finding.barred.items() if why.because is not Because.NOT_NEEDED}
 
 
+def _never_beside(finding: SearchResult, named: Sequence[EffectInstance]) -> dict[str, Reason]:
+    """The same beside laws that were found with named effects: their special cases may be found where their sign was
+    impossible at some motors alone, for what drove there may have been the law.
+    """
+    specials = {special for instance in named for special in instance.effect.contains}
+    return {
+        name: why
+        for name, why in _never(finding).items()
+        if name not in specials or why.because is not Because.IMPOSSIBLE or len(why.names) == 1
+    }
+
+
 def something_left(left: Unexplained) -> bool:
     """Whether there is enough beyond the noise to look for laws in."""
     return left.significant or left.error > LEFT * hypot(left.noise_floor, left.encoders)
@@ -136,7 +149,7 @@ def _with_laws(
         prior = max(proposal.prior for proposal in last.proposals)
     proposals = [proposal for proposal in last.proposals if proposal.name not in searched.terms]
     proposals += _proposed(model, laws, prior)
-    barred = _never(plain.finding)
+    barred = _never_beside(plain.finding, named)
     here = judged(origin, model, proposals, barred)
     called = stood_for(here, [law.name for law in laws], barred)
     if called:
