@@ -70,6 +70,14 @@ def test_frictions_that_are_there_keep_their_names(
     assert [law.place for law in found.discovered] == ["left"] * len(beside)
 
 
+def test_a_friction_beside_a_law_has_the_shape_that_it_was_found_with_there() -> None:
+    """In the shape of a model without the law it was Coulomb friction and quadratic drag, for sure."""
+    stribeck = {"effect": "stribeck_friction", "joint": "left", "Fc": 0.05, "Fs": 0.02, "vs": 0.3}
+    found = diagnosed(stribeck, {"effect": "viscous_friction", "joint": "left", "Fv": 0.03}, BRAKED_LEFT)
+    assert set(found.missing) == {"stribeck_friction", "viscous_friction"}
+    assert [law.place for law in found.discovered] == ["left"]
+
+
 def of_catalogue(*names: str, joint: str = "left") -> list[Part]:
     return [Part(EffectInstance(CATALOGUE[name], joint, f"{name}:{joint}")) for name in names]
 

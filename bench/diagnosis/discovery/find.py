@@ -147,7 +147,9 @@ def _with_laws(
     model = origin.with_instances([*named, *(instance for law in laws for instance in law.instances)])
     if prior is None:
         prior = max(proposal.prior for proposal in last.proposals)
-    proposals = [proposal for proposal in last.proposals if proposal.name not in searched.terms]
+    proposals = [
+        _as_in(model, proposal) for proposal in last.proposals if proposal.name not in searched.terms
+    ]
     proposals += _proposed(model, laws, prior)
     barred = _never_beside(plain.finding, named)
     here = judged(origin, model, proposals, barred)
@@ -235,6 +237,13 @@ def _proposed(model: Prepared, laws: Sequence[Law], prior: float) -> list[Propos
         )
         for law in laws
     ]
+
+
+def _as_in(model: Prepared, proposal: Proposal) -> Proposal:
+    """A proposal in the shape that it has in a model, where it is there."""
+    there = {instance.joint: instance for instance in model.effects if instance.effect.name == proposal.name}
+    instances = tuple(there.get(instance.joint, instance) for instance in proposal.instances)
+    return replace(proposal, instances=instances)
 
 
 def _better(finding: SearchResult, plain: Diagnosis, by: float = MATERIAL) -> bool:
