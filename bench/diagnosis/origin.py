@@ -12,7 +12,7 @@ from bench.diagnosis.normal_equations import System
 from bench.diagnosis.restart import restarted
 from bench.effects import EffectInstance, changes_torque
 from bench.identification.effect_columns import PresentModel
-from bench.identification.nonlinear import converged, present_model
+from bench.identification.nonlinear import converged, present_model, settles
 from bench.identification.perturbations import Nearby
 from bench.identification.prepare import Prepared, seen_nearby, with_effects
 from bench.identification.solve_only import solved_quickly
@@ -64,8 +64,7 @@ class Origin:
         """A model that is converged as it is known nearby, converged as it is."""
         if model.nearby is None:
             return model
-        near = with_effects(self.start, model.effects, model.present)
-        return at_its_solution(self._converged(near, nearly=model.converged))
+        return self._settled(self.start, model.effects, model.present, nearly=model.converged)
 
     def with_instances(self, instances: Sequence[EffectInstance]) -> Prepared:
         """The starting model with these effects, converged; first as it is known nearby, if that is less work."""
@@ -73,7 +72,7 @@ class Origin:
             return self.exactly(self._settled_nearby(instances))
         found = self._found_before(instances)
         if found is None:
-            found = self._converged(with_effects(self.start, (*self.start.effects, *instances)))
+            found = self._converged(self.start, (*self.start.effects, *instances))
             if found.converged and _hashable(found.effects):
                 self.known[tuple(instances)] = found.effects, found.present
         return at_its_solution(found)
@@ -90,15 +89,15 @@ class Origin:
         if (found := self._found_before(instances)) is not None:
             return at_its_solution(found)
         start = seen_nearby(self.start, self.nearby) if _less_nearby(instances) else self.start
-        near = with_effects(start, (*self.start.effects, *instances), model.present)
-        return self.exactly(at_its_solution(self._converged(near, nearly=True)))
+        every = *self.start.effects, *instances
+        return self.exactly(self._settled(start, every, model.present, nearly=True))
 
     def again_nearby(self, model: Prepared) -> Prepared:
         """A model that is converged as it is, converged as it is known nearby, if that is less work."""
         if not _less_nearby(model.effects[len(self.start.effects) :]):
             return model
-        near = with_effects(seen_nearby(self.start, self.nearby), model.effects, model.present)
-        return at_its_solution(self._converged(near, nearly=True))
+        near = seen_nearby(self.start, self.nearby)
+        return self._settled(near, model.effects, model.present, nearly=True)
 
     def joined_nearby(
         self, model: Prepared, others: Sequence[EffectInstance], added: Sequence[EffectInstance]
@@ -106,16 +105,32 @@ class Origin:
         """A model converged nearby with some of its effects and one more, which has its shape beside these first."""
         rest = with_effects(model, (*self.start.effects, *others))
         joining = shaped(self.context(rest), added)
-        joined = with_effects(model, (*rest.effects, *joining))
-        return at_its_solution(self._converged(joined, nearly=True))
+        return self._settled(model, (*rest.effects, *joining), nearly=True)
 
     def _settled_nearby(self, instances: Sequence[EffectInstance]) -> Prepared:
-        near = with_effects(seen_nearby(self.start, self.nearby), (*self.start.effects, *instances))
-        return self._converged(near)
+        return self._converged(seen_nearby(self.start, self.nearby), (*self.start.effects, *instances))
 
-    def _converged(self, model: Prepared, *, nearly: bool = False) -> Prepared:
-        """See `converged`; what the starting model has stays."""
-        return converged(model, nearly=nearly, added_from=len(self.start.effects))
+    def _settled(
+        self,
+        model: Prepared,
+        effects: Sequence[EffectInstance],
+        present: PresentModel | None = None,
+        *,
+        nearly: bool,
+    ) -> Prepared:
+        return at_its_solution(self._converged(model, effects, present, nearly=nearly))
+
+    def _converged(
+        self,
+        model: Prepared,
+        effects: Sequence[EffectInstance],
+        present: PresentModel | None = None,
+        *,
+        nearly: bool = False,
+    ) -> Prepared:
+        """A model with other effects, converged, see there; what the starting model has stays."""
+        begun = with_effects(model, effects, present, fitted_only=settles(effects))
+        return converged(begun, nearly=nearly, added_from=len(self.start.effects))
 
 
 def _instances(proposals: Sequence[Proposal], chosen: Sequence[int]) -> list[EffectInstance]:
@@ -140,7 +155,7 @@ def origin_of(start: Prepared) -> Origin:
 
 def at_its_solution(model: Prepared) -> Prepared:
     """A converged model, with itself as what effects are linearised about; from nominal gains where it has run away."""
-    if any(instance.effect.shape or instance.effect.depends_on_model for instance in model.effects):
+    if settles(model.effects):
         return model
     stack, solution = solved_quickly(model)
     present = present_model(model, restarted(stack, solution, model.dataset.robot.nominal_gains))

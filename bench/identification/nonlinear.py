@@ -50,6 +50,11 @@ def present_model(prepared: Prepared, solution: Solution) -> PresentModel:
     )
 
 
+def settles(instances: Sequence[EffectInstance]) -> bool:
+    """Whether effects have anything that is settled in rounds; until then, what is not fitted needs no columns."""
+    return any(instance.effect.shape or instance.effect.depends_on_model for instance in instances)
+
+
 def converged(prepared: Prepared, *, nearly: bool = False, added_from: int | None = None) -> Prepared:
     """Shape parameters found and model-dependent columns linearised, in a few rounds; nothing to do without.
 
@@ -59,15 +64,14 @@ def converged(prepared: Prepared, *, nearly: bool = False, added_from: int | Non
     that it added; these leave the places where they are out of bounds (see out_of_bounds.py).
     """
     instances = prepared.effects
-    curved = [instance for instance in instances if instance.effect.shape or instance.effect.depends_on_model]
-    if prepared.converged or not curved:
+    if prepared.converged or not settles(instances):
         return prepared
     present = prepared.present
     before: tuple[np.ndarray, ...] | None = None
     if nearly:
         before = _state(prepared, *solved_quickly(prepared))
     else:
-        straight = [instance for instance in instances if instance not in curved]
+        straight = [instance for instance in instances if not settles([instance])]
         plain = with_effects(prepared, straight, fitted_only=True)
         present = present_model(plain, solved_quickly(plain)[1])
     last = instances
