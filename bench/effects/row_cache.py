@@ -1,20 +1,19 @@
 """Rows that were computed before, kept for when they are asked for again."""
 
 from collections.abc import Hashable
+from typing import Generic, TypeVar
 
 import numpy as np
 
 MOST_BYTES = 20_000_000
+Value = TypeVar("Value")
 
 
-class KeptRows:
-    """Arrays (M, n, k) by what they follow from; those not asked for the longest go where all are too large.
-
-    Where most columns are zero, as those of an effect at one motor are, only the others take memory.
-    """
+class Kept(Generic[Value]):
+    """Values by what they follow from; those not asked for the longest go where all are too large."""
 
     def __init__(self, most_bytes: int = MOST_BYTES) -> None:
-        self._parts: dict[Hashable, tuple[tuple[int, ...], np.ndarray | None, np.ndarray]] = {}
+        self._parts: dict[Hashable, tuple[Value, int]] = {}
         self._bytes = 0
         self._most = most_bytes
 
@@ -23,8 +22,8 @@ class KeptRows:
         """What is kept takes so much."""
         return self._bytes
 
-    def get(self, key: Hashable) -> np.ndarray | None:
-        """The array kept for this key, not to be changed; None where there is none.
+    def get(self, key: Hashable) -> Value | None:
+        """The value kept for this key, not to be changed; None where there is none.
 
         Raises TypeError where it cannot be a key.
         """
@@ -32,6 +31,42 @@ class KeptRows:
         if part is None:
             return None
         self._parts[key] = part
+        return part[0]
+
+    def keep(self, key: Hashable, value: Value, nbytes: int) -> None:
+        """Keep a value that takes so much, and that nobody may change from now on."""
+        if nbytes > self._most or key in self._parts:
+            return
+        self._parts[key] = value, nbytes
+        self._bytes += nbytes
+        while self._bytes > self._most:
+            self._bytes -= self._parts.pop(next(iter(self._parts)))[1]
+
+    def forget(self) -> None:
+        """Keep none of them."""
+        self._parts.clear()
+        self._bytes = 0
+
+
+class KeptRows:
+    """Arrays (M, n, k) as `Kept` has them.
+
+    Where most columns are zero, as those of an effect at one motor are, only the others take memory.
+    """
+
+    def __init__(self, most_bytes: int = MOST_BYTES) -> None:
+        self._kept = Kept[tuple[tuple[int, ...], np.ndarray | None, np.ndarray]](most_bytes)
+
+    @property
+    def nbytes(self) -> int:
+        """See `Kept`."""
+        return self._kept.nbytes
+
+    def get(self, key: Hashable) -> np.ndarray | None:
+        """See `Kept`."""
+        part = self._kept.get(key)
+        if part is None:
+            return None
         shape, filled, values = part
         if filled is None:
             return values
@@ -45,14 +80,8 @@ class KeptRows:
         filled = np.flatnonzero(flat.any(axis=0))
         sparse = 2 * len(filled) < flat.shape[1]
         values = flat[:, filled] if sparse else rows
-        if values.nbytes > self._most or key in self._parts:
-            return
-        self._parts[key] = (rows.shape, filled if sparse else None, values)
-        self._bytes += values.nbytes
-        while self._bytes > self._most:
-            self._bytes -= self._parts.pop(next(iter(self._parts)))[2].nbytes
+        self._kept.keep(key, (rows.shape, filled if sparse else None, values), values.nbytes)
 
     def forget(self) -> None:
-        """Keep none of them."""
-        self._parts.clear()
-        self._bytes = 0
+        """See `Kept`."""
+        self._kept.forget()

@@ -16,11 +16,12 @@ from bench.basics.errors import BenchError
 from bench.basics.interpolation import cubic_spline
 from bench.effects import RobotSignals, changes_torque
 from bench.effects.motor_link_difference import motion_band
-from bench.effects.row_cache import KeptRows
+from bench.effects.row_cache import Kept, KeptRows
 from bench.effects.signals import OVERSAMPLING, UNCHANGED, Borne, Changed, Sparse
 from bench.identification.effect_columns import PresentModel, combined_torque, needed_torque
 from bench.identification.filtered import Measured
 from bench.identification.perturbed_observation import geometry_key
+from bench.identification.small_change import KEPT, SmallChange, small_change
 from bench.identification.sparse_signals import FEWEST, sparse_gaps, sparse_joint
 from bench.model.geometry import Geometry
 from bench.model.model import IdentificationModel
@@ -34,7 +35,6 @@ FINENESS = 10.0  # samples in a period of the highest frequency of the motion
 SHARE = 0.1  # of the RMS speed, likewise
 OWN = ("passing", "noted", "sparse")  # what signals keep of their own, for changes that are exact
 MOST_BYTES = 80_000_000  # of what is kept
-KEPT = np.float32  # small changes need no more digits
 
 
 class Nearby:
@@ -58,27 +58,27 @@ class Nearby:
         trees = [measurement.tree.at(few) for measurement, few in every]
         parts = ("time", "q", "v", "a", "jacobian")
         self._tree = Motion(*(np.concatenate([getattr(tree, name) for tree in trees]) for name in parts))
-        self._kept = KeptRows(MOST_BYTES)
+        self._kept = Kept[SmallChange](MOST_BYTES)
         self.rows = tuple(KeptRows() for _ in measured)
         self._barred: dict[bytes, str] = {}
         self._sparse: dict[int, tuple[NearbySignals, RobotSignals]] = {}
         self._seen: tuple[PresentModel, tuple[RobotSignals, ...]] | None = None
 
-    def shifted(self, order: int, motor: int) -> np.ndarray:
+    def shifted(self, order: int, motor: int) -> SmallChange:
         """Derivative of the matrix by one active position (order 0), velocity (1) or acceleration (2).
 
         Raises BenchError where the loops cannot be closed beside the motion.
         """
         return self._differences(order, motor)[0]
 
-    def bent(self, motor: int) -> np.ndarray:
+    def bent(self, motor: int) -> SmallChange:
         """Second derivative of the matrix by one active position. Raises BenchError as `shifted` does."""
         return self._differences(0, motor)[1]
 
-    def _differences(self, order: int, motor: int) -> list[np.ndarray]:
+    def _differences(self, order: int, motor: int) -> list[SmallChange]:
         keys = [(order, motor, 1)] if order else [(order, motor, 1), (order, motor, 2)]
         kept = [self._kept.get(key) for key in keys]
-        found = [rows for rows in kept if rows is not None]
+        found = [change for change in kept if change is not None]
         if len(found) == len(keys):
             return found
         motors = range(len(self._model.geometry.active)) if self._may_keep_all else [motor]
@@ -95,11 +95,11 @@ class Nearby:
                     raise out_of_reach[0]
                 continue
             more, less = map(np.asarray, both)
-            differences = [((more - less) / (2.0 * step)).astype(KEPT, order="C")]
+            differences = [small_change((more - less) / (2.0 * step))]
             if not order:
-                differences.append(((more + less - 2.0 * self._own) / step**2).astype(KEPT, order="C"))
-            for (_, _, degree), rows in zip(keys, differences, strict=True):
-                self._kept.keep((order, index, degree), rows)
+                differences.append(small_change((more + less - 2.0 * self._own) / step**2))
+            for (_, _, degree), change in zip(keys, differences, strict=True):
+                self._kept.keep((order, index, degree), change, change.values.nbytes)
             if index == motor:
                 found = differences
         return found
@@ -143,32 +143,32 @@ class Nearby:
         )
         return near
 
-    def turned(self, axis: int) -> np.ndarray:
+    def turned(self, axis: int) -> SmallChange:
         """What one m/s2 more of gravity along an axis of the world adds to the matrix."""
         own = self._model.geometry
         key = ("gravity", axis)
-        rows = self._kept.get(key)
-        if rows is None:
+        change = self._kept.get(key)
+        if change is None:
             more = replace(own, gravity=own.gravity + np.eye(3)[axis])
-            rows = (self._rows(more, self._tree) - self._own).astype(KEPT, order="C")
-            self._kept.keep(key, rows)
-        return rows
+            change = small_change(self._rows(more, self._tree) - self._own)
+            self._kept.keep(key, change, change.values.nbytes)
+        return change
 
-    def changed(self, geometry: Geometry) -> np.ndarray:
+    def changed(self, geometry: Geometry) -> SmallChange:
         """What other lengths add to the matrix. Raises BenchError where the loops cannot be closed with them."""
         key = geometry_key(geometry)
         if key in self._barred:
             raise BenchError(self._barred[key])
-        rows = self._kept.get(key)
-        if rows is None:
+        change = self._kept.get(key)
+        if change is None:
             try:
                 tree = motion_beside(geometry, self._tree, *self._active)
             except BenchError as error:
                 self._barred[key] = str(error)
                 raise
-            rows = (self._rows(geometry, tree) - self._own).astype(KEPT, order="C")
-            self._kept.keep(key, rows)
-        return rows
+            change = small_change(self._rows(geometry, tree) - self._own)
+            self._kept.keep(key, change, change.values.nbytes)
+        return change
 
     @cached_property
     def _own(self) -> np.ndarray:
@@ -312,18 +312,12 @@ class NearbySignals(RobotSignals):
 
     def _change(self, gravity: np.ndarray | None, geometry: Geometry | None) -> np.ndarray:
         """What another gravity or geometry adds to the torque at the few samples."""
-        nearby = self.nearby
         if geometry is not None:
-            rows = nearby.changed(geometry)
-        else:
-            more = np.zeros(3) if gravity is None else gravity - self.geometry.gravity
-            rows = sum(
-                (by * nearby.turned(axis) for axis, by in enumerate(more) if by),
-                np.zeros(
-                    (nearby.part[-1].stop, len(self.joints), len(self.parameters) + len(self.redundant))
-                ),
-            )
-        return self._torque(rows)
+            return self._torque(self._rows(self.nearby.changed(geometry)))
+        more = np.zeros(3) if gravity is None else gravity - self.geometry.gravity
+        nothing = np.zeros((len(self.knots), len(self.joints), len(self.parameters) + len(self.redundant)))
+        turned = (by * self._rows(self.nearby.turned(axis)) for axis, by in enumerate(more) if by)
+        return self._torque(sum(turned, nothing))
 
     def _slopes(self, order: int, motor: int) -> tuple[np.ndarray, np.ndarray | float]:
         """First and second derivatives (K, n) of the torque by a shift, at the coarse samples.
@@ -337,12 +331,16 @@ class NearbySignals(RobotSignals):
                 self.noted[keys[1]] = self._noted(self.nearby.bent(motor))
         return self.noted[keys[0]], self.noted.get(keys[1], 0.0)
 
-    def _noted(self, rows: np.ndarray) -> np.ndarray:
-        return self._smooth(self._torque(rows), self.coarse.time)
+    def _noted(self, change: SmallChange) -> np.ndarray:
+        return self._smooth(self._torque(self._rows(change)), self.coarse.time)
+
+    def _rows(self, change: SmallChange) -> np.ndarray:
+        """Of a change of all recordings' rows those of this one, at the few samples."""
+        return change.rows(self.nearby.part[self.index])
 
     def _torque(self, rows: np.ndarray) -> np.ndarray:
-        """What the rows of all recordings mean for this one at the few samples, (K, n)."""
-        return combined_torque(rows[self.nearby.part[self.index]], self.parameters, self.beside)
+        """What rows of this recording mean, (K, n)."""
+        return combined_torque(rows, self.parameters, self.beside)
 
     def _smooth(self, values: np.ndarray, time: np.ndarray) -> np.ndarray:
         if len(self.knots) == len(time):
