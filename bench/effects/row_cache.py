@@ -9,7 +9,7 @@ MOST_BYTES = 20_000_000
 Value = TypeVar("Value")
 
 
-class Kept(Generic[Value]):
+class LeastAsked(Generic[Value]):
     """Values by what they follow from; those not asked for the longest go where all are too large."""
 
     def __init__(self, most_bytes: int = MOST_BYTES) -> None:
@@ -49,21 +49,21 @@ class Kept(Generic[Value]):
 
 
 class KeptRows:
-    """Arrays (M, n, k) as `Kept` has them.
+    """Arrays (M, n, k) as `LeastAsked` has them.
 
     Where most columns are zero, as those of an effect at one motor are, only the others take memory.
     """
 
     def __init__(self, most_bytes: int = MOST_BYTES) -> None:
-        self._kept = Kept[tuple[tuple[int, ...], np.ndarray | None, np.ndarray]](most_bytes)
+        self._kept = LeastAsked[tuple[tuple[int, ...], np.ndarray | None, np.ndarray]](most_bytes)
 
     @property
     def nbytes(self) -> int:
-        """See `Kept`."""
+        """See `LeastAsked`."""
         return self._kept.nbytes
 
     def get(self, key: Hashable) -> np.ndarray | None:
-        """See `Kept`."""
+        """See `LeastAsked`."""
         part = self._kept.get(key)
         if part is None:
             return None
@@ -83,5 +83,5 @@ class KeptRows:
         self._kept.keep(key, (rows.shape, filled if sparse else None, values), values.nbytes)
 
     def forget(self) -> None:
-        """See `Kept`."""
+        """See `LeastAsked`."""
         self._kept.forget()

@@ -16,7 +16,7 @@ from bench.basics.errors import BenchError
 from bench.basics.interpolation import cubic_spline
 from bench.effects import RobotSignals, changes_torque
 from bench.effects.motor_link_difference import motion_band
-from bench.effects.row_cache import Kept, KeptRows
+from bench.effects.row_cache import KeptRows, LeastAsked
 from bench.effects.signals import OVERSAMPLING, UNCHANGED, Borne, Changed, Sparse
 from bench.identification.effect_columns import PresentModel, combined_torque, needed_torque
 from bench.identification.filtered import Measured
@@ -58,7 +58,7 @@ class Nearby:
         trees = [measurement.tree.at(few) for measurement, few in every]
         parts = ("time", "q", "v", "a", "jacobian")
         self._tree = Motion(*(np.concatenate([getattr(tree, name) for tree in trees]) for name in parts))
-        self._kept = Kept[SmallChange](MOST_BYTES)
+        self._kept = LeastAsked[SmallChange](MOST_BYTES)
         self.rows = tuple(KeptRows() for _ in measured)
         self._barred: dict[bytes, str] = {}
         self._sparse: dict[int, tuple[NearbySignals, RobotSignals]] = {}
