@@ -6,9 +6,10 @@ from typing import Any
 
 import pytest
 
-from bench.diagnosis.discovery import refine
+from bench.diagnosis.discovery import find, refine
 from bench.diagnosis.discovery.refine import NEARBY, THERE, Refined, refined
-from bench.diagnosis.search import MATERIAL
+from bench.diagnosis.rounds import Round
+from bench.diagnosis.search import MATERIAL, Found
 
 LESS = 1.0 - MATERIAL  # times the error of the found model: where a variant is clearly better
 
@@ -59,3 +60,49 @@ def test_one_that_is_nearly_better_is_judged_once_it_is_converged(
     assert converged
     assert (best.model.present == "converged") is taken
     assert best.error == (exact if taken else 1.0)
+
+
+def test_an_effect_that_is_not_needed_goes_before_a_number_is_set_free(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """A law beside a length that it makes superfluous came out with an exponent that nothing asked for."""
+    law, length = (SimpleNamespace(effect=SimpleNamespace(name=name)) for name in ("law", "length"))
+    whole = SimpleNamespace(error=1.0, nearby=None, effects=(law, length), present="")
+    fewer = SimpleNamespace(error=1.001, nearby=None, effects=(law,), present="")
+    origin: Any = SimpleNamespace(
+        start=SimpleNamespace(effects=()), again_nearby=lambda of: of, exactly=lambda of: of
+    )
+    asked: list[set[str]] = []
+
+    def without(_: Any, __: Any, kept: set[str], ___: float) -> Any:
+        asked.append(kept)
+        return fewer
+
+    monkeypatch.setattr(refine, "error_of", lambda of: of.error)
+    monkeypatch.setattr(refine, "_without", without)
+    monkeypatch.setattr(refine, "_tried", lambda *_: iter(()))
+    monkeypatch.setattr(refine, "_slower", lambda *_: False)
+    term: Any = "term"
+    best = refined(origin, whole, {"law": term}, ())  # type: ignore[arg-type]
+    assert best.model is fewer  # type: ignore[comparison-overlap]
+    assert asked == [{"law"}], "the law itself is not what goes"
+    assert best.terms == {"law": term}
+
+
+def test_the_set_of_a_converged_model_is_one_that_a_search_begins_with(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Of laws at one motor each none shows alone, and a search that grew from single effects missed them."""
+    proposals: Any = [SimpleNamespace(name=name) for name in ("a", "b", "c")]
+    model: Any = SimpleNamespace(effects=[SimpleNamespace(effect=SimpleNamespace(name=n)) for n in "bc"])
+    origin: Any = SimpleNamespace(start=SimpleNamespace(effects=()))
+    found = Found(SimpleNamespace(total=10.0, fit=SimpleNamespace(chosen=(0,))), {}, None)  # type: ignore[arg-type]
+    monkeypatch.setattr(find, "judged", lambda *_: Round(model, proposals, None, found))  # type: ignore[arg-type]
+    monkeypatch.setattr(find, "usable", lambda *_: [0, 1, 2])
+    for total, chosen in ((20.0, (1, 2)), (5.0, (0,))):
+        best = SimpleNamespace(total=total, fit=SimpleNamespace(chosen=(1, 2)))
+        begun: list[Any] = []
+        monkeypatch.setattr(find, "best_set", lambda _, begin, __, b=best, s=begun: s.extend(begin) or b)
+        here = find._judged_from(origin, model, proposals, ())
+        assert here.chosen == chosen
+        assert [1, 2] in begun

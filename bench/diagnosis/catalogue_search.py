@@ -287,10 +287,8 @@ def _where_it_shows(
         there_only = origin.exactly(model)
     if there_only is model:
         return model, result
-    fitted = fit(there_only)
-    return (
-        (there_only, fitted) if model.nearby is None else _where_it_shows(origin, there_only, fitted, given)
-    )
+    fitted, nearly = fit(there_only), model.nearby is not None or model.provisional
+    return _where_it_shows(origin, there_only, fitted, given) if nearly else (there_only, fitted)
 
 
 def _relative(after: Identification, system: System, found: Found) -> float:

@@ -14,6 +14,7 @@ WHAT = {
     "load": "load",
     "time": "time",
     "tool_speed": "speed of the tool",
+    "others_load": "load of the other motors",
 }
 
 

@@ -12,10 +12,18 @@ from bench.diagnosis.normal_equations import System
 from bench.diagnosis.restart import restarted
 from bench.effects import EffectInstance, changes_torque
 from bench.identification.effect_columns import PresentModel
-from bench.identification.nonlinear import converged, present_model, settles
+from bench.identification.nonlinear import (
+    MOST_ROUNDS,
+    converged,
+    converged_from,
+    present_model,
+    settles,
+)
 from bench.identification.perturbations import Nearby
 from bench.identification.prepare import Prepared, seen_nearby, with_effects
 from bench.identification.solve_only import solved_quickly
+
+SEARCHED = 1  # rounds as a model is, after it has settled nearby, as long as the search goes on
 
 
 @dataclass(frozen=True)
@@ -58,13 +66,15 @@ class Origin:
         if not _less_nearby(instances):
             return self.with_instances(instances)
         near = self._settled_nearby(instances)
-        return at_its_solution(near) if leaves_only_noise(system, near, self.noise) else self.exactly(near)
+        if leaves_only_noise(system, near, self.noise):
+            return at_its_solution(near)
+        return self._seen_by(self.start, near, SEARCHED)
 
     def exactly(self, model: Prepared) -> Prepared:
         """A model that is converged as it is known nearby, converged as it is."""
-        if model.nearby is None:
+        if model.nearby is None and not model.provisional:
             return model
-        return self._settled(self.start, model.effects, model.present, nearly=model.converged)
+        return self._seen_by(self.start, model)
 
     def with_instances(self, instances: Sequence[EffectInstance]) -> Prepared:
         """The starting model with these effects, converged; first as it is known nearby, if that is less work."""
@@ -96,8 +106,7 @@ class Origin:
         """A model that is converged as it is, converged as it is known nearby, if that is less work."""
         if not _less_nearby(model.effects[len(self.start.effects) :]):
             return model
-        near = seen_nearby(self.start, self.nearby)
-        return self._settled(near, model.effects, model.present, nearly=True)
+        return self._seen_by(seen_nearby(self.start, self.nearby), model)
 
     def joined_nearby(
         self, model: Prepared, others: Sequence[EffectInstance], added: Sequence[EffectInstance]
@@ -119,6 +128,12 @@ class Origin:
         nearly: bool,
     ) -> Prepared:
         return at_its_solution(self._converged(model, effects, present, nearly=nearly))
+
+    def _seen_by(self, other: Prepared, model: Prepared, most: int = MOST_ROUNDS) -> Prepared:
+        """A converged model as another sees its effects, who sees them nearby, or as they are. most: rounds."""
+        if not settles(model.effects):
+            return self._settled(other, model.effects, model.present, nearly=False)
+        return converged_from(other, model, added_from=len(self.start.effects), most=most)
 
     def _converged(
         self,

@@ -11,7 +11,7 @@ from bench.identification.effect_columns import PresentModel
 from bench.identification.newton import stepped
 from bench.identification.out_of_bounds import staying
 from bench.identification.partial_regression import partial_regression
-from bench.identification.prepare import Prepared, with_effects
+from bench.identification.prepare import Prepared, with_effects, with_judged
 from bench.identification.shapes import best_shape
 from bench.identification.solution import Solution
 from bench.identification.solve_only import linearised, solved_quickly, spread
@@ -66,16 +66,48 @@ def converged(prepared: Prepared, *, nearly: bool = False, added_from: int | Non
     instances = prepared.effects
     if prepared.converged or not settles(instances):
         return prepared
-    present = prepared.present
-    before: tuple[np.ndarray, ...] | None = None
     if nearly:
-        before = _state(prepared, *solved_quickly(prepared))
-    else:
-        straight = [instance for instance in instances if not settles([instance])]
-        plain = with_effects(prepared, straight, fitted_only=True)
-        present = present_model(plain, solved_quickly(plain)[1])
-    last = instances
-    for _ in range(MOST_ROUNDS):
+        begun, present, before = _begun(prepared)
+        return _rounds(prepared, begun, present, before, added_from)
+    straight = [instance for instance in instances if not settles([instance])]
+    plain = with_effects(prepared, straight, fitted_only=True)
+    present = present_model(plain, solved_quickly(plain)[1])
+    return _rounds(prepared, instances, present, None, added_from)
+
+
+def converged_from(
+    prepared: Prepared, model: Prepared, *, added_from: int | None = None, most: int = MOST_ROUNDS
+) -> Prepared:
+    """The effects of a converged model converged as they are seen otherwise: in place of nearby as they are, say.
+
+    prepared: that sees them so; its own effects are not asked for. most: rounds; after fewer than MOST_ROUNDS a model
+    that has not settled is `provisional`. added_from: as `converged`.
+    """
+    return _rounds(prepared, *_begun(model), added_from, most)
+
+
+def _begun(model: Prepared) -> tuple[tuple[EffectInstance, ...], PresentModel, tuple[np.ndarray, ...]]:
+    """What a model's solution asks its effects to be linearised about, and its state."""
+    stack, solution = solved_quickly(model)
+    about = linearised(model.effects, solution.theta[model.layout.size - model.layout.effects :])
+    instances = tuple(x if x.effect.bends else y for x, y in zip(model.effects, about, strict=True))
+    return instances, present_model(model, solution), _state(model, stack, solution)
+
+
+def _rounds(
+    prepared: Prepared,
+    instances: tuple[EffectInstance, ...],
+    present: PresentModel,
+    before: tuple[np.ndarray, ...] | None,
+    added_from: int | None,
+    most: int = MOST_ROUNDS,
+) -> Prepared:
+    """Rounds from effects that are linearised about `present`, until the state is as it was `before`.
+
+    A model that has settled keeps the columns with which it was seen to have.
+    """
+    last, settled = instances, False
+    for _ in range(most):
         prepared = with_effects(prepared, instances, present, fitted_only=True)
         solved = None if before is None else solved_quickly(prepared)
         together = None if solved is None else stepped(prepared, *solved)
@@ -96,15 +128,16 @@ def converged(prepared: Prepared, *, nearly: bool = False, added_from: int | Non
             instances, last = (tuple(each[i] for i in stay) for each in (instances, last))
             present = replace(present, effects=tuple(present.effects[i] for i in stay))
             prepared = with_effects(prepared, instances, present, fitted_only=True)
-            stack, solution = solved_quickly(prepared)
-            present = present_model(prepared, solution)
-            before = _state(prepared, stack, solution)
+            instances, present, before = _begun(prepared)
             continue
         now = _state(replace(prepared, effects=instances), stack, solution)
         if before is not None and _alike(now, before, int(stack.moving.sum())):
+            settled = True
             break
         before = now
-    return replace(with_effects(prepared, instances, present), converged=True)
+    if not settled and most == MOST_ROUNDS:
+        return replace(with_effects(prepared, instances, present), converged=True)
+    return replace(with_judged(prepared), converged=True, provisional=not settled)
 
 
 def _state(prepared: Prepared, stack: Stack, solution: Solution) -> tuple[np.ndarray, ...]:

@@ -34,8 +34,8 @@ class Prepared:
 
     measured and observations go together, one for each recording that can be used. present: the model that
     effects are linearised about; signals: what they see of each recording. fit_gains: whether drive gains
-    are unknowns. converged: whether effects that are not
-    linear have their shape and are linearised about this very model. nearby: where small changes of the torque are
+    are unknowns. converged: whether effects that are not linear have their shape and are linearised about this very
+    model; provisional: though not to the end, as is enough in a search. nearby: where small changes of the torque are
     taken from, in place of what effects compute exactly. contradicted: loop closures that other encoders deny. bands:
     what the spectra of the recordings to identify from say, None where nobody has read them. kept: what models of these
     recordings have in common.
@@ -52,6 +52,7 @@ class Prepared:
     signals: tuple[RobotSignals, ...]
     fit_gains: bool = False
     converged: bool = False
+    provisional: bool = False
     nearby: Nearby | None = None
     contradicted: tuple[Finding, ...] = ()
     bands: Bands | None = None
@@ -199,13 +200,26 @@ def with_effects(
         present=present,
         signals=signals,
         converged=False,
+        provisional=False,
     )
+
+
+def with_judged(prepared: Prepared) -> Prepared:
+    """The same, where recordings that are not fitted have the effects' columns too."""
+    decimation, effects = prepared.settings.decimation, prepared.effects
+    observations = tuple(
+        observation
+        if observation.use == "identify"
+        else replace(observation, effects=effect_rows(seen, decimation, effects))
+        for seen, observation in zip(prepared.signals, prepared.observations, strict=True)
+    )
+    return replace(prepared, observations=observations)
 
 
 def seen_nearby(prepared: Prepared, nearby: Nearby) -> Prepared:
     """The same with small changes of the torque taken from what is known nearby."""
     signals = nearby.signals(prepared.present, prepared.signals)
-    return replace(prepared, signals=signals, nearby=nearby, converged=False)
+    return replace(prepared, signals=signals, nearby=nearby, converged=False, provisional=False)
 
 
 def _speeds(model: IdentificationModel, measured: Measured) -> np.ndarray:

@@ -1,6 +1,6 @@
 """Diagnosis with the effects of a catalogue and, where these leave something, with laws that are in none."""
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
 from math import hypot
 
@@ -18,6 +18,7 @@ from bench.diagnosis.catalogue_search import (
     split_and_fitted,
 )
 from bench.diagnosis.discovery.called import stood_for
+from bench.diagnosis.discovery.choose import best_set
 from bench.diagnosis.discovery.doubted import doubted
 from bench.diagnosis.discovery.laws import Law, laws_of
 from bench.diagnosis.discovery.merged import merged
@@ -30,9 +31,10 @@ from bench.diagnosis.discovery.smooth import tabled_laws
 from bench.diagnosis.discovery.term import Term
 from bench.diagnosis.discovery.variables import Place
 from bench.diagnosis.normal_equations import solve_set
+from bench.diagnosis.origin import Origin
 from bench.diagnosis.reason import Because, Reason
 from bench.diagnosis.result import Diagnosis, Discovered, EffectVerdict, LawTerm, LooksAt, Unexplained
-from bench.diagnosis.rounds import judged
+from bench.diagnosis.rounds import Round, judged, usable
 from bench.diagnosis.search import MATERIAL, NEEDED
 from bench.diagnosis.verdicts import judged_error
 from bench.effects import EffectInstance
@@ -152,7 +154,7 @@ def _with_laws(
     ]
     proposals += _proposed(model, laws, prior)
     barred = _never_beside(plain.finding, named)
-    here = judged(origin, model, proposals, barred)
+    here = _judged_from(origin, model, proposals, barred)
     called = stood_for(here, [law.name for law in laws], barred)
     if called:
         laws = [law for law in laws if law.name not in called]
@@ -163,9 +165,11 @@ def _with_laws(
             for instance in proposal.instances
         ]
         model = origin.with_instances([*named, *(instance for law in laws for instance in law.instances)])
-        here = judged(
+        here = _judged_from(
             origin, model, [proposal for proposal in proposals if proposal.name not in called], barred
         )
+    if not called and here.names.isdisjoint(law.name for law in laws):
+        return plain
     finding = search_from(case, origin, here, progress, barred)
     staying = tuple(law for law in laws if law.name in finding.names)
     simpler = fewer and _unknowns(finding, staying) < _unknowns(plain.finding, plain.laws)
@@ -173,6 +177,18 @@ def _with_laws(
     if not (staying or called) or not good:
         return plain
     return _Answer(finding, staying, _told(finding, staying, answered(case, finding, progress)))
+
+
+def _judged_from(
+    origin: Origin, model: Prepared, proposals: Sequence[Proposal], barred: Collection[str]
+) -> Round:
+    """As `judged`, but the set is sought from that of the model, too: of laws at one motor each none shows alone."""
+    here = judged(origin, model, proposals, barred)
+    there = {instance.effect.name for instance in model.effects[len(origin.start.effects) :]}
+    known = usable(proposals, barred)
+    begun = [i for i in known if proposals[i].name in there]
+    best = best_set(here.system, [begun, here.chosen], known)
+    return replace(here, found=replace(here.found, best=best)) if best.total > here.found.best.total else here
 
 
 def _with_one_for_several(case: SplitProblem, plain: _Answer, progress: Progress) -> _Answer:
@@ -214,6 +230,8 @@ def _with_tables(case: SplitProblem, plain: _Answer, progress: Progress) -> _Ans
     proposals = [proposal for proposal in finding.last.proposals if proposal.name in finding.names]
     proposals += _proposed(model, laws, NEEDED)
     here = judged(origin, model, proposals, finding.barred)
+    if here.names.isdisjoint(law.name for law in laws):
+        return plain
     wider = search_from(case, origin, here, progress, finding.barred)
     staying = tuple(law for law in (*plain.laws, *laws) if law.name in wider.names)
     if not {law.name for law in laws}.intersection(wider.names) or not _better(wider, plain.diagnosis):

@@ -11,7 +11,7 @@ from bench.diagnosis.discovery.term import Term
 from bench.diagnosis.discovery.variables import Variable
 
 V, A, Q, LOAD = (Variable(kind) for kind in ("velocity", "acceleration", "position", "load"))
-T, TOOL = Variable("time"), Variable("tool_speed")
+T, TOOL, OTHERS = Variable("time"), Variable("tool_speed"), Variable("others_load")
 EXPONENTS = (0.5, 1.0, 1.5, 2.0, 3.0)
 DURATIONS = (0.03, 0.1, 0.3, 1.0, 3.0, 10.0)  # s, of what is remembered
 SHARES = (0.05, 0.1, 0.2, 0.4, 0.8)  # of a recording's duration, in which something fades
@@ -22,12 +22,13 @@ PARTS = (0.2, 0.35, 0.5, 0.65, 0.8)  # of the travel, or of a recording, where s
 class Scope:
     """What there is for laws to look at, at all motors alike.
 
-    others: how many other motors; tool: whether there is one. duration s, of the longest recording. lowest, highest:
-    positions, rad or m; rates: of waves over the position, rad a unit; pulses: of waves over the time, rad/s.
-    shortest s: between samples.
+    others: how many other motors; several: whether their loads can be added up; tool: whether there is one. duration s,
+    of the longest recording. lowest, highest: positions, rad or m; rates: of waves over the position, rad a unit;
+    pulses: of waves over the time, rad/s. shortest s: between samples.
     """
 
     others: int
+    several: bool
     tool: bool
     duration: float
     lowest: float
@@ -51,10 +52,11 @@ def grammar(scope: Scope) -> list[Term]:
     ]
     steps = [*_steps(Q, scope.lowest, scope.highest), *_steps(T, 0.0, scope.duration)]
     tool = [Power(TOOL, exponent, odd=False) for exponent in (1.0, 2.0)] if scope.tool else []
+    together = [Power(OTHERS), Power(OTHERS, 1.0, odd=False)] if scope.several else []
     others = [factor for ahead in range(1, scope.others + 1) for factor in _of_another(ahead)]
     groups: list[list[Factor]] = [list(speed), list(inertial), list(load), [*place, *waves]]
     singles = [factor for group in groups for factor in group]
-    beside: list[Factor] = [*clock, *steps, *tool, *others]
+    beside: list[Factor] = [*clock, *steps, *tool, *together, *others]
     terms = [Term((factor,)) for factor in (*singles, *beside)]
     for i, group in enumerate(groups):
         terms += _products(group, [factor for later in groups[i + 1 :] for factor in later])

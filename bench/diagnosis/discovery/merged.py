@@ -18,6 +18,7 @@ from bench.diagnosis.origin import Origin
 from bench.diagnosis.rounds import error_of
 from bench.diagnosis.search import MATERIAL
 from bench.effects import Effect
+from bench.identification.prepare import Prepared
 
 EXPONENTS = (0.5, 1.5, 2.5)
 NAME = "power"
@@ -47,7 +48,10 @@ def merged(
 
         sets = sorted(fewer(alike, own - much, catalogue), key=size)
         for _, alternatives in groupby(sets, key=size):
-            tried = [(_with_power(origin, [*others, *kept], places), unknowns(kept)) for kept in alternatives]
+            tried = [
+                (_with_power(origin, finding.model, [*others, *kept], places), unknowns(kept))
+                for kept in alternatives
+            ]
             best, beside = min(tried, key=lambda each: each[0].error)
             saves = beside + own < unknowns(alike)
             if best.error < ((1.0 + AS_GOOD) if saves else (1.0 - MATERIAL)) * error:
@@ -72,14 +76,16 @@ def together(parts: Sequence[Part]) -> list[list[Part]]:
     return sorted([*joined, *alone], key=lambda some: -unknowns(some))
 
 
-def _with_power(origin: Origin, stay: Sequence[Part], places: Sequence[Place]) -> Refined:
-    """The model with what stays and a power of the velocity at some places, from the exponent that suits it best."""
+def _with_power(
+    origin: Origin, found_model: Prepared, stay: Sequence[Part], places: Sequence[Place]
+) -> Refined:
+    """Of the found model what stays, and a power of the velocity at some places, from the exponent that suits best."""
     terms = {part.name: part.term for part in stay if part.term is not None}
     found = []
     for exponent in EXPONENTS:
         term = Term((Power(V, exponent, free=True),))
         instances = instances_of(NAME, Screened(term, {}, 0.0), places)
-        model = origin.with_instances([*(part.instance for part in stay), *instances])
+        model = origin.beside(found_model, [*(part.instance for part in stay), *instances])
         found.append(Refined(model, {**terms, NAME: term}, error_of(model)))
     return min(found, key=lambda refined: refined.error)
 

@@ -60,7 +60,7 @@ class _Variant:
 def refined(origin: Origin, model: Prepared, terms: Mapping[str, Term], places: Sequence[Place]) -> Refined:
     """The best of the found model and those with one number more to be adapted, or with a wave at another harmonic.
 
-    They have fewer other effects or as many.
+    They have fewer other effects or as many; those without an effect that is not needed come first.
 
     Each is judged on recordings that were not fitted, first as it is known nearby beside the found model as that is
     known there; what does well is then converged as it is. MOST of them are tried, those beside all or none of the
@@ -70,14 +70,32 @@ def refined(origin: Origin, model: Prepared, terms: Mapping[str, Term], places: 
     best = Refined(model, terms, error_of(model))
     near = origin.again_nearby(model)
     looked_at = Refined(near, terms, error_of(near))
+    for _ in range(best.size(own)):
+        fewer = (
+            (new, variant.looked_at)
+            for variant in _fewer(origin, looked_at)
+            if (new := _converged_if_better(origin, variant, looked_at, best))
+        )
+        simpler = next(fewer, None)
+        if simpler is None:
+            break
+        best, looked_at = simpler
     for variant in islice(_tried(origin, looked_at, places), MOST):
-        if variant.looked_at.size(own) > best.size(own) or not _promises(origin, variant, looked_at, best):
-            continue
-        exact = variant.exactly()
-        new = replace(variant.looked_at, model=exact, error=error_of(exact))
-        if better(new, best, own) and not _slower(new, own):
+        if new := _converged_if_better(origin, variant, looked_at, best):
             best, looked_at = new, variant.looked_at
     return best
+
+
+def _converged_if_better(
+    origin: Origin, variant: _Variant, looked_at: Refined, best: Refined
+) -> Refined | None:
+    """A model that is tried, converged as it is; None where the best is as good. looked_at: see `_promises`."""
+    own = len(origin.start.effects)
+    if variant.looked_at.size(own) > best.size(own) or not _promises(origin, variant, looked_at, best):
+        return None
+    exact = variant.exactly()
+    new = replace(variant.looked_at, model=exact, error=error_of(exact))
+    return new if better(new, best, own) and not _slower(new, own) else None
 
 
 def _promises(origin: Origin, variant: _Variant, looked_at: Refined, best: Refined) -> bool:
@@ -93,6 +111,17 @@ def _promises(origin: Origin, variant: _Variant, looked_at: Refined, best: Refin
         return True
     there = with_effects(origin.start, near.model.effects, near.model.present)
     return better(replace(near, model=there, error=error_of(there)), best, own, THERE)
+
+
+def _fewer(origin: Origin, found: Refined) -> Iterator[_Variant]:
+    """The model without one of its effects, where a term is left."""
+    own = len(origin.start.effects)
+    names = {instance.effect.name for instance in found.model.effects[own:]}
+    for name in sorted(names):
+        terms = {key: term for key, term in found.terms.items() if key != name}
+        fewer = _without(origin, found.model, names - {name}, found.error) if terms else None
+        if fewer is not None:
+            yield _Variant(Refined(fewer, terms, error_of(fewer)), partial(origin.exactly, fewer))
 
 
 def _tried(origin: Origin, found: Refined, places: Sequence[Place]) -> Iterator[_Variant]:

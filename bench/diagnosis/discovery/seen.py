@@ -50,6 +50,9 @@ def seen_at(prepared: Prepared, place: Place) -> Seen:
                     for signals in robots
                 ]
             )
+    if are_several(place):
+        others = [Variable("load", ahead) for ahead in range(1, len(place.motors))]
+        every[Variable("others_load")] = np.sum([every[other] for other in others], axis=0)
     rate = next(iter(robots[0].joints.values())).rate
     return Seen(every, [slice(int(a), int(b)) for a, b in pairwise(ends)], step / rate)
 
@@ -66,6 +69,7 @@ def scope_of(prepared: Prepared, left: PartialRegression, places: Sequence[Place
     interval = prepared.settings.decimation / next(iter(robots[0].joints.values())).rate
     return Scope(
         others=len(places) - 1,
+        several=are_several(places[0]),
         tool=has_tool(prepared),
         duration=max(float(observation.time[-1] - observation.time[0]) for observation in fitted),
         lowest=float(positions.min()),
@@ -74,6 +78,11 @@ def scope_of(prepared: Prepared, left: PartialRegression, places: Sequence[Place
         pulses=_pulses(left, [len(observation.time) for observation in fitted], interval),
         shortest=interval,
     )
+
+
+def are_several(place: Place) -> bool:
+    """Whether a motor has several others, all of one kind, so that their loads can be added up."""
+    return len(place.motors) > 2 and len(set(place.rotates)) == 1
 
 
 def has_tool(prepared: Prepared) -> bool:

@@ -21,7 +21,7 @@ ATTRIBUTES = {
 
 
 WIDEST = 100  # letters in a line
-OF_THE_ROBOT = ("load", "tool_speed")
+OF_THE_ROBOT = ("load", "tool_speed", "others_load")
 
 
 def law_effect(name: str, terms: Sequence[Term], place: Place, told: str = "") -> tuple[Effect, str]:
@@ -121,7 +121,7 @@ def _imports(terms: Sequence[Term], variables: Sequence[Variable]) -> list[str]:
         lines.append("from bench.effects.memory import first_order")
     if any(isinstance(factor, PiecewiseLinear) for term in terms for factor in term.factors):
         lines.append("from bench.effects.table import hat")
-    if any(variable.kind == "load" for variable in variables):
+    if any(variable.depends_on_model for variable in variables):
         own = ", with_itself" if Variable("load") in variables else ""
         lines.append(f"from bench.effects.load import load_at{own}")
     if any(variable.kind == "tool_speed" for variable in variables):
@@ -213,6 +213,10 @@ def _columns(variables: Sequence[Variable], columns: Sequence[str], place: Place
         if variable.kind == "load":
             if variable.ahead:
                 lines.append(f"        {variable.symbol(place)} = load_at(robot, {variable.motor(place)})")
+        elif variable.kind == "others_load":
+            lines.append(
+                "        others_load = sum(load_at(robot, motor) for motor in motors if motor != joint)"
+            )
         elif variable.kind == "tool_speed":
             lines.append("        speed = tool_speed(robot)")
         elif variable.ahead:

@@ -1,4 +1,6 @@
-"""What a law may look at: a motor's own motion and load, those of other motors, the tool's speed, and the clock."""
+"""What a law may look at: a motor's own motion and load, those of other motors, the load of all others together, the
+tool's speed, and the clock.
+"""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -9,7 +11,7 @@ import numpy as np
 from bench.basics.joint_units import joint_units
 from bench.diagnosis.discovery.units import Unit
 
-Kind = Literal["position", "velocity", "acceleration", "load", "time", "tool_speed"]
+Kind = Literal["position", "velocity", "acceleration", "load", "time", "tool_speed", "others_load"]
 SYMBOLS: dict[Kind, str] = {
     "position": "q",
     "velocity": "v",
@@ -17,6 +19,7 @@ SYMBOLS: dict[Kind, str] = {
     "load": "load",
     "time": "t",
     "tool_speed": "tool_speed",
+    "others_load": "others_load",
 }
 MEANINGS: dict[Kind, str] = {
     "position": "position, rad or m",
@@ -25,6 +28,7 @@ MEANINGS: dict[Kind, str] = {
     "load": "torque or force of the motor, N*m or N",
     "time": "time from the start of the recording, s",
     "tool_speed": "speed of the tool, m/s",
+    "others_load": "torque or force of all other motors together, N*m or N",
 }
 OF_A_MOTOR: tuple[Kind, ...] = ("position", "velocity", "acceleration", "load")
 UNITS: dict[Kind, Unit] = {
@@ -34,6 +38,7 @@ UNITS: dict[Kind, Unit] = {
     "load": {"{effort}": 1.0},
     "time": {"s": 1.0},
     "tool_speed": {"m": 1.0, "s": -1.0},
+    "others_load": {"{effort}": 1.0},
 }
 
 
@@ -47,7 +52,7 @@ class Variable:
     @property
     def depends_on_model(self) -> bool:
         """Whether another model would have other values of it."""
-        return self.kind == "load"
+        return self.kind in ("load", "others_load")
 
     def motor(self, place: "Place") -> str:
         """The motor whose variable it is, for a law at a place."""

@@ -1,0 +1,56 @@
+"""A model that a search goes by need not be converged to the end; an answer is."""
+
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from bench.diagnosis.discovery import find
+from bench.diagnosis.origin import origin_of
+from bench.effects import CATALOGUE, EffectInstance
+from bench.identification.nonlinear import converged, converged_from
+from bench.identification.prepare import prepare, with_effects
+from bench.identification.problem import problem_of
+from bench.identification.solve_only import solved_quickly
+from bench.truth.dataset import as_dataset
+from tests.discover_kit import simulated
+
+HIDDEN = {"effect": "geometric_error", "joint": "left", "error": 0.004}
+
+
+def test_a_provisional_model_is_converged_before_it_is_told():
+    start = prepare(problem_of(as_dataset(simulated(HIDDEN))))
+    origin = origin_of(start)
+    asked = [
+        EffectInstance(CATALOGUE["geometric_error"], body, f"geometric_error:{body}")
+        for body in ("left_crank", "right_crank")
+    ]
+    begun = with_effects(start, asked, fitted_only=True)
+    once, whole = converged_from(start, begun, most=1), converged(begun)
+    assert (once.converged, once.provisional) == (True, True)
+    assert (whole.converged, whole.provisional) == (True, False)
+    for model in (once, whole):
+        assert all(observation.effects.shape[2] == 2 for observation in model.observations)
+    exact = origin.exactly(once)
+    assert not exact.provisional
+    assert origin.exactly(exact) is exact
+    gains = [solved_quickly(model)[1].gains for model in (exact, whole)]
+    np.testing.assert_allclose(*gains, rtol=1e-4)
+
+
+def test_a_table_that_is_not_in_the_best_set_is_searched_no_further(monkeypatch: pytest.MonkeyPatch):
+    table: Any = SimpleNamespace(name="measured_left", instances=())
+    origin: Any = SimpleNamespace(start=SimpleNamespace(effects=()), with_instances=lambda _: "model")
+    last = SimpleNamespace(proposals=[])
+    finding: Any = SimpleNamespace(
+        origin=origin, last=last, model=SimpleNamespace(effects=()), names=(), barred={}
+    )
+    left = SimpleNamespace(significant=True, much=True)
+    plain = find._Answer(finding, (), SimpleNamespace(unexplained=left))
+    case: Any = SimpleNamespace(problem=SimpleNamespace(catalogue={}))
+    monkeypatch.setattr(find, "tabled_laws", lambda *_: [table])
+    monkeypatch.setattr(find, "_proposed", lambda *_: [])
+    monkeypatch.setattr(find, "judged", lambda *_: SimpleNamespace(names={"coulomb_friction"}))
+    monkeypatch.setattr(find, "search_from", lambda *_: pytest.fail("nothing is to be searched"))
+    assert find._with_tables(case, plain, SimpleNamespace(phase=lambda _: None)) is plain
