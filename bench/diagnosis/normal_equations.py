@@ -220,6 +220,12 @@ def _solved(system: System, chosen: tuple[int, ...]) -> SetFit:
     return fit_of(system, chosen, columns, values, gains, cost, float(left @ squares))
 
 
+def judged_by_motor(system: System, fit: SetFit) -> np.ndarray:
+    """Squares (n,) that a set leaves of the judged recordings, motor by motor, without weights."""
+    inner = inner_of(system.judged, fit.columns)
+    return squares_of(inner, errors_by(fit.values, fit.gains, system.start.gains))
+
+
 def has_converged(
     cost: np.ndarray | float, new: np.ndarray | float, share: np.ndarray | float, ratio: np.ndarray
 ) -> np.ndarray:

@@ -7,7 +7,7 @@ from itertools import combinations
 import numpy as np
 
 from bench.diagnosis.batched_sets import enlarged, reduced, solve_sets, swapped
-from bench.diagnosis.normal_equations import Candidate, SetFit, System, solve_set
+from bench.diagnosis.normal_equations import Candidate, SetFit, System, judged_by_motor, solve_set
 
 EXHAUSTIVE = 3  # up to this size all sets of the shortlist compete; larger ones grow by one effect at a time
 LARGEST_SET = 6
@@ -17,6 +17,7 @@ ALONE, BESIDE = (
 )  # how many effects the shortlist has for what they do alone, and beside the best set so far
 NEEDED = 10.0  # nats that an effect must bring (odds of some 20,000 to 1)
 FEW = 8  # sets like another of which it is asked whether their effects earn their place
+HALF = 0.5  # of a motor's error on judged recordings: an effect that takes so much of it away matters
 MATERIAL = 0.03  # share of the error on judged recordings that an effect must take away
 
 
@@ -138,9 +139,18 @@ def earned(system: System, scored: Scored, empty: SetFit) -> bool:
         )
         if min(gained) < NEEDED:
             return False
-        if not material(fewer, scored.fit):
+        if not (material(fewer, scored.fit) or halved_at_a_motor(system, fewer, scored.fit)):
             return False
     return True
+
+
+def halved_at_a_motor(system: System, before: SetFit, after: SetFit) -> bool:
+    """Whether the error of one motor on recordings that were not fitted falls to a half or less.
+
+    Each motor's error is weighted by what the present model leaves there of the fitted recordings: where that is far
+    more than of others, all that goes there is little of the whole.
+    """
+    return bool(np.any(judged_by_motor(system, after) <= HALF**2 * judged_by_motor(system, before)))
 
 
 def material(before: SetFit, after: SetFit) -> bool:
