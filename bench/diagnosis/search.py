@@ -17,7 +17,7 @@ ALONE, BESIDE = (
 )  # how many effects the shortlist has for what they do alone, and beside the best set so far
 NEEDED = 10.0  # nats that an effect must bring (odds of some 20,000 to 1)
 FEW = 8  # sets like another of which it is asked whether their effects earn their place
-HALF = 0.5  # of a motor's error on judged recordings: an effect that takes so much of it away matters
+LITTLE = 0.2  # of a motor's error on judged recordings: an effect that leaves no more of it matters
 MATERIAL = 0.03  # share of the error on judged recordings that an effect must take away
 
 
@@ -139,18 +139,18 @@ def earned(system: System, scored: Scored, empty: SetFit) -> bool:
         )
         if min(gained) < NEEDED:
             return False
-        if not (material(fewer, scored.fit) or halved_at_a_motor(system, fewer, scored.fit)):
+        if not (material(fewer, scored.fit) or little_left_at_a_motor(system, fewer, scored.fit)):
             return False
     return True
 
 
-def halved_at_a_motor(system: System, before: SetFit, after: SetFit) -> bool:
-    """Whether the error of one motor on recordings that were not fitted falls to a half or less.
+def little_left_at_a_motor(system: System, before: SetFit, after: SetFit) -> bool:
+    """Whether little of the error of one motor is left on recordings that were not fitted.
 
     Each motor's error is weighted by what the present model leaves there of the fitted recordings: where that is far
     more than of others, all that goes there is little of the whole.
     """
-    return bool(np.any(judged_by_motor(system, after) <= HALF**2 * judged_by_motor(system, before)))
+    return bool(np.any(judged_by_motor(system, after) <= LITTLE**2 * judged_by_motor(system, before)))
 
 
 def material(before: SetFit, after: SetFit) -> bool:
