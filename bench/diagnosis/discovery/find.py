@@ -229,7 +229,7 @@ def _with_tables(case: SplitProblem, plain: _Answer, progress: Progress) -> _Ans
     model = origin.with_instances(instances)
     proposals = [proposal for proposal in finding.last.proposals if proposal.name in finding.names]
     proposals += _proposed(model, laws, NEEDED)
-    here = judged(origin, model, proposals, finding.barred)
+    here = _judged_from(origin, model, proposals, finding.barred)
     if here.names.isdisjoint(law.name for law in laws):
         return plain
     wider = search_from(case, origin, here, progress, finding.barred)
