@@ -89,9 +89,20 @@ def converged_from(
 def _begun(model: Prepared) -> tuple[tuple[EffectInstance, ...], PresentModel, tuple[np.ndarray, ...]]:
     """What a model's solution asks its effects to be linearised about, and its state."""
     stack, solution = solved_quickly(model)
-    about = linearised(model.effects, solution.theta[model.layout.size - model.layout.effects :])
-    instances = tuple(x if x.effect.bends else y for x, y in zip(model.effects, about, strict=True))
+    instances = _but_bent(model.effects, _about(model, solution))
     return instances, present_model(model, solution), _state(model, stack, solution)
+
+
+def _about(prepared: Prepared, solution: Solution) -> tuple[EffectInstance, ...]:
+    """A model's effects, linearised about its solution."""
+    return linearised(prepared.effects, solution.theta[prepared.layout.size - prepared.layout.effects :])
+
+
+def _but_bent(
+    instances: Sequence[EffectInstance], about: Sequence[EffectInstance]
+) -> tuple[EffectInstance, ...]:
+    """Effects about where they are now, but those that bend: steps of Gauss and Newton move them."""
+    return tuple(x if x.effect.bends else y for x, y in zip(instances, about, strict=True))
 
 
 def _rounds(
@@ -118,11 +129,11 @@ def _rounds(
             prepared, stack, solution = together
         instances = prepared.effects
         present = present_model(prepared, solution)
-        about = linearised(instances, solution.theta[prepared.layout.size - prepared.layout.effects :])
+        about = _about(prepared, solution)
         if together is None:
             instances, last = _eased(last, instances, about), instances
         else:
-            instances = tuple(x if x.effect.bends else y for x, y in zip(instances, about, strict=True))
+            instances = _but_bent(instances, about)
         stay = None if before is None or added_from is None else staying(prepared, solution, added_from)
         if stay is not None and len(stay) < len(instances):
             instances, last = (tuple(each[i] for i in stay) for each in (instances, last))

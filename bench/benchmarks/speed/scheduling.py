@@ -102,9 +102,14 @@ def resident() -> float:
     return pages * os.sysconf("SC_PAGE_SIZE") / 1e6
 
 
+def _sent(runs: int) -> int:
+    """With those over which memory is watched."""
+    return round((1.0 + MORE) * runs)
+
+
 def measure(name: str, workers: int, make_pool: Callable[[], Pool], runs: int = RUNS) -> Scheduling:
     """Send so many runs without any work through a pool, and as many more as its memory is watched over."""
-    sent = round((1.0 + MORE) * runs)
+    sent = _sent(runs)
     with tempfile.TemporaryDirectory(prefix="bench-speed-") as folder:
         file, out, watch = Path(folder) / "sweep.toml", Path(folder) / "out", _Watch(runs)
         file.write_text(SWEEP.format(runs=sent), encoding="utf-8")
@@ -150,7 +155,7 @@ def measure_dask(workers: int = DASK_WORKERS, runs: int = RUNS) -> Scheduling:
             hands.end()
     finally:
         seconds = scheduler.end()
-    return replace(found, scheduler=1e3 * seconds / round((1.0 + MORE) * runs))
+    return replace(found, scheduler=1e3 * seconds / _sent(runs))
 
 
 def measure_all() -> list[Scheduling]:
