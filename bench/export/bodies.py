@@ -9,7 +9,7 @@ from bench.export.identified import IdentifiedModel
 from bench.export.prior import Prior, cad_prior, geometric_prior, scaled_to
 from bench.export.pseudo_inertia import pseudo_inertia
 from bench.identification.payload_parameters import payload_columns
-from bench.model.base import independent_columns
+from bench.model.independent import independent_columns
 
 LOAD = "payload "  # what the names of payloads begin with, among those of bodies
 
@@ -91,8 +91,9 @@ def _load(identified: IdentifiedModel, declared: Payload, place: int, kept: tupl
     with_known = bool(np.any(columns.known))
     if with_known:
         candidates = np.column_stack((measured @ columns.known, candidates))
-    independent, dependence = independent_columns(candidates)
-    found = [int(unknown[i - with_known]) for i in independent if i >= with_known]
+    independent = independent_columns(candidates)
+    dependence = independent.dependence
+    found = [int(unknown[i - with_known]) for i in independent.kept if i >= with_known]
     rows = np.zeros((nz, 10))
     share = dependence[with_known:, with_known:]
     for row, index in zip(share, found, strict=True):

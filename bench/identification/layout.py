@@ -9,7 +9,7 @@ from bench.basics.errors import BenchError
 from bench.dataset.payload import Payload
 from bench.identification.observation import Observation
 from bench.identification.payload_parameters import payload_columns
-from bench.model.base import independent_columns
+from bench.model.independent import independent_columns
 from bench.model.model import IdentificationModel
 from bench.model.regressor import PARAMETERS, UNITS
 
@@ -108,9 +108,9 @@ def parameter_layout(
             known = rows @ columns.known
             if np.any(columns.known):
                 candidates = np.column_stack((known, candidates))
-                kept = independent_columns(candidates)[0] - 1
+                kept = independent_columns(candidates).kept - 1
                 kept = kept[kept >= 0]
             else:
-                kept = independent_columns(candidates)[0] if candidates.size else np.arange(0)
+                kept = independent_columns(candidates).kept if candidates.size else np.arange(0)
             indices[name] = columns.unknown[kept]
     return ParameterLayout(len(model.base.columns), indices, effects)

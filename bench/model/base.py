@@ -11,12 +11,11 @@ import numpy as np
 
 from bench.basics.errors import BenchError
 from bench.model.geometry import Geometry
+from bench.model.independent import NEGLIGIBLE, IndependentColumns, UndecidedRankError, independent_columns
 from bench.model.regressor import body_columns, parameter_names, projected_regressor, rotor_columns
 from bench.model.states import random_motion
 
-SEED = 20120601  # of the states; fixed, so that a robot's base parameters never depend on data
-DEPENDENT = 1e-5  # of a column's norm: what is smaller beside the columns before it cannot be measured
-NEGLIGIBLE = 1e-8
+SEEDS = (20120601, 20120603)  # of two sets of states; fixed, so that base parameters never depend on data
 KEPT = 16  # geometries whose base parameters stay in memory
 
 
@@ -26,7 +25,8 @@ class BaseParameters:
 
     columns (nb,): the columns of `projected_regressor` that remain, those of rotors last. grouping (nb, p_all) and
     rotors (nb, n): base parameters from all standard parameters of the tree and from the inertias of the motors'
-    rotors, chi = grouping @ chi_st + rotors @ Ia. names, units, descriptions: nb each.
+    rotors, chi = grouping @ chi_st + rotors @ Ia. names, units, descriptions: nb each. neglected: largest share of the
+    regressor that is taken for the slack of a drawing, 0 where all that is smaller is rounding.
     """
 
     columns: np.ndarray
@@ -35,6 +35,7 @@ class BaseParameters:
     names: tuple[str, ...]
     units: tuple[str, ...]
     descriptions: tuple[str, ...]
+    neglected: float
 
 
 @lru_cache(maxsize=KEPT)
@@ -42,75 +43,58 @@ def base_parameters(geometry: Geometry) -> BaseParameters:
     """The base parameters of a robot; geometry alone decides them.
 
     Of dependent columns the first stay: free bodies (platforms) come first, then bodies from the base
-    outwards, then the rotors, of which those remain that no body's inertia can stand for.
+    outwards, then the rotors, of which those remain that no body's inertia can stand for. Two sets of states must
+    give as many. Raises BenchError, naming the bodies, where they do not.
     """
     free = [i for i, joint in enumerate(geometry.joints) if joint.kind == "free"]
-    candidates = np.concatenate([*(np.arange(10 * i, 10 * i + 10) for i in free), body_columns(geometry)])
-    candidates = candidates[np.sort(np.unique(candidates, return_index=True)[1])]
+    bodies = np.concatenate([*(np.arange(10 * i, 10 * i + 10) for i in free), body_columns(geometry)])
+    bodies = bodies[np.sort(np.unique(bodies, return_index=True)[1])]
+    candidates = np.concatenate((bodies, rotor_columns(geometry)))
+    names = parameter_names(geometry)
+    first, second = (_independent_at(geometry, candidates, names, seed) for seed in SEEDS)
+    if len(first.kept) != len(second.kept):
+        raise _undecided(geometry, names, candidates[np.setxor1d(first.kept, second.kept)])
+    whole = np.zeros((len(first.kept), len(names)))
+    whole[:, candidates] = first.dependence
+    columns = candidates[first.kept]
+    return BaseParameters(
+        columns=columns,
+        grouping=whole[:, : 10 * len(geometry.joints)],
+        rotors=whole[:, 10 * len(geometry.joints) :],
+        names=tuple(names[column][0] for column in columns),
+        units=tuple(names[column][1] for column in columns),
+        descriptions=tuple(
+            _description(row, int(column), names) for row, column in zip(whole, columns, strict=True)
+        ),
+        neglected=max(first.neglected, second.neglected),
+    )
+
+
+def _independent_at(
+    geometry: Geometry, candidates: np.ndarray, names: list[tuple[str, str]], seed: int
+) -> IndependentColumns:
+    """`independent_columns` of the candidates at random states. Raises BenchError where these do not decide."""
     count = max(40, 3 * len(candidates) // len(geometry.active))
-    motion = random_motion(geometry, count, SEED)
+    motion = random_motion(geometry, count, seed)
     if len(motion.time) < count // 4:
         raise BenchError(
             f"robot {geometry.robot.name}: only {len(motion.time)} of {count} random poses inside the joint "
             "ranges can be reached from home without a singularity; check home and the joint ranges"
         )
     rows = projected_regressor(geometry, motion, candidates).reshape(-1, len(candidates))
-    kept, dependence = independent_columns(rows)
-    own = rotor_columns(geometry)
-    turning = projected_regressor(geometry, motion, own).reshape(-1, len(own))
-    alone, rotors = _beside(rows[:, kept], turning)
-    grouping = np.zeros((len(kept) + len(alone), 10 * len(geometry.joints)))
-    grouping[: len(kept), candidates] = dependence
-    columns = np.concatenate((candidates[kept], own[alone]))
-    names = parameter_names(geometry)
-    whole = np.hstack((grouping, rotors))
-    return BaseParameters(
-        columns=columns,
-        grouping=grouping,
-        rotors=rotors,
-        names=tuple(names[column][0] for column in columns),
-        units=tuple(names[column][1] for column in columns),
-        descriptions=tuple(
-            _description(row, int(column), names) for row, column in zip(whole, columns, strict=True)
-        ),
+    try:
+        return independent_columns(rows)
+    except UndecidedRankError as error:
+        raise _undecided(geometry, names, candidates[error.columns]) from None
+
+
+def _undecided(geometry: Geometry, names: list[tuple[str, str]], columns: np.ndarray) -> BenchError:
+    symbols = ", ".join(names[column][0] for column in columns.tolist())
+    return BenchError(
+        f"robot {geometry.robot.name}: whether {symbols} are base parameters is not decided by random states: no gap "
+        "of the singular values sets them apart from rounding; give the joints narrower ranges around home, away from "
+        "singular poses"
     )
-
-
-def _beside(rows: np.ndarray, others: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Which of other columns (r, n) are independent of the independent rows (r, b), and how the rest follow.
-
-    Returns the indices (a,) of the first and the dependence (b + a, n) of all on rows and them.
-    """
-    kept, dependence = independent_columns(np.hstack((rows, others)))
-    b = rows.shape[1]
-    return kept[kept >= b] - b, dependence[:, b:]
-
-
-def independent_columns(rows: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Which columns of rows (r, p) are independent of those before them, and how the others follow.
-
-    Returns the indices (b,) kept and the dependence (b, p) with rows = rows[:, kept] @ dependence. A column counts
-    as dependent where less than DEPENDENT of it is its own, and as zero beside a column that is so much larger: a
-    planar robot is drawn a little out of its plane, and the parameters of that slack are none.
-    """
-    norms = np.linalg.norm(rows, axis=0)
-    present = np.flatnonzero(norms > DEPENDENT * norms.max())
-    scaled = rows[:, present] / norms[present]
-    kept: list[int] = []
-    basis = np.zeros((rows.shape[0], 0))
-    for place, column in enumerate(scaled.T):
-        remainder = column - basis @ (basis.T @ column)
-        remainder -= basis @ (basis.T @ remainder)
-        size = float(np.linalg.norm(remainder))
-        if size > DEPENDENT:
-            kept.append(place)
-            basis = np.hstack((basis, (remainder / size)[:, None]))
-    coefficients = np.linalg.lstsq(scaled[:, kept], scaled)[0]
-    coefficients[np.abs(coefficients) < NEGLIGIBLE] = 0.0
-    dependence = np.zeros((len(kept), rows.shape[1]))
-    dependence[:, present] = coefficients * norms[present] / norms[present[kept]][:, None]
-    dependence[np.arange(len(kept)), present[kept]] = 1.0
-    return present[kept], dependence
 
 
 def _description(row: np.ndarray, own: int, names: list[tuple[str, str]]) -> str:

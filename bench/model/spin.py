@@ -1,4 +1,5 @@
-"""Rods that spin about the line through their joints, and nothing else: ball joints at both ends.
+"""Rods that spin about the line through their joints, and nothing else: ball joints at both ends, each a
+joint of the tree or a loop closure.
 
 No loop closure holds such a spin and no motor drives it. With the mass on that line and no friction in the joints
 nothing turns the rod about it either, so that its absolute angular velocity along the line stays as it is: none.
@@ -33,21 +34,37 @@ def idle_spins(geometry: Geometry) -> tuple[Spin, ...]:
     return tuple(found)
 
 
+@dataclass(frozen=True)
+class _Carried:
+    """What moves with a joint: by joint, itself included, its pose (4, 4) in the joint's frame with all slides at zero
+    and the axes of these slides there, None behind a joint that turns; and by ball joint that ends it, what carries it.
+    """
+
+    places: dict[int, tuple[np.ndarray, list[np.ndarray]] | None]
+    ends: dict[int, int]
+
+
 def _line(geometry: Geometry, index: int, joint: Joint) -> np.ndarray | None:
     """The line (3,) about which all that a joint carries can turn, every loop closed; None where there is none."""
     carried = _carried(geometry, index)
-    if geometry.tool is not None and geometry.tool.joint in carried:
+    if geometry.tool is not None and geometry.tool.joint in carried.places:
         return None
-    points = [np.zeros(3)] if joint.kind == "ball" else []
-    slides: list[np.ndarray] = []
+    holders = [(end, geometry.joints[ball].placement.translation) for ball, end in carried.ends.items()]
     for loop in geometry.loops:
-        inside = [anchor for anchor in (loop.first, loop.second) if anchor.joint in carried]
+        inside = [anchor for anchor in (loop.first, loop.second) if anchor.joint in carried.places]
         if len(inside) != 1:
             continue
-        if loop.kind == "weld" or carried[inside[0].joint] is None:
+        if loop.kind == "weld":
             return None
-        place, axes = carried[inside[0].joint] or (np.eye(4), [])
-        points.append((place @ np.append(inside[0].placement.translation, 1.0))[:3])
+        holders.append((inside[0].joint, inside[0].placement.translation))
+    points = [np.zeros(3)] if joint.kind == "ball" else []
+    slides: list[np.ndarray] = []
+    for holder, place in holders:
+        carrier = carried.places[holder]
+        if carrier is None:
+            return None
+        pose, axes = carrier
+        points.append((pose @ np.append(place, 1.0))[:3])
         slides += axes
     line = max((second - points[0] for second in points[1:]), key=_length, default=np.zeros(3))
     if _length(line) < POINT:
@@ -57,23 +74,22 @@ def _line(geometry: Geometry, index: int, joint: Joint) -> np.ndarray | None:
     return line / _length(line) if max(off) < ON_LINE * _length(line) else None
 
 
-def _carried(geometry: Geometry, index: int) -> dict[int, tuple[np.ndarray, list[np.ndarray]] | None]:
-    """By joint that a joint carries, itself included: its pose (4, 4) in the joint's frame with all slides at zero,
-    and the axes of these slides there; None behind a joint that turns.
-    """
-    found: dict[int, tuple[np.ndarray, list[np.ndarray]] | None] = {index: (np.eye(4), [])}
+def _carried(geometry: Geometry, index: int) -> _Carried:
+    carried = _Carried({index: (np.eye(4), [])}, {})
     for i, joint in enumerate(geometry.joints):
-        if joint.parent not in found or i in found:
+        if joint.parent not in carried.places or i in carried.places:
             continue
-        before = found[joint.parent]
-        if before is None or joint.kind != "slide":
-            found[i] = None
-            continue
-        place = np.eye(4)
-        place[:3, :3], place[:3, 3] = joint.placement.rotation, joint.placement.translation
-        pose = before[0] @ place
-        found[i] = (pose, [*before[1], pose[:3, :3] @ joint.axis])
-    return found
+        before = carried.places[joint.parent]
+        if joint.kind == "ball":
+            carried.ends[i] = joint.parent
+        elif before is None or joint.kind != "slide":
+            carried.places[i] = None
+        else:
+            place = np.eye(4)
+            place[:3, :3], place[:3, 3] = joint.placement.rotation, joint.placement.translation
+            pose = before[0] @ place
+            carried.places[i] = (pose, [*before[1], pose[:3, :3] @ joint.axis])
+    return carried
 
 
 def _length(vector: np.ndarray) -> float:

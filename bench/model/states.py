@@ -4,16 +4,21 @@ import numpy as np
 
 from bench.model.follow import Pose, advance, home_pose, make_follower
 from bench.model.geometry import Geometry
+from bench.model.mobility import column_scales, smallest_singular_values
 from bench.model.motion import Motion, rates_at
 
-LARGEST_AMPLIFICATION = 20.0  # poses nearer to a singularity say nothing more and cost digits
+LARGEST_AMPLIFICATION = (
+    20.0  # times home's, which counts as one at least: poses beyond are no place to go on from
+)
+NEAR_SINGULAR = 0.25  # share of the poses, those nearest to a singularity, that is left out: they cost digits
 UNLIMITED = 0.8  # rad or m around home where the file gives no joint limits
 
 
 def random_motion(geometry: Geometry, count: int, seed: int) -> Motion:
     """`count` states with active positions spread over the reachable part of the joint ranges.
 
-    Every pose is reached from the last one along the closures, so all lie in home's assembly mode.
+    Every pose is reached from the last one along the closures, so all lie in home's assembly mode. More are reached
+    than returned: those nearest to a singularity are left out.
     Active velocities and accelerations are normal, of unit variance (times 5 for accelerations); behind a gear those
     of what the motor drives.
     """
@@ -22,22 +27,30 @@ def random_motion(geometry: Geometry, count: int, seed: int) -> Motion:
     follower = make_follower(geometry)
     home = pose = home_pose(follower)
     poses: list[Pose] = []
+    scales = column_scales(geometry)
+    largest = LARGEST_AMPLIFICATION * scales[follower.passive, None] / scales[geometry.active]
+    wanted = round(count / (1.0 - NEAR_SINGULAR)) if geometry.closed else count
     tries = 0
-    while len(poses) < count and tries < 20 * count:
+    while len(poses) < wanted and tries < 20 * wanted:
         tries += 1
         target = random.uniform(low, high)
         reached, _ = advance(follower, pose, pose.q[geometry.active_configuration] * 0.3 + target * 0.7)
-        if np.abs(reached.amplification).max(initial=0.0) < LARGEST_AMPLIFICATION:
+        if np.all(np.abs(reached.amplification) < largest):
             pose = reached
             poses.append(pose)
         else:
             pose = home if not poses else poses[int(random.integers(len(poses)))]
     states = np.array([pose.q for pose in poses]).reshape(-1, geometry.nq)
+    if geometry.closed:
+        held = smallest_singular_values(geometry, states)
+        states = states[
+            np.sort(np.argsort(-held, kind="stable")[: round(len(states) * (1.0 - NEAR_SINGULAR))])
+        ]
     n = len(geometry.active)
     units = follower.units[:, None]
-    velocity = units * random.normal(size=(n, len(poses)))
-    acceleration = units * 5.0 * random.normal(size=(n, len(poses)))
-    return rates_at(geometry, np.arange(len(poses), dtype=float), states, velocity.T, acceleration.T)
+    velocity = units * random.normal(size=(n, len(states)))
+    acceleration = units * 5.0 * random.normal(size=(n, len(states)))
+    return rates_at(geometry, np.arange(len(states), dtype=float), states, velocity.T, acceleration.T)
 
 
 def active_ranges(geometry: Geometry) -> tuple[np.ndarray, np.ndarray]:

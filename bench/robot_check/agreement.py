@@ -141,7 +141,7 @@ def check_bias_forces(machine: CheckedMachine, poses: np.ndarray, velocities: np
     worst = np.zeros(machine.geometry.nv)
     for q, v in zip(poses, velocities, strict=True):
         turn = set_pose(machine, q, v)
-        ours = turn.T @ pin.rnea(machine.model, machine.data, q, v, _model_acceleration(machine, v))
+        ours = turn.T @ pin.rnea(machine.model, machine.data, q, v, model_acceleration(machine, v))
         theirs = machine.state.qfrc_bias
         worst = np.maximum(worst, np.abs(ours - theirs) / max(1.0, np.abs(theirs).max()))
     return _compared(
@@ -174,8 +174,8 @@ def check_motor_forces(machine: CheckedMachine, motion: Motion) -> Check:
         mujoco.mj_fullM(machine.compiled, machine.state, full)
         inertia = full.copy()
         inertia[unknown, unknown] -= armature[unknown]
-        acceleration = turn.T @ (a - _model_acceleration(machine, v))
-        theirs[k] = _motor_motions(machine).T @ (inertia @ acceleration + machine.state.qfrc_bias)
+        acceleration = turn.T @ (a - model_acceleration(machine, v))
+        theirs[k] = motor_motions(machine).T @ (inertia @ acceleration + machine.state.qfrc_bias)
     worst = np.abs(ours - theirs).max(axis=0) / max(1.0, float(np.abs(theirs).max()))
     return _compared(
         worst,
@@ -185,7 +185,7 @@ def check_motor_forces(machine: CheckedMachine, motion: Motion) -> Check:
     )
 
 
-def _motor_motions(machine: CheckedMachine) -> np.ndarray:
+def motor_motions(machine: CheckedMachine) -> np.ndarray:
     """MuJoCo's velocities (nv, n) for a unit velocity of each motor, from its own constraint Jacobian."""
     geometry, state = machine.geometry, machine.state
     active, passive = geometry.active, geometry.passive
@@ -209,7 +209,7 @@ def _spin_rows(machine: CheckedMachine) -> np.ndarray:
     return np.array(rows).reshape(-1, machine.geometry.nv)
 
 
-def _model_acceleration(machine: CheckedMachine, v: np.ndarray) -> np.ndarray:
+def model_acceleration(machine: CheckedMachine, v: np.ndarray) -> np.ndarray:
     """The model's accelerations (nv,) when MuJoCo's are zero: T' qvel, from a free body's turning frame."""
     acceleration = np.zeros(machine.geometry.nv)
     for joint in machine.geometry.joints:

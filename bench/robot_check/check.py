@@ -13,6 +13,7 @@ from bench.model.motion import LARGEST_AMPLIFICATION
 from bench.model.passive_ranges import passive_ranges
 from bench.model.states import random_motion
 from bench.robot_check import agreement
+from bench.robot_check.base_torques import check_base_parameters
 from bench.robot_check.features import check_features, notes
 from bench.robot_check.home import check_home
 from bench.robot_check.listing import check_home_ranges, home_of, joint_lines, loop_lines
@@ -25,7 +26,7 @@ from bench.robot_check.rotors import check_rotors
 from bench.robot_check.singularity import SingularitySweep, singularity_of, sweep
 
 POSES = 20  # random ones, open and closed, at which the libraries are compared
-SEED = 20120601
+SEED, FRESH = 20120601, 20120605  # FRESH: of states at which nothing was chosen
 FAST = 20.0  # rad/rad, m/rad ...: passive for active speed at home beyond which it is told
 WEAK = 1e-6  # smallest singular value at home below which it counts as singular
 
@@ -110,6 +111,7 @@ def _assembled(report: RobotReport, machine: CheckedMachine) -> RobotReport:
         report,
         agreement.check_body_poses(machine, motion.q, "closed"),
         agreement.check_motor_forces(machine, motion),
+        check_base_parameters(machine, base, random_motion(geometry, POSES, FRESH)),
     )
 
 

@@ -93,6 +93,22 @@ def set_pose(machine: CheckedMachine, q: np.ndarray, v: np.ndarray | None = None
 
     A free joint's linear velocity is in its own frame in Pinocchio and in the world in MuJoCo.
     """
+    turn = _put(machine, q, v)
+    mujoco.mj_fwdPosition(machine.compiled, machine.state)
+    mujoco.mj_fwdVelocity(machine.compiled, machine.state)
+    return turn
+
+
+def place_state(machine: CheckedMachine, q: np.ndarray, v: np.ndarray) -> np.ndarray:
+    """The same, of which only places and velocities are evaluated: bodies may have no mass."""
+    turn = _put(machine, q, v)
+    mujoco.mj_kinematics(machine.compiled, machine.state)
+    mujoco.mj_comPos(machine.compiled, machine.state)
+    mujoco.mj_comVel(machine.compiled, machine.state)
+    return turn
+
+
+def _put(machine: CheckedMachine, q: np.ndarray, v: np.ndarray | None) -> np.ndarray:
     state, geometry = machine.state, machine.geometry
     state.qpos[:] = to_mujoco(geometry, q)
     turn = np.eye(geometry.nv)
@@ -101,8 +117,6 @@ def set_pose(machine: CheckedMachine, q: np.ndarray, v: np.ndarray | None = None
             linear = slice(joint.v.start, joint.v.start + 3)
             turn[linear, linear] = rotation_matrix(state.qpos[joint.q.start + 3 : joint.q.stop]).T
     state.qvel[:] = 0.0 if v is None else turn.T @ v
-    mujoco.mj_fwdPosition(machine.compiled, state)
-    mujoco.mj_fwdVelocity(machine.compiled, state)
     return turn
 
 

@@ -42,6 +42,8 @@ class CheckCode(StrEnum):
     BIAS_FORCES_DIFFER = auto()
     MOTOR_FORCES_AGREE = auto()
     MOTOR_FORCES_DIFFER = auto()
+    BASE_PARAMETERS_AGREE = auto()
+    BASE_PARAMETERS_DIFFER = auto()
     # loops
     LOOP_COUNTS_DIFFER = auto()
     LOOP_CLOSURES_AGREE = auto()

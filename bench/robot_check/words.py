@@ -182,6 +182,21 @@ def _motor_forces_differ(motor: str, difference: float) -> str:
     return f"motor {motor!r} differs by {difference:.2e} of the largest force"
 
 
+def _base_agree(parameters: int, difference: float, states: int, neglected: float) -> str:
+    slack = f"; the drawing's slack, {neglected:.0e} of the largest, is neglected" if neglected else ""
+    return (
+        f"{parameters} alone give MuJoCo's motor torques at {states} closed states, for every body's mass, to "
+        f"{difference:.0e} of the largest{slack}"
+    )
+
+
+def _base_differ(parameters: int, difference: float, bodies: Sequence[str]) -> str:
+    return (
+        f"{parameters} do not give the motor torques of {', '.join(bodies)}: they differ from MuJoCo's by up to "
+        f"{difference:.0e} of the largest; give the joints narrower ranges around home, away from singular poses"
+    )
+
+
 # --- loops --------------------------------------------------------------------------------------------------
 
 
@@ -359,6 +374,8 @@ WORDS: dict[CheckCode, tuple[str, Sentence]] = {
     CheckCode.BIAS_FORCES_DIFFER: ("gravity and Coriolis forces", _bias_forces_differ),
     CheckCode.MOTOR_FORCES_AGREE: ("motor forces", _motor_forces_agree),
     CheckCode.MOTOR_FORCES_DIFFER: ("motor forces", _motor_forces_differ),
+    CheckCode.BASE_PARAMETERS_AGREE: ("base parameters", _base_agree),
+    CheckCode.BASE_PARAMETERS_DIFFER: ("base parameters", _base_differ),
     CheckCode.LOOP_COUNTS_DIFFER: ("loop closures", _loop_counts),
     CheckCode.LOOP_CLOSURES_AGREE: ("loop closures", _closures_agree),
     CheckCode.LOOP_CLOSURES_DIFFER: ("loop closures", _closures_differ),
