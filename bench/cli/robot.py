@@ -68,6 +68,14 @@ def check(folder: str, json_file: Path | None, verbose: bool) -> None:
     help="What the drives command: amperes, volts; 1: torques or forces are logged themselves.",
 )
 @click.option("--tool", metavar="SITE", help="The site of the file at which a payload is fixed.")
+@click.option(
+    "--lock",
+    "locked",
+    type=Assignment(float),
+    multiple=True,
+    metavar="JOINT=VALUE",
+    help="A joint that is held, such as that of a gripper, and its position in rad or m. Repeat for each.",
+)
 @click.option("--name", help="The robot's name. [default: the file's, without its suffix]")
 @click.option(
     "-o",
@@ -82,11 +90,12 @@ def new(
     motors: tuple[tuple[str, float], ...],
     unit: Literal["A", "V", "1"],
     tool: str | None,
+    locked: tuple[tuple[str, float], ...],
     name: str | None,
     output: Path | None,
     overwrite: bool,
 ) -> None:
-    """Write the robot.toml of an MJCF file: its motors, their nominal gains, its tool.
+    """Write the robot.toml of an MJCF file: its motors, their nominal gains, its tool, what is held.
 
     Without a --motor, it says what MODEL.xml has.
     """
@@ -99,8 +108,16 @@ def new(
             f"give each motor as --motor NAME=GAIN; {model} has {_listed(mjcf_parts(model))}"
         )
     unique(motors, "--motor")
+    unique(locked, "--lock")
     folder = write_robot_toml(
-        model, motors, unit=unit, tool=tool, name=name, folder=output, overwrite=overwrite
+        model,
+        motors,
+        unit=unit,
+        tool=tool,
+        locked=dict(locked),
+        name=name,
+        folder=output,
+        overwrite=overwrite,
     )
     say([wrote(folder / ROBOT_FILE, "robot"), next_line(["robot", "check", folder])])
 

@@ -1,7 +1,7 @@
 """A robot: the folder that describes it, its actuators with their nominal drive gains, its tool."""
 
 import re
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal, Self
@@ -13,7 +13,8 @@ from bench.basics.errors import BenchError, meant
 from bench.basics.files.toml_input import UserTable, one_line, read_toml
 from bench.basics.joint_units import HINGE, SLIDE, units_of_gain
 from bench.dataset.catalogue import built_in_robots
-from bench.dataset.robot_mjcf import Transmission, robot_model, robot_spec
+from bench.dataset.robot_locked import LockedJoint, locked_in_words, locked_joints
+from bench.dataset.robot_mjcf import Transmission, joints_of, robot_model, robot_spec
 from bench.dataset.robot_redundancy import independent_motors
 
 if TYPE_CHECKING:
@@ -54,14 +55,16 @@ class Robot:
     """The MJCF site at which a payload is fixed."""
     redundant: tuple[Actuator, ...] = ()
     """The motors beyond the degrees of freedom, whose joints move as those of `actuators` make them."""
+    locked: tuple[LockedJoint, ...] = ()
+    """Joints that are held: neither the simulated machine nor the model has them."""
 
     def mjcf_model(self) -> "mujoco.MjModel":
-        """The compiled MJCF, with a joint for every motor."""
-        return robot_model(self.model_path, _transmissions(self.motors))
+        """The compiled MJCF without the locked joints, and with a joint for every motor."""
+        return robot_model(self.model_path, _transmissions(self.motors), self.locked)
 
     def mjcf_spec(self) -> "mujoco.MjSpec":
         """The same, to be changed before it is compiled."""
-        return robot_spec(self.model_path, _transmissions(self.motors))
+        return robot_spec(self.model_path, _transmissions(self.motors), self.locked)
 
     @property
     def motors(self) -> tuple[Actuator, ...]:
@@ -102,7 +105,8 @@ def load_robot(robot: str | Path, relative_to: Path | None = None) -> Robot:
     actuators = tuple(
         Actuator(motor.name, motor.gain, motor.gain_unit, motor.drives) for motor in table.actuators
     )
-    actuators, independent = _checked(description, actuators, table.tool, model_path)
+    locked = _locked(description, actuators, table.locked, model_path) if table.locked else ()
+    actuators, independent = _checked(description, actuators, table.tool, model_path, locked)
     return Robot(
         name=table.name,
         folder=description.parent,
@@ -110,6 +114,7 @@ def load_robot(robot: str | Path, relative_to: Path | None = None) -> Robot:
         actuators=tuple(actuator for actuator in actuators if actuator.joint in independent),
         tool_site=table.tool.site if table.tool else None,
         redundant=tuple(actuator for actuator in actuators if actuator.joint not in independent),
+        locked=locked,
     )
 
 
@@ -120,6 +125,15 @@ def refuse_redundant(robot: Robot, what: str) -> None:
         raise BenchError(
             f"robot {robot.name}: {what} is not for redundant motors ({extra}): a motion does not tell what each of "
             "them gives"
+        )
+
+
+def refuse_other_locks(robot: Robot, locked: Sequence[LockedJoint], where: str) -> None:
+    """Raise BenchError where a model that `where` names is of this robot with other joints locked, or elsewhere."""
+    if set(locked) != set(robot.locked):
+        raise BenchError(
+            f"{where}: a model with {locked_in_words(locked)} locked, but robot {robot.name} locks "
+            f"{locked_in_words(robot.locked)}: identify again"
         )
 
 
@@ -156,6 +170,7 @@ class RobotTable(UserTable):
     model: Text
     actuators: tuple[_ActuatorTable, ...]
     tool: _ToolTable | None = None
+    locked: dict[str, Annotated[float, Field(strict=True, allow_inf_nan=False)]] = Field(default_factory=dict)
 
     @field_validator("actuators")
     @classmethod
@@ -200,8 +215,55 @@ def _transmissions(actuators: Sequence[Actuator]) -> tuple[Transmission, ...]:
     )
 
 
+def _locked(
+    description: Path, actuators: Sequence[Actuator], values: Mapping[str, float], model_path: Path
+) -> tuple[LockedJoint, ...]:
+    """The joints of [locked], held against the MJCF and the motors."""
+    plain, _ = _compiled(f"{description}: locked", model_path)
+    try:
+        locked = locked_joints(plain, values)
+        _refuse_driven(plain, actuators, values)
+    except BenchError as error:
+        raise BenchError(f"{description}: locked: {error}") from None
+    _compiled(f"{description}: locked", model_path, locked=locked)
+    return locked
+
+
+def _refuse_driven(
+    plain: "mujoco.MjModel", actuators: Sequence[Actuator], locked: Mapping[str, float]
+) -> None:
+    transmissions = {transmission.name: transmission for transmission in _transmissions(actuators)}
+    for i, actuator in enumerate(actuators):
+        other = transmissions.get(actuator.joint)
+        driven = (actuator.joint,) if other is None else joints_of(plain, other)
+        if set(driven) <= set(locked):
+            raise BenchError(f"actuators[{i}] drives {driven[0]!r}; leave out one of the two")
+
+
+def _compiled(
+    where: str,
+    model_path: Path,
+    transmissions: Sequence[Transmission] = (),
+    locked: Sequence[LockedJoint] = (),
+) -> tuple["mujoco.MjModel", list[str]]:
+    """The MJCF with its joints' names. Raises BenchError that begins with the file, or with `where`."""
+    import mujoco  # noqa: PLC0415 - slow to import: only once a robot is really read
+
+    try:
+        model = robot_model(model_path, transmissions, locked)
+        return model, [model.joint(i).name for i in range(model.njnt)]  # ValueError: a name is not UTF-8
+    except (ValueError, mujoco.FatalError) as error:
+        raise BenchError(compiler_message(model_path, str(error))) from error
+    except BenchError as error:
+        raise BenchError(f"{where}: {error}") from None
+
+
 def _checked(
-    description: Path, actuators: Sequence[Actuator], tool: _ToolTable | None, model_path: Path
+    description: Path,
+    actuators: Sequence[Actuator],
+    tool: _ToolTable | None,
+    model_path: Path,
+    locked: Sequence[LockedJoint],
 ) -> tuple[tuple[Actuator, ...], frozenset[str]]:
     """The actuators, held against the MJCF, and the joints of those that move independently.
 
@@ -209,14 +271,7 @@ def _checked(
     """
     import mujoco  # noqa: PLC0415 - slow to import: only once a robot is really read
 
-    try:
-        model = robot_model(model_path, _transmissions(actuators))
-        joint_names = [model.joint(i).name for i in range(model.njnt)]  # ValueError: a name is not UTF-8
-    except (ValueError, mujoco.FatalError) as error:
-        raise BenchError(compiler_message(model_path, str(error))) from error
-    except BenchError as error:
-        raise BenchError(f"{description}: actuators: {error}") from None
-
+    model, joint_names = _compiled(f"{description}: actuators", model_path, _transmissions(actuators), locked)
     units = {int(mujoco.mjtJoint.mjJNT_HINGE): HINGE.effort, int(mujoco.mjtJoint.mjJNT_SLIDE): SLIDE.effort}
     checked: list[Actuator] = []
     seen: dict[str, int] = {}

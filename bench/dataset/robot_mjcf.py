@@ -1,4 +1,4 @@
-"""The MJCF of a robot, with a joint for every motor that no single joint of the file stands for.
+"""The MJCF of a robot without its locked joints, and with one for every motor that no single joint stands for.
 
 A motor may drive a fixed tendon (a sum of joint positions: a belt, a differential, a coupled wrist), or the actuator
 of the file that has a gear. What it logs is then its own position. The robot gets a rotor for it: a body on the base
@@ -8,13 +8,16 @@ with a joint of the tendon's or actuator's name, and an equality that holds its 
 from __future__ import annotations
 
 import copy
-from collections.abc import Sequence
+import math
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
 from bench.basics.errors import BenchError
+from bench.dataset.mjcf_neutral import keep_masses, neutral
+from bench.dataset.robot_locked import LockedJoint, lock_joints
 
 if TYPE_CHECKING:
     import mujoco
@@ -36,15 +39,20 @@ class Transmission:
     """Whether the motor's position is a length [m], so that its joint is a slide."""
 
 
-def robot_model(path: Path, transmissions: Sequence[Transmission] = ()) -> mujoco.MjModel:
-    """The compiled file with the rotors. Raises ValueError where MuJoCo refuses the file, BenchError for a motor."""
+def robot_model(
+    path: Path, transmissions: Sequence[Transmission] = (), locked: Sequence[LockedJoint] = ()
+) -> mujoco.MjModel:
+    """The compiled file with the rotors, without the locked joints.
+
+    Raises ValueError where MuJoCo refuses the file, BenchError for a motor or a locked joint.
+    """
     try:
         content = path.read_bytes()
     except OSError:
-        return _compiled(path, transmissions)  # MuJoCo says what is wrong
+        return _compiled(path, transmissions, locked)  # MuJoCo says what is wrong
     if b"file" in content:  # other files belong to it, which may change as well
-        return _compiled(path, transmissions)
-    return copy.copy(_of_content(_Content(path, content), tuple(transmissions)))
+        return _compiled(path, transmissions, locked)
+    return copy.copy(_of_content(_Content(path, content), tuple(transmissions), tuple(locked)))
 
 
 @dataclass(frozen=True)
@@ -56,32 +64,41 @@ class _Content:
 
 
 @lru_cache(maxsize=KEPT)
-def _of_content(file: _Content, transmissions: Sequence[Transmission]) -> mujoco.MjModel:
-    return _compiled(file.path, transmissions)
+def _of_content(
+    file: _Content, transmissions: Sequence[Transmission], locked: Sequence[LockedJoint]
+) -> mujoco.MjModel:
+    return _compiled(file.path, transmissions, locked)
 
 
-def _compiled(path: Path, transmissions: Sequence[Transmission]) -> mujoco.MjModel:
+def _compiled(
+    path: Path, transmissions: Sequence[Transmission], locked: Sequence[LockedJoint]
+) -> mujoco.MjModel:
     import mujoco  # noqa: PLC0415 - slow to import: only once a robot is really read
 
-    if not transmissions:
-        return mujoco.MjModel.from_xml_path(str(path))
-    return robot_spec(path, transmissions).compile()
+    if transmissions or locked:
+        model = robot_spec(path, transmissions, locked).compile()
+    else:
+        model = mujoco.MjModel.from_xml_path(str(path))
+    model.opt.enableflags = 0  # bodies that sleep, other contacts: of no concern, and not for every equality
+    return model
 
 
-def robot_spec(path: Path, transmissions: Sequence[Transmission] = ()) -> mujoco.MjSpec:
+def robot_spec(
+    path: Path, transmissions: Sequence[Transmission] = (), locked: Sequence[LockedJoint] = ()
+) -> mujoco.MjSpec:
     """The same, not compiled yet."""
     import mujoco  # noqa: PLC0415 - slow to import: only once a robot is really read
 
     spec = mujoco.MjSpec.from_file(str(path))
+    of_locked = lock_joints(spec, locked) if locked else {}
     if not transmissions:
         return spec
-    plain = mujoco.MjModel.from_xml_path(str(path))
-    added = [
-        [_length(_factors(plain, transmission), qpos) for transmission in transmissions]
-        for qpos in plain.key_qpos
-    ]
-    for transmission in transmissions:
-        _add_rotor(spec, plain, transmission)
+    keep_masses(spec)
+    plain = spec.copy().compile()
+    sums = [_length_of(plain, transmission, of_locked) for transmission in transmissions]
+    added = [[length.at(qpos) for length in sums] for qpos in plain.key_qpos]
+    for transmission, length in zip(transmissions, sums, strict=True):
+        _add_rotor(spec, plain, transmission, length)
     for key, qpos, lengths in zip(spec.keys, plain.key_qpos, added, strict=True):
         key.qpos = [*qpos.tolist(), *lengths]
         if len(key.qvel):
@@ -89,41 +106,65 @@ def robot_spec(path: Path, transmissions: Sequence[Transmission] = ()) -> mujoco
     return spec
 
 
-def _add_rotor(spec: mujoco.MjSpec, plain: mujoco.MjModel, transmission: Transmission) -> None:
+@dataclass(frozen=True)
+class _Length:
+    """The position of a motor: of each joint (name, place in qpos, factor), and what locked joints add."""
+
+    joints: tuple[tuple[str, int, float], ...]
+    constant: float = 0.0
+
+    def at(self, qpos: Sequence[float]) -> float:
+        return self.constant + float(sum(factor * qpos[place] for _, place, factor in self.joints))
+
+
+def _add_rotor(
+    spec: mujoco.MjSpec, plain: mujoco.MjModel, transmission: Transmission, length: _Length
+) -> None:
     import mujoco  # noqa: PLC0415 - slow to import: only once a robot is really read
 
     if mujoco.mj_name2id(plain, mujoco.mjtObj.mjOBJ_JOINT, transmission.name) >= 0:
         raise BenchError(
             f"{transmission.kind} {transmission.name!r}: there is a joint of this name too, give it another"
         )
-    factors = _factors(plain, transmission)
     body = spec.worldbody.add_body(name=ROTOR + transmission.name, mass=MASS, inertia=[INERTIA] * 3)
     body.explicitinertial = True
     kind = mujoco.mjtJoint.mjJNT_SLIDE if transmission.slides else mujoco.mjtJoint.mjJNT_HINGE
-    joint = body.add_joint(name=transmission.name, type=kind, axis=_axis(plain, transmission.slides))
-    joint.ref = _length(factors, plain.qpos0)
+    joint = body.add_joint(
+        neutral(), name=transmission.name, type=kind, axis=_axis(plain, transmission.slides)
+    )
+    unit = math.degrees(1.0) if spec.compiler.degree and not transmission.slides else 1.0  # of ref and range
+    joint.ref = unit * length.at(plain.qpos0)
     joint.armature = ARMATURE
     sums = spec.tendon(transmission.name) if transmission.kind == "tendon" else None
     if sums is None:
-        sums = spec.add_tendon(name=f"{ROTOR}{transmission.name}:sum")
-        for name, _, factor in factors:
+        sums = spec.add_tendon(neutral(), name=f"{ROTOR}{transmission.name}:sum")
+        for name, _, factor in length.joints:
             sums.wrap_joint(name, factor)
     else:
         tendon = plain.tendon(transmission.name).id
         joint.armature = float(plain.tendon_armature[tendon]) or ARMATURE
         if plain.tendon_limited[tendon]:
-            joint.limited, joint.range = True, plain.tendon_range[tendon].tolist()
+            joint.limited, joint.range = True, (unit * plain.tendon_range[tendon]).tolist()
         sums.armature, sums.limited = 0.0, False
-    own = spec.add_tendon(name=ROTOR + transmission.name)
+    own = spec.add_tendon(neutral(), name=ROTOR + transmission.name)
     own.wrap_joint(transmission.name, 1.0)
     held = spec.add_equality(
-        name=ROTOR + transmission.name, type=mujoco.mjtEq.mjEQ_TENDON, name1=own.name, name2=sums.name
+        neutral(),
+        name=ROTOR + transmission.name,
+        type=mujoco.mjtEq.mjEQ_TENDON,
+        name1=own.name,
+        name2=sums.name,
     )
     held.data[:5] = [0.0, 1.0, 0.0, 0.0, 0.0]
 
 
-def _factors(plain: mujoco.MjModel, transmission: Transmission) -> list[tuple[str, int, float]]:
-    """(joint, place in qpos, factor) of every joint that the motor's position is a sum of."""
+def joints_of(plain: mujoco.MjModel, transmission: Transmission) -> tuple[str, ...]:
+    """The joints that a motor's position is a sum of. Raises BenchError for a motor that the file has not."""
+    return tuple(name for name, _, _ in _length_of(plain, transmission, {}).joints)
+
+
+def _length_of(plain: mujoco.MjModel, transmission: Transmission, lengths: Mapping[str, float]) -> _Length:
+    """lengths: what locked joints add to tendons, by name."""
     import mujoco  # noqa: PLC0415 - slow to import: only once a robot is really read
 
     gear = 1.0
@@ -141,7 +182,7 @@ def _factors(plain: mujoco.MjModel, transmission: Transmission) -> list[tuple[st
         gear, kind = float(plain.actuator_gear[motor, 0]), int(plain.actuator_trntype[motor])
         tendon = int(plain.actuator_trnid[motor, 0])
         if kind == int(mujoco.mjtTrn.mjTRN_JOINT):
-            return [_factor(plain, tendon, gear)]
+            return _Length((_factor(plain, tendon, gear),))
         if kind != int(mujoco.mjtTrn.mjTRN_TENDON):
             raise BenchError(f"actuator {transmission.name!r} drives neither a joint nor a tendon")
     first = int(plain.tendon_adr[tendon])
@@ -150,15 +191,14 @@ def _factors(plain: mujoco.MjModel, transmission: Transmission) -> list[tuple[st
         raise BenchError(
             f"{transmission.kind} {transmission.name!r} is a cable in space: cables are not supported"
         )
-    return [_factor(plain, int(plain.wrap_objid[wrap]), gear * float(plain.wrap_prm[wrap])) for wrap in wraps]
+    joints = (
+        _factor(plain, int(plain.wrap_objid[wrap]), gear * float(plain.wrap_prm[wrap])) for wrap in wraps
+    )
+    return _Length(tuple(joints), gear * lengths.get(plain.tendon(tendon).name, 0.0))
 
 
 def _factor(plain: mujoco.MjModel, joint: int, factor: float) -> tuple[str, int, float]:
     return plain.joint(joint).name, int(plain.jnt_qposadr[joint]), factor
-
-
-def _length(factors: Sequence[tuple[str, int, float]], qpos: Sequence[float]) -> float:
-    return float(sum(factor * qpos[place] for _, place, factor in factors))
 
 
 def _axis(plain: mujoco.MjModel, slides: bool) -> list[float]:

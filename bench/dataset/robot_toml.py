@@ -62,9 +62,16 @@ def mjcf_parts(path: str | Path) -> MjcfParts:
 
 
 def robot_toml(
-    model: str, name: str, motors: Sequence[tuple[str, float]], parts: MjcfParts, unit: Unit, tool: str | None
+    model: str,
+    name: str,
+    motors: Sequence[tuple[str, float]],
+    parts: MjcfParts,
+    unit: Unit,
+    tool: str | None,
+    locked: Mapping[str, float],
 ) -> str:
-    """The text of a robot.toml. model: the MJCF as the file names it; motors: names with their nominal gains, in order.
+    """The text of a robot.toml. model: the MJCF as the file names it; motors: names with their nominal gains, in order;
+    locked: joints that are held, with their positions.
 
     Raises BenchError for a motor or a site that the MJCF has not.
     """
@@ -86,6 +93,8 @@ def robot_toml(
         if tool not in parts.sites:
             raise BenchError(f"tool {tool!r}: no site: {meant(tool, parts.sites, f'{parts.path.name} has')}")
         lines += ["", "[tool]", toml_line("site", tool)]
+    if locked:
+        lines += ["", "[locked]", *(toml_line(joint, value) for joint, value in locked.items())]
     return "\n".join(lines) + "\n"
 
 
@@ -95,6 +104,7 @@ def write_robot_toml(
     *,
     unit: Unit = "A",
     tool: str | None = None,
+    locked: Mapping[str, float] | None = None,
     name: str | None = None,
     folder: str | Path | None = None,
     overwrite: bool = False,
@@ -102,7 +112,8 @@ def write_robot_toml(
     """Write the robot.toml of an MJCF file, and return its folder: by default that of the file.
 
     motors: joints, tendons or actuators of the file with their nominal drive gains, in the order of every table; unit:
-    of what the drives command; tool: the site at which a payload is fixed. What reads as no robot is not written.
+    of what the drives command; tool: the site at which a payload is fixed; locked: joints that are held, with their
+    positions in rad or m. What reads as no robot is not written.
     Raises BenchError, and nothing is written: a motor or a site that the file has not, what `load_robot` refuses, a
     robot.toml that is there already.
     """
@@ -112,7 +123,9 @@ def write_robot_toml(
         raise BenchError(
             f"{target}: is there already; give another folder, or say that it is to be overwritten"
         )
-    text = robot_toml(_from(target.parent, mjcf), name or mjcf.stem, motors, mjcf_parts(mjcf), unit, tool)
+    text = robot_toml(
+        _from(target.parent, mjcf), name or mjcf.stem, motors, mjcf_parts(mjcf), unit, tool, locked or {}
+    )
     with atomic_path(target) as partial:
         partial.write_text(text, encoding="utf-8")
         try:

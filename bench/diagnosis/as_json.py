@@ -4,6 +4,7 @@ from dataclasses import asdict
 from typing import Any
 
 from bench.basics.plain_data import finite
+from bench.dataset.robot_locked import locked_as_data
 from bench.diagnosis.reason_words import judged_on, left_words
 from bench.diagnosis.result import Diagnosis, Discovered, EffectVerdict, Unexplained
 from bench.diagnosis.summary import error_share, reason, summary_sentences
@@ -33,6 +34,7 @@ def diagnosis_json(diagnosis: Diagnosis) -> dict[str, Any]:
     """
     answer = {
         "robot": diagnosis.robot,
+        "locked": locked_as_data(diagnosis.after.locked),
         "judged_on": judged_on(diagnosis),
         "summary": summary_sentences(diagnosis),
         "missing": list(diagnosis.missing),

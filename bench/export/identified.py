@@ -11,7 +11,7 @@ from bench.basics.files.toml_input import read_toml
 from bench.dataset.dataset_toml import DatasetSpec, PayloadSpec
 from bench.dataset.names import DATASET_FILE
 from bench.dataset.payload import Payload
-from bench.dataset.robot import Robot, load_robot, refuse_redundant
+from bench.dataset.robot import Robot, load_robot, refuse_other_locks, refuse_redundant
 from bench.effects import Effect, EffectInstance, catalogue_for, places_in, select_effects
 from bench.identification.layout import parameter_layout
 from bench.identification.model_file import SavedModel, load_model, with_own_effects
@@ -161,6 +161,7 @@ def identified_model(
             f"{path}: a model of {saved.model.robot} ({', '.join(saved.model.drive_gains)}), but robot {robot.name} "
             f"has the motors {', '.join(robot.joints)}"
         )
+    refuse_other_locks(robot, saved.model.locked, str(path))
     model = build_model(robot)
     names = model.base.names
     unknown = [name for name in names if name not in saved.parameters and name not in saved.model.left_out]

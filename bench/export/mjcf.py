@@ -12,6 +12,7 @@ import numpy as np
 
 from bench.basics.errors import BenchError
 from bench.basics.files.atomic import atomic_path
+from bench.dataset.robot_locked import locked_in_words
 from bench.dataset.robot_mjcf import INERTIA, MASS, ROTOR
 from bench.export.carried import unknown_payload
 from bench.export.mjcf_actuators import DrivenJoint, set_motors
@@ -51,7 +52,7 @@ def mjcf_text(physical: PhysicalSet, folder: Path, payload: str | None = None, l
     _name_all(spec)
     _find_files_from(spec, robot.model_path.parent, folder)
     placed = placed_effects(physical, log)
-    changed: list[str] = []
+    changed = [f"locked joints are fixed: {locked_in_words(robot.locked)}"] if robot.locked else []
     exact: dict[str, dict[str, str]] = {}
     spec.option.gravity = placed.gravity
     _set_bodies(spec, physical, exact, changed)

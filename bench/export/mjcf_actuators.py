@@ -6,6 +6,8 @@ from dataclasses import dataclass
 import mujoco
 import numpy as np
 
+from bench.dataset.mjcf_neutral import neutral
+
 
 @dataclass(frozen=True)
 class DrivenJoint:
@@ -33,7 +35,9 @@ def set_motors(
         ]
         if not own:
             motors.append(
-                spec.add_actuator(name=_free_name(spec, driven_joint.joint), target=driven_joint.joint)
+                spec.add_actuator(
+                    neutral(), name=_free_name(spec, driven_joint.joint), target=driven_joint.joint
+                )
             )
             _fill(motors[-1], driven_joint, 1.0)
             continue

@@ -25,6 +25,7 @@ class Code(StrEnum):
     PAYLOAD_NOT_DECLARED = auto()
     GAINS_NOMINAL = auto()
     REDUNDANT = auto()
+    LOCKED = auto()
     RANK_DEFICIENT = auto()
     ILL_CONDITIONED = auto()
     TAKEN_UP = auto()

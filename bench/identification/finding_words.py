@@ -53,6 +53,11 @@ def _rounding(finding: Finding) -> str:
     )
 
 
+def _locked(finding: Finding) -> str:
+    values = ", ".join(f"{name} = {finding.numbers[name]:g} {finding.unit}" for name in finding.names)
+    return f"Locked in robot.toml: {values}."
+
+
 def _ill_conditioned(finding: Finding) -> str:
     return (
         f"The scaled observation matrix has a condition number of {finding.numbers['condition']:.0f}: some "
@@ -321,6 +326,7 @@ WORDS: Mapping[Code, Callable[[Finding], str]] = {
         f"The robot has more motors than degrees of freedom: the currents of {', '.join(finding.names)} "
         "are taken as they were logged, and errors are those of the other motors."
     ),
+    Code.LOCKED: _locked,
     Code.GAINS_NOMINAL: lambda _: (
         "No fitted recording carries a payload of known mass: the drive gains stay at their nominal values, and every "
         "parameter is wrong by the same share as the gain that scales it."

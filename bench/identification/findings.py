@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from bench.dataset.robot_locked import LockedJoint
 from bench.effects import EffectInstance
 from bench.identification.finding import Code, Finding, Unknown
 from bench.identification.periods_not_whole import periods_not_whole
@@ -39,6 +40,7 @@ def with_findings(
         found.append(Finding(Code.GAINS_NOMINAL))
     if result.redundant:
         found.append(Finding(Code.REDUNDANT, result.redundant))
+    found += locked_findings(result.locked)
     if result.rank < result.unknowns:
         rank = {"rank": result.rank, "unknowns": result.unknowns}
         found.append(Finding(Code.RANK_DEFICIENT, numbers=rank))
@@ -71,6 +73,16 @@ def with_findings(
         numbers = {"count": loose, "of": len(result.parameters), "limit": LOOSE}
         found.append(Finding(Code.POORLY_DETERMINED, numbers=numbers))
     return replace(result, findings=(*found, *more))
+
+
+def locked_findings(locked: Sequence[LockedJoint]) -> list[Finding]:
+    """The joints that robot.toml locks, with their positions: one finding for hinges, one for slides."""
+    by_unit = {unit: {one.name: one.value for one in locked if one.unit == unit} for unit in ("rad", "m")}
+    return [
+        Finding(Code.LOCKED, tuple(values), numbers=values, unit=unit)
+        for unit, values in by_unit.items()
+        if values
+    ]
 
 
 def _beyond(outside: Sequence[EffectInstance]) -> list[Finding]:

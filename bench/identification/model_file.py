@@ -16,11 +16,13 @@ from bench.basics.plain_data import finite
 from bench.basics.threads import on_one_thread
 from bench.basics.versions import versions
 from bench.dataset.dataset import Dataset
+from bench.dataset.robot import refuse_other_locks
 from bench.effects import Effect, EffectInstance
 from bench.effects.user_file import load_effects
 from bench.identification.by_recording import without_own_values
 from bench.identification.finding import Finding
 from bench.identification.finding_words import note
+from bench.identification.findings import locked_findings
 from bench.identification.frame import html_table
 from bench.identification.layout import payload_parameter_names
 from bench.identification.model_json import FORMAT, from_json, to_json
@@ -206,7 +208,7 @@ def apply_model(problem: Problem, saved: SavedModel) -> Comparison:
     dataset = problem.dataset
     series = tuple(modelled_series(prepared, observation, solution) for observation in prepared.observations)
     joints = [actuator.joint for actuator in dataset.robot.actuators]
-    findings = tuple(without_own_values(prepared))
+    findings = (*without_own_values(prepared), *locked_findings(dataset.robot.locked))
     return Comparison(dataset.robot.name, str(saved.path), series, error_summary(series, joints), findings)
 
 
@@ -220,6 +222,7 @@ def applied(problem: Problem, saved: SavedModel) -> tuple[Prepared, Solution]:
             f"{saved.path}: a model of {model.robot} ({', '.join(model.drive_gains)}), but {dataset.folder} is of "
             f"{dataset.robot.name} ({', '.join(dataset.robot.driven)})"
         )
+    refuse_other_locks(dataset.robot, model.locked, str(saved.path))
     if not _own(dataset, saved):  # a log of another folder is another log, whatever its name
         strangers = tuple(
             replace(recording, part_of=str(dataset.folder / recording.log))

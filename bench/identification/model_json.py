@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from bench.basics.plain_data import finite
+from bench.dataset.robot_locked import locked_as_data, locked_from_data
 from bench.identification.finding import Code, Finding, Unknown
 from bench.identification.result import (
     CurrentSeries,
@@ -39,6 +40,7 @@ def to_json(
         "robot": result.robot,
         "method": result.method,
         "redundant": list(result.redundant),
+        "locked": locked_as_data(result.locked),
         "effects": list(result.effects),
         "gains_fitted": result.gains_fitted,
         "drive_gains": {
@@ -116,6 +118,7 @@ def from_json(content: dict[str, Any]) -> Identification:
         findings=_findings(content),
         std_from=content.get("std_from", "noise"),
         redundant=tuple(content.get("redundant", ())),
+        locked=locked_from_data(content.get("locked", {})),
     )
 
 

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from bench.dataset.robot_locked import LockedJoint
 from bench.identification.finding import Finding, Unknown
 from bench.identification.finding_words import note
 from bench.identification.frame import data_frame, html_table
@@ -123,7 +124,7 @@ class Identification:
     values and of parameters that were left out are zero. left_out: names of the base parameters without which the fit
     is as good, when only essential ones were asked for. findings: what limits the answer.
     std_from: what standard deviations stand for. redundant: the motors, last of the drive gains, whose currents are
-    given and not modelled, since the motion tells the sum of the powers alone.
+    given and not modelled, since the motion tells the sum of the powers alone. locked: joints that robot.toml holds.
     """
 
     robot: str
@@ -148,6 +149,7 @@ class Identification:
     findings: tuple[Finding, ...]
     std_from: StdFrom = "noise"
     redundant: tuple[str, ...] = ()
+    locked: tuple[LockedJoint, ...] = ()
 
     @property
     def joints(self) -> tuple[str, ...]:

@@ -89,6 +89,7 @@ def summarise(
             findings=(),
             std_from=spread.std_from,
             redundant=tuple(actuator.joint for actuator in robot.redundant),
+            locked=robot.locked,
         ),
         prepared.left_aside,
         outside,

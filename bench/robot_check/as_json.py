@@ -3,6 +3,7 @@
 from dataclasses import asdict
 from typing import Any
 
+from bench.dataset.robot_locked import locked_as_data
 from bench.robot_check.outcome import Check
 from bench.robot_check.report import RobotReport
 from bench.robot_check.words import detail_of, name_of, nearest_singularity
@@ -15,6 +16,7 @@ def report_json(report: RobotReport) -> dict[str, Any]:
         "robot": report.robot.name,
         "model": report.robot.model_path.name,
         "ok": not report.failures,
+        "locked": locked_as_data(report.robot.locked),
         "joints": [asdict(joint) for joint in report.joints],
         "loops": [asdict(loop) for loop in report.loops],
         "degrees_of_freedom": None

@@ -14,7 +14,7 @@ from bench.model.passive_ranges import passive_ranges
 from bench.model.states import random_motion
 from bench.robot_check import agreement
 from bench.robot_check.base_torques import check_base_parameters
-from bench.robot_check.features import check_features, notes
+from bench.robot_check.features import check_features, locked_lines, notes
 from bench.robot_check.home import check_home
 from bench.robot_check.listing import check_home_ranges, home_of, joint_lines, loop_lines
 from bench.robot_check.loops import check_closed_motion, check_constraints
@@ -42,7 +42,7 @@ def check_robot(robot: Robot) -> RobotReport:
         None,
         None,
         None,
-        (features, *notes(compiled, robot)),
+        (features, *locked_lines(robot), *notes(compiled, robot)),
     )
     try:
         geometry = read_geometry(robot)

@@ -7,6 +7,7 @@ import mujoco
 import numpy as np
 
 from bench.dataset.robot import Robot
+from bench.dataset.robot_locked import locked_as_data
 from bench.effects import CATALOGUE
 from bench.effects.effect import MjcfTerm, Place
 from bench.model.supported import label_of, unsupported_features
@@ -26,6 +27,15 @@ def check_features(compiled: mujoco.MjModel) -> Check:
     if refused:
         return Check(CheckCode.MJCF_UNSUPPORTED, "failed", {"features": refused})
     return Check(CheckCode.MJCF_SUPPORTED, "ok")
+
+
+def locked_lines(robot: Robot) -> list[Check]:
+    """The joints that robot.toml locks."""
+    return (
+        [Check(CheckCode.JOINTS_LOCKED, "ok", {"joints": locked_as_data(robot.locked)})]
+        if robot.locked
+        else []
+    )
 
 
 def notes(compiled: mujoco.MjModel, robot: Robot) -> list[Check]:

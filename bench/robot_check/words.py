@@ -3,6 +3,7 @@
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
+from bench.dataset.robot_locked import locked_from_data, locked_in_words
 from bench.robot_check.outcome import Check, CheckCode
 from bench.robot_check.report import Singularity
 
@@ -74,6 +75,10 @@ def _joint_force(term: str, joints: Sequence[str], effects: Sequence[str]) -> st
         f"{TERMS[term]} on {', '.join(joints)}: the simulator will add it, the model does not know it; fit it with "
         f"--with {' --with '.join(effects)}"
     )
+
+
+def _locked(joints: Mapping[str, Mapping[str, Any]]) -> str:
+    return locked_in_words(locked_from_data(joints))
 
 
 def _passive_armature(joints: Sequence[str]) -> str:
@@ -356,6 +361,7 @@ WORDS: dict[CheckCode, tuple[str, Sentence]] = {
     CheckCode.ACTUATORS_UNUSED: ("note", _actuators),
     CheckCode.TENDON_UNUSED: ("note", _tendon),
     CheckCode.LENGTHS_LARGE: ("note", _lengths_large),
+    CheckCode.JOINTS_LOCKED: ("locked", _locked),
     CheckCode.JOINT_TREES_AGREE: ("joint tree", _trees_agree),
     CheckCode.JOINT_COUNTS_DIFFER: ("joint tree", _joint_counts),
     CheckCode.JOINT_NAMES_DIFFER: ("joint tree", _joint_names),

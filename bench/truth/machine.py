@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from bench.basics.errors import BenchError
 from bench.basics.files.toml_input import one_line
+from bench.dataset.mjcf_neutral import keep_masses, neutral
 from bench.dataset.payload import Payload, inertia_matrix
 from bench.dataset.robot import Robot
 from bench.scenario.scenario import Scenario, payload_truth, per_joint
@@ -36,6 +37,16 @@ CLOSING = (
     mujoco.mjtEq.mjEQ_WELD,
     mujoco.mjtEq.mjEQ_JOINT,
     mujoco.mjtEq.mjEQ_TENDON,
+)
+ACTING = ("gravity", "wind", "magnetic", "density", "viscosity")  # of the file's options
+ROBOT_SWITCHES = sum(
+    int(flag)
+    for flag in (
+        mujoco.mjtDisableBit.mjDSBL_LIMIT,
+        mujoco.mjtDisableBit.mjDSBL_CONSTRAINT,
+        mujoco.mjtDisableBit.mjDSBL_EQUALITY,
+        mujoco.mjtDisableBit.mjDSBL_GRAVITY,
+    )
 )
 RIGID = (0.9999, 0.99999, 0.001, 0.5, 2.0)  # solimp: next to no compliance
 
@@ -198,6 +209,8 @@ def _rigid_spec(robot: Robot, step: float) -> mujoco.MjSpec:
     for extra in (*spec.actuators, *spec.sensors, *spec.keys):
         spec.delete(extra)
     spec.compiler.fusestatic = False
+    keep_masses(spec)
+    _own_options(spec)
     option = spec.option
     option.timestep = step
     # explicit, so that the logged velocity is the one at which every force was evaluated
@@ -217,6 +230,27 @@ def _rigid_spec(robot: Robot, step: float) -> mujoco.MjSpec:
     for joint in spec.joints:
         joint.actfrclimited = False
     return spec
+
+
+def _own_options(spec: mujoco.MjSpec) -> None:
+    """MuJoCo's own options but for what acts on the robot; of the file's switches only those that are the robot's.
+
+    A spring, damper or friction that the file switches off is taken out, since the switch is for hidden ones as well.
+    """
+    plain, off = mujoco.MjSpec(), int(spec.option.disableflags)
+    option = plain.option
+    for name in ACTING:
+        setattr(option, name, getattr(spec.option, name))
+    option.disableflags = off & ROBOT_SWITCHES
+    spec.option = option
+    spec.memory = -1
+    for joint in spec.joints:
+        if off & int(mujoco.mjtDisableBit.mjDSBL_SPRING):
+            joint.stiffness = np.zeros(len(joint.stiffness))
+        if off & int(mujoco.mjtDisableBit.mjDSBL_DAMPER):
+            joint.damping = np.zeros(len(joint.damping))
+        if off & int(mujoco.mjtDisableBit.mjDSBL_FRICTIONLOSS):
+            joint.frictionloss = 0.0
 
 
 def _compiled(spec: mujoco.MjSpec, robot: Robot) -> mujoco.MjModel:
@@ -264,7 +298,7 @@ def _add_motors(draft: Draft, drive: Drive, laws: bool) -> None:
     ratio · (control − kp q − kv q̇), with `Drive.command` as control.
     """
     for i, joint in enumerate(draft.robot.driven):
-        motor = draft.spec.add_actuator(name=f"motor:{joint}", target=draft.motor_side(joint).name)
+        motor = draft.spec.add_actuator(neutral(), name=f"motor:{joint}", target=draft.motor_side(joint).name)
         motor.trntype = mujoco.mjtTrn.mjTRN_JOINT
         motor.gaintype = mujoco.mjtGain.mjGAIN_FIXED
         motor.biastype = mujoco.mjtBias.mjBIAS_AFFINE

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from bench.basics.versions import versions
 from bench.dataset.payload import Payload
+from bench.dataset.robot_locked import locked_as_data
 from bench.truth.hidden import MOTOR_SIDE, PAYLOAD_BODY
 from bench.truth.machine import Machine
 from bench.truth.simulate import SimulatedRecording, Simulation
@@ -32,6 +33,7 @@ def truth(simulation: Simulation) -> dict[str, Any]:
         "scenario": scenario.name,
         "robot": scenario.robot_reference,
         "seed": settings.seed,
+        "locked": locked_as_data(machine.robot.locked),
         "drive_gains": _drive_gains(machine),
         "bodies": _bodies(machine.models[None]),
         "joints": _joints(machine.models[None]),

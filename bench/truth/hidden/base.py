@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bench.basics.errors import BenchError
+from bench.dataset.mjcf_neutral import neutral
 from bench.dataset.payload import Payload
 from bench.dataset.robot import Robot
 from bench.truth.hidden.movement import JointMovement, Sizes
@@ -184,7 +185,7 @@ def add_damping(draft: Draft, joint: str, linear: float, quadratic: float = 0.0)
 
 def add_affine_actuator(draft: Draft, name: str, joint: mujoco.MjsJoint, bias: tuple[float, float]) -> None:
     """An actuator that nobody commands; its force on the joint is bias[0] + bias[1] · position."""
-    actuator = draft.spec.add_actuator(name=free_name(draft, name), target=joint.name)
+    actuator = draft.spec.add_actuator(neutral(), name=free_name(draft, name), target=joint.name)
     actuator.trntype = mujoco.mjtTrn.mjTRN_JOINT
     actuator.gaintype = mujoco.mjtGain.mjGAIN_FIXED
     actuator.gainprm[0] = 0.0
@@ -204,7 +205,7 @@ def add_dc_motor(
     lugre: stiffness and damping of the bristles, Coulomb and static friction, Stribeck velocity.
     cogging: amplitude, periods in 2π rad, phase: amplitude · sin(periods · position + phase) on the joint.
     """
-    actuator = draft.spec.add_actuator(name=free_name(draft, name), target=joint.name)
+    actuator = draft.spec.add_actuator(neutral(), name=free_name(draft, name), target=joint.name)
     actuator.trntype = mujoco.mjtTrn.mjTRN_JOINT
     actuator.set_to_dcmotor(
         motorconst=[NO_MOTOR, 0.0],

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from bench.basics.errors import BenchError
+from bench.dataset.mjcf_neutral import neutral
 from bench.truth.hidden.base import MOTOR_SIDE, Draft, JointEffect, refuse_fast_swing
 
 NO_MASS = 1e-12  # kg and kg·m²: a body must have some; the rotor's inertia is its joint's armature
@@ -48,9 +49,9 @@ class DriveTrain(JointEffect):
         body = spec.worldbody.add_body(name=name)
         body.explicitinertial = True
         body.mass, body.inertia = NO_MASS, np.full(3, NO_MASS)
-        rotor = body.add_joint(name=name, type=mujoco.mjtJoint.mjJNT_HINGE, axis=[0.0, 0.0, 1.0])
+        rotor = body.add_joint(neutral(), name=name, type=mujoco.mjtJoint.mjJNT_HINGE, axis=[0.0, 0.0, 1.0])
         rotor.armature = inertia
-        tendon = spec.add_tendon(name=name)
+        tendon = spec.add_tendon(neutral(), name=name)
         tendon.wrap_joint(name, 1.0)
         tendon.wrap_joint(self.joint, -1.0)
         tendon.stiffness = _linear(tendon.stiffness, stiffness)

@@ -8,6 +8,7 @@ from typing import ClassVar
 import mujoco
 import numpy as np
 
+from bench.dataset.mjcf_neutral import neutral
 from bench.truth.hidden.base import Array, Draft, JointEffect, hard_friction
 from bench.truth.hidden.signals import Parameters
 
@@ -43,7 +44,7 @@ class PassiveLoadFriction(JointEffect):
             return
         turn = np.zeros(4)
         mujoco.mju_quatZ2Vec(turn, np.asarray(joint.axis, dtype=float) / np.linalg.norm(joint.axis))
-        joint.parent.add_site(name=name, pos=joint.pos, quat=turn)
+        joint.parent.add_site(neutral(), name=name, pos=joint.pos, quat=turn)
         draft.spec.add_sensor(
             name=name,
             type=mujoco.mjtSensor.mjSENS_FORCE,

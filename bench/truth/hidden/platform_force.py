@@ -9,6 +9,7 @@ import mujoco
 import numpy as np
 
 from bench.basics.errors import BenchError
+from bench.dataset.mjcf_neutral import neutral
 from bench.truth.hidden.base import Draft, HiddenEffect, free_name
 
 
@@ -41,9 +42,9 @@ class PlatformForce(HiddenEffect):
         data = mujoco.MjData(draft.plain)
         data.qpos[:] = draft.home
         mujoco.mj_kinematics(draft.plain, data)
-        base = draft.spec.worldbody.add_site(name=free_name(draft, "base"))
+        base = draft.spec.worldbody.add_site(neutral(), name=free_name(draft, "base"))
         for axis, force in enumerate((self.fx, self.fy, self.fz)):
-            actuator = draft.spec.add_actuator(name=free_name(draft, self.name), target=tool)
+            actuator = draft.spec.add_actuator(neutral(), name=free_name(draft, self.name), target=tool)
             actuator.trntype = mujoco.mjtTrn.mjTRN_SITE
             actuator.refsite = base.name
             actuator.gear = np.eye(6)[axis]

@@ -9,6 +9,7 @@ import mujoco
 import numpy as np
 
 from bench.basics.errors import BenchError
+from bench.dataset.mjcf_neutral import neutral
 from bench.truth.hidden.base import Draft, HiddenEffect, free_name
 
 RADIUS = 0.01  # m
@@ -37,7 +38,7 @@ class ToolDrag(HiddenEffect):
             )
         option, site = draft.spec.option, draft.spec.site(tool)
         option.density = option.density or THIN
-        sphere = site.parent.add_geom(name=free_name(draft, self.name))
+        sphere = site.parent.add_geom(neutral(), name=free_name(draft, self.name))
         sphere.type = mujoco.mjtGeom.mjGEOM_SPHERE
         sphere.size = [RADIUS, 0.0, 0.0]
         sphere.pos = site.pos

@@ -1,0 +1,49 @@
+"""Parts that are added to an MJCF: neither its defaults nor what its compiler does with masses may change them."""
+
+from __future__ import annotations
+
+from functools import lru_cache
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+if TYPE_CHECKING:
+    import mujoco
+
+
+def neutral() -> mujoco.MjsDefault:
+    """MuJoCo's own defaults, for `add_joint` and its like: without it, a part takes over the class of its body."""
+    return _empty().default
+
+
+@lru_cache(maxsize=1)
+def _empty() -> mujoco.MjSpec:
+    import mujoco  # noqa: PLC0415 - slow to import: only once a robot is really read
+
+    return mujoco.MjSpec()
+
+
+def keep_masses(spec: mujoco.MjSpec) -> None:
+    """Give every body the mass and inertia that the compiler's settings lead to, and take these settings back.
+
+    `inertiafromgeom="true"` would give an added body without shapes no mass, `settotalmass` would share the mass of a
+    payload out among all bodies, `boundmass` would make a rotor heavy.
+    """
+    import mujoco  # noqa: PLC0415 - likewise
+
+    compiler, plain = spec.compiler, _empty().compiler
+    changing = ("balanceinertia", "boundmass", "boundinertia", "settotalmass", "inertiafromgeom")
+    if all(getattr(compiler, name) == getattr(plain, name) for name in changing):
+        return
+    copy = spec.copy()
+    copy.compiler.fusestatic = False
+    compiled = copy.compile()
+    for body, same in zip(spec.bodies, copy.bodies, strict=True):
+        if same.id == 0:
+            continue
+        body.explicitinertial = True
+        body.mass, body.ipos = float(compiled.body_mass[same.id]), compiled.body_ipos[same.id]
+        body.inertia, body.iquat = compiled.body_inertia[same.id], compiled.body_iquat[same.id]
+        body.ialt.type, body.fullinertia = mujoco.mjtOrientation.mjORIENTATION_QUAT, np.full(6, np.nan)
+    for name in changing:
+        setattr(compiler, name, getattr(plain, name))

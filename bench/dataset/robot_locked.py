@@ -1,0 +1,254 @@
+"""Joints that robot.toml locks: taken out of the MJCF, their motion folded into the pose of the body that they carry.
+
+A body in the pose P with the joints J1 ... Jk is at P J1(q1) ... Jk(qk). With joint l held, L its motion,
+P J1 ... L ... Jk = (P L) (L^-1 J1 L) ... Jk: the pose of the body becomes P L, the joints before l are turned and moved
+by L^-1, those after it stay as they are.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Literal
+
+import numpy as np
+
+from bench.basics.errors import BenchError, meant
+from bench.dataset.locked_couplings import drop_joint_equalities, shorten_tendons
+from bench.dataset.mjcf_neutral import neutral
+
+if TYPE_CHECKING:
+    import mujoco
+
+ROUNDED = 0.01  # of a range's width: a value typed with few digits may lie so far beyond its end
+ANCHOR = "locked:"  # what the names of sites begin with that a connect gets for its anchors
+
+
+@dataclass(frozen=True)
+class LockedJoint:
+    """A hinge or slide that is held. value: in the MJCF's coordinate, rad or m."""
+
+    name: str
+    value: float
+    unit: Literal["rad", "m"]
+
+
+def locked_joints(plain: mujoco.MjModel, values: Mapping[str, float]) -> tuple[LockedJoint, ...]:
+    """The joints of the table [locked], held against the compiled file.
+
+    Raises BenchError for a joint that the file does not have, a ball or free joint, and a value beyond the range.
+    """
+    import mujoco  # noqa: PLC0415 - slow to import: only once a robot is really read
+
+    units: dict[int, Literal["rad", "m"]] = {
+        int(mujoco.mjtJoint.mjJNT_HINGE): "rad",
+        int(mujoco.mjtJoint.mjJNT_SLIDE): "m",
+    }
+    names = [plain.joint(i).name for i in range(plain.njnt)]
+    locked = []
+    for name, value in values.items():
+        if name not in names:
+            raise BenchError(
+                f"no joint {name!r}: {meant(name, [one for one in names if one], 'the MJCF has')}"
+            )
+        joint = names.index(name)
+        unit = units.get(int(plain.jnt_type[joint]))
+        if unit is None:
+            raise BenchError(
+                f"{name!r} is a ball or free joint; hinges and slides can be locked: remove it from the MJCF"
+            )
+        low, high = plain.jnt_range[joint].tolist()
+        beyond = ROUNDED * (high - low)
+        if plain.jnt_limited[joint] and not low - beyond <= value <= high + beyond:
+            degrees = f" ({value:g} degrees are {np.deg2rad(value):.6g} rad)" if unit == "rad" else ""
+            raise BenchError(
+                f"{name} = {value:g} {unit} lies outside of its range [{low:.6g}, {high:.6g}]{degrees}"
+            )
+        locked.append(LockedJoint(name, value, unit))
+    return tuple(locked)
+
+
+def locked_as_data(locked: Sequence[LockedJoint]) -> dict[str, dict[str, Any]]:
+    """As plain data, by name: value and unit."""
+    return {joint.name: {"value": joint.value, "unit": joint.unit} for joint in locked}
+
+
+def locked_from_data(content: Mapping[str, Mapping[str, Any]]) -> tuple[LockedJoint, ...]:
+    """What `locked_as_data` gave. Raises KeyError, TypeError or ValueError for anything else."""
+    return tuple(LockedJoint(name, float(one["value"]), one["unit"]) for name, one in content.items())
+
+
+def locked_in_words(locked: Sequence[LockedJoint]) -> str:
+    """Such as gripper = 0.3 rad, rail = 0.1 m; nothing for none."""
+    return ", ".join(f"{joint.name} = {joint.value:g} {joint.unit}" for joint in locked) or "nothing"
+
+
+def lock_joints(spec: mujoco.MjSpec, locked: Sequence[LockedJoint]) -> dict[str, float]:
+    """Take the locked joints, and what names them, out of a file that is not compiled yet.
+
+    Returns what they add to the length of each fixed tendon, rad or m: it goes over the other joints now. Raises
+    BenchError for an equality that ties another joint to a locked one, or that the values contradict.
+    """
+    plain = spec.compile()
+    values = {joint.name: joint.value for joint in locked}
+    joints = [int(plain.joint(name).id) for name in values]
+    by_id = {
+        joint.id: joint for joint in spec.joints
+    }  # numbers are those of `plain` until the file is changed
+    keyframes = _without_keyframes(
+        spec
+    )  # MuJoCo changes them itself where a joint goes, and loses what they say
+    _keep_anchors(spec, plain)
+    drop_joint_equalities(spec, plain, values)
+    lengths, empty = shorten_tendons(spec, plain, values)
+    motors = _drop_actuators(spec, {*values, *empty})
+    for body in dict.fromkeys(int(plain.jnt_bodyid[joint]) for joint in joints):
+        _fold(spec, plain, body, values, by_id)
+    _shorten_keyframes(spec, plain, keyframes, joints, motors)
+    return lengths
+
+
+def _keep_anchors(spec: mujoco.MjSpec, plain: mujoco.MjModel) -> None:
+    """Say where equalities between bodies act: MuJoCo works that out at qpos0, and locked joints may be elsewhere."""
+    import mujoco  # noqa: PLC0415 - likewise
+
+    for index, equality in enumerate(spec.equalities):
+        if int(plain.eq_objtype[index]) != int(mujoco.mjtObj.mjOBJ_BODY):
+            continue
+        if equality.type == mujoco.mjtEq.mjEQ_WELD:
+            equality.data[:10] = plain.eq_data[index, :10]
+        elif equality.type == mujoco.mjtEq.mjEQ_CONNECT:
+            names = []
+            for end, body in enumerate((equality.name1, equality.name2)):
+                place = plain.eq_data[index, 3 * end : 3 * end + 3]
+                names.append(f"{ANCHOR}{index}:{end}")
+                spec.body(body or "world").add_site(neutral(), name=names[-1], pos=place)
+            equality.objtype, equality.data = mujoco.mjtObj.mjOBJ_SITE, np.zeros(len(equality.data))
+            equality.name1, equality.name2 = names
+
+
+def _drop_actuators(spec: mujoco.MjSpec, gone: set[str]) -> list[int]:
+    """Take out the actuators and sensors of joints and tendons that are gone; the numbers of these actuators."""
+    import mujoco  # noqa: PLC0415 - likewise
+
+    elsewhere = (mujoco.mjtTrn.mjTRN_SITE, mujoco.mjtTrn.mjTRN_BODY, mujoco.mjtTrn.mjTRN_SLIDERCRANK)
+    motors = [
+        (i, motor)
+        for i, motor in enumerate(spec.actuators)
+        if motor.trntype not in elsewhere and motor.target in gone
+    ]
+    named = {
+        mujoco.mjtObj.mjOBJ_JOINT: gone,
+        mujoco.mjtObj.mjOBJ_TENDON: gone,
+        mujoco.mjtObj.mjOBJ_ACTUATOR: {motor.name for _, motor in motors},
+    }
+    for sensor in list(spec.sensors):
+        if sensor.objname in named.get(sensor.objtype, ()):
+            spec.delete(sensor)
+    for _, motor in motors:
+        spec.delete(motor)
+    return [i for i, _ in motors]
+
+
+def _without_keyframes(spec: mujoco.MjSpec) -> list[dict[str, Any]]:
+    """Take out the keyframes; what they say, by field."""
+    said = []
+    for key in list(spec.keys):
+        numbers = {
+            field: list(getattr(key, field)) for field in ("qpos", "qvel", "act", "ctrl", "mpos", "mquat")
+        }
+        said.append({"name": key.name, "time": key.time, **numbers})
+        spec.delete(key)
+    return said
+
+
+def _shorten_keyframes(
+    spec: mujoco.MjSpec,
+    plain: mujoco.MjModel,
+    keyframes: Sequence[dict[str, Any]],
+    joints: Sequence[int],
+    motors: Sequence[int],
+) -> None:
+    """Put the keyframes back without the numbers of these joints and actuators."""
+    first, states = plain.actuator_actadr, plain.actuator_actnum
+    without = {
+        "qpos": plain.jnt_qposadr[list(joints)].tolist(),
+        "qvel": plain.jnt_dofadr[list(joints)].tolist(),
+        "ctrl": motors,
+        "act": [state for i in motors for state in range(first[i], first[i] + states[i])],
+    }
+    for keyframe in keyframes:
+        key = spec.add_key()
+        for field, value in keyframe.items():
+            kept = (
+                [one for i, one in enumerate(value) if i not in without[field]] if field in without else value
+            )
+            setattr(key, field, kept)
+
+
+def _fold(
+    spec: mujoco.MjSpec,
+    plain: mujoco.MjModel,
+    index: int,
+    values: Mapping[str, float],
+    by_id: Mapping[int, mujoco.MjsJoint],
+) -> None:
+    """Fold the locked joints of a body into its pose."""
+    import mujoco  # noqa: PLC0415 - likewise
+
+    first, count = int(plain.body_jntadr[index]), int(plain.body_jntnum[index])
+    place, turn = plain.body_pos[index].copy(), plain.body_quat[index].copy()
+    before: list[int] = []
+    axes, points = plain.jnt_axis.copy(), plain.jnt_pos.copy()
+    for joint in range(first, first + count):
+        name = plain.joint(joint).name
+        if name not in values:
+            before.append(joint)
+            continue
+        if any(plain.jnt_type[one] == int(mujoco.mjtJoint.mjJNT_BALL) for one in before):
+            raise BenchError(
+                f"{name!r} comes after a ball joint of its body: give it a body of its own in the MJCF"
+            )
+        moved, turned = _motion(plain, joint, values[name])
+        for one in before:
+            axes[one] = _rotated(axes[one], turned, back=True)
+            points[one] = _rotated(points[one] - moved, turned, back=True)
+        place = place + _rotated(moved, turn)
+        product = np.zeros(4)
+        mujoco.mju_mulQuat(product, turn, turned)
+        turn = product
+    body = by_id[first].parent
+    if body.frame is not None:
+        body.set_frame(body.parent.add_frame())
+    body.pos, body.quat, body.alt.type = place, turn, mujoco.mjtOrientation.mjORIENTATION_QUAT
+    for one in before:
+        joint = by_id[one]
+        if joint.frame is not None:
+            joint.set_frame(body.add_frame())
+        joint.axis, joint.pos = axes[one], points[one]
+    for one in range(first, first + count):
+        if one not in before:
+            spec.delete(by_id[one])
+
+
+def _motion(plain: mujoco.MjModel, joint: int, value: float) -> tuple[np.ndarray, np.ndarray]:
+    """Translation (3,) and quaternion (4,) of the body frame by a joint at a position, in the frame before it."""
+    import mujoco  # noqa: PLC0415 - likewise
+
+    travel = value - float(plain.qpos0[plain.jnt_qposadr[joint]])
+    axis, point = plain.jnt_axis[joint], plain.jnt_pos[joint]
+    if plain.jnt_type[joint] == int(mujoco.mjtJoint.mjJNT_SLIDE):
+        return travel * axis, np.array([1.0, 0.0, 0.0, 0.0])
+    turned = np.zeros(4)
+    mujoco.mju_axisAngle2Quat(turned, axis, travel)
+    return point - _rotated(point, turned), turned
+
+
+def _rotated(vector: np.ndarray, quaternion: np.ndarray, *, back: bool = False) -> np.ndarray:
+    """A vector turned by a quaternion, or back."""
+    import mujoco  # noqa: PLC0415 - likewise
+
+    result, inverse = np.zeros(3), np.zeros(4)
+    mujoco.mju_negQuat(inverse, quaternion)
+    mujoco.mju_rotVecQuat(result, vector, inverse if back else quaternion)
+    return result
