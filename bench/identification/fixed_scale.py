@@ -15,13 +15,13 @@ import numpy as np
 from bench.dataset.payload import Payload
 from bench.identification.gain_shares import (
     GainShares,
-    States,
+    LoadedStates,
     assumed,
     gain_shares,
     random_states,
     robot_length,
 )
-from bench.identification.scale import Remedy, Scale, ScaleCase
+from bench.identification.scale import Scale, ScaleCase, ScaleRemedy
 from bench.model.geometry import Placement
 from bench.model.model import IdentificationModel
 from bench.model.regressor import payload_transform
@@ -32,7 +32,7 @@ AWAY = np.array(
 
 
 def scale_of(
-    model: IdentificationModel, payloads: Mapping[str, Payload], recorded: Sequence[States]
+    model: IdentificationModel, payloads: Mapping[str, Payload], recorded: Sequence[LoadedStates]
 ) -> Scale:
     """What the payloads fix, at random states of the robot and at those that were recorded, one entry a recording.
 
@@ -65,7 +65,7 @@ class _Question:
 
     model: IdentificationModel
     payloads: Mapping[str, Payload]
-    recorded: Sequence[States]
+    recorded: Sequence[LoadedStates]
 
     @cached_property
     def length(self) -> float:
@@ -73,7 +73,7 @@ class _Question:
         return robot_length(self.model.geometry)
 
     @cached_property
-    def elsewhere(self) -> tuple[IdentificationModel, Sequence[States]]:
+    def elsewhere(self) -> tuple[IdentificationModel, Sequence[LoadedStates]]:
         """The model and what was recorded, with payloads fixed the robot's length off the tool."""
         tool = self.model.geometry.tool
         if tool is None or self.model.payload is None:
@@ -87,36 +87,36 @@ class _Question:
         return replace(self.model, payload=payload), moved
 
     @property
-    def possible(self) -> tuple[Remedy, ...]:
+    def possible(self) -> tuple[ScaleRemedy, ...]:
         """What can be changed at all."""
         loads = self.payloads.values()
         missing = {
-            Remedy.MASS: any(payload.mass is None for payload in loads),
-            Remedy.CENTER_OF_MASS: any(payload.center_of_mass is None for payload in loads),
-            Remedy.INERTIA: any(payload.inertia is None for payload in loads),
-            Remedy.UNLOADED: all(some.payload is not None for some in self.recorded),
+            ScaleRemedy.MASS: any(payload.mass is None for payload in loads),
+            ScaleRemedy.CENTER_OF_MASS: any(payload.center_of_mass is None for payload in loads),
+            ScaleRemedy.INERTIA: any(payload.inertia is None for payload in loads),
+            ScaleRemedy.UNLOADED: all(some.payload is not None for some in self.recorded),
         }
-        return tuple(remedy for remedy in Remedy if missing.get(remedy, True))
+        return tuple(remedy for remedy in ScaleRemedy if missing.get(remedy, True))
 
-    def asked(self, remedies: Sequence[Remedy]) -> tuple[GainShares, ...]:
+    def asked(self, remedies: Sequence[ScaleRemedy]) -> tuple[GainShares, ...]:
         """Shares at random states, and at the recorded ones but with another motion."""
         payloads = {
             name: _declared(payload, remedies, self.length) for name, payload in self.payloads.items()
         }
-        elsewhere = Remedy.ELSEWHERE in remedies
+        elsewhere = ScaleRemedy.ELSEWHERE in remedies
         model, recorded = self.elsewhere if elsewhere else (self.model, self.recorded)
-        if Remedy.UNLOADED in remedies:
+        if ScaleRemedy.UNLOADED in remedies:
             recorded = [*recorded, *(replace(some, payload=None, loads=None) for some in recorded)]
         at_random = gain_shares(model, payloads, random_states(model, [some.payload for some in recorded]))
-        if Remedy.MOTION in remedies:
+        if ScaleRemedy.MOTION in remedies:
             return (at_random,)
         return at_random, gain_shares(model, payloads, recorded)
 
 
-def _remedies(question: _Question, fixed: int) -> dict[tuple[Remedy, ...], int]:
-    """The smallest sets of remedies that fix the most gains, more than are fixed."""
+def _remedies(question: _Question, fixed: int) -> dict[tuple[ScaleRemedy, ...], int]:
+    """The smallest sets of remedies that fix the most gains, and how many more than are fixed already."""
     possible = question.possible
-    reach: dict[tuple[Remedy, ...], int] = {}
+    reach: dict[tuple[ScaleRemedy, ...], int] = {}
     for size in range(1, len(possible) + 1):
         for chosen in combinations(possible, size):
             if _sensible(chosen, possible):
@@ -128,22 +128,25 @@ def _remedies(question: _Question, fixed: int) -> dict[tuple[Remedy, ...], int]:
     if most <= fixed:
         return {}
     fewest = min(len(chosen) for chosen, count in reach.items() if count == most)
-    return {chosen: count for chosen, count in reach.items() if count == most and len(chosen) == fewest}
+    return {
+        chosen: most - fixed for chosen, count in reach.items() if count == most and len(chosen) == fewest
+    }
 
 
-def _sensible(chosen: Sequence[Remedy], possible: Sequence[Remedy]) -> bool:
+def _sensible(chosen: Sequence[ScaleRemedy], possible: Sequence[ScaleRemedy]) -> bool:
     """Whether what is declared can be: a centre of mass needs a mass, an inertia both."""
-    order = [remedy for remedy in (Remedy.MASS, Remedy.CENTER_OF_MASS, Remedy.INERTIA) if remedy in possible]
+    every = (ScaleRemedy.MASS, ScaleRemedy.CENTER_OF_MASS, ScaleRemedy.INERTIA)
+    order = [remedy for remedy in every if remedy in possible]
     declared = [remedy for remedy in order if remedy in chosen]
     return declared == order[: len(declared)]
 
 
-def _declared(payload: Payload, remedies: Sequence[Remedy], length: float) -> Payload:
+def _declared(payload: Payload, remedies: Sequence[ScaleRemedy], length: float) -> Payload:
     """The payload with what the remedies declare of it: a ball off the tool, where nothing else is known."""
     ball = assumed(payload, length)
     return Payload(
         payload.name,
-        ball.mass if Remedy.MASS in remedies else payload.mass,
-        ball.center_of_mass if Remedy.CENTER_OF_MASS in remedies else payload.center_of_mass,
-        ball.inertia if Remedy.INERTIA in remedies else payload.inertia,
+        ball.mass if ScaleRemedy.MASS in remedies else payload.mass,
+        ball.center_of_mass if ScaleRemedy.CENTER_OF_MASS in remedies else payload.center_of_mass,
+        ball.inertia if ScaleRemedy.INERTIA in remedies else payload.inertia,
     )

@@ -23,7 +23,7 @@ CENTER, RADIUS = 0.3, 0.1  # shares of the robot's length: that centre's distanc
 
 
 @dataclass(frozen=True)
-class States:
+class LoadedStates:
     """States of a robot with one load: the torque (s, n, ...), N*m or N, of each unit of the base parameters (nb), of
     the payload's standard parameters in the tool frame (10) and of the redundant motors' gains (r).
     """
@@ -59,7 +59,7 @@ class GainShares:
 
 
 def gain_shares(
-    model: IdentificationModel, payloads: Mapping[str, Payload], states: Sequence[States]
+    model: IdentificationModel, payloads: Mapping[str, Payload], states: Sequence[LoadedStates]
 ) -> GainShares:
     """With the gains unknown, equation 13 of these states without its last column, the known payload's torque.
 
@@ -97,10 +97,10 @@ def gain_shares(
     return GainShares(shares, unit)
 
 
-def random_states(model: IdentificationModel, loaded: Sequence[str | None]) -> list[States]:
+def random_states(model: IdentificationModel, loaded: Sequence[str | None]) -> list[LoadedStates]:
     """The model's random states with every load; redundant motors have random currents there.
 
-    States count alike, whatever their torques: those near a singular pose would outweigh all others.
+    LoadedStates count alike, whatever their torques: those near a singular pose would outweigh all others.
     """
     rigid, loads = model.random_rows
     redundant = model.random_redundant
@@ -108,10 +108,10 @@ def random_states(model: IdentificationModel, loaded: Sequence[str | None]) -> l
     torque = np.linalg.norm(rigid @ model.guessed, axis=1)
     scale = 1.0 / np.where(torque > 0.0, torque, 1.0)[:, None, None]
     parts = rigid * scale, loads * scale, redundant * currents[:, None] * scale
-    return [States(name, *parts) for name in dict.fromkeys(loaded)]
+    return [LoadedStates(name, *parts) for name in dict.fromkeys(loaded)]
 
 
-def recorded_states(observations: Sequence[Observation]) -> list[States]:
+def recorded_states(observations: Sequence[Observation]) -> list[LoadedStates]:
     """Some rows of every recording, where the joints move."""
     found = []
     for observation in observations:
@@ -119,7 +119,7 @@ def recorded_states(observations: Sequence[Observation]) -> list[States]:
         moving = observation.moving[some, :, None]
         loads = None if observation.payload is None else observation.payload[some] * moving
         parts = observation.rigid[some] * moving, loads, observation.redundant[some] * moving
-        found.append(States(observation.payload_name, *parts))
+        found.append(LoadedStates(observation.payload_name, *parts))
     return found
 
 
@@ -131,7 +131,7 @@ def robot_length(geometry: Geometry) -> float:
     return max(SHORTEST, *(float(np.linalg.norm(placement.translation)) for placement in placements))
 
 
-def _carried(states: Sequence[States]) -> list[str]:
+def _carried(states: Sequence[LoadedStates]) -> list[str]:
     return [name for name in dict.fromkeys(some.payload for some in states) if name is not None]
 
 

@@ -24,7 +24,7 @@ class ScaleCase(StrEnum):
     FIXED = auto()
 
 
-class Remedy(StrEnum):
+class ScaleRemedy(StrEnum):
     """What would fix gains: to declare more of the payload, to fix it elsewhere, to record otherwise."""
 
     MASS = auto()
@@ -40,15 +40,14 @@ class Scale:
     """Which drive gains are unknowns of the fit.
 
     payloads: what the fitted recordings carry; open: joints whose gains these do not fix; held: joints whose gains stay
-    nominal. remedies: the fewest changes that fix the most gains, and how many of them they fix together with those
-    that are fixed already.
+    nominal. remedies: the fewest changes that fix the most gains, and how many of `open` each fixes.
     """
 
     case: ScaleCase
     payloads: tuple[str, ...] = ()
     open: tuple[str, ...] = ()
     held: tuple[str, ...] = ()
-    remedies: Mapping[tuple[Remedy, ...], int] = field(default_factory=dict)
+    remedies: Mapping[tuple[ScaleRemedy, ...], int] = field(default_factory=dict)
 
     @property
     def complete(self) -> bool:

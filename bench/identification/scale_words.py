@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING
 
 from bench.identification.finding import Code, Finding, Unknown
-from bench.identification.scale import Remedy, Scale, ScaleCase
+from bench.identification.scale import Scale, ScaleCase, ScaleRemedy
 from bench.identification.wording import and_list, or_list
 
 if TYPE_CHECKING:
@@ -20,21 +20,21 @@ CODES: Mapping[ScaleCase, Code] = {
     ScaleCase.FIXED_FOR_SOME: Code.GAINS_FIXED_FOR_SOME,
 }
 DECLARED = {
-    Remedy.MASS: "mass",
-    Remedy.CENTER_OF_MASS: "centre of mass",
-    Remedy.INERTIA: "inertia",
+    ScaleRemedy.MASS: "mass",
+    ScaleRemedy.CENTER_OF_MASS: "centre of mass",
+    ScaleRemedy.INERTIA: "inertia",
 }
 DONE = {
-    Remedy.ELSEWHERE: "fix {it} farther from the axes about which the tool turns",
-    Remedy.UNLOADED: "record a motion without {it}, too",
-    Remedy.MOTION: "move all joints together with {it}, farther and faster",
+    ScaleRemedy.ELSEWHERE: "fix {it} farther from the axes about which the tool turns",
+    ScaleRemedy.UNLOADED: "record a motion without {it}, too",
+    ScaleRemedy.MOTION: "move all joints together with {it}, farther and faster",
 }
 
 
 def scale_findings(scale: Scale) -> list[Finding]:
     """What keeps drive gains nominal, of the payloads `names` and the gains `of`; none where all are fixed.
 
-    numbers: how many gains each remedy would fix, remedies that go together joined by "+".
+    numbers: how many of these gains each remedy would fix, remedies that go together joined by "+".
     """
     if scale.case not in CODES:
         return []
@@ -71,7 +71,9 @@ def cure(finding: Finding) -> str:
     if not ways:
         return "Nothing that can be declared of a payload at this tool fixes them."
     said = or_list(ways)
-    return f"{said[0].upper()}{said[1:]}."
+    reached = max(finding.numbers.values())
+    some = "" if reached == len(finding.of) else f" That fixes {reached:.0f} of {len(finding.of)}."
+    return f"{said[0].upper()}{said[1:]}.{some}"
 
 
 def in_short(finding: Finding) -> str:
@@ -82,14 +84,16 @@ def in_short(finding: Finding) -> str:
 def scale_sentence(finding: Finding) -> str:
     """The finding by itself: which gains stay nominal, why, and what would fix them."""
     gains = nominal_gains(finding)
-    one = finding.code is Code.GAINS_FIXED_FOR_SOME and len(finding.of) == 1
-    stay, their, they = ("stays", "its", "it is") if one else ("stay", "their", "they are")
+    single = finding.code is Code.GAINS_FIXED_FOR_SOME and len(finding.of) == 1
+    stay, their, they = ("stays", "its", "it is") if single else ("stay", "their", "they are")
     wrong = (
-        f"what {'it' if one else 'they'} alone scale{'s' * one} is as wrong as {they}"
+        f"what {'it' if single else 'they'} alone scale{'s' * single} is as wrong as {they}"
         if finding.code is Code.GAINS_FIXED_FOR_SOME
         else "every parameter is wrong by the same share as the gain that scales it"
     )
-    said = f"T{gains[1:]} {stay} at {their} nominal value{'s' * (not one)}, since {reason(finding)}: {wrong}."
+    said = (
+        f"T{gains[1:]} {stay} at {their} nominal value{'s' * (not single)}, since {reason(finding)}: {wrong}."
+    )
     return f"{said} {cure(finding)}".rstrip()
 
 
@@ -108,10 +112,10 @@ def _payloads(names: Sequence[str]) -> str:
 
 
 def _not_fixed(finding: Finding) -> str:
-    one = len(finding.names) == 1
+    single = len(finding.names) == 1
     return (
-        f"{_payloads(finding.names)}, as {'it is' if one else 'they are'} declared and moved, "
-        f"{'does' if one else 'do'} not fix {'it' if _one_of_some(finding) else 'them'}"
+        f"{_payloads(finding.names)}, as {'it is' if single else 'they are'} declared and moved, "
+        f"{'does' if single else 'do'} not fix {'it' if _one_of_some(finding) else 'them'}"
     )
 
 
@@ -122,9 +126,9 @@ def _one_of_some(finding: Finding) -> bool:
 def _way(remedies: Sequence[str], payloads: Sequence[str]) -> str:
     """Remedies that go together, as in "declare its centre of mass"."""
     its, it = ("its", "it") if len(payloads) == 1 else ("their", "them")
-    declared = [DECLARED[Remedy(remedy)] for remedy in remedies if Remedy(remedy) in DECLARED]
+    declared = [DECLARED[ScaleRemedy(remedy)] for remedy in remedies if ScaleRemedy(remedy) in DECLARED]
     steps = [f"declare {and_list([f'{its} {what}' for what in declared])}"] if declared else []
-    steps += [DONE[Remedy(remedy)].format(it=it) for remedy in remedies if Remedy(remedy) in DONE]
+    steps += [DONE[ScaleRemedy(remedy)].format(it=it) for remedy in remedies if ScaleRemedy(remedy) in DONE]
     return " and ".join(steps)
 
 
