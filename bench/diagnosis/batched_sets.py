@@ -157,14 +157,17 @@ def _steps(now: _Sets, start: Solution) -> tuple[np.ndarray, np.ndarray, np.ndar
     """
     k, n = now.values.shape[1], len(start.gains)
     share = start.weights**2 / now.gains
-    size = k + (n if start.gains_fitted else 0)
+    any_gain = bool(np.any(start.gains_fitted))
+    size = k + (n if any_gain else 0)
     normal, right = np.zeros((len(now.cost), size, size)), np.empty((len(now.cost), size))
     normal[:, :k, :k] = now.products.weighted(share / now.gains)
     right[:, :k] = (share[:, None] @ now.by_error[..., :k])[:, 0]
-    if start.gains_fitted:
+    if any_gain:
         by_torque = now.products.of_torque(start.gains) - now.by_error
         torque = -now.errors[..., : k + 1]
         torque[..., k] = 1.0 / now.gains
+        by_torque *= np.reshape(start.gains_fitted, (-1, 1))
+        torque *= np.reshape(start.gains_fitted, (-1, 1))
         normal[:, k:, :k] = -(share / now.gains)[..., None] * by_torque[..., :k]
         normal[:, :k, k:] = normal[:, k:, :k].swapaxes(1, 2)
         own = share / now.gains * np.einsum("snk,snk->sn", torque, by_torque[..., : k + 1])
@@ -183,4 +186,4 @@ def _steps(now: _Sets, start: Solution) -> tuple[np.ndarray, np.ndarray, np.ndar
         sound[i] = wrong == 0 and np.diag(factor).min() > COLLINEAR
         own[:] = solved if sound[i] else 0.0
     right /= lengths
-    return right[:, :k], right[:, k:] if start.gains_fitted else np.zeros_like(now.gains), sound
+    return right[:, :k], right[:, k:] if any_gain else np.zeros_like(now.gains), sound

@@ -46,12 +46,13 @@ def halves_of(stack: Stack, solution: Solution, further: np.ndarray) -> Halves:
     count = np.maximum(stack.moving.sum(axis=0), 1)
     weights = 1.0 / np.sqrt((error**2).sum(axis=0) / count)
     samples, n, p = stack.phi.shape
-    own = p + (n if solution.gains_fitted else 0)
+    fitted = np.broadcast_to(solution.gains_fitted, (n,))
+    own = p + (n if fitted.any() else 0)
     further = further * stack.moving[:, :, None]
     rows = np.zeros((n, samples, own + further.shape[2] + 1))
     for j in range(n):
         rows[j, :, :p] = stack.phi[:, j] / solution.gains[j]
-        if solution.gains_fitted:
+        if fitted[j]:
             rows[j, :, p + j] = -modelled[:, j] / solution.gains[j]
         rows[j, :, own:-1] = further[:, j] / solution.gains[j]
         rows[j, :, -1] = error[:, j]

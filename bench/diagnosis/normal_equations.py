@@ -202,7 +202,10 @@ def _solved(system: System, chosen: tuple[int, ...]) -> SetFit:
     cost = float(squares_of(inner, errors_by(values, gains, start.gains)) @ squares)
     for _ in range(MOST_STEPS):
         both = least(*normal_equations(inner, values, gains, start.weights, start.gains, fit_gains))
-        step, by_gain = both[: len(values)], both[len(values) :] if fit_gains else np.zeros(len(gains))
+        step, by_gain = (
+            both[: len(values)],
+            both[len(values) :] if np.any(fit_gains) else np.zeros(len(gains)),
+        )
         share = float(share_within_reach(gains, by_gain))
         while share > 1e-6:
             new_values, new_gains = values + share * step, moved_gains(gains, share * by_gain)

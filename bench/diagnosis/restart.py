@@ -21,7 +21,7 @@ def restarted(stack: Stack, solution: Solution, nominal: np.ndarray) -> Solution
     ratio = solution.gains / nominal
     away = (ratio < 1.0 / FAR) | (ratio > FAR)
     together = bool(np.all(ratio > 0.0)) and ratio.max() < FAR * ratio.min()
-    if not (solution.gains_fitted and away.any()) or (away.all() and together):
+    if not (np.any(solution.gains_fitted) and away.any()) or (away.all() and together):
         return solution
     gains = np.where(away, nominal, solution.gains)
     rows, right = torque_system(weighted(stack.factors, solution.weights / gains), gains)

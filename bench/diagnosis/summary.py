@@ -16,6 +16,8 @@ from bench.identification.finding import CAUSES
 from bench.identification.finding_words import sentence
 from bench.identification.findings import LOOSE, runaway, unlike
 from bench.identification.result import Identification
+from bench.identification.scale_words import cure, nominal_gains, why_nominal
+from bench.identification.scale_words import reason as why_in_words
 from bench.identification.summary import ROBOT
 from bench.identification.wording import and_list, in_percent, or_list, with_error
 
@@ -145,12 +147,15 @@ def _strange(diagnosis: Diagnosis) -> tuple[str, ...]:
 
 def _nominal(result: Identification) -> str:
     """Why gains that are only nominal make names unsure; "" where they do not."""
-    if result.gains_fitted or len(result.drive_gains) == 1:
+    why = why_nominal(result)
+    if why is None or len(result.drive_gains) == 1:
         return ""
+    gains = nominal_gains(why)
+    are = "is" if gains.startswith("the drive gain ") else "are"
     return (
-        "The drive gains are nominal, since no fitted recording carries a payload of known mass: gains a tenth off "
-        "look like other effects, and the names may be false. Record with a weighed payload, too, to be sure."
-    )
+        f"T{gains[1:]} {are} nominal, since {why_in_words(why)}: gains a tenth off look like other effects, and the "
+        f"names may be false. {cure(why)}"
+    ).rstrip()
 
 
 def _superfluous(diagnosis: Diagnosis) -> str:

@@ -9,6 +9,8 @@ inner products. These are as exact as the solution is near: squares of what it l
 import numpy as np
 from scipy.linalg.lapack import dposv, dpstrf
 
+from bench.identification.solution import Fitted
+
 COLLINEAR = 1e-6  # least pivot of the scaled unknowns that Cholesky's factors are trusted with
 MOST = 4.0  # times which a gain may change in one step
 SLOWLY = 0.1  # of the last step's, what the next one makes of the cost where steps lead along a valley
@@ -22,9 +24,10 @@ def normal_equations(
     gains: np.ndarray,
     weights: np.ndarray,
     start: np.ndarray,
-    fit_gains: bool,
+    fit_gains: Fitted,
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Matrix and right side of a step of Gauss and Newton: values (..., k), then gains (..., n) where they are fitted.
+    """Matrix and right side of a step of Gauss and Newton: values (..., k), then gains (..., n) where any is fitted;
+    no step for those that are not.
 
     inner: (..., n, k + 2, k + 2) inner products; what stands before the last axes is of many problems. weights (n,): of
     the errors; start (n,): the gains that torque and error belong to.
@@ -35,14 +38,15 @@ def normal_equations(
     right = (share[..., None, :] @ by_error[..., :k])[..., 0, :]
     flat = (share / gains)[..., None, :] @ inner.reshape(*inner.shape[:-2], -1)
     normal = flat.reshape(*gains.shape[:-1], k + 2, k + 2)[..., :k, :k]
-    if not fit_gains:
+    if not np.any(fit_gains):
         return normal, right
     torque = np.zeros((*gains.shape, k + 2))
     torque[..., :k], torque[..., k] = values[..., None, :], 1.0
     torque /= gains[..., None]
+    torque *= np.reshape(fit_gains, (-1, 1))
     by_torque = (inner @ torque[..., None])[..., 0]
     across = -(share / gains)[..., None] * by_torque[..., :k]
-    own = (share / gains * (torque * by_torque).sum(axis=-1))[..., None] * np.eye(n)
+    own = np.where(fit_gains, share / gains * (torque * by_torque).sum(axis=-1), 1.0)[..., None] * np.eye(n)
     whole = np.empty((*gains.shape[:-1], k + n, k + n))
     whole[..., :k, :k], whole[..., k:, k:] = normal, own
     whole[..., k:, :k], whole[..., :k, k:] = across, across.swapaxes(-1, -2)

@@ -7,6 +7,7 @@ import numpy as np
 from scipy.linalg import solve_triangular
 
 from bench.identification.bilinear import creeps, errors_by, least, normal_equations, squares_of
+from bench.identification.solution import Fitted
 
 INDEPENDENT = 1e-9  # least diagonal of the triangular factor of unit columns that it is divided by
 DEPENDENT = 1e-13  # share of the largest singular value below which columns are dependent
@@ -53,7 +54,7 @@ class Centred:
         values: np.ndarray,
         gains: np.ndarray,
         weights: np.ndarray,
-        fit_gains: bool,
+        fit_gains: Fitted,
         tolerance: float,
         most_steps: int,
         unseen: float = 0.0,
@@ -67,7 +68,7 @@ class Centred:
         cost, last = float(self.squares(values, gains) @ squares), np.inf
         for _ in range(most_steps):
             both = least(*normal_equations(self.inner, values, gains, weights, self.gains, fit_gains))
-            step, by_gain = both[: len(values)], both[len(values) :] if fit_gains else np.zeros(n)
+            step, by_gain = both[: len(values)], both[len(values) :] if np.any(fit_gains) else np.zeros(n)
             share = 1.0 / max(1.0, 2.0 * float(np.abs(by_gain / gains).max()))
             while True:
                 new_values, new_gains = values + share * step, gains + share * by_gain

@@ -9,7 +9,7 @@ import numpy as np
 
 from bench.identification.centred import FactorProducts, products_of
 from bench.identification.compressed import Stack
-from bench.identification.solution import Solution, scaled_lstsq
+from bench.identification.solution import Fitted, Solution, scaled_lstsq
 
 REWEIGHTINGS = 3
 MOST_STEPS = 50
@@ -21,8 +21,8 @@ PASSES = [NEARLY] * (REWEIGHTINGS - 1) + [CONVERGED]
 def current_error(stack: Stack, start: Solution) -> Solution:
     """Minimise sum_j w_j^2 |v_j - (Phi_j theta + kappa_j) / g_j|^2 from a starting solution.
 
-    The weights are one over each motor's current error. Without a known payload (start.gains_fitted is
-    False) the gains stay as they are and the problem is linear.
+    The weights are one over each motor's current error. Gains that are not unknowns (start.gains_fitted) stay as they
+    are; where none is, the problem is linear.
     """
     theta, gains, passes = start.theta, start.gains, PASSES
     weights = error_weights(stack, squared_errors(stack.factors, theta, gains))
@@ -88,7 +88,7 @@ def minimised(
     theta: np.ndarray,
     gains: np.ndarray,
     weights: np.ndarray,
-    fit_gains: bool,
+    fit_gains: Fitted,
     tolerance: float = CONVERGED,
 ) -> tuple[np.ndarray, np.ndarray]:
     """Gauss-Newton with step halving on factors (n, r, p + 2), until the cost falls by less than a share."""
@@ -100,16 +100,19 @@ def minimised(
         phi = scaled[:, :, :p]
         modelled = phi @ theta + scaled[:, :, p]
         residual = factors[:, :, p + 1] * weights[:, None] - modelled
-        jacobian = np.zeros((n, r, p + (n if fit_gains else 0)))
+        any_gain = bool(np.any(fit_gains))
+        jacobian = np.zeros((n, r, p + (n if any_gain else 0)))
         jacobian[:, :, :p] = phi
-        if fit_gains:
-            jacobian[np.arange(n), :, p + np.arange(n)] = -modelled / gains[:, None]
+        if any_gain:
+            jacobian[np.arange(n), :, p + np.arange(n)] = (
+                -modelled / gains[:, None] * np.reshape(fit_gains, (-1, 1))
+            )
         step = scaled_lstsq(jacobian.reshape(n * r, -1), residual.reshape(-1))
-        change = np.append(step[p:] / gains, 0.0) if fit_gains else np.zeros(1)
+        change = np.append(step[p:] / gains, 0.0) if any_gain else np.zeros(1)
         share = 1.0 / max(1.0, 2.0 * float(np.abs(change).max()))
         while share > 1e-6:
             new_theta = theta + share * step[:p]
-            new_gains = gains + share * step[p:] if fit_gains else gains
+            new_gains = gains + share * step[p:] if any_gain else gains
             new_cost = float(squared_errors(factors, new_theta, new_gains) @ squares)
             if new_cost <= cost * (1 + 1e-12):
                 break

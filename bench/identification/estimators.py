@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     import numpy as np
 
     from bench.identification.compressed import Stack
+    from bench.identification.scale import Scale
     from bench.identification.solution import NominalGains, Solution
 
 DEFAULT_METHOD = "current"
@@ -22,7 +23,8 @@ DEFAULT_METHOD = "current"
 
 @dataclass(frozen=True)
 class Request:
-    """What an estimator may use: the equations, the gains as they are declared, joints (n,).
+    """What an estimator may use: the equations, the gains as they are declared, joints (n,), and what keeps
+    gains nominal.
 
     Computed only when asked for: the errors of the columns, [phi, kappa] (M, n, p + 1) at the motion of a twin, and the
     terms (M, n, 3) of the controller's law.
@@ -34,6 +36,7 @@ class Request:
     simulated: Callable[[], np.ndarray]
     commanded: Callable[[], np.ndarray]
     joints: tuple[str, ...]
+    scale: Scale
 
 
 def _current(request: Request) -> Solution:
@@ -106,11 +109,13 @@ NEED_SCALE = ("tls", "wtls")
 
 
 def solve(method: str, request: Request) -> Solution:
-    """Run the estimator `method`. Raises BenchError for an unknown one, or one that needs a known payload."""
+    """Run the estimator `method`. Raises BenchError for an unknown one, or one that needs gains that are not fixed."""
     if method not in ESTIMATORS:
         raise BenchError(f"unknown method {method!r}; known: {', '.join(ESTIMATORS)}")
-    if method in NEED_SCALE and not request.gains.fitted:
+    if method in NEED_SCALE and not request.scale.complete:
+        from bench.identification.scale_words import refusal
+
         raise BenchError(
-            f"method {method!r} needs a fitted recording with a payload of known mass; use current, robust, ls or wls"
+            f"method {method!r} fits all drive gains: {refusal(request.scale)} Or use current, robust, ls or wls."
         )
     return ESTIMATORS[method](request)

@@ -10,6 +10,7 @@ class Code(StrEnum):
     """What was found."""
 
     # the whole answer is in doubt
+    GAIN_NOT_DETERMINED = auto()
     GAIN_RUNAWAY = auto()
     PARAMETER_WITHOUT_DEVIATION = auto()
     ROUNDING_DECIDES = auto()
@@ -24,6 +25,10 @@ class Code(StrEnum):
     NOISE_LET_THROUGH = auto()
     PAYLOAD_NOT_DECLARED = auto()
     GAINS_NOMINAL = auto()
+    GAINS_NOT_WANTED = auto()
+    PAYLOAD_NOT_WEIGHED = auto()
+    GAINS_NOT_FIXED = auto()
+    GAINS_FIXED_FOR_SOME = auto()
     REDUNDANT = auto()
     LOCKED = auto()
     RANK_DEFICIENT = auto()
@@ -83,6 +88,7 @@ class Finding:
 
 UNBELIEVABLE = frozenset(
     {
+        Code.GAIN_NOT_DETERMINED,
         Code.GAIN_RUNAWAY,
         Code.PARAMETER_WITHOUT_DEVIATION,
         Code.ROUNDING_DECIDES,

@@ -6,7 +6,8 @@ from bench.dataset.heavy_payload import HeavyPayload
 from bench.effects.display_names import begun, spoken
 from bench.effects.select import ROBOT, TAG
 from bench.identification.finding import UNBELIEVABLE, Code, Finding, Unknown
-from bench.identification.wording import in_percent, with_error
+from bench.identification.scale_words import CODES, scale_sentence
+from bench.identification.wording import and_list, in_percent, with_error
 
 
 def note(finding: Finding) -> str:
@@ -18,6 +19,14 @@ def note(finding: Finding) -> str:
 def sentence(finding: Finding) -> str:
     """A finding by itself."""
     return WORDS[finding.code](finding)
+
+
+def _gain_not_determined(finding: Finding) -> str:
+    gains = and_list([unknown.place for unknown in finding.of])
+    return (
+        f"The drive gain{'s' * (len(finding.of) > 1)} of {gains} cannot be determined: the standard error is larger "
+        "than the value. Record a payload that loads the motor more, or more and faster motion."
+    )
 
 
 def _gain_runaway(finding: Finding) -> str:
@@ -300,6 +309,7 @@ def _noise_through(finding: Finding) -> str:
 
 
 WORDS: Mapping[Code, Callable[[Finding], str]] = {
+    Code.GAIN_NOT_DETERMINED: _gain_not_determined,
     Code.GAIN_RUNAWAY: _gain_runaway,
     Code.PARAMETER_WITHOUT_DEVIATION: _without_std,
     Code.ROUNDING_DECIDES: _rounding,
@@ -326,11 +336,8 @@ WORDS: Mapping[Code, Callable[[Finding], str]] = {
         f"The robot has more motors than degrees of freedom: the currents of {', '.join(finding.names)} "
         "are taken as they were logged, and errors are those of the other motors."
     ),
-    Code.LOCKED: _locked,
-    Code.GAINS_NOMINAL: lambda _: (
-        "No fitted recording carries a payload of known mass: the drive gains stay at their nominal values, and every "
-        "parameter is wrong by the same share as the gain that scales it."
-    ),
+Code.LOCKED: _locked,
+    **dict.fromkeys(CODES.values(), scale_sentence),
     Code.PERIODS_NOT_WHOLE: _not_whole,
     Code.RANK_DEFICIENT: _rank,
     Code.ILL_CONDITIONED: _ill_conditioned,

@@ -26,18 +26,19 @@ def with_findings(
     left_aside: tuple[str, ...],
     outside: Sequence[EffectInstance] = (),
     more: Sequence[Finding] = (),
+    scale: Sequence[Finding] = (),
 ) -> Identification:
     """The result with its findings.
 
     left_aside: recordings that could not be used; outside: effects beyond their bounds. more: what else was found.
+    scale: why drive gains stay nominal.
     """
     doubt = runaway(result)
     found = [] if doubt is None else [doubt]
     found += _beyond(outside)
     if left_aside:
         found.append(Finding(Code.PAYLOAD_NOT_DECLARED, left_aside))
-    if not result.gains_fitted:
-        found.append(Finding(Code.GAINS_NOMINAL))
+    found += scale
     if result.redundant:
         found.append(Finding(Code.REDUNDANT, result.redundant))
     found += locked_findings(result.locked)
@@ -129,12 +130,9 @@ def runaway(result: Identification) -> Finding | None:
     for found in result.findings:
         if found.code == Code.NOISE_DECIDES:
             return found
-    thousand = a_thousand(result)
-    if thousand is not None:
-        return Finding(thousand)
-    for joint, gain in result.drive_gains.items() if result.gains_fitted else ():
-        if not 1.0 / FAR <= gain.value / gain.nominal <= FAR:
-            return _gain(Code.GAIN_RUNAWAY, joint, gain)
+    doubtful = _doubtful_gain(result)
+    if doubtful is not None:
+        return doubtful
     for parameter in result.parameters:
         if parameter.value and not 0.0 < parameter.std < np.inf:
             unknown = (Unknown("parameter", parameter.name),)
@@ -143,6 +141,20 @@ def runaway(result: Identification) -> Finding | None:
             )
     if result.scaled_condition > HOPELESS_CONDITION:
         return Finding(Code.ROUNDING_DECIDES, numbers={"condition": result.scaled_condition})
+    return None
+
+
+def _doubtful_gain(result: Identification) -> Finding | None:
+    """Whether the gains have a wrong unit, are not determined, or one of them has run away."""
+    thousand = a_thousand(result)
+    if thousand is not None:
+        return Finding(thousand)
+    open_ = tuple(joint for joint, gain in result.drive_gains.items() if not gain.determined)
+    if open_:
+        return Finding(Code.GAIN_NOT_DETERMINED, of=tuple(Unknown("gain", "gain", joint) for joint in open_))
+    for joint, gain in result.drive_gains.items() if result.gains_fitted else ():
+        if not 1.0 / FAR <= gain.value / gain.nominal <= FAR:
+            return _gain(Code.GAIN_RUNAWAY, joint, gain)
     return None
 
 
@@ -158,13 +170,13 @@ def _implausible(result: Identification) -> list[Finding]:
     error = result.error.identify
     if error is not None and error >= 1.0:
         found.append(Finding(Code.NO_MODEL_IS_BETTER, numbers={"error": error}))
-    negative = [joint for joint, gain in result.drive_gains.items() if gain.value < 0]
+    negative = [joint for joint, gain in result.drive_gains.items() if gain.value < 0 and gain.determined]
     if result.gains_fitted and len(negative) < len(ratios):
         for joint in negative:
             reversed_sign = joint in result.joints and _error_turned(result, joint) < BETTER
             found.append(Finding(Code.SIGN_REVERSED if reversed_sign else Code.GAIN_NEGATIVE, (joint,)))
     for joint, gain in result.drive_gains.items():
-        far = joint not in negative and abs(ratios[joint] - 1.0) > SUSPICIOUS_GAIN
+        far = gain.determined and joint not in negative and abs(ratios[joint] - 1.0) > SUSPICIOUS_GAIN
         if result.gains_fitted and thousand is None and far:
             found.append(_gain(Code.GAIN_FAR, joint, gain))
     if result.gains_fitted and len(negative) == len(ratios):
@@ -193,7 +205,9 @@ def _error_turned(result: Identification, joint: str) -> float:
 def a_thousand(result: Identification) -> Code | None:
     """Whether all gains are about a thousand times the nominal ones, or a thousandth of them: a wrong unit."""
     ratios = (
-        [gain.value / gain.nominal for gain in result.drive_gains.values()] if result.gains_fitted else []
+        [gain.value / gain.nominal for gain in result.drive_gains.values() if gain.fitted]
+        if result.gains_fitted
+        else []
     )
     if not ratios:
         return None

@@ -26,11 +26,11 @@ def identifiable_columns(
     motors' factors where it is known.
     """
     p, first = layout.size, layout.size - layout.effects
-    kept = list(range(first if gains.fitted else first - layout.redundant))
+    kept = list(range(first if np.any(gains.fitted) else first - layout.redundant))
     if not layout.effects:
         return np.array(kept, dtype=int)
     rows = stack.factors.reshape(-1, p + 2)
-    own = np.array([*kept, p] if gains.fitted else kept, dtype=int)
+    own = np.array([*kept, p] if np.any(gains.fitted) else kept, dtype=int)
     basis = orthonormal(rows[:, own]) if span is None else span(own).reshape(len(rows), -1)
     scale = np.linalg.norm(rows[:, :first], axis=0).max(initial=0.0)
     if _all_independent(rows[:, first:p], basis, NOTHING * scale):

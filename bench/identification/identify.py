@@ -99,7 +99,7 @@ def _solved(prepared: Prepared, method: str, deviations: Deviations, *, essentia
     dataset, layout = prepared.dataset, prepared.layout
     stack = stack_observations(prepared.fitted, layout, dataset.payloads)
     kept = np.setdiff1d(identifiable_columns(stack, layout, gains), columns_of(prepared, outside))
-    unknowns = len(kept) + (stack.current.shape[1] if gains.fitted else 0)
+    unknowns = len(kept) + int(np.sum(np.broadcast_to(gains.fitted, gains.values.shape)))
     equations = int(stack.moving.sum())
     if equations < 2 * unknowns:
         raise BenchError(
@@ -116,6 +116,7 @@ def _solved(prepared: Prepared, method: str, deviations: Deviations, *, essentia
             simulated=lambda: simulated_columns(prepared)[:, :, errors[:-1]],
             commanded=lambda: commanded_currents(prepared),
             joints=dataset.robot.joints,
+            scale=prepared.scale,
         )
         return solve(method, request)
 

@@ -127,7 +127,7 @@ def _with_payloads(prepared: Prepared, payloads: Mapping[str, Payload]) -> Prepa
     dataset = replace(prepared.dataset, payloads={**prepared.dataset.payloads, **payloads})
     fitted_only = any(recording.use == "identify" for recording in dataset.recordings)
     problem = Problem(dataset, {}, filters=prepared.settings, fit_gains=prepared.fit_gains)
-    plain = prepare(problem, fitted_only=fitted_only)
+    plain = replace(prepare(problem, fitted_only=fitted_only), scale=prepared.scale)
     return with_effects(plain, prepared.effects)
 
 

@@ -12,7 +12,7 @@ import numpy as np
 
 from bench.identification.compressed import Stack, compress
 from bench.identification.least_squares import row_weights
-from bench.identification.solution import Solution, scaled_lstsq, torque_system, weighted
+from bench.identification.solution import NominalGains, Solution, scaled_lstsq, torque_system, weighted
 
 REWEIGHTINGS = 3
 DEPENDENT = 1e-9  # of the largest singular value of a motor's instruments, columns of unit length
@@ -25,17 +25,17 @@ def instrumental_variables(
 
     simulated (M, n, p + 1): [Phi, kappa] at the motion of the twin, row by row as in the stack. Its columns are each
     motor's instruments; the simulated currents, combinations of them, are so too. start: for the first weights;
-    where it has nominal gains (n,), they stay.
+    gains (n,) that are nominal there stay.
     """
     bases = [_orthonormal(simulated[:, j] * stack.moving[:, j, None]) for j in range(len(nominal))]
     hat = projected(stack, bases)
-    solution = start
+    solution, known = start, NominalGains(nominal, start.gains_fitted)
     for _ in range(REWEIGHTINGS):
         weights = row_weights(stack, solution)
-        rows, right = torque_system(weighted(hat.factors, weights), None if start.gains_fitted else nominal)
+        rows, right = torque_system(weighted(hat.factors, weights), known.held)
         x = scaled_lstsq(rows, right)
         p = stack.phi.shape[2]
-        gains = x[p:] if start.gains_fitted else nominal
+        gains = known.with_fitted(x[p:])
         solution = Solution(x[:p], gains, weights, "torque", start.gains_fitted)
     return replace(solution, instruments=lambda given: projected(given, bases))
 

@@ -95,8 +95,8 @@ def parameter_layout(
     """Leave out the unknown payload parameters that no motion of this robot can tell apart.
 
     `loaded` names the payload of every fitted recording, None for one without. Decided at random noise-free
-    states, so that it never depends on data. The known parameters come first: an unknown one that moves the
-    robot as they do is left out.
+    states, so that it never depends on data. What the known parameters do counts for the size of columns alone: an
+    unknown one stays that does the same, and then the payload fixes no drive gain.
     """
     used = [name for name in dict.fromkeys(loaded) if name is not None]
     indices: dict[str, np.ndarray] = {}
@@ -104,13 +104,7 @@ def parameter_layout(
         rows = model.random_rows[1].reshape(-1, 10)
         for name in used:
             columns = payload_columns(payloads[name])
-            candidates = rows[:, columns.unknown]
             known = rows @ columns.known
-            if np.any(columns.known):
-                candidates = np.column_stack((known, candidates))
-                kept = independent_columns(candidates).kept - 1
-                kept = kept[kept >= 0]
-            else:
-                kept = independent_columns(candidates).kept if candidates.size else np.arange(0)
-            indices[name] = columns.unknown[kept]
+            kept = independent_columns(np.column_stack((rows[:, columns.unknown], known))).kept
+            indices[name] = columns.unknown[kept[kept < len(columns.unknown)]]
     return ParameterLayout(len(model.base.columns), indices, effects)

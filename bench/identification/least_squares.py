@@ -46,5 +46,5 @@ def _solve(stack: Stack, gains: NominalGains, weights: np.ndarray) -> Solution:
     rows, right = torque_system(weighted(stack.factors, weights), gains.held)
     x = scaled_lstsq(rows, right)
     p = stack.phi.shape[2]
-    found = x[p:] if gains.fitted else gains.values
+    found = gains.with_fitted(x[p:])
     return Solution(x[:p], found, weights, "torque", gains.fitted)

@@ -44,7 +44,13 @@ def to_json(
         "effects": list(result.effects),
         "gains_fitted": result.gains_fitted,
         "drive_gains": {
-            joint: {**quantity(gain), "nominal": gain.nominal} for joint, gain in result.drive_gains.items()
+            joint: {
+                **quantity(gain),
+                "nominal": gain.nominal,
+                "fitted": gain.fitted,
+                "determined": gain.fitted and gain.determined,
+            }
+            for joint, gain in result.drive_gains.items()
         },
         "parameters": [
             {"name": parameter.name, **quantity(parameter), "grouping": parameter.grouping}

@@ -85,11 +85,12 @@ class _LoadTrial:
         """Relative error (n,) of every motor's current over all recordings, each with its load."""
         parts = [self._part(name, load) for name, load in loads.items()]
         factors = triangular_factors(np.concatenate(parts, axis=1).swapaxes(0, 1))
-        found = scaled_lstsq(*torque_system(factors, None))
-        theta, gains = found[: self.layout.size], found[self.layout.size :]
-        theta, gains = minimised(factors, theta, gains, np.ones(len(gains)), True)
+        gains = self.prepared.gains
+        found = scaled_lstsq(*torque_system(factors, gains.held))
+        theta, found_gains = found[: self.layout.size], gains.with_fitted(found[self.layout.size :])
+        theta, found_gains = minimised(factors, theta, found_gains, np.ones(len(found_gains)), gains.fitted)
         return np.asarray(
-            np.sqrt(squared_errors(factors, theta, gains) / (factors[:, :, -1] ** 2).sum(axis=1))
+            np.sqrt(squared_errors(factors, theta, found_gains) / (factors[:, :, -1] ** 2).sum(axis=1))
         )
 
     def _part(self, name: str, load: str | None) -> np.ndarray:

@@ -48,7 +48,7 @@ class RegressionProducts:
 class PartialRegression:
     """The linearised system of the currents' errors with all its columns taken out of everything else.
 
-    The unknowns are [theta, g], or theta alone where the gains are fixed. columns (n, M, f): weighted, motor by motor,
+    The unknowns are [theta, g], or theta alone where all gains are fixed. columns (n, M, f): weighted, motor by motor,
     zero where a joint stands still; basis (f, r): combines them so that they are orthonormal over all motors; remainder
     (M, n): minus the weighted error; weights (n,): one over each motor's error in torque; moving (M, n).
     """
@@ -98,13 +98,14 @@ def partial_regression(stack: Stack, solution: Solution) -> PartialRegression:
     rms = np.sqrt((error**2).sum(axis=0) / np.maximum(stack.moving.sum(axis=0), 1))
     own = 1.0 / np.maximum(rms, 1e-12 * rms.max() + np.finfo(float).tiny)
     weights = own / solution.gains
-    size = p + (n if solution.gains_fitted else 0)
+    fitted = np.broadcast_to(solution.gains_fitted, (n,))
+    size = p + (n if fitted.any() else 0)
     columns, factors = np.zeros((n, samples, size)), np.zeros((n, stack.factors.shape[1], size))
     of_gain = np.append(solution.theta, [1.0, 0.0]) / solution.gains[:, None]
     for j in range(n):
         columns[j, :, :p] = stack.phi[:, j] * weights[j]
         factors[j, :, :p] = stack.factors[j, :, :p] * weights[j]
-        if solution.gains_fitted:
+        if fitted[j]:
             columns[j, :, p + j] = -modelled[:, j] * weights[j]
             factors[j, :, p + j] = -(stack.factors[j] @ of_gain[j]) * weights[j]
     basis = _orthonormal(factors.reshape(-1, size))

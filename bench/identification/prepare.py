@@ -15,14 +15,17 @@ from bench.identification.effect_rows import effect_rows
 from bench.identification.filtered import Measured, measure
 from bench.identification.finding import Finding
 from bench.identification.fixed_columns import FixedColumns
-from bench.identification.identifiability import check_gains_identifiable
-from bench.identification.layout import ParameterLayout, parameter_layout, payload_rows
+from bench.identification.fixed_scale import scale_of
+from bench.identification.gain_shares import recorded_states
+from bench.identification.layout import ParameterLayout, parameter_layout
 from bench.identification.logged_velocities import logged_velocities, velocity_noise
 from bench.identification.observation import Observation, observe
 from bench.identification.payload_parameters import payload_columns
 from bench.identification.perturbations import Nearby
 from bench.identification.problem import Problem
 from bench.identification.redundant_encoders import contradicted_closures
+from bench.identification.scale import NOT_WANTED, Scale
+from bench.identification.scale_words import refusal
 from bench.identification.solution import NominalGains
 from bench.model.model import IdentificationModel, build_model
 from bench.signals.settings import Bands, FilterSettings, completed, signal_bands
@@ -33,12 +36,12 @@ class Prepared:
     """A dataset made ready to be fitted: the model, the filters, and every recording as equations.
 
     measured and observations go together, one for each recording that can be used. present: the model that
-    effects are linearised about; signals: what they see of each recording. fit_gains: whether drive gains
-    are unknowns. converged: whether effects that are not linear have their shape and are linearised about this very
-    model; provisional: though not to the end, as is enough in a search. nearby: where small changes of the torque are
-    taken from, in place of what effects compute exactly. contradicted: loop closures that other encoders deny. bands:
-    what the spectra of the recordings to identify from say, None where nobody has read them. kept: what models of these
-    recordings have in common.
+    effects are linearised about; signals: what they see of each recording. scale: which drive gains are
+    unknowns, and what keeps the others nominal. converged: whether effects that are not linear have their shape and are
+    linearised about this very model; provisional: though not to the end, as is enough in a search. nearby: where small
+    changes of the torque are taken from, in place of what effects compute exactly. contradicted: loop closures that
+    other encoders deny. bands: what the spectra of the recordings to identify from say, None where nobody has read
+    them. kept: what models of these recordings have in common.
     """
 
     dataset: Dataset
@@ -50,7 +53,7 @@ class Prepared:
     layout: ParameterLayout
     present: PresentModel
     signals: tuple[RobotSignals, ...]
-    fit_gains: bool = False
+    scale: Scale = NOT_WANTED
     converged: bool = False
     provisional: bool = False
     nearby: Nearby | None = None
@@ -61,7 +64,13 @@ class Prepared:
     @property
     def gains(self) -> NominalGains:
         """The drive gains as they are declared, and whether they are unknowns."""
-        return NominalGains(self.dataset.robot.nominal_gains, self.fit_gains)
+        robot = self.dataset.robot
+        return NominalGains(robot.nominal_gains, self.scale.fitted(robot.joints))
+
+    @property
+    def fit_gains(self) -> bool:
+        """Whether any drive gain is an unknown."""
+        return bool(np.any(self.gains.fitted))
 
     @property
     def left_aside(self) -> tuple[str, ...]:
@@ -140,21 +149,17 @@ def prepare(problem: Problem, *, fitted_only: bool = True, logs: Sequence[str] |
 
 
 def with_gains(prepared: Prepared, wanted: bool | None) -> Prepared:
-    """The same with drive gains as unknowns or not: as wanted, by default where a known payload gives their scale.
+    """The same with drive gains as unknowns or not: as wanted, by default those that the declared payloads fix.
 
-    Raises BenchError where they are wanted and cannot be had.
+    Raises BenchError where they are wanted and none is fixed.
     """
+    if wanted is False:
+        return replace(prepared, scale=NOT_WANTED)
     dataset = prepared.dataset
-    scaled = any(np.any(payload_rows(entry, dataset.payloads)) for entry in prepared.fitted)
-    if wanted and not scaled:
-        raise BenchError(
-            f"{dataset.folder}: no fitted recording has a payload of known mass, which gives the gains' scale"
-        )
-    if wanted is False or not scaled:
-        return replace(prepared, fit_gains=False)
-    carried = [entry.payload_name for entry in prepared.fitted]
-    check_gains_identifiable(prepared.model, prepared.layout, dataset.payloads, carried)
-    return replace(prepared, fit_gains=True)
+    scale = scale_of(prepared.model, dataset.payloads, recorded_states(prepared.fitted))
+    if wanted and not np.any(scale.fitted(dataset.robot.joints)):
+        raise BenchError(f"{dataset.folder}: {refusal(scale)}")
+    return replace(prepared, scale=scale)
 
 
 def logs_of(recordings: Sequence[Recording]) -> tuple[str, ...]:

@@ -49,8 +49,13 @@ class DriveGain(Quantity):
 
     @property
     def determined(self) -> bool:
-        """Likewise; a gain that is less sure than its nominal value is large is not."""
-        return super().determined and self.std <= max(abs(self.nominal), abs(self.value))
+        """Likewise; a gain whose standard error is larger than itself is not: it could have either sign."""
+        return super().determined and self.std <= abs(self.value)
+
+    @property
+    def fitted(self) -> bool:
+        """Whether it was an unknown, and is not its nominal value as it was given."""
+        return self.std > 0.0
 
 
 @dataclass(frozen=True)
@@ -118,11 +123,12 @@ class ModelledRecording:
 class Identification:
     """The answer of `identify`.
 
-    gains_fitted is False where no payload of known mass gave the scale: the gains are nominal, and all
-    parameters scale with their error. effect_parameters: effect -> place -> parameter, the place being a joint, or
-    joint@recording for the value of one recording. covariance (P, P), its rows named by covariance_rows; those of given
-    values and of parameters that were left out are zero. left_out: names of the base parameters without which the fit
-    is as good, when only essential ones were asked for. findings: what limits the answer.
+    gains_fitted is False where nothing fixes the scale: the gains are nominal, and all parameters scale with their
+    error. Where a payload fixes some gains only, the others are nominal, with no standard error. effect_parameters:
+    effect -> place -> parameter, the place being a joint, or joint@recording for the value of one recording. covariance
+    (P, P), its rows named by covariance_rows; those of given values and of parameters that were left out are zero.
+    left_out: names of the base parameters without which the fit is as good, when only essential ones were asked for.
+    findings: what limits the answer.
     std_from: what standard deviations stand for. redundant: the motors, last of the drive gains, whose currents are
     given and not modelled, since the motion tells the sum of the powers alone. locked: joints that robot.toml holds.
     """
@@ -164,6 +170,8 @@ class Identification:
     def __repr__(self) -> str:
         gains = ", ".join(
             f"{joint} {drive_gain.value:.4g} ± {drive_gain.std:.2g}"
+            if drive_gain.determined
+            else f"{joint} not determined"
             for joint, drive_gain in self.drive_gains.items()
         )
         unit = next((drive_gain.unit for drive_gain in self.drive_gains.values()), "")

@@ -15,7 +15,7 @@ import numpy as np
 from bench.identification.bounded import minimum_between
 from bench.identification.compressed import Stack, compress
 from bench.identification.current_error import current_error, current_floor, minimised
-from bench.identification.solution import Solution, scaled_lstsq, torque_system
+from bench.identification.solution import Fitted, Solution, scaled_lstsq, torque_system
 
 FEWEST, MOST = 1.0, 200.0  # degrees of freedom: Cauchy's distribution, and Gauss's for all that can be told
 FIRST = 4.0  # where they begin
@@ -41,15 +41,15 @@ def robust_error(stack: Stack, start: Solution, nominal: np.ndarray) -> Solution
     """Maximum likelihood of currents v_j = (Phi_j theta + kappa_j) / g_j + s_j t, t of Student's distribution.
 
     It is sought from the answer of least squares, `start`, and from nominal gains (n,), since bad seconds can throw
-    the former far off; the likelier answer is taken. Without a known payload (start.gains_fitted is False) the gains
-    stay as they are. Effects that are not linear keep the shape that least squares gives them.
+    the former far off; the likelier answer is taken. Gains that are not unknowns (start.gains_fitted) stay as they
+    are. Effects that are not linear keep the shape that least squares gives them.
     """
     solution = current_error(stack, start)
     theta, gains = solution.theta, solution.gains
-    if start.gains_fitted:
+    if np.any(start.gains_fitted):
         fixed = _likeliest(stack, scaled_theta(stack, nominal), nominal, False, FEW_ROUNDS)
         starts = ((theta, gains), (fixed.theta, nominal))
-        tried = [_likeliest(stack, *pair, True, FEW_ROUNDS) for pair in starts]
+        tried = [_likeliest(stack, *pair, start.gains_fitted, FEW_ROUNDS) for pair in starts]
         best = min(tried, key=lambda fit: fit.minus_likelihood)
         theta, gains = best.theta, best.gains
     found = _likeliest(stack, theta, gains, start.gains_fitted)
@@ -69,7 +69,7 @@ def robust_error(stack: Stack, start: Solution, nominal: np.ndarray) -> Solution
 
 
 def _likeliest(
-    stack: Stack, theta: np.ndarray, gains: np.ndarray, fit_gains: bool, most: int = MOST_ROUNDS
+    stack: Stack, theta: np.ndarray, gains: np.ndarray, fit_gains: Fitted, most: int = MOST_ROUNDS
 ) -> _Fit:
     """The nearest maximum of the likelihood, as far as so many rounds lead."""
     moving, floor = stack.moving, current_floor(stack)

@@ -8,18 +8,27 @@ from scipy.linalg import lstsq
 
 from bench.identification.compressed import Stack
 
+Fitted = bool | np.ndarray
+"""Whether drive gains are unknowns: all or none of them, or for each motor (n,); a factor of the gains' columns."""
+
 
 @dataclass(frozen=True, eq=False)
 class NominalGains:
     """Drive gains (n,) as they are declared; fitted: whether they are unknowns, or taken as they are."""
 
     values: np.ndarray
-    fitted: bool
+    fitted: Fitted
 
     @property
     def held(self) -> np.ndarray | None:
-        """The gains where they are taken as they are; None where they are unknowns."""
-        return None if self.fitted else self.values
+        """The gains that are taken as they are, (n,) with NaN for unknowns; None where all are unknowns."""
+        if np.all(self.fitted):
+            return None
+        return np.where(self.fitted, np.nan, self.values)
+
+    def with_fitted(self, found: np.ndarray) -> np.ndarray:
+        """The gains (n,) as they are declared, those that are unknowns as they were found: (n,), or () for none."""
+        return np.where(self.fitted, found, self.values) if np.any(self.fitted) else self.values
 
 
 @dataclass(frozen=True)
@@ -39,7 +48,7 @@ class Solution:
     gains: np.ndarray
     weights: np.ndarray
     domain: str
-    gains_fitted: bool
+    gains_fitted: Fitted
     made: Callable[[Stack], Stack] | None = None
     stretch: np.ndarray | None = None
     instruments: Callable[[Stack], Stack] | None = None
@@ -50,17 +59,20 @@ def torque_system(factors: np.ndarray, gains: np.ndarray | None) -> tuple[np.nda
     """Rows A and right side b of A x = b in torque, from compressed factors (n, r, p + 2).
 
     With gains (n,): x = theta, b = diag(v) g - kappa. With None: x = [theta, g], b = kappa
-    (equation 12, the gains among the unknowns).
+    (equation 12, the gains among the unknowns). With NaN for some: likewise, where the columns of the others are zero
+    and b = kappa - diag(v) g has them.
     """
     n, r, size = factors.shape
     p = size - 2
     phi, kappa, current = factors[:, :, :p], factors[:, :, p], factors[:, :, p + 1]
-    if gains is not None:
+    unknown = np.ones(n, dtype=bool) if gains is None else np.isnan(gains)
+    if gains is not None and not unknown.any():
         return phi.reshape(-1, p), (current * gains[:, None] - kappa).reshape(-1)
     rows = np.zeros((n, r, p + n))
     rows[:, :, :p] = -phi
-    rows[np.arange(n), :, p + np.arange(n)] = current
-    return rows.reshape(-1, p + n), kappa.reshape(-1)
+    rows[np.arange(n), :, p + np.arange(n)] = current * unknown[:, None]
+    right = kappa if gains is None else kappa - current * np.nan_to_num(gains)[:, None]
+    return rows.reshape(-1, p + n), right.reshape(-1)
 
 
 def weighted(factors: np.ndarray, weights: np.ndarray) -> np.ndarray:

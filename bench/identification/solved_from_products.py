@@ -13,7 +13,7 @@ from bench.identification.centred import Centred, FactorProducts, products_of
 from bench.identification.compressed import Stack
 from bench.identification.current_error import current_error, error_weights, from_products, squared_errors
 from bench.identification.least_squares import REWEIGHTINGS, weighted_least_squares
-from bench.identification.solution import NominalGains, Solution
+from bench.identification.solution import Fitted, NominalGains, Solution
 
 CHANCE = 1e-3  # nats: steps that creep are followed no further where chance makes more of the errors
 NOTHING = 1e-150  # times the nominal gain: what has no square
@@ -29,6 +29,7 @@ def solved_from_products(stack: Stack, gains: NominalGains, near: np.ndarray) ->
     a gain runs away from its nominal value, beyond all that products are exact enough for, steps on the factors
     themselves go their own way.
     """
+    near = gains.with_fitted(near)
     found = _found(stack, gains, near)
     if found is None:
         return _on_factors(stack, gains, near)
@@ -42,13 +43,15 @@ def _found(stack: Stack, gains: NominalGains, near: np.ndarray) -> Solution | No
     scale = 1.0 / np.maximum(np.abs(gains.values) * lengths, TINY)
     products = products_of(stack.factors, scale)
     starts = []
-    if gains.fitted:
+    if np.any(gains.fitted):
         about, values = _held(products, gains.values, lengths)
         about = products.about(about.theta_at(values), gains.values)  # from where products are exact enough
-        values, first = _weighted(about, lengths, fit_gains=True)
+        values, first = _weighted(about, lengths, fit_gains=gains.fitted)
         if not run_away(first / gains.values):
             starts.append((about.theta_at(values), first))
-    if (not gains.fitted or not np.array_equal(near, gains.values)) and not run_away(near / gains.values):
+    if (not np.any(gains.fitted) or not np.array_equal(near, gains.values)) and not run_away(
+        near / gains.values
+    ):
         about, values = _held(products, near, lengths)
         starts.append((about.theta_at(values), near))
     if not starts:
@@ -69,10 +72,12 @@ def _on_factors(stack: Stack, gains: NominalGains, near: np.ndarray) -> Solution
     """The same by steps on the factors themselves; from nominal gains where a motor has none at the other starts."""
 
     def held(at: np.ndarray) -> Solution:
-        return replace(weighted_least_squares(stack, NominalGains(at, fitted=False)), gains_fitted=True)
+        return replace(
+            weighted_least_squares(stack, NominalGains(at, fitted=False)), gains_fitted=gains.fitted
+        )
 
     starts = [weighted_least_squares(stack, gains)]
-    if gains.fitted:
+    if np.any(gains.fitted):
         starts += [] if np.array_equal(near, gains.values) or _none(near, gains.values) else [held(near)]
         starts = [start for start in starts if not _none(start.gains, gains.values)] or [held(gains.values)]
     missed = [_missed(squared_errors(stack.factors, start.theta, start.gains)) for start in starts]
@@ -95,13 +100,14 @@ def _held(products: FactorProducts, gains: np.ndarray, lengths: np.ndarray) -> t
     return about, _weighted(about, lengths, fit_gains=False)[0]
 
 
-def _weighted(about: Centred, lengths: np.ndarray, *, fit_gains: bool) -> tuple[np.ndarray, np.ndarray]:
+def _weighted(about: Centred, lengths: np.ndarray, *, fit_gains: Fitted) -> tuple[np.ndarray, np.ndarray]:
     """Values (b,) and gains (n,) of weighted least squares of the torques' errors; see `weighted_least_squares`.
 
     lengths (n,): of the currents.
     """
     start, b, n = about.gains, about.basis.shape[1], len(about.gains)
-    motors = b + np.arange(n) if fit_gains else np.arange(0)
+    some = bool(np.any(fit_gains))
+    motors = b + np.arange(n) if some else np.arange(0)
     current = np.zeros((n, b + 2))  # every motor's, of [columns, torque, error]
     current[:, b], current[:, b + 1] = 1.0 / start, 1.0
     by_current = (about.inner @ current[:, :, None])[:, :, 0]
@@ -113,13 +119,13 @@ def _weighted(about: Centred, lengths: np.ndarray, *, fit_gains: bool) -> tuple[
         squares = weights**2
         normal[:b, :b] = np.tensordot(squares, about.inner[:, :b, :b], axes=1)
         right[:b] = squares @ towards
-        if fit_gains:
-            normal[motors, :b] = -squares[:, None] * by_current[:, :b]
+        if some:
+            normal[motors, :b] = -squares[:, None] * by_current[:, :b] * np.reshape(fit_gains, (-1, 1))
             normal[:b, motors] = normal[motors, :b].T
-            normal[motors, motors] = squares * own
-            right[motors] = -squares * start * by_current[:, b + 1]
+            normal[motors, motors] = np.where(fit_gains, squares * own, 1.0)
+            right[motors] = -squares * start * by_current[:, b + 1] * fit_gains
         found = least(normal, right)
-        gains = start + found[b:] if fit_gains else start
+        gains = start + found[b:] if some else start
         if left:
             errors = current * (gains - start)[:, None]
             errors[:, :b] -= found[:b]

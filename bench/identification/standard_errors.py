@@ -62,11 +62,11 @@ def jacobian_series(stack: Stack, solution: Solution) -> np.ndarray:
     else:
         rigid = stack.phi / solution.gains[:, None]
         by_gain = -(stack.phi @ solution.theta + stack.kappa) / solution.gains**2
-    if not solution.gains_fitted:
+    if not np.any(solution.gains_fitted):
         return rigid
     full = np.zeros((*rigid.shape[:2], rigid.shape[2] + n))
     full[:, :, : rigid.shape[2]] = rigid
-    full[:, np.arange(n), rigid.shape[2] + np.arange(n)] = by_gain
+    full[:, np.arange(n), rigid.shape[2] + np.arange(n)] = by_gain * solution.gains_fitted
     return full
 
 
@@ -140,11 +140,13 @@ def _widened(covariance: np.ndarray, other: np.ndarray) -> np.ndarray:
 def _by_unknowns(rows: np.ndarray, solution: Solution, motor: int) -> np.ndarray:
     """A motor's rows (K, p + 2) of [phi, kappa, current] as derivatives (K, P) of its modelled side."""
     p, gain = len(solution.theta), solution.gains[motor]
-    columns = np.zeros((len(rows), p + (len(solution.gains) if solution.gains_fitted else 0)))
+    columns = np.zeros((len(rows), p + (len(solution.gains) if np.any(solution.gains_fitted) else 0)))
     columns[:, :p] = rows[:, :p] if solution.domain == "torque" else rows[:, :p] / gain
-    if solution.gains_fitted and solution.domain == "torque":
+    if not np.broadcast_to(solution.gains_fitted, solution.gains.shape)[motor]:
+        return columns
+    if solution.domain == "torque":
         columns[:, p + motor] = -rows[:, p + 1]
-    elif solution.gains_fitted:
+    else:
         columns[:, p + motor] = -(rows[:, :p] @ solution.theta + rows[:, p]) / gain**2
     return columns
 

@@ -23,6 +23,7 @@ from bench.identification.result import (
     Quantity,
     error_summary,
 )
+from bench.identification.scale_words import scale_findings
 from bench.identification.solution import Solution
 from bench.identification.standard_errors import Deviations, Uncertainty
 
@@ -72,7 +73,7 @@ def summarise(
             method=method,
             effects=tuple(dict.fromkeys(instance.request for instance in prepared.effects)),
             drive_gains=gains,
-            gains_fitted=solution.gains_fitted,
+            gains_fitted=bool(np.any(solution.gains_fitted)),
             parameters=parameters,
             effect_parameters=_effects(prepared, solution, std, kept, p + n),
             covariance=spread.covariance,
@@ -100,6 +101,7 @@ def summarise(
             *([Finding(Code.NOT_SETTLED, of=tuple(unknown for _, unknown in loose))] if loose else []),
             *hardly_apart(prepared.effects, spread.covariance, rows),
         ],
+        scale_findings(prepared.scale),
     )
 
 

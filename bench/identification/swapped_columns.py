@@ -105,7 +105,7 @@ class _ColumnsTrial:
         """Relative error of the currents by least squares in torque; or the least that there can be, from there."""
         rows, right = torque_system(factors, self.gains.held)
         found = scaled_lstsq(rows, right)
-        theta, gains = found[: self.size], found[self.size :] if self.gains.fitted else self.gains.values
+        theta, gains = found[: self.size], self.gains.with_fitted(found[self.size :])
         if least:
             theta, gains = minimised(factors, theta, gains, np.ones(len(gains)), self.gains.fitted)
         return float(np.sqrt(squared_errors(factors, theta, gains).sum() / (factors[:, :, -1] ** 2).sum()))

@@ -15,6 +15,7 @@ from bench.document.identification import effects_table, gains_table
 from bench.document.typeset import effect_name, typeset
 from bench.effects import Effect
 from bench.identification.result import DriveGain, Identification
+from bench.identification.scale_words import scale_sentence, why_nominal
 from bench.page.chart_spec import chart_figure
 from bench.page.parts import Items, PageColumn, PageTable, Part, Section, row
 from bench.page.tables import on_page
@@ -103,11 +104,9 @@ def not_ranked_section() -> Section:
 
 def gains_section(after: Identification, before: Identification | None) -> Section:
     """Drive gains with their 95 % intervals beside the nominal values; before: without what is missing."""
-    if not after.gains_fitted:
-        lead = (
-            "No fitted recording carries a payload of known mass, which alone gives the gains their scale: they stay "
-            "at their nominal values, and every parameter is wrong by the same share as the gain that scales it."
-        )
+    why = why_nominal(after)
+    if why is not None and not after.gains_fitted:
+        lead = scale_sentence(why)
         aid = "As the maker's sheet gives them; not identified."
         return Section("gains", "Drive gains", lead, (on_page(gains_table(after), "Nominal gains", aid),))
     gains = after.drive_gains
@@ -117,6 +116,8 @@ def gains_section(after: Identification, before: Identification | None) -> Secti
     lead = "What a motor really gives for its current, fitted together with the dynamic parameters."
     if before is not None:
         lead += " A model that lacks an effect bends the gains to make up for it."
+    if why is not None:
+        lead += f" {scale_sentence(why)}"
     aid = "After ±: the standard error, under rel. std in percent. 95 % intervals are twice as wide."
     values = gains_table(after) if before is None else gains_before_after(before, after)
     table = on_page(values, "The same in numbers", aid)

@@ -1,6 +1,6 @@
 """The verdict in three sentences: what is missing, what that changes, what is left; and the numbers that count."""
 
-from collections.abc import Collection
+from collections.abc import Collection, Mapping
 
 from bench.basics.chi_squared import WITHIN_95
 from bench.diagnosis.result import Diagnosis
@@ -10,7 +10,8 @@ from bench.document.typeset import effect_name, share, short, typeset
 from bench.export.replay.replay import Replay
 from bench.identification.finding_words import note, sentence
 from bench.identification.findings import runaway
-from bench.identification.result import ErrorSummary, Identification, relative_error
+from bench.identification.result import DriveGain, ErrorSummary, Identification, relative_error
+from bench.identification.scale_words import in_short, scale_sentence, why_nominal
 from bench.identification.wording import and_list, motor_words, or_list, with_error
 from bench.page.parts import Tile
 from bench.residuals.residuals import WhereItFails
@@ -58,9 +59,15 @@ def comparison_verdict(error: ErrorSummary, model: str, where: WhereItFails, noi
 
 def gains_sentence(result: Identification) -> str:
     """What became of the drive gains."""
+    why = why_nominal(result)
+    nominal = "" if why is None else scale_sentence(why)
     if not result.gains_fitted:
-        return "The drive gains stay at their nominal values, as no payload of known mass gives their scale."
-    gains = result.drive_gains
+        return nominal
+    gains = {joint: gain for joint, gain in result.drive_gains.items() if gain.fitted} or result.drive_gains
+    return f"{_known_gains(result, gains)} {nominal}".rstrip()
+
+
+def _known_gains(result: Identification, gains: Mapping[str, DriveGain]) -> str:
     if 1 < len(gains) <= MOST_GAINS:
         loosest = max(gain.relative_std for gain in gains.values())
         return (
@@ -147,9 +154,10 @@ def replay_tiles(result: Replay, where: WhereItFails, noise: float) -> tuple[Til
 
 
 def _gain_tile(result: Identification, before: Identification | None) -> Tile:
+    why = why_nominal(result)
     if not result.gains_fitted:
-        return Tile("Drive gains", "nominal", "no payload of known mass")
-    gains = result.drive_gains
+        return Tile("Drive gains", "nominal", "" if why is None else in_short(why))
+    gains = {joint: gain for joint, gain in result.drive_gains.items() if gain.fitted} or result.drive_gains
     if before is not None:
         moves = {name: gain.value / before.drive_gains[name].value - 1.0 for name, gain in gains.items()}
         joint = max(moves, key=lambda name: abs(moves[name]))

@@ -73,7 +73,7 @@ const Dom = (() => {
   /* Whether the data say anything of a number, by the rule of Quantity.determined and DriveGain.determined. */
   function determined({value, std, nominal}) {
     if (std === null || (std >= VAST && std > Math.abs(value))) return false;
-    return nominal === undefined || std <= Math.max(Math.abs(nominal), Math.abs(value));
+    return nominal === undefined || std <= Math.abs(value);
   }
 
   /* A number with its standard deviation, to the digits that it supports. */

@@ -25,7 +25,7 @@ const Gains = (() => {
           ]
         : []),
     ];
-    const title = found.gains_fitted ? "Drive gains" : "Drive gains, nominal: no weighed payload";
+    const title = found.gains_fitted ? "Drive gains" : "Drive gains, nominal";
     return el(
       "div",
       {class: "part gains"},
