@@ -14,7 +14,7 @@ from bench.basics.files.toml_input import UserTable, one_line, read_toml
 from bench.basics.joint_units import HINGE, SLIDE, units_of_gain
 from bench.dataset.catalogue import built_in_robots
 from bench.dataset.robot_locked import LockedJoint, locked_in_words, locked_joints
-from bench.dataset.robot_mjcf import Transmission, joints_of, robot_model, robot_spec
+from bench.dataset.robot_mjcf import Transmission, drawn_spec, joints_of, robot_model, robot_spec
 from bench.dataset.robot_redundancy import independent_motors
 
 if TYPE_CHECKING:
@@ -65,6 +65,10 @@ class Robot:
     def mjcf_spec(self) -> "mujoco.MjSpec":
         """The same, to be changed before it is compiled."""
         return robot_spec(self.model_path, _transmissions(self.motors), self.locked)
+
+    def mjcf_as_drawn(self) -> "mujoco.MjSpec":
+        """The same, before what rounding leaves of the drawing is taken up."""
+        return drawn_spec(self.model_path, _transmissions(self.motors), self.locked)
 
     @property
     def motors(self) -> tuple[Actuator, ...]:

@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING, Literal
 
 from bench.basics.errors import BenchError
 from bench.dataset.mjcf_neutral import keep_masses, neutral
+from bench.dataset.robot_drawing import take_up_rounding
 from bench.dataset.robot_locked import LockedJoint, lock_joints
 
 if TYPE_CHECKING:
@@ -75,10 +76,9 @@ def _compiled(
 ) -> mujoco.MjModel:
     import mujoco  # noqa: PLC0415 - slow to import: only once a robot is really read
 
-    if transmissions or locked:
+    model = mujoco.MjModel.from_xml_path(str(path))  # its messages name the line
+    if transmissions or locked or model.neq:
         model = robot_spec(path, transmissions, locked).compile()
-    else:
-        model = mujoco.MjModel.from_xml_path(str(path))
     model.opt.enableflags = 0  # bodies that sleep, other contacts: of no concern, and not for every equality
     return model
 
@@ -86,7 +86,14 @@ def _compiled(
 def robot_spec(
     path: Path, transmissions: Sequence[Transmission] = (), locked: Sequence[LockedJoint] = ()
 ) -> mujoco.MjSpec:
-    """The same, not compiled yet."""
+    """The same, not compiled yet; what rounding leaves of the drawing is taken up, see `take_up_rounding`."""
+    return take_up_rounding(drawn_spec(path, transmissions, locked))
+
+
+def drawn_spec(
+    path: Path, transmissions: Sequence[Transmission] = (), locked: Sequence[LockedJoint] = ()
+) -> mujoco.MjSpec:
+    """The same as it is drawn."""
     import mujoco  # noqa: PLC0415 - slow to import: only once a robot is really read
 
     spec = mujoco.MjSpec.from_file(str(path))

@@ -336,7 +336,7 @@ WORDS: Mapping[Code, Callable[[Finding], str]] = {
         f"The robot has more motors than degrees of freedom: the currents of {', '.join(finding.names)} "
         "are taken as they were logged, and errors are those of the other motors."
     ),
-Code.LOCKED: _locked,
+    Code.LOCKED: _locked,
     **dict.fromkeys(CODES.values(), scale_sentence),
     Code.PERIODS_NOT_WHOLE: _not_whole,
     Code.RANK_DEFICIENT: _rank,

@@ -9,9 +9,9 @@ from bench.dataset.payload import Payload
 from bench.identification.layout import parameter_layout
 from bench.identification.observation import Observation
 from bench.identification.payload_parameters import payload_columns
-from bench.model.base import DEPENDENT
 from bench.model.geometry import Geometry
 from bench.model.guess import MASS, SHORTEST
+from bench.model.independent import SLACK
 from bench.model.model import IdentificationModel
 
 SEED = 20120604  # of the currents of redundant motors at the random states
@@ -48,14 +48,14 @@ class GainShares:
     @property
     def determined(self) -> np.ndarray:
         """Whether each gain is, (r + n,)."""
-        return np.asarray(self.shares > DEPENDENT)
+        return np.asarray(self.shares > SLACK)
 
     def apart(self, held: np.ndarray) -> bool:
         """Whether the other gains are the same whatever the held ones, (r + n,) True or False, are taken to be."""
         others = self.columns.shape[1] - len(held)
         free = np.append(np.ones(others, dtype=bool), ~held)
         found = np.linalg.lstsq(self.columns[:, free], self.columns[:, ~free])[0]
-        return bool(np.abs(found[others:]).max(initial=0.0) < DEPENDENT)
+        return bool(np.abs(found[others:]).max(initial=0.0) < SLACK)
 
 
 def gain_shares(

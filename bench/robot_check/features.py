@@ -7,6 +7,7 @@ import mujoco
 import numpy as np
 
 from bench.dataset.robot import Robot
+from bench.dataset.robot_drawing import CLOSED, ROUNDING, home_gap
 from bench.dataset.robot_locked import locked_as_data
 from bench.effects import CATALOGUE
 from bench.effects.effect import MjcfTerm, Place
@@ -57,6 +58,9 @@ def _notes(compiled: mujoco.MjModel, robot: Robot) -> Iterator[tuple[CheckCode, 
     rotors = [joint for joint in _joints_with(compiled, ("dof_armature",)) if joint not in robot.driven]
     if rotors:
         yield CheckCode.PASSIVE_ARMATURE_NOT_MODELLED, {"joints": rotors}
+    gap = home_gap(robot.mjcf_as_drawn())
+    if CLOSED < gap <= ROUNDING:
+        yield CheckCode.DRAWING_ROUNDED, {"gap": gap}
     if (length := _furthest(compiled)) > LARGE:
         yield CheckCode.LENGTHS_LARGE, {"length": length}
     if compiled.opt.density or compiled.opt.viscosity:

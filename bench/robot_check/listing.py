@@ -18,10 +18,10 @@ SLACK = 1e-9  # rad or m: rounding of a home position that lies on the end of it
 def home_of(compiled: mujoco.MjModel, robot: Robot) -> tuple[np.ndarray, HomeSource]:
     """The home pose as qpos (nq,), and where it comes from."""
     key = mujoco.mj_name2id(compiled, mujoco.mjtObj.mjOBJ_KEY, "home")
-    if key < 0:
-        return compiled.qpos0.copy(), HomeSource(None, int(compiled.nq))
-    given = len(robot.mjcf_spec().keys[key].qpos)  # MuJoCo fills up with qpos0, and does not say so
-    return compiled.key_qpos[key].copy(), HomeSource(given, int(compiled.nq))
+    home = compiled.qpos0.copy() if key < 0 else compiled.key_qpos[key].copy()
+    # MuJoCo fills up with qpos0, and does not say so
+    given = next((len(drawn.qpos) for drawn in robot.mjcf_as_drawn().keys if drawn.name == "home"), None)
+    return home, HomeSource(given, int(compiled.nq))
 
 
 def joint_lines(compiled: mujoco.MjModel, robot: Robot) -> tuple[JointLine, ...]:

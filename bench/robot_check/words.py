@@ -258,6 +258,13 @@ def _closed(gap: float, unit: str, given: int | None, positions: int) -> str:
     return f"widest gap {gap:.1e} {unit} ({source})" if gap else f"no gap ({source})"
 
 
+def _rounded(gap: float) -> str:
+    return (
+        f"as drawn, home is open by {gap:.1e} m or rad: rounding, which is taken up where the robot is read; the model "
+        "and the simulated machine have loops that close"
+    )
+
+
 def _open(loop: str, gap: float, unit: str, given: int | None, positions: int) -> str:
     return f"loop {loop!r} is open by {gap:.3g} {unit} ({_source(given, positions)})"
 
@@ -389,6 +396,7 @@ WORDS: dict[CheckCode, tuple[str, Sentence]] = {
     CheckCode.COUPLING: ("coupling", _coupling),
     CheckCode.HOME_WITHOUT_LOOPS: ("home assembled", _no_loops),
     CheckCode.HOME_CLOSED: ("home assembled", _closed),
+    CheckCode.DRAWING_ROUNDED: ("note", _rounded),
     CheckCode.HOME_OPEN: ("home assembled", _open_home),
     CheckCode.HOME_OPEN_AND_NO_CLOSED_POSE: ("home assembled", _no_closed_pose),
     CheckCode.HOME_OPEN_AS_LOOPS_DISAGREE: ("home assembled", _loops_disagree),

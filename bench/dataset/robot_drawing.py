@@ -1,0 +1,236 @@
+"""What rounding leaves of a drawing is taken up where a robot is read.
+
+A CAD export rounds places and directions. Loops then stand a little open in the home pose, and loops that repeat one
+another (a planar or spherical linkage in space) contradict each other a little in all poses. Home is closed by Newton's
+method. Where loops contradict one another, places of bodies and sites are corrected by the least changes that make them
+agree in many poses at once. Both only within ROUNDING; what is further off is a mistake that `bench robot check` names.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+if TYPE_CHECKING:
+    import mujoco
+
+ROUNDING = 1e-5  # m or rad: what the rounding of a drawing leaves open; a wider gap is a mistake
+CLOSED = 1e-9  # m or rad: a smaller gap is none
+DEPENDENT = (
+    1e-4  # of the largest singular value: equations below repeat others, but for the slack of drawings
+)
+POSES, MANY_POSES = 10, 60  # at which loops are compared; at which they are made to agree
+STEP = 0.1  # rad or m: of the free motions from one pose to the next
+PERTURBATION = 1e-6  # m or rad: of a place, for the derivatives
+MOST_STEPS = 20
+SEED = 20120607
+
+
+@dataclass(frozen=True)
+class _Closures:
+    """A compiled file with nothing but its equalities, and scratch space."""
+
+    model: mujoco.MjModel
+    data: mujoco.MjData
+
+    def at(self, qpos: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """How far the equalities are open (m,) [m, rad] at qpos (nq,), and the Jacobian (m, nv) of that."""
+        import mujoco  # noqa: PLC0415 - slow to import: only once a robot is really read
+
+        self.data.qpos[:] = qpos
+        mujoco.mj_kinematics(self.model, self.data)
+        mujoco.mj_comPos(self.model, self.data)
+        mujoco.mj_tendon(self.model, self.data)
+        mujoco.mj_makeConstraint(self.model, self.data)
+        return np.array(self.data.efc_pos), np.array(self.data.efc_J).reshape(self.data.nefc, self.model.nv)
+
+    def closed(self, qpos: np.ndarray) -> np.ndarray:
+        """The pose (nq,) near qpos that least squares close."""
+        import mujoco  # noqa: PLC0415 - slow to import: only once a robot is really read
+
+        for _ in range(MOST_STEPS):
+            gap, jacobian = self.at(qpos)
+            move = -np.linalg.lstsq(jacobian, gap, rcond=DEPENDENT)[0]
+            qpos = qpos.copy()
+            mujoco.mj_integratePos(self.model, qpos, move, 1.0)
+            if np.abs(move).max(initial=0.0) < CLOSED * ROUNDING:
+                break
+        return qpos
+
+    def poses(self, home: np.ndarray, count: int) -> list[np.ndarray]:
+        """Closed poses, each a random step of the free motions from the one before."""
+        import mujoco  # noqa: PLC0415 - slow to import: only once a robot is really read
+
+        random = np.random.default_rng(SEED)
+        poses, pose = [], home
+        for _ in range(count):
+            _, jacobian = self.at(pose)
+            _, values, motions = np.linalg.svd(jacobian)
+            free = motions[int((values > DEPENDENT * values.max(initial=0.0)).sum()) :]
+            qpos = pose.copy()
+            mujoco.mj_integratePos(self.model, qpos, STEP * random.normal(size=len(free)) @ free, 1.0)
+            qpos = self.closed(qpos)
+            pose = qpos if self.open_by(qpos) < ROUNDING else home
+            poses.append(pose)
+        return poses
+
+    def open_by(self, qpos: np.ndarray) -> float:
+        """The widest gap, m or rad."""
+        return float(np.abs(self.at(qpos)[0]).max(initial=0.0))
+
+
+def take_up_rounding(spec: mujoco.MjSpec) -> mujoco.MjSpec:
+    """The same file with a home pose that is closed, and loops that agree with one another; the very same where it is
+    exact to CLOSED or off by more than ROUNDING.
+    """
+    closures = _closures(spec)
+    if not closures.model.neq:
+        return spec
+    home = _home(spec, closures.model)
+    closed = closures.closed(home)
+    if closures.open_by(home) > ROUNDING or closures.open_by(closed) > ROUNDING:
+        return spec
+    if max(closures.open_by(pose) for pose in closures.poses(closed, POSES)) > CLOSED:
+        corrected = _with_agreeing_loops(spec.copy(), home)
+        if corrected is not None:
+            spec = corrected
+            closures = _closures(spec)
+            closed = closures.closed(home)
+    if closures.open_by(home) > CLOSED:
+        _set_home(spec, closed)
+    return spec
+
+
+def home_gap(spec: mujoco.MjSpec) -> float:
+    """The widest gap of the equalities in the home pose of a file, m or rad."""
+    closures = _closures(spec)
+    return closures.open_by(_home(spec, closures.model)) if closures.model.neq else 0.0
+
+
+def _closures(spec: mujoco.MjSpec) -> _Closures:
+    import mujoco  # noqa: PLC0415 - slow to import: only once a robot is really read
+
+    model = spec.compile()
+    model.opt.jacobian = mujoco.mjtJacobian.mjJAC_DENSE
+    for flag in ("CONTACT", "LIMIT", "FRICTIONLOSS"):
+        model.opt.disableflags |= int(getattr(mujoco.mjtDisableBit, f"mjDSBL_{flag}"))
+    return _Closures(model, mujoco.MjData(model))
+
+
+def _home(spec: mujoco.MjSpec, model: mujoco.MjModel) -> np.ndarray:
+    names = [key.name for key in spec.keys]
+    return np.array(model.key_qpos[names.index("home")] if "home" in names else model.qpos0)
+
+
+def _set_home(spec: mujoco.MjSpec, qpos: np.ndarray) -> None:
+    keys = [key for key in spec.keys if key.name == "home"]
+    key = keys[0] if keys else spec.add_key(name="home")
+    key.qpos = qpos.tolist()
+
+
+def _with_agreeing_loops(spec: mujoco.MjSpec, home: np.ndarray) -> mujoco.MjSpec | None:
+    """The file with bodies and sites moved by the least changes that make its loops agree; None where none do, or a
+    place of the file counts in a <frame>.
+    """
+    _anchors_as_sites(spec)
+    closures = _closures(spec)
+    model = closures.model
+    if any(part.frame is not None for part in (*spec.bodies[1:], *spec.sites)):
+        return None
+    places = [(model.body_pos, model.body_quat, body) for body in range(1, model.nbody)]
+    places += [(model.site_pos, model.site_quat, site) for site in range(model.nsite)]
+    poses = closures.poses(closures.closed(home), MANY_POSES)
+    for _ in range(MOST_STEPS):
+        open_by, sensitive = [], []
+        for pose in poses:
+            gap, jacobian = closures.at(pose)
+            left, values, _ = np.linalg.svd(jacobian)
+            repeated = left[:, int((values > DEPENDENT * values.max(initial=0.0)).sum()) :].T
+            open_by.append(repeated @ gap)
+            sensitive.append(repeated @ _sensitivity(closures, places, pose, gap))
+        change = -np.linalg.lstsq(np.vstack(sensitive), np.concatenate(open_by), rcond=DEPENDENT)[0]
+        if np.abs(change).max() > ROUNDING:
+            return None
+        for place, part in zip(places, change.reshape(-1, 6), strict=True):
+            _move(place, part)
+        poses = [closures.closed(pose) for pose in poses]
+        if max(closures.open_by(pose) for pose in poses) < CLOSED:
+            for body, (pos, quat) in zip(
+                spec.bodies[1:], zip(model.body_pos[1:], model.body_quat[1:], strict=True), strict=True
+            ):
+                _write(body, pos, quat)
+            for site, (pos, quat) in zip(
+                spec.sites, zip(model.site_pos, model.site_quat, strict=True), strict=True
+            ):
+                _write(site, pos, quat)
+            return spec
+    return None
+
+
+_Place = tuple[np.ndarray, np.ndarray, int]
+
+
+def _sensitivity(
+    closures: _Closures, places: Sequence[_Place], pose: np.ndarray, gap: np.ndarray
+) -> np.ndarray:
+    """Change (m, 6 places) of the gaps at a pose for each place's shift [m] and turn [rad]."""
+    columns = []
+    for place in places:
+        positions, quaternions, index = place
+        before = positions[index].copy(), quaternions[index].copy()
+        for direction in np.eye(6):
+            _move(place, PERTURBATION * direction)
+            columns.append((closures.at(pose)[0] - gap) / PERTURBATION)
+            positions[index], quaternions[index] = before
+    return np.array(columns).T
+
+
+def _move(place: _Place, change: np.ndarray) -> None:
+    """Shift a place in its parent's frame by three of the change, and turn it in its own by the others."""
+    import mujoco  # noqa: PLC0415 - slow to import: only once a robot is really read
+
+    positions, quaternions, index = place
+    positions[index] += change[:3]
+    turned = quaternions[index].copy()
+    mujoco.mju_quatIntegrate(turned, change[3:], 1.0)
+    quaternions[index] = turned
+
+
+def _write(part: mujoco.MjsBody | mujoco.MjsSite, pos: np.ndarray, quat: np.ndarray) -> None:
+    import mujoco  # noqa: PLC0415 - slow to import: only once a robot is really read
+
+    part.alt.type = mujoco.mjtOrientation.mjORIENTATION_QUAT
+    part.pos, part.quat = pos, quat
+
+
+def _anchors_as_sites(spec: mujoco.MjSpec) -> None:
+    """Closures that name bodies name sites instead, since MuJoCo places the second anchor where qpos0 is closed."""
+    import mujoco  # noqa: PLC0415 - slow to import: only once a robot is really read
+
+    model = spec.compile()
+    identity = [1.0, 0.0, 0.0, 0.0]
+    for index, equality in enumerate(spec.equalities):
+        kind = equality.type
+        if kind not in (mujoco.mjtEq.mjEQ_CONNECT, mujoco.mjtEq.mjEQ_WELD):
+            continue
+        if equality.objtype != mujoco.mjtObj.mjOBJ_BODY:
+            continue
+        data = model.eq_data[index]
+        first, second = (data[0:3], identity), (data[3:6], identity)
+        if kind == mujoco.mjtEq.mjEQ_WELD:
+            first, second = (data[3:6], data[6:10]), (data[0:3], identity)
+        names = []
+        for end, body, (pos, quat) in zip(
+            ("first", "second"),
+            (model.eq_obj1id[index], model.eq_obj2id[index]),
+            (first, second),
+            strict=True,
+        ):
+            name = f"closure:{index}:{end}"
+            spec.bodies[int(body)].add_site(name=name, pos=pos, quat=quat)
+            names.append(name)
+        equality.objtype = mujoco.mjtObj.mjOBJ_SITE
+        equality.name1, equality.name2 = names
