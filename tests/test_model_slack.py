@@ -61,7 +61,7 @@ def test_the_check_tells_it_and_passes(slack, tmp_path):
     report = check_robot(five_bar_with(slack, tmp_path))
     assert report.failures == ()
     assert (report.mobility.rank, report.mobility.remaining) == (2, 2)
-    assert CheckCode.HOME_OPEN_AS_LOOPS_DISAGREE in [check.code for check in report.checks]
+    assert CheckCode.DRAWING_ROUNDED in [check.code for check in report.checks]
 
 
 def test_more_slack_than_that_is_a_mistake(tmp_path, monkeypatch):

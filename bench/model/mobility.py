@@ -122,6 +122,15 @@ def smallest_singular_values(geometry: Geometry, q: np.ndarray) -> np.ndarray:
     return np.asarray(np.linalg.svd(passive, compute_uv=False)[:, -1])
 
 
+def conditioning(geometry: Geometry, q: np.ndarray) -> float:
+    """Largest condition number of the scaled loop Jacobian by the passive joints at q (N, nq); 1 without closures."""
+    passive = scaled_jacobians(geometry, q)[:, :, geometry.passive]
+    if not min(passive.shape):
+        return 1.0
+    values = np.linalg.svd(passive, compute_uv=False)
+    return float((values[:, 0] / values[:, -1]).max())
+
+
 def least_held(geometry: Geometry, q: np.ndarray, count: int) -> np.ndarray:
     """Of the poses q (N, nq) the numbers (count,) of those where the determinant by the passive joints is smallest."""
     passive = scaled_jacobians(geometry, q)[:, :, geometry.passive]

@@ -40,10 +40,20 @@ class Track:
 
 
 def robot_length(geometry: Geometry) -> float:
-    """The largest distance within a link [m]: what a slide's travel is compared with."""
-    places = [joint.placement for joint in geometry.joints]
-    places += [anchor.placement for loop in geometry.loops for anchor in (loop.first, loop.second)]
-    return max([float(np.linalg.norm(place.translation)) for place in places] + [0.1])
+    """The largest distance within a link, or from the middle of the base [m]: what a slide's travel is compared with.
+
+    Where the base is mounted makes no difference.
+    """
+    places = [(joint.parent, joint.placement.translation) for joint in geometry.joints]
+    places += [
+        (anchor.joint, anchor.placement.translation)
+        for loop in geometry.loops
+        for anchor in (loop.first, loop.second)
+    ]
+    lengths = [float(np.linalg.norm(point)) for link, point in places if link >= 0]
+    base = np.array([point for link, point in places if link < 0]).reshape(-1, 3)
+    lengths.extend(np.linalg.norm(base - base.mean(axis=0), axis=1).tolist())
+    return max(*lengths, 0.1)
 
 
 def travel_of(geometry: Geometry, active: np.ndarray) -> np.ndarray:

@@ -7,6 +7,7 @@ import mujoco
 import numpy as np
 import pinocchio as pin
 
+from bench.model.mobility import conditioning
 from bench.model.motion import Motion
 from bench.model.regressor import projected_regressor
 from bench.model.spin import idle_spins
@@ -155,7 +156,8 @@ def check_bias_forces(machine: CheckedMachine, poses: np.ndarray, velocities: np
 def check_motor_forces(machine: CheckedMachine, motion: Motion) -> Check:
     """Forces of the motors at closed states: regressor times masses and rotor inertias, against MuJoCo's dynamics.
 
-    This is the whole identification model; MuJoCo's forces are projected by its own constraint Jacobian.
+    This is the whole identification model; MuJoCo's forces are projected by its own constraint Jacobian. Rounding grows
+    by the conditioning of the closures, and the bound with it.
     """
     geometry, armature = machine.geometry, machine.compiled.dof_armature
     driven = np.concatenate((geometry.active, geometry.redundant))
@@ -182,6 +184,7 @@ def check_motor_forces(machine: CheckedMachine, motion: Motion) -> Check:
         (CheckCode.MOTOR_FORCES_AGREE, {"states": len(ours)}),
         CheckCode.MOTOR_FORCES_DIFFER,
         lambda i: {"motor": geometry.robot.joints[i], "difference": float(worst[i])},
+        TOLERANCE * conditioning(geometry, motion.q),
     )
 
 
@@ -240,10 +243,11 @@ def _compared(
     agreed: tuple[CheckCode, dict[str, Any]],
     differs: CheckCode,
     offender: Callable[[int], dict[str, Any]],
+    tolerance: float = TOLERANCE,
 ) -> Check:
     """ok with what was done and the largest difference, or failed with the offender nearest to the base."""
     largest = float(worst.max(initial=0.0))
-    if largest < TOLERANCE:
+    if largest < tolerance:
         code, done = agreed
         return Check(code, "ok", {**done, "difference": largest})
-    return Check(differs, "failed", offender(int(np.argmin(worst < TOLERANCE))))
+    return Check(differs, "failed", offender(int(np.argmin(worst < tolerance))))

@@ -1,14 +1,15 @@
-"""Is the robot assembled at home, and if not, which pose nearby is?"""
+"""Is the robot assembled at home, and if not, which pose is?"""
 
 from dataclasses import asdict
 
 import numpy as np
-import pinocchio as pin
 
 from bench.model.closure import loop_jacobian, loop_residual
+from bench.model.configuration import integrate, normalised
 from bench.model.follow import SLACK
 from bench.model.geometry import Geometry
-from bench.model.tree import build_tree
+from bench.model.mobility import column_scales, smallest_singular_values
+from bench.model.passive_ranges import passive_ranges
 from bench.robot_check.machine import to_mujoco
 from bench.robot_check.outcome import Check, CheckCode, Verdict
 from bench.robot_check.report import HomeSource, LoopLine
@@ -17,6 +18,8 @@ ASSEMBLED = 1e-6  # m or rad: a wider gap is an error
 EXACT = 1e-9  # m or rad: a wider gap is told
 LONGEST_STEP = 0.2  # rad or m
 ATTEMPTS = 200
+STARTS = 60  # random ones
+SEED = 20120606
 DEPENDENT = 1e-7  # singular values below this share of the largest are left out of a step
 
 
@@ -43,19 +46,64 @@ def check_home(geometry: Geometry, loops: tuple[LoopLine, ...], source: HomeSour
 
 
 def closed_pose(geometry: Geometry) -> np.ndarray | None:
-    """The pose (nq,) that Newton's method reaches from home, motors held; None if it does not close."""
-    model, passive = build_tree(geometry), geometry.passive
-    q = geometry.home
+    """An assembled pose (nq,): from home with the motors held, else with all joints free, else from random starts.
+
+    Of several the one counts that the motors hold best, those within the joint ranges first. None: no start closes.
+    """
+    every = np.arange(geometry.nv)
+    home, random = geometry.home[:, None], _random_starts(geometry)
+    for starts, free in (
+        (home, geometry.passive),
+        (home, every),
+        (random, geometry.passive),
+        (random, every),
+    ):
+        closed = _closed(geometry, starts, free)
+        if len(closed):
+            held = smallest_singular_values(geometry, closed)
+            return np.asarray(closed[np.argmax(np.where(_within_ranges(geometry, closed), 1.0, 1e-3) * held)])
+    return None
+
+
+def _closed(geometry: Geometry, starts: np.ndarray, free: np.ndarray) -> np.ndarray:
+    """The closed poses (K, nq) that Newton's method reaches from starts (nq, S), moving the velocities `free`."""
+    q = starts
     for _ in range(ATTEMPTS):
-        residual = loop_residual(geometry, q[:, None])[:, 0]
-        step = np.zeros(geometry.nv)
-        jacobian = loop_jacobian(geometry, q[:, None])[:, passive, 0]
-        step[passive] = -np.linalg.lstsq(jacobian, residual, rcond=DEPENDENT)[0]
-        largest = float(np.abs(step).max(initial=0.0))
-        q = pin.integrate(model, q, step * min(1.0, LONGEST_STEP / max(largest, LONGEST_STEP)))
-        if largest < EXACT:
+        residual = loop_residual(geometry, q)
+        jacobian = loop_jacobian(geometry, q)[:, free].transpose(2, 0, 1)
+        step = np.zeros((geometry.nv, q.shape[1]))
+        step[free] = -np.einsum("kfm,mk->fk", np.linalg.pinv(jacobian, rcond=DEPENDENT), residual)
+        largest = np.abs(step).max(axis=0, initial=0.0)
+        q = normalised(
+            geometry, integrate(geometry, q, step * (LONGEST_STEP / np.maximum(largest, LONGEST_STEP)))
+        )
+        if largest.max() < EXACT:
             break
-    return q if np.abs(loop_residual(geometry, q[:, None])).max() < EXACT else None
+    return np.asarray(q[:, np.abs(loop_residual(geometry, q)).max(axis=0) < EXACT].T)
+
+
+def _random_starts(geometry: Geometry) -> np.ndarray:
+    """Poses (nq, STARTS): motors as at home, other joints anywhere in their ranges, or around home without any."""
+    random = np.random.default_rng(SEED)
+    velocities = (
+        random.uniform(-1.0, 1.0, size=(geometry.nv, STARTS)) * (np.pi * column_scales(geometry))[:, None]
+    )
+    velocities[geometry.active] = 0.0
+    q = integrate(geometry, np.repeat(geometry.home[:, None], STARTS, axis=1), velocities)
+    for limit in passive_ranges(geometry):
+        if np.isfinite(limit.low):
+            q[limit.configuration] = random.uniform(limit.low, limit.high, size=STARTS)
+    return normalised(geometry, q)
+
+
+def _within_ranges(geometry: Geometry, q: np.ndarray) -> np.ndarray:
+    """Whether each of the poses q (N, nq) keeps the ranges of all hinges and slides: (N,)."""
+    within = np.ones(len(q), dtype=bool)
+    for joint in geometry.joints:
+        if joint.limits is not None and joint.kind in ("hinge", "slide"):
+            at = q[:, joint.q.start] + joint.offset
+            within &= (at >= joint.limits[0]) & (at <= joint.limits[1])
+    return within
 
 
 def _repeated(geometry: Geometry) -> bool:

@@ -277,7 +277,8 @@ def _loops_disagree(loop: str, gap: float, unit: str, given: int | None, positio
 
 
 def _no_closed_pose(loop: str, gap: float, unit: str, given: int | None, positions: int) -> str:
-    return f"{_open(loop, gap, unit, given, positions)}; no closed pose was found near it: check the lengths"
+    said = _open(loop, gap, unit, given, positions)
+    return f"{said}; no start closes it, with the motors held or free: check the lengths"
 
 
 def _open_home(
@@ -290,7 +291,7 @@ def _open_home(
 ) -> str:
     qpos = " ".join(f"{value:.16g}" for value in closed_qpos)
     said = _open(loop, gap, unit, given, positions)
-    return f'{said}; closed with the motors held: <key name="home" qpos="{qpos}"/>'
+    return f'{said}; this pose closes: <key name="home" qpos="{qpos}"/>'
 
 
 def _within_ranges(ranged: int, joints: int) -> str:
