@@ -52,6 +52,7 @@ class CheckCode(StrEnum):
     # the home pose
     HOME_WITHOUT_LOOPS = auto()
     HOME_CLOSED = auto()
+    WELD_TOO_MUCH = auto()
     HOME_OPEN = auto()
     HOME_OPEN_AND_NO_CLOSED_POSE = auto()
     HOME_OPEN_AS_LOOPS_DISAGREE = auto()
