@@ -1,6 +1,7 @@
 """Joints that [locked] of robot.toml holds: the machine without them is the machine at these positions, exactly."""
 
 import json
+import re
 
 import mujoco
 import numpy as np
@@ -11,6 +12,9 @@ from bench.basics.errors import BenchError
 from bench.cli import main
 from bench.dataset.dataset import load_dataset
 from bench.dataset.robot import load_robot
+from bench.robot_check.check import check_robot
+from bench.robot_check.words import detail_of
+from tests.mechanisms import TILTED, write_robot
 
 ARM = """<mujoco>
   <compiler angle="{angle}" eulerseq="zyx" autolimits="true"/>
@@ -276,6 +280,29 @@ def test_a_model_is_for_the_positions_that_it_was_identified_with(logged, tmp_pa
         "rail = 0.05 m locked, but robot arm locks twist = 1.0472 rad, rail = 0.02 m"
         in capsys.readouterr().err
     )
+
+
+def test_the_closed_home_that_the_check_tells_is_a_keyframe_of_the_file(tmp_path):
+    """It has the numbers of locked joints, and none of rotors."""
+    hook = '<body name="hook"><joint name="hook" axis="0 1 0"/><geom/></body><body name="weight"'
+    belt = '<tendon><fixed name="belt"><joint joint="left" coef="20"/></fixed></tendon>'
+    keys = '<keyframe><key name="home" qpos="0.3 -0.2 0 0 0.51"/></keyframe>'
+    write_robot(
+        tmp_path, TILTED.replace('<body name="weight"', hook) + belt + keys, ("left", "right", "hook")
+    )
+    toml = (
+        (tmp_path / "robot.toml")
+        .read_text()
+        .replace('joint = "left"', 'tendon = "belt"')
+        .split('[[actuators]]\njoint = "hook"')[0]
+    )
+    (tmp_path / "robot.toml").write_text(toml + "[locked]\nhook = 0.7")
+    (told,) = check_robot(load_robot(tmp_path)).failures
+    key = re.search(r"<key .*/>", detail_of(told)).group(0)
+    assert len(re.findall(r"[-\d.]+(?=[ \"])", key)) == 5
+    mjcf = (tmp_path / "robot.xml").read_text()
+    (tmp_path / "robot.xml").write_text(mjcf.replace('<key name="home" qpos="0.3 -0.2 0 0 0.51"/>', key))
+    assert check_robot(load_robot(tmp_path)).failures == ()
 
 
 def test_a_robot_toml_is_written_with_locked_joints(tmp_path):

@@ -3,6 +3,7 @@
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from itertools import islice
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal, Self
 
@@ -69,6 +70,17 @@ class Robot:
     def mjcf_as_drawn(self) -> "mujoco.MjSpec":
         """The same, before what rounding leaves of the drawing is taken up."""
         return drawn_spec(self.model_path, _transmissions(self.motors), self.locked)
+
+    def file_qpos(self, qpos: Sequence[float]) -> list[float]:
+        """Positions (nq,) of `mjcf_model` as a keyframe of the MJCF has them: with locked joints, without rotors."""
+        file, rest = robot_model(self.model_path), iter(qpos)
+        held = {joint.name: joint.value for joint in self.locked}
+        ends = [*file.jnt_qposadr[1:].tolist(), file.nq]
+        positions: list[float] = []
+        for joint, end in enumerate(ends):
+            name = file.joint(joint).name
+            positions += [held[name]] if name in held else islice(rest, end - len(positions))
+        return positions
 
     @property
     def motors(self) -> tuple[Actuator, ...]:

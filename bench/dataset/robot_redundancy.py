@@ -23,14 +23,7 @@ def independent_motors(model: mujoco.MjModel, joints: Sequence[str]) -> tuple[st
 
     Raises BenchError where there are more, and one of these joints cannot move at all.
     """
-    import mujoco  # noqa: PLC0415 - slow to import: only once a robot is really read
-
-    data = mujoco.MjData(model)
-    key = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_KEY, "home")
-    data.qpos[:] = model.qpos0 if key < 0 else model.key_qpos[key]
-    mujoco.mj_fwdPosition(model, data)
-    _, values, motions = np.linalg.svd(_closures(model, data))
-    free = motions[int((values > DEPENDENT * values.max(initial=0.0)).sum()) :]
+    free = _motions(_closures(model)[0])
     if len(free) >= len(joints):
         return tuple(joints)
     still = np.abs(free).max(axis=0, initial=0.0) < DEPENDENT
@@ -39,18 +32,69 @@ def independent_motors(model: mujoco.MjModel, joints: Sequence[str]) -> tuple[st
     for joint in joints:
         place = int(model.joint(joint).dofadr[0])
         if still[place]:
-            raise BenchError(f"joint {joint!r} cannot move in the home pose: the loop closures lock it")
-        moves = np.linalg.svd(free[:, [*places, place]], compute_uv=False)
-        if len(moves) > len(places) and moves[-1] > DEPENDENT * moves[0]:
+            welds = welds_to_connect(model, joints)
+            cure = f"; {use_connect(welds)}" if welds else ""
+            raise BenchError(f"joint {joint!r} cannot move in the home pose: the loop closures lock it{cure}")
+        if _rank(free[:, [*places, place]]) > len(places):
             chosen.append(joint)
             places.append(place)
     return tuple(chosen)
 
 
-def _closures(model: mujoco.MjModel, data: mujoco.MjData) -> np.ndarray:
-    """Rows (m, nv) of the equalities that are switched on, the longest of each of unit length."""
+def welds_to_connect(model: mujoco.MjModel, joints: Sequence[str]) -> tuple[str, ...]:
+    """Welds that take freedom of these joints with a motor; as connects they would let all of them move independently.
+
+    A weld at a pin of a planar linkage does so, since it holds the orientation as well. None where the joints move
+    independently already, or where with connects something else could move, the motors held.
+    """
     import mujoco  # noqa: PLC0415 - slow to import: only once a robot is really read
 
+    rows, owners = _closures(model)
+    places = [int(model.joint(joint).dofadr[0]) for joint in joints]
+    free = _motions(rows)
+    moving = _rank(free[:, places])
+    if moving == len(joints):
+        return ()
+    welds = [int(one) for one in np.unique(owners) if model.eq_type[one] == int(mujoco.mjtEq.mjEQ_WELD)]
+    for changed in (*((one,) for one in welds), tuple(welds)):
+        turning = [row for one in changed for row in np.flatnonzero(owners == one)[3:]]
+        other = _motions(np.delete(rows, turning, axis=0))
+        if _rank(other[:, places]) == len(joints) and len(other) - len(joints) == len(free) - moving:
+            return tuple(
+                mujoco.mj_id2name(model, mujoco.mjtObj.mjOBJ_EQUALITY, one) or f"equality_{one}"
+                for one in changed
+            )
+    return ()
+
+
+def use_connect(welds: Sequence[str]) -> str:
+    """The cure where welds hold too much."""
+    names = " and ".join(map(repr, welds))
+    return f"use <connect> instead of weld {names}, which holds the orientation of its bodies, too"
+
+
+def _motions(closures: np.ndarray) -> np.ndarray:
+    """An orthonormal basis (k, nv) of the velocities that rows (m, nv) allow."""
+    _, values, motions = np.linalg.svd(closures)
+    return np.asarray(motions[int((values > DEPENDENT * values.max(initial=0.0)).sum()) :])
+
+
+def _rank(motions: np.ndarray) -> int:
+    values = np.linalg.svd(motions, compute_uv=False)
+    return int((values > DEPENDENT * values.max(initial=0.0)).sum())
+
+
+def _closures(model: mujoco.MjModel) -> tuple[np.ndarray, np.ndarray]:
+    """Rows (m, nv) in the home pose of the equalities that are switched on, the longest of each of unit length.
+
+    Of each row (m,) the number of its equality.
+    """
+    import mujoco  # noqa: PLC0415 - slow to import: only once a robot is really read
+
+    data = mujoco.MjData(model)
+    key = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_KEY, "home")
+    data.qpos[:] = model.qpos0 if key < 0 else model.key_qpos[key]
+    mujoco.mj_fwdPosition(model, data)
     closing = np.asarray(data.efc_type) == int(mujoco.mjtConstraint.mjCNSTR_EQUALITY)
     full = np.zeros((data.nefc, model.nv))
     if mujoco.mj_isSparse(model):
@@ -61,4 +105,4 @@ def _closures(model: mujoco.MjModel, data: mujoco.MjData) -> np.ndarray:
     for owner in np.unique(owners):
         own = owners == owner
         rows[own] /= max(np.linalg.norm(rows[own], axis=1).max(), np.finfo(float).tiny)
-    return np.asarray(rows)
+    return np.asarray(rows), owners

@@ -14,6 +14,8 @@ import numpy as np
 from bench.basics.errors import BenchError
 from bench.dataset.robot import Robot
 from bench.dataset.robot_mjcf import ROTOR
+from bench.model.cures import floating_base, joints_to_lock
+from bench.model.cures_words import cure_in_words
 from bench.model.supported import unsupported_features
 
 JointKind = Literal["hinge", "slide", "ball", "free"]
@@ -204,10 +206,13 @@ def read_geometry(robot: Robot) -> Geometry:
             for body, frame in frames.items()
         },
     )
+    if (floating := floating_base(geometry)) is not None:
+        raise BenchError(f"robot {robot.name}: {cure_in_words(floating)}")
     if len(geometry.passive) and not geometry.closed:
-        free = [joint.name for joint in joints if joint.v.start not in geometry.active]
+        free = " and ".join(repr(joint.name) for joint in joints if joint.v.start not in geometry.active)
+        cure = joints_to_lock(geometry, np.zeros((0, len(geometry.passive))), 0)
         raise BenchError(
-            f"robot {robot.name}: joint {free[0]!r} has no motor and no loop closure determines it"
+            f"robot {robot.name}: joint {free} has no motor and no loop closure determines it{cure_in_words(cure)}"
         )
     return geometry
 

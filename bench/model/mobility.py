@@ -5,6 +5,8 @@ import numpy as np
 from bench.basics.errors import BenchError
 from bench.model.closure import loop_jacobian, loop_residual
 from bench.model.configuration import integrate, normalised
+from bench.model.cures import joints_to_lock, welds_as_connects
+from bench.model.cures_words import cure_in_words
 from bench.model.follow import SLACK
 from bench.model.geometry import Coupling, Geometry
 from bench.model.nodes import robot_length
@@ -32,11 +34,12 @@ def check_assembled(geometry: Geometry) -> None:
     allowed = SLACK if len(residual) > len(geometry.passive) else ASSEMBLED
     if residual[widest] <= allowed:
         return
+    cure = welds_as_connects(geometry, residual, allowed)
     owners = [f"loop {loop.name!r}" for loop in geometry.loops for _ in range(loop.size)]
     owners += [_named(geometry, coupling) for coupling in geometry.couplings]
     raise BenchError(
         f"robot {geometry.robot.name}: {owners[widest]} is open by {residual[widest]:.3g} (m or rad) in the "
-        "home pose; bench robot check tells the assembled one"
+        f"home pose{cure_in_words(cure) or '; bench robot check tells the assembled one'}"
     )
 
 
@@ -60,9 +63,13 @@ def check_mobility(geometry: Geometry) -> None:
     general = _closed_nearby(geometry)
     undetermined = loose if general is None else loose_joints(geometry, general)
     if undetermined:
+        closures = scaled_jacobian(geometry, geometry.home if general is None else general)[
+            :, geometry.passive
+        ]
+        cure = cure_in_words(joints_to_lock(geometry, closures, _rank(closures)))
         raise BenchError(
             f"robot {name}: joint {_quoted(undetermined)} can move with all motors held: it has no motor, "
-            "and no loop closure determines it"
+            f"and no loop closure determines it{cure}"
         )
     if loose:
         raise BenchError(

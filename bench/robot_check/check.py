@@ -6,9 +6,12 @@ import numpy as np
 
 from bench.basics.errors import BenchError
 from bench.dataset.robot import Robot
+from bench.dataset.robot_redundancy import welds_to_connect
 from bench.model.base import base_parameters
+from bench.model.closure import loop_residual
+from bench.model.cures import welds_as_connects
 from bench.model.geometry import Geometry, read_geometry
-from bench.model.mobility import check_assembled
+from bench.model.mobility import ASSEMBLED, check_assembled
 from bench.model.motion import LARGEST_AMPLIFICATION
 from bench.model.passive_ranges import passive_ranges
 from bench.model.states import random_motion
@@ -55,12 +58,31 @@ def check_robot(robot: Robot) -> RobotReport:
     report = _with(report, *_same_tree(machine))
     report = _with(
         report,
-        check_home(geometry, report.loops, home_of(compiled, robot)[1]),
+        *_welds_too_much(geometry),
+        _for_the_file(robot, check_home(geometry, report.loops, home_of(compiled, robot)[1])),
         check_home_ranges(report.joints),
     )
     if report.failures:
         return report
     return _assembled(report, machine)
+
+
+def _welds_too_much(geometry: Geometry) -> list[Check]:
+    """Welds that hold the orientation of bodies which only a pin should join: open in it, or with motors redundant."""
+    motors = [actuator.joint for actuator in geometry.robot.redundant]
+    turned = welds_as_connects(geometry, loop_residual(geometry, geometry.home[:, None])[:, 0], ASSEMBLED)
+    if turned is not None:
+        return [Check(CheckCode.WELD_TOO_MUCH, "failed", {"welds": list(turned.names), "motors": motors})]
+    welds = welds_to_connect(geometry.robot.mjcf_model(), geometry.robot.driven) if motors else ()
+    return [Check(CheckCode.WELD_TOO_MUCH, "note", {"welds": list(welds), "motors": motors})] if welds else []
+
+
+def _for_the_file(robot: Robot, check: Check) -> Check:
+    """A check of home whose pose can be written into the MJCF, which has the locked joints."""
+    values = dict(check.values)
+    if "closed_qpos" in values:
+        values["closed_qpos"] = robot.file_qpos(values["closed_qpos"])
+    return replace(check, values=values)
 
 
 def _with(report: RobotReport, *checks: Check) -> RobotReport:

@@ -55,6 +55,7 @@ class CheckCode(StrEnum):
     HOME_WITHOUT_LOOPS = auto()
     HOME_CLOSED = auto()
     DRAWING_ROUNDED = auto()
+    WELD_TOO_MUCH = auto()
     HOME_OPEN = auto()
     HOME_OPEN_AND_NO_CLOSED_POSE = auto()
     HOME_OPEN_AS_LOOPS_DISAGREE = auto()

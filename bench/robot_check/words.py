@@ -4,6 +4,7 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 from bench.dataset.robot_locked import locked_from_data, locked_in_words
+from bench.dataset.robot_redundancy import use_connect
 from bench.robot_check.outcome import Check, CheckCode
 from bench.robot_check.report import Singularity
 
@@ -294,6 +295,11 @@ def _open_home(
     return f'{said}; this pose closes: <key name="home" qpos="{qpos}"/>'
 
 
+def _weld_too_much(welds: Sequence[str], motors: Sequence[str]) -> str:
+    redundant = f", so that {', '.join(motors)} cannot move independently" if motors else ""
+    return f"{use_connect(welds)}{redundant}"
+
+
 def _within_ranges(ranged: int, joints: int) -> str:
     return f"{ranged} of {joints} joints have a range"
 
@@ -398,6 +404,7 @@ WORDS: dict[CheckCode, tuple[str, Sentence]] = {
     CheckCode.HOME_WITHOUT_LOOPS: ("home assembled", _no_loops),
     CheckCode.HOME_CLOSED: ("home assembled", _closed),
     CheckCode.DRAWING_ROUNDED: ("note", _rounded),
+    CheckCode.WELD_TOO_MUCH: ("loop closures", _weld_too_much),
     CheckCode.HOME_OPEN: ("home assembled", _open_home),
     CheckCode.HOME_OPEN_AND_NO_CLOSED_POSE: ("home assembled", _no_closed_pose),
     CheckCode.HOME_OPEN_AS_LOOPS_DISAGREE: ("home assembled", _loops_disagree),

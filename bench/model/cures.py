@@ -1,0 +1,122 @@
+"""What to change where motors and closures do not determine how a robot moves; `bench.model.cures_words` says it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from enum import StrEnum, auto
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from bench.dataset.robot_redundancy import welds_to_connect
+from bench.model.supported import joints_with_springs
+
+if TYPE_CHECKING:  # geometry asks for cures itself
+    from bench.model.geometry import Geometry, Joint
+
+INDEPENDENT = (
+    1e-6  # of the largest: rows of orthonormal motions, so that a smaller singular value is rounding
+)
+
+
+class CureCode(StrEnum):
+    """What to do."""
+
+    FIX_BASE = auto()
+    LOCK = auto()
+    LOCK_SPRINGS = auto()
+    CONNECT = auto()
+
+
+@dataclass(frozen=True)
+class Cure:
+    """names: of a body to be fixed, of joints to be locked, of welds; positions: of the joints at home, rad or m.
+
+    others: joints that could be locked in place of these.
+    """
+
+    code: CureCode
+    names: tuple[str, ...]
+    positions: Mapping[str, float] = field(default_factory=dict)
+    others: tuple[str, ...] = ()
+
+
+def floating_base(geometry: Geometry) -> Cure | None:
+    """The body with a free joint that carries motors, where no closure ties it to the world: a humanoid's pelvis."""
+    roots = [_root(geometry.joints, index) for index in range(len(geometry.joints))]
+    free = {root for root in roots if geometry.joints[root].kind == "free"}
+    grounded = {-1, *(root for root in roots if root not in free)}
+    ties = [
+        {end.joint if end.joint < 0 else roots[end.joint] for end in (loop.first, loop.second)}
+        for loop in geometry.loops
+    ]
+    while tied := [tie for tie in ties if tie & grounded and not tie <= grounded]:
+        grounded = grounded.union(*tied)
+    driven = set(geometry.robot.driven)
+    for joint, root in zip(geometry.joints, roots, strict=True):
+        if root not in grounded and joint.name in driven:
+            body = geometry.joints[root].body
+            return None if body is None else Cure(CureCode.FIX_BASE, (body,))
+    return None
+
+
+def joints_to_lock(geometry: Geometry, jacobian: np.ndarray, rank: int) -> Cure | None:
+    """Hinges and slides without a motor with which, once locked, nothing moves while the motors are held.
+
+    jacobian (m, p): of the closures by the passive velocities, and its rank. Joints with a spring come first: a leaf
+    spring or flexure. None where only balls or free joints could be held.
+    """
+    _, _, motions = np.linalg.svd(jacobian, full_matrices=True)
+    motions = motions[rank:]
+    place = {int(velocity): column for column, velocity in enumerate(geometry.passive)}
+    undriven = [
+        joint
+        for joint in geometry.joints
+        if joint.kind in ("hinge", "slide") and joint.name not in geometry.robot.driven
+    ]
+    columns = {joint.name: motions[:, place[joint.v.start]] for joint in undriven if joint.v.start in place}
+    moving = {
+        name: column for name, column in columns.items() if np.abs(column).max(initial=0.0) > INDEPENDENT
+    }
+    springs = [name for name in joints_with_springs(geometry.robot.mjcf_model()) if name in moving]
+    chosen: list[str] = []
+    for name in dict.fromkeys((*springs, *moving)):
+        of_chosen = np.array([moving[one] for one in (*chosen, name)])
+        sizes = np.linalg.svd(of_chosen, compute_uv=False)
+        if len(sizes) > len(chosen) and sizes[-1] > INDEPENDENT:
+            chosen.append(name)
+    if not chosen or len(chosen) < len(motions):
+        return None
+    home = {
+        joint.name: float(geometry.home[joint.q.start]) + joint.offset
+        for joint in geometry.joints
+        if joint.name in chosen
+    }
+    code = CureCode.LOCK_SPRINGS if set(chosen) <= set(springs) else CureCode.LOCK
+    return Cure(code, tuple(chosen), home, tuple(name for name in moving if name not in chosen))
+
+
+def welds_as_connects(geometry: Geometry, open_by: np.ndarray, closed: float) -> Cure | None:
+    """The welds to be made connects where a weld is closed at home but for its orientation, and takes motors' freedom.
+
+    open_by (m,): residual of the closures, m and rad; closed: by how much one may be open.
+    """
+    row, turned = 0, False
+    for loop in geometry.loops:
+        gap, twist = (
+            np.abs(open_by[row : row + 3]).max(),
+            np.abs(open_by[row + 3 : row + loop.size]).max(initial=0.0),
+        )
+        turned |= bool(gap <= closed < twist)
+        row += loop.size
+    if not turned:
+        return None
+    welds = welds_to_connect(geometry.robot.mjcf_model(), geometry.robot.driven)
+    return Cure(CureCode.CONNECT, welds) if welds else None
+
+
+def _root(joints: Sequence[Joint], index: int) -> int:
+    while joints[index].parent >= 0:
+        index = joints[index].parent
+    return index

@@ -1,0 +1,25 @@
+"""Cures as a part of the sentence that refuses a robot."""
+
+from bench.dataset.robot_redundancy import use_connect
+from bench.model.cures import Cure, CureCode
+
+
+def cure_in_words(cure: Cure | None) -> str:
+    """What follows the fault; nothing where there is no cure."""
+    if cure is None:
+        return ""
+    if cure.code == CureCode.FIX_BASE:
+        return (
+            f"body {cure.names[0]!r} floats: no closure ties its free joint to the world, and it carries motors; "
+            "to fix it to the world, remove its <freejoint/> from the MJCF, and the 7 numbers of it from the qpos of "
+            "each keyframe"
+        )
+    if cure.code == CureCode.CONNECT:
+        return f"; {use_connect(cure.names)}"
+    values = ", ".join(f"{name} = {cure.positions[name]:.6g}" for name in cure.names)
+    if cure.code == CureCode.LOCK_SPRINGS:
+        which = "its spring does" if len(cure.names) == 1 else "their springs do"
+        return f"; {which} not hold it in the model: lock it, [locked] {values} in robot.toml"
+    if cure.others:
+        return f"; a motor or a closure is missing, or lock what is held, for example [locked] {values} in robot.toml"
+    return f"; if it is held, lock it: [locked] {values} in robot.toml"
