@@ -14,6 +14,7 @@ from bench.dataset.dataset import Dataset
 from bench.dataset.robot import load_robot
 from bench.excitation.scenario import designer
 from bench.identification.estimators import ESTIMATORS
+from bench.identification.finding import Code
 from bench.identification.identify import fit, identify
 from bench.identification.model_file import apply_model, load_model, save_model
 from bench.identification.model_json import to_json
@@ -110,8 +111,14 @@ def test_without_a_payload_the_gains_stay_nominal_and_the_answer_says_so(noisy: 
 
 
 def test_a_loaded_recording_alone_gives_no_scale(noisy: Simulation) -> None:
-    with pytest.raises(BenchError, match=r"gain of left, right cannot be identified.*without the payload"):
-        identify(prepare(problem_of(only(as_dataset(noisy), "loaded.csv"))))
+    alone = only(as_dataset(noisy), "loaded.csv")
+    result = identify(prepare(problem_of(alone)))
+    assert not result.gains_fitted
+    (found,) = [told for told in result.findings if told.code is Code.GAINS_NOT_FIXED]
+    assert [unknown.place for unknown in found.of] == ["left", "right"]
+    assert found.numbers == {"unloaded": 2.0}
+    with pytest.raises(BenchError, match=r"cannot be fitted.* Record a motion without it, too\."):
+        prepare(problem_of(alone, fit_gains=True))
 
 
 @pytest.mark.parametrize(

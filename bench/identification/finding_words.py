@@ -24,8 +24,8 @@ def sentence(finding: Finding) -> str:
 def _gain_not_determined(finding: Finding) -> str:
     gains = and_list([unknown.place for unknown in finding.of])
     return (
-        f"The drive gain{'s' * (len(finding.of) > 1)} of {gains} cannot be determined: the standard error is larger "
-        "than the value. Record a payload that loads the motor more, or more and faster motion."
+        f"These data do not determine the drive gain{'s' * (len(finding.of) > 1)} of {gains}: the standard error is "
+        "larger than the value. Declare more of the payload, or record one that loads the motor more."
     )
 
 

@@ -99,7 +99,7 @@ def _solved(prepared: Prepared, method: str, deviations: Deviations, *, essentia
     dataset, layout = prepared.dataset, prepared.layout
     stack = stack_observations(prepared.fitted, layout, dataset.payloads)
     kept = np.setdiff1d(identifiable_columns(stack, layout, gains), columns_of(prepared, outside))
-    unknowns = len(kept) + int(np.sum(np.broadcast_to(gains.fitted, gains.values.shape)))
+    unknowns = len(kept) + int(gains.is_fitted.sum())
     equations = int(stack.moving.sum())
     if equations < 2 * unknowns:
         raise BenchError(

@@ -20,7 +20,7 @@ class Problem:
     """A dataset and what is to be found from it. `problem_of` makes it, `bench.identification.prepare` its equations.
 
     effects: of the model, as EFFECT[:PLACE][@recording]. catalogue: every effect that is known, by name. fit_gains:
-    whether drive gains are unknowns; None: where a fitted recording carries a payload of known mass.
+    whether drive gains are unknowns; None: those that the declared payloads fix.
     """
 
     dataset: Dataset

@@ -26,6 +26,11 @@ class NominalGains:
             return None
         return np.where(self.fitted, np.nan, self.values)
 
+    @property
+    def is_fitted(self) -> np.ndarray:
+        """Whether each gain (n,) is an unknown."""
+        return np.broadcast_to(self.fitted, self.values.shape)
+
     def with_fitted(self, found: np.ndarray) -> np.ndarray:
         """The gains (n,) as they are declared, those that are unknowns as they were found: (n,), or () for none."""
         return np.where(self.fitted, found, self.values) if np.any(self.fitted) else self.values

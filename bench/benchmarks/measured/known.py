@@ -121,7 +121,8 @@ def compared(model: Mapping[str, Any], known: tuple[KnownValue, ...]) -> tuple[A
 
 def _gain(model: Mapping[str, Any], joint: str, known: KnownValue | None) -> AgainstKnown:
     gain = model["drive_gains"].get(joint)
-    return _beside(DRIVE_GAIN, joint, gain, known, fixed=not model["gains_fitted"])
+    fitted = model["gains_fitted"] if gain is None else gain.get("fitted", model["gains_fitted"])
+    return _beside(DRIVE_GAIN, joint, gain, known, fixed=not fitted)
 
 
 def _row(model: Mapping[str, Any], known: KnownValue, place: str) -> AgainstKnown:

@@ -36,7 +36,10 @@ from bench.excitation.experiment.search import (
     random_values,
 )
 from bench.export.prior import cad_prior
+from bench.identification.fixed_scale import scale_of
+from bench.identification.gain_shares import random_states
 from bench.identification.layout import parameter_layout
+from bench.identification.scale_words import cure, scale_findings
 from bench.model.model import IdentificationModel, build_model
 
 Criterion = Literal["worst", "d-optimal"]
@@ -107,11 +110,16 @@ class Started:
 def nominal_machine(
     robot: Robot, table: ExperimentTable, requests: Sequence[str], catalogue: Mapping[str, Effect]
 ) -> Nominal:
-    """The machine that is expected: masses of the MJCF, nominal gains, the payload that is asked for."""
+    """The machine that is expected: masses of the MJCF, nominal gains, the payload that is asked for.
+
+    Raises BenchError for a payload that fixes no drive gain, whatever the motion.
+    """
     refuse_redundant(robot, "a planned experiment")
     model = build_model(robot)
     payload = asked_payload(robot, table.payload)
     payloads: dict[str, Payload] = {} if payload is None else {PAYLOAD: payload}
+    if payload is not None:
+        _check_scale(model, payloads)
     effects = _effects(model, requests, catalogue, tuple(payloads))
     prior = cad_prior(model.geometry)
     count = sum(len(instance.effect.parameters) for instance in effects)
@@ -127,6 +135,17 @@ def nominal_machine(
         noise=noise_of(robot, table),
         source=f"{prior.source} and nominal gains",
     )
+
+
+def _check_scale(model: IdentificationModel, payloads: Mapping[str, Payload]) -> None:
+    robot = model.geometry.robot
+    scale = scale_of(model, payloads, random_states(model, [None, *payloads]))
+    if not np.any(scale.fitted(robot.joints)):
+        (finding,) = scale_findings(scale)
+        raise BenchError(
+            f"payload: as it is declared, it does not fix the drive gains of {robot.name}. {cure(finding)} Without a "
+            "payload, motions are planned for the parameters alone."
+        )
 
 
 def noise_of(robot: Robot, table: ExperimentTable) -> Noise:

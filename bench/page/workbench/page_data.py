@@ -98,6 +98,7 @@ def _motor(model: FoundModel, system: PageSystem, kept: np.ndarray, j: int) -> d
         "nominal": actuator.gain,
         "unit": actuator.gain_unit,
         "gain": float(system.gains[j]),
+        "held": not model.plain.gains.is_fitted[j],
         "columns": columns.tolist(),
     }
     for use, chosen in (("fitted", system.fitted), ("judged", ~system.fitted)):

@@ -103,7 +103,7 @@ const WorkbenchEquations = (() => {
           for (let b = 0; b <= a; b++) add(placeOf(a), placeOf(b), w * gram[a * K + b]);
           right[placeOf(a)] += w * gains[j] * cross[a];
         }
-        if (!free) return;
+        if (!free || data.motors[j].held) return; // a column of zeros changes nothing
         for (let a = 0; a < K; a++) {
           const share = a < K - 2 ? x[a] : x[a] - 1; // of what the model gives, which is how the error follows the gain
           const by = cross[a] - gram[a * K + K - 2] - gram[a * K + K - 1];
