@@ -10,6 +10,7 @@ from bench.basics.progress import SILENT, Progress
 from bench.basics.threads import on_one_thread
 from bench.dataset.payload import Payload
 from bench.dataset.robot import Robot
+from bench.excitation.current_band import band_shares
 from bench.excitation.limits import Limits, feasible_motion, keeps_clear, limits_of
 from bench.identification.payload_parameters import payload_columns
 from bench.model.model import IdentificationModel, build_model
@@ -111,8 +112,7 @@ def _start(
     model: IdentificationModel, limits: Limits, movement: Movement, random: np.random.Generator
 ) -> _Tried:
     """A random trajectory, shrunk until it is feasible."""
-    trajectory, motion = _shrunk(model, limits, movement, drawn(movement, random))
-    return _Tried(trajectory, motion, _rows(model, movement, motion))
+    return _shrunk(model, limits, movement, drawn(movement, random))
 
 
 def _changed(
@@ -126,7 +126,7 @@ def _changed(
     """A random trajectory near another one; None where it is not feasible."""
     trajectory = within(movement, changed(before.trajectory, spread, random))
     motion = feasible_motion(model.geometry, limits, trajectory, _times(movement), near=before.motion)
-    return None if motion is None else _Tried(trajectory, motion, _rows(model, movement, motion))
+    return None if motion is None else _in_band(model, movement, trajectory, motion)
 
 
 def drawn(movement: Movement, random: np.random.Generator) -> FourierTrajectory:
@@ -187,8 +187,8 @@ def feasible(
     trajectory: FourierTrajectory,
     dense: bool = False,
 ) -> FourierTrajectory:
-    """Shrunk until it keeps the joint ranges and the distance from singular poses."""
-    return _shrunk(model, limits, movement, trajectory, dense)[0]
+    """Shrunk until it keeps the joint ranges, the distance from singular poses and the band of the torques."""
+    return _shrunk(model, limits, movement, trajectory, dense).trajectory
 
 
 def _shrunk(
@@ -197,18 +197,29 @@ def _shrunk(
     movement: Movement,
     trajectory: FourierTrajectory,
     dense: bool = False,
-) -> tuple[FourierTrajectory, Motion]:
+) -> _Tried:
     """A feasible trajectory with its motion."""
     time = _times(movement, dense)
     for _ in range(MOST_SHRINKS):
         motion = feasible_motion(model.geometry, limits, trajectory, time)
         if motion is not None and (not dense or keeps_clear(model.geometry, limits, motion)):
-            return trajectory, motion
+            tried = _in_band(model, movement, trajectory, motion)
+            if tried is not None:
+                return tried
         trajectory = replace(trajectory, a=trajectory.a * SHRINK, b=trajectory.b * SHRINK)
     raise BenchError(
         f"recording {movement.name!r}: no movement around its center keeps the joint ranges and the distance "
-        "from singular poses"
+        "from singular poses, with torques in the band of a fit"
     )
+
+
+def _in_band(
+    model: IdentificationModel, movement: Movement, trajectory: FourierTrajectory, motion: Motion
+) -> _Tried | None:
+    """A feasible trajectory with its rows; None where torques of bodies as guessed have peaks too narrow for a fit."""
+    rows, torque = _rows(model, movement, motion)
+    rate = (len(motion.time) - 1) / float(motion.time[-1] - motion.time[0])
+    return None if np.any(band_shares(torque, rate, trajectory) > 1.0) else _Tried(trajectory, motion, rows)
 
 
 def _condition(tried: Mapping[str, _Tried], movements: Sequence[Movement]) -> float:
@@ -224,8 +235,12 @@ def _condition(tried: Mapping[str, _Tried], movements: Sequence[Movement]) -> fl
     return float(singular[0] / singular[-1]) if singular[-1] > 0 else np.inf
 
 
-def _rows(model: IdentificationModel, movement: Movement, motion: Motion) -> np.ndarray:
-    """Columns: base parameters, drive gains, and (where it has any) the payload's unknown parameters."""
+def _rows(
+    model: IdentificationModel, movement: Movement, motion: Motion
+) -> tuple[np.ndarray, np.ndarray]:
+    """Rows (N n, c) and torques (N, n) of bodies as guessed. Columns: base parameters, drive gains, and (where it has
+    any) the payload's unknown parameters.
+    """
     geometry = model.geometry
     columns = model.base.columns
     if movement.payload is not None:
@@ -243,4 +258,4 @@ def _rows(model: IdentificationModel, movement: Movement, motion: Motion) -> np.
     gains = np.zeros((samples, n, n))
     gains[:, np.arange(n), np.arange(n)] = torque
     rows = np.concatenate((regressor[:, :, :nb], gains, unknown), axis=2)
-    return rows.reshape(samples * n, -1)
+    return rows.reshape(samples * n, -1), torque

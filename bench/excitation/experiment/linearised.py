@@ -10,6 +10,7 @@ from functools import partial
 
 import numpy as np
 
+from bench.excitation.current_band import band_shares, current_above, hann
 from bench.excitation.experiment.nominal import Evidence, SeenMotion, equations, evidence, seen
 from bench.excitation.experiment.request import Box
 from bench.excitation.experiment.room import Room, outside, tool_positions
@@ -166,6 +167,7 @@ def _limits(search: Search, tried: Tried, told: _Perturbed, basis: np.ndarray, s
         parts.append(Linear(at, by_coefficient.reshape(len(at), sizes.size)))
     if np.isfinite(room.torque).any():
         parts.append(_of_torques(search, told, basis, sizes))
+    parts.append(_of_bands(search, tried.trajectory, told, basis, sizes))
     return Linear(np.concatenate([part.values for part in parts]), np.vstack([part.slopes for part in parts]))
 
 
@@ -259,6 +261,25 @@ def _of_torques(search: Search, told: _Perturbed, basis: np.ndarray, sizes: np.n
         values.append(np.abs(here[near, i]))
         slopes.append(slope.reshape(len(near), sizes.size))
     return Linear(np.concatenate(values), np.vstack(slopes))
+
+
+def _of_bands(
+    search: Search, trajectory: FourierTrajectory, told: _Perturbed, basis: np.ndarray, sizes: np.ndarray
+) -> Linear:
+    """What of the currents lies above the band: see `band_shares`."""
+    rate = search.shape.rate
+    values = band_shares(told.shown.current, rate, trajectory)
+    near = np.flatnonzero(values > NEAR)
+    here = told.shown.current[:, near]
+    whole, above = current_above(here, rate, trajectory)
+    of_logarithm = hann(len(here))[:, None] * (above / (above**2).sum(axis=0) - whole / (whole**2).sum(axis=0))
+    of_logarithm -= of_logarithm.mean(axis=0)  # of currents about their mean
+    slopes = np.zeros((len(near), *sizes.shape))
+    for order in range(3):
+        for j in range(sizes.shape[1]):
+            weights = of_logarithm * (told.showing[order][j].current[:, near] - here) / told.steps[order, j]
+            slopes[:, :, j] += np.einsum("tm,twk->mwk", weights, basis[order]) * sizes[:, j]
+    return Linear(values[near], slopes.reshape(len(near), sizes.size) * values[near, None])
 
 
 def _beside_each_other(parts: list[Linear]) -> Linear:

@@ -8,6 +8,7 @@ import numpy as np
 from bench.basics.errors import BenchError
 from bench.basics.joint_units import drive_unit
 from bench.basics.progress import SILENT, Progress
+from bench.excitation.current_band import band_shares
 from bench.excitation.experiment.nominal import Equations, Evidence, Nominal, equations, evidence, seen
 from bench.excitation.experiment.proof import Promise, Proof, Unproven, prove
 from bench.excitation.experiment.proof_words import limit_in_words
@@ -42,6 +43,11 @@ class Shape:
         """When a motion is looked at in the search, (N,) s."""
         rate = max(POINTS * self.harmonics * self.highest, FEWEST_POINTS / self.ramp)
         return np.linspace(0.0, self.duration, int(np.ceil(rate * self.duration)) + 1)
+
+    @property
+    def rate(self) -> float:
+        """Of `times`, Hz."""
+        return (len(self.times) - 1) / self.duration
 
 
 @dataclass(frozen=True)
@@ -89,6 +95,8 @@ class Search:
             return None
         what = seen(self.nominal, motion, load)
         if np.any(np.abs(what.current * self.nominal.gains) > self.room.torque):
+            return None
+        if np.any(band_shares(what.current, self.shape.rate, trajectory) > 1.0):
             return None
         return Tried(trajectory, motion, evidence(self.nominal, what, self.shape.duration))
 

@@ -1,0 +1,40 @@
+"""The band of the currents that a motion asks for, held against the band of the motion itself.
+
+The fit opens its filters as wide as the currents need (`bench.signals.settings`), and the noise of the encoders'
+accelerations that they then let through grows with the power 5/2 of the band. A narrow peak of the current, as near a
+singular pose, therefore costs more than it tells: the errors of encoders, and of the time steps of a simulation, grow past
+the noise of the currents.
+"""
+
+import numpy as np
+
+from bench.scenario.trajectory import FourierTrajectory
+from bench.signals.settings import CURRENT_LOSS
+
+HIGHEST = 3.0  # times a motion's highest harmonic: products of two rates have twice that, a pose that varies once more
+
+
+def current_above(current: np.ndarray, rate: float, trajectory: FourierTrajectory) -> tuple[np.ndarray, np.ndarray]:
+    """Currents or torques (N, n) about their mean, at a rate in Hz, in Hann's window, and what of them lies above
+    `HIGHEST` times the highest harmonic, (N, n) each.
+    """
+    whole = hann(len(current))[:, None] * (current - current.mean(axis=0))
+    spectrum = np.fft.rfft(whole, axis=0)
+    frequency = np.fft.rfftfreq(len(whole), 1.0 / rate)
+    spectrum[frequency <= HIGHEST * trajectory.harmonics * trajectory.base_frequency] = 0.0
+    return whole, np.fft.irfft(spectrum, len(whole), axis=0)
+
+
+def band_shares(current: np.ndarray, rate: float, trajectory: FourierTrajectory) -> np.ndarray:
+    """How much of the RMS of each current (N, n) lies above the band, as a share of what may (n,): at most 1.
+
+    What may is what the fit lets lie above its own band, `CURRENT_LOSS` of the power.
+    """
+    whole, above = current_above(current, rate, trajectory)
+    power = (whole**2).sum(axis=0)
+    return np.asarray(np.sqrt((above**2).sum(axis=0) / (CURRENT_LOSS * np.where(power > 0.0, power, 1.0))))
+
+
+def hann(length: int) -> np.ndarray:
+    """Hann's window (length,)."""
+    return np.asarray(np.hanning(length + 1)[:-1])
