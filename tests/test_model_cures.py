@@ -92,23 +92,23 @@ def test_a_loose_body_without_motors_is_no_base(tmp_path):
         (
             LEAF.format(gripper=""),
             ("arm",),
-            "its spring does not hold it in the model: lock it, [locked] leaf = 0.1 in",
+            "its spring is not in the model, lock it: [locked] leaf = 0.1 in",
         ),
         (LEAF.format(gripper=GRIPPER), ("arm",), "'leaf' and 'jaw' and 'other' has no motor"),
         (
             LEAF.format(gripper=GRIPPER),
             ("arm", "leaf"),
-            "if it is held, lock it: [locked] jaw = 0, other = 0 in robot.toml",
+            "if they are held, lock them: [locked] jaw = 0, other = 0 in robot.toml",
         ),
         (
             TILTED,
             ("left",),
-            "a motor or a closure is missing, or lock what is held, for example [locked] left_elbow = -0.2",
+            "a motor, a closure or a lock is missing, for example [locked] left_elbow = -0.2",
         ),
         (
             TILTED.replace('name="right_elbow" axis', 'name="right_elbow" stiffness="3" axis'),
             ("left",),
-            "its spring does not hold it in the model: lock it, [locked] right_elbow = 0.5 in",
+            "its spring is not in the model, lock it: [locked] right_elbow = 0.5 in",
         ),
     ],
 )

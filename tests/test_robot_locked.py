@@ -196,6 +196,33 @@ def test_what_cannot_be_locked_is_refused_with_its_cure(locked, parts, said, tmp
     assert "\n" not in message
 
 
+def test_a_leg_that_is_locked_loses_its_loops(tmp_path):
+    """Two five-bars, one of them held at its assembled pose, or at another."""
+    both = TILTED.replace(
+        "</worldbody>", TILTED[TILTED.index("<body") : TILTED.index("</worldbody>")] + "</worldbody>"
+    )
+    first, second = both.split('<body name="frame"', 2)[1:]
+    renamed = re.sub(r'name="(?!frame)', 'name="other_', second.split("</worldbody>")[0]).replace(
+        '<site name="other_tool"', "<site"
+    )
+    loop = '<connect name="others" body1="other_left_rod" body2="other_right_rod" anchor="0.22 0.24 0"/>'
+    body = (
+        f'<worldbody><body name="frame"{first}<body name="second"{renamed}</worldbody>'
+        + both.split("</worldbody>")[1]
+    )
+    write_robot(tmp_path, body.replace("<equality>", f"<equality>{loop}"), ("left", "right"))
+    toml = (tmp_path / "robot.toml").read_text()
+    places = {"left": 0.3, "left_elbow": -0.2, "right": 0, "right_elbow": 0.5}
+    held = "".join(f"\nother_{name} = {value}" for name, value in places.items())
+    (tmp_path / "robot.toml").write_text(f"{toml}\n[locked]{held}")
+    robot = load_robot(tmp_path)
+    assert (robot.mjcf_model().nv, robot.mjcf_model().neq) == (4, 1)
+    assert check_robot(robot).failures == ()
+    (tmp_path / "robot.toml").write_text(f"{toml}\n[locked]{held.replace('0.5', '0.6')}")
+    with pytest.raises(BenchError, match=r"loop 'others' between locked joints is open by 0\.02"):
+        load_robot(tmp_path)
+
+
 def test_a_tendon_that_an_equality_ties_to_locked_joints(tmp_path):
     folder = write(tmp_path, {"grip": 0.1, "wrist": 0.1, "turn": 0.1}, ("nod",))
     with pytest.raises(BenchError, match="'belt' ties tendon 'short' to locked joints: lock its joints too"):

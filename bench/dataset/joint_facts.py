@@ -57,3 +57,10 @@ def joint_facts(robot: Robot) -> tuple[JointFacts, ...]:
             )
         )
     return tuple(facts)
+
+
+def joints_with_springs(robot: Robot) -> tuple[str, ...]:
+    """The joints with a name that have a stiffness in the MJCF."""
+    model = robot.mjcf_model()
+    stiff = (model.jnt_stiffness != 0.0) | model.jnt_stiffnesspoly.any(axis=1)
+    return tuple(name for joint in stiff.nonzero()[0] if (name := model.joint(int(joint)).name))

@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     import mujoco
 
 AGREE = 1e-6  # rad or m: by so much an equality may be open where all its joints are locked, as at home
+DIGITS = 1e-3  # m or rad: a loop that holds nothing any more may be open by what values of few digits leave
 POWERS = 5  # coefficients of an equality's polynomial
 COPIED = (  # fields of a tendon
     *(
@@ -40,23 +41,63 @@ COPIED = (  # fields of a tendon
 )
 
 
-def drop_joint_equalities(spec: mujoco.MjSpec, plain: mujoco.MjModel, values: Mapping[str, float]) -> None:
-    """Take out the joint equalities between locked joints.
+def drop_equalities(spec: mujoco.MjSpec, plain: mujoco.MjModel, values: Mapping[str, float]) -> None:
+    """Take out connects and welds between bodies that locked joints fix to one another, and couplings of locked joints.
 
-    Raises BenchError where one holds a joint that is not locked, with the position that it is held at, and where the
-    values contradict one.
+    plain: the compiled file, whose equalities have the same numbers. Raises BenchError where the positions leave one
+    open, and where a coupling holds a joint that is not locked.
     """
     import mujoco  # noqa: PLC0415 - slow to import: only once a robot is really read
 
+    at = mujoco.MjData(plain)
+    for name, value in values.items():
+        at.joint(name).qpos[0] = value
+    mujoco.mj_fwdPosition(plain, at)
+    of_equality = np.asarray(at.efc_type) == int(mujoco.mjtConstraint.mjCNSTR_EQUALITY)
+    held = {int(plain.joint(name).id) for name in values}
     for index, equality in enumerate(list(spec.equalities)):
-        ends = [name for name in (equality.name1, equality.name2) if name]
-        if equality.type != mujoco.mjtEq.mjEQ_JOINT or not set(ends) & set(values):
+        equality.name = label = equality.name or f"equality_{index}"
+        if equality.type in (mujoco.mjtEq.mjEQ_CONNECT, mujoco.mjtEq.mjEQ_WELD):
+            first, second = (_moved_with(plain, body, held) for body in _bodies(plain, index))
+            if first != second:
+                continue
+            gap = np.abs(at.efc_pos[of_equality & (at.efc_id == index)]).max(initial=0.0)
+            if gap > DIGITS:
+                raise BenchError(
+                    f"loop {label!r} between locked joints is open by {gap:.3g} (m or rad): lock them where it closes"
+                )
+        elif equality.type == mujoco.mjtEq.mjEQ_JOINT:
+            ends = [name for name in (equality.name1, equality.name2) if name]
+            if not set(ends) & set(values):
+                continue
+            if equality.active:
+                travels = [
+                    values[name] - _reference(plain, name) if name in values else None for name in ends
+                ]
+                _check_equality(plain, label, ends, travels, Polynomial(np.array(equality.data[:POWERS])))
+        else:
             continue
-        label = equality.name or f"equality_{index}"
-        if plain.eq_active0[index]:
-            travels = [values[name] - _reference(plain, name) if name in values else None for name in ends]
-            _check_equality(plain, label, ends, travels, Polynomial(np.array(equality.data[:POWERS])))
         spec.delete(equality)
+
+
+def _bodies(plain: mujoco.MjModel, equality: int) -> list[int]:
+    """The two bodies that a connect or weld holds together."""
+    import mujoco  # noqa: PLC0415 - likewise
+
+    ends = [int(plain.eq_obj1id[equality]), int(plain.eq_obj2id[equality])]
+    if int(plain.eq_objtype[equality]) == int(mujoco.mjtObj.mjOBJ_SITE):
+        return [int(plain.site_bodyid[site]) for site in ends]
+    return ends
+
+
+def _moved_with(plain: mujoco.MjModel, body: int, held: set[int]) -> int:
+    """The body with a joint that is not held that carries a body, 0 for none."""
+    while body:
+        first = int(plain.body_jntadr[body])
+        if set(range(first, first + int(plain.body_jntnum[body]))) - held:
+            return body
+        body = int(plain.body_parentid[body])
+    return 0
 
 
 def _check_equality(
@@ -122,21 +163,20 @@ def shorten_tendons(
             setattr(shorter, field, value)
         for joint, factor in others:
             shorter.wrap_joint(joint, factor)
-    for index, equality in enumerate(list(spec.equalities)):
+    for equality in list(spec.equalities):
         if equality.type == mujoco.mjtEq.mjEQ_TENDON:
-            _shift(spec, equality, equality.name or f"equality_{index}", travels, empty)
+            _shift(spec, equality, travels, empty)
     return lengths, empty
 
 
 def _shift(
     spec: mujoco.MjSpec,
     equality: mujoco.MjsEquality,
-    label: str,
     travels: Mapping[str, float],
     empty: set[str],
 ) -> None:
     """An equality first = p(second) of tendons that are shorter by their locked joints' travel from qpos0."""
-    first, second = equality.name1, equality.name2
+    label, first, second = equality.name, equality.name1, equality.name2
     if not {first, second} & set(travels):
         return
     law = Polynomial(np.array(equality.data[:POWERS])) if second else Polynomial(equality.data[0])

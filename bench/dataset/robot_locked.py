@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 
 from bench.basics.errors import BenchError, meant
-from bench.dataset.locked_couplings import drop_joint_equalities, shorten_tendons
+from bench.dataset.locked_couplings import drop_equalities, shorten_tendons
 from bench.dataset.mjcf_neutral import neutral
 
 if TYPE_CHECKING:
@@ -92,14 +92,10 @@ def lock_joints(spec: mujoco.MjSpec, locked: Sequence[LockedJoint]) -> dict[str,
     plain = spec.compile()
     values = {joint.name: joint.value for joint in locked}
     joints = [int(plain.joint(name).id) for name in values]
-    by_id = {
-        joint.id: joint for joint in spec.joints
-    }  # numbers are those of `plain` until the file is changed
-    keyframes = _without_keyframes(
-        spec
-    )  # MuJoCo changes them itself where a joint goes, and loses what they say
+    by_id = {joint.id: joint for joint in spec.joints}  # those of `plain`, until the file is changed
+    keyframes = _without_keyframes(spec)  # MuJoCo empties them where a joint goes
     _keep_anchors(spec, plain)
-    drop_joint_equalities(spec, plain, values)
+    drop_equalities(spec, plain, values)
     lengths, empty = shorten_tendons(spec, plain, values)
     motors = _drop_actuators(spec, {*values, *empty})
     for body in dict.fromkeys(int(plain.jnt_bodyid[joint]) for joint in joints):

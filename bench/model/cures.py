@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from bench.dataset.joint_facts import joints_with_springs
 from bench.dataset.robot_redundancy import welds_to_connect
-from bench.model.supported import joints_with_springs
 
 if TYPE_CHECKING:  # geometry asks for cures itself
     from bench.model.geometry import Geometry, Joint
@@ -79,7 +79,7 @@ def joints_to_lock(geometry: Geometry, jacobian: np.ndarray, rank: int) -> Cure 
     moving = {
         name: column for name, column in columns.items() if np.abs(column).max(initial=0.0) > INDEPENDENT
     }
-    springs = [name for name in joints_with_springs(geometry.robot.mjcf_model()) if name in moving]
+    springs = [name for name in joints_with_springs(geometry.robot) if name in moving]
     chosen: list[str] = []
     for name in dict.fromkeys((*springs, *moving)):
         of_chosen = np.array([moving[one] for one in (*chosen, name)])

@@ -16,10 +16,11 @@ def cure_in_words(cure: Cure | None) -> str:
         )
     if cure.code == CureCode.CONNECT:
         return f"; {use_connect(cure.names)}"
-    values = ", ".join(f"{name} = {cure.positions[name]:.6g}" for name in cure.names)
+    values = ", ".join(f"{name} = {cure.positions[name]:.10g}" for name in cure.names)
+    one = len(cure.names) == 1
+    line = f"lock {'it' if one else 'them'}: [locked] {values} in robot.toml"
     if cure.code == CureCode.LOCK_SPRINGS:
-        which = "its spring does" if len(cure.names) == 1 else "their springs do"
-        return f"; {which} not hold it in the model: lock it, [locked] {values} in robot.toml"
+        return f"; {'its spring is' if one else 'their springs are'} not in the model, {line}"
     if cure.others:
-        return f"; a motor or a closure is missing, or lock what is held, for example [locked] {values} in robot.toml"
-    return f"; if it is held, lock it: [locked] {values} in robot.toml"
+        return f"; a motor, a closure or a lock is missing, for example [locked] {values} in robot.toml"
+    return f"; if {'it is' if one else 'they are'} held, {line}"

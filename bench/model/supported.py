@@ -53,16 +53,6 @@ def _is_joint(compiled: mujoco.MjModel, name: str) -> bool:
     return int(mujoco.mj_name2id(compiled, mujoco.mjtObj.mjOBJ_JOINT, name)) >= 0
 
 
-def joints_with_springs(compiled: mujoco.MjModel) -> list[str]:
-    """The hinges and slides that have a stiffness in the MJCF."""
-    fields = (compiled.jnt_stiffness, compiled.jnt_stiffnesspoly)
-    return [
-        label_of(compiled, mujoco.mjtObj.mjOBJ_JOINT, joint)
-        for joint in range(compiled.njnt)
-        if any(np.any(field[joint]) for field in fields)
-    ]
-
-
 def driving(compiled: mujoco.MjModel, tendon: int) -> list[str]:
     """The actuators of the MJCF that act on a tendon."""
     acts = compiled.actuator_trntype == int(mujoco.mjtTrn.mjTRN_TENDON)
