@@ -255,7 +255,7 @@ def test_a_motor_that_the_load_does_not_reach_stays_nominal_and_the_other_is_fit
     assert sentence(found).startswith(
         "The drive gain of spin stays at its nominal value, since the payload ball"
     )
-    assert "Nothing that can be declared" in sentence(found)
+    assert "No declaration of a payload" in sentence(found)
     content = to_json(result)["drive_gains"]
     assert {joint: gain["fitted"] for joint, gain in content.items()} == {"lift": True, "spin": False}
     assert "lift" in gains_sentence(result)

@@ -69,7 +69,7 @@ def cure(finding: Finding) -> str:
         return "Record with a weighed payload, too."
     ways = [_way(name.split("+"), finding.names) for name in finding.numbers]
     if not ways:
-        return "Nothing that can be declared of a payload at this tool fixes them."
+        return "No declaration of a payload at this tool changes that."
     said = or_list(ways)
     reached = max(finding.numbers.values())
     some = "" if reached == len(finding.of) else f" That fixes {reached:.0f} of {len(finding.of)}."
