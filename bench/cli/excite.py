@@ -134,8 +134,8 @@ def excite(
         progress.phase("writing the motions")
 
         def view(path: Path, plan: ExperimentPlan) -> None:
-            motions = [trial.trajectory for trial in plan.motions]
-            write_planned_rrd(path, plan.robot, dict(zip(plan.names, motions, strict=True)))
+            motions = {recording.name: recording.trajectory for recording in plan.recordings}
+            write_planned_rrd(path, plan.robot, motions)
 
         write_plan(output, plan, told, {PICTURE: write_plan_figure, VIEW: view})
     for sentence in sentences(plan, told):

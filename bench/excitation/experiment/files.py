@@ -45,10 +45,12 @@ def write_plan(
     """
     check_folder(folder)
     with whole_folder(folder) as partial:
-        for name, motion in zip(plan.names, plan.motions, strict=True):
-            table = trajectory_table(motion.trajectory, list(plan.robot.joints), plan.nominal.noise.rate)
-            write_table(partial / f"{name}.csv", table)
-            write_text_atomically(partial / f"{name}.toml", _coefficients(plan, motion.trajectory))
+        for recording in plan.recordings:
+            table = trajectory_table(recording.trajectory, list(plan.robot.joints), plan.nominal.noise.rate)
+            write_table(partial / f"{recording.name}.csv", table)
+            write_text_atomically(
+                partial / f"{recording.name}.toml", _coefficients(plan, recording.trajectory)
+            )
         write_text_atomically(partial / SCENARIO, scenario_text(plan))
         for file, draw in drawn.items():
             draw(partial / file, plan)
@@ -68,9 +70,6 @@ def check_folder(folder: str | Path) -> None:
 
 def plan_json(plan: ExperimentPlan, told: Forecast) -> dict[str, Any]:
     """The answer as plain data, ready for JSON."""
-    reach = {
-        name: _limits(plan, motion.trajectory) for name, motion in zip(plan.names, plan.motions, strict=True)
-    }
     answer = {
         "robot": plan.robot.name,
         "for": list(plan.aim.wanted),
@@ -103,18 +102,24 @@ def plan_json(plan: ExperimentPlan, told: Forecast) -> dict[str, Any]:
             "mass": told.enough.mass,
         },
         "assumed": list(plan.room.assumed),
-        "reach": reach,
+        "reach": {
+            recording.name: _limits(plan, recording.trajectory) for recording in plan.recordings
+        },
         "proofs": {
-            name: {
-                "intervals": proof.proof.intervals,
-                "shortest": proof.proof.shortest,
-                "given_way": [asdict(told) for told in proof.given_way],
+            recording.name: {
+                "intervals": recording.proven.proof.intervals,
+                "shortest": recording.proven.proof.shortest,
+                "given_way": [asdict(told) for told in recording.proven.given_way],
             }
-            for name, proof in zip(plan.names, plan.proofs, strict=True)
+            for recording in plan.recordings
         },
         "recordings": {
-            name: {"payload": load, "trajectory": motion.trajectory.to_dict()}
-            for name, load, motion in zip(plan.names, plan.search.loads, plan.motions, strict=True)
+            recording.name: {
+                "use": recording.use,
+                "payload": recording.payload,
+                "trajectory": recording.trajectory.to_dict(),
+            }
+            for recording in plan.recordings
         },
         "summary": sentences(plan, told),
     }
@@ -149,7 +154,7 @@ def _coefficients(plan: ExperimentPlan, trajectory: FourierTrajectory) -> str:
 
 
 def scenario_text(plan: ExperimentPlan) -> str:
-    """A scenario that `bench simulate` runs: the motions to identify from, and the same as a check."""
+    """A scenario that `bench simulate` runs: the motions to identify from, and those to judge on."""
     robot = plan.robot
     reference = robot.name if built_in_robots().get(robot.name) == robot.folder else str(robot.folder)
     lines = [
@@ -169,12 +174,10 @@ def scenario_text(plan: ExperimentPlan) -> str:
         if name not in plan.search.loads:
             continue
         lines += ["", toml_header("payloads", name), *_payload(payload)]
-    for use in ("identify", "validate"):
-        for name, load in zip(plan.names, plan.search.loads, strict=True):
-            shown = f"{name}_check" if use == "validate" else name
-            lines += ["", "[[recordings]]", toml_line("name", shown), toml_line("use", use)]
-            lines += [] if load is None else [toml_line("payload", load)]
-            lines.append(toml_line("trajectory_file", f"{name}.toml"))
+    for recording in plan.recordings:
+        lines += ["", "[[recordings]]", toml_line("name", recording.name), toml_line("use", recording.use)]
+        lines += [] if recording.payload is None else [toml_line("payload", recording.payload)]
+        lines.append(toml_line("trajectory_file", f"{recording.name}.toml"))
     return "\n".join(lines) + "\n"
 
 
@@ -223,10 +226,14 @@ def _readme(plan: ExperimentPlan, told: Forecast, drawn: tuple[str, ...]) -> str
         "Let the robot go home, then run each table (s; rad or m and rates) and log positions and currents."
     )
     lines += ["", "```sh"]
-    for name, load in zip(plan.names, plan.search.loads, strict=True):
+    for recording in plan.recordings:
+        name, load = recording.name, recording.payload
         mass = None if load is None else plan.nominal.payloads[load].mass
+        use = "" if recording.use == "identify" else f" --use {recording.use}"
         carried = "" if load is None else f" --payload {load} --payload-mass {mass!r}"
-        lines.append(f"bench import log_{name}.csv --robot {robot} -o DATASET --name {name}.csv{carried}")
+        lines.append(
+            f"bench import log_{name}.csv --robot {robot} -o DATASET --name {name}.csv{use}{carried}"
+        )
     lines += [
         "bench identify DATASET",
         "```",

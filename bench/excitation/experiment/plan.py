@@ -10,6 +10,7 @@ import numpy as np
 from bench.basics.errors import BenchError
 from bench.basics.progress import SILENT, Progress
 from bench.basics.threads import on_one_thread
+from bench.dataset.names import Use
 from bench.dataset.payload import Payload
 from bench.dataset.robot import Robot, refuse_redundant
 from bench.effects import CATALOGUE, Effect, EffectInstance, places_in, select_effects
@@ -33,6 +34,7 @@ from bench.excitation.experiment.search import (
     check_standing,
     proven,
     random_candidates,
+    random_checks,
     random_values,
 )
 from bench.export.prior import cad_prior
@@ -41,6 +43,7 @@ from bench.identification.gain_shares import random_states
 from bench.identification.layout import parameter_layout
 from bench.identification.scale_words import cure, scale_findings
 from bench.model.model import IdentificationModel, build_model
+from bench.scenario.trajectory import FourierTrajectory
 
 Criterion = Literal["worst", "d-optimal"]
 ALL, GAINS, PARAMETERS = "all", "gains", "parameters"
@@ -74,9 +77,24 @@ WHOLE = Aim()
 
 
 @dataclass(frozen=True)
+class PlannedRecording:
+    """A recording to make: what it is for, its payload or None, its motion with the proof that this keeps all limits."""
+
+    name: str
+    use: Use
+    payload: str | None
+    proven: Proven
+
+    @property
+    def trajectory(self) -> FourierTrajectory:
+        """The motion of the motors."""
+        return self.proven.tried.trajectory
+
+
+@dataclass(frozen=True)
 class ExperimentPlan:
-    """An experiment. names, motions, proofs: of every recording its name, its motion, and that
-    this keeps all limits; sizes (P,): against which standard
+    """An experiment. names, motions, proofs: of every recording to fit its name, its motion, and that
+    this keeps all limits; checks: other motions with the same payloads, to judge on; sizes (P,): against which standard
     errors are held; targets: the unknowns that it is for; value: the criterion, relative; random: the same of motions
     at random, `best` and `median` of `RANDOM`.
     """
@@ -88,12 +106,26 @@ class ExperimentPlan:
     names: tuple[str, ...]
     motions: tuple[Tried, ...]
     proofs: tuple[Proven, ...]
+    checks: tuple[Proven, ...]
     sizes: np.ndarray
     targets: np.ndarray
     aim: Aim
     value: float
     random: Mapping[str, float]
     before: float | None = None  # the criterion of what was measured already
+
+    @property
+    def recordings(self) -> tuple[PlannedRecording, ...]:
+        """All recordings to make, those to fit first."""
+        fitted = [
+            PlannedRecording(name, "identify", load, proof)
+            for name, load, proof in zip(self.names, self.search.loads, self.proofs, strict=True)
+        ]
+        judged = [
+            PlannedRecording(f"{name}_check", "validate", load, proof)
+            for name, load, proof in zip(self.names, self.search.loads, self.checks, strict=True)
+        ]
+        return (*fitted, *judged)
 
 
 @dataclass(frozen=True)
@@ -218,6 +250,7 @@ def searched(
     best = best_near(search, [*begun.random, *begun.sparse], aim.steps, progress)
     progress.phase("proving that the limits are kept")
     proofs = tuple(proven(search, trial, load) for trial, load in zip(best, search.loads, strict=True))
+    checks = random_checks(search, aim.seed)
     motions = tuple(proof.tried for proof in proofs)
     return ExperimentPlan(
         robot=robot,
@@ -227,6 +260,7 @@ def searched(
         names=names,
         motions=motions,
         proofs=proofs,
+        checks=checks,
         sizes=begun.sizes,
         targets=begun.targets,
         aim=aim,

@@ -17,6 +17,7 @@ from bench.model.motion import Motion, motion_of
 from bench.scenario.trajectory import FourierTrajectory, random_trajectory
 
 RANDOM = 50  # motions at random; the best few of them are improved
+CHECKS = 5  # motions at random to judge on, of which the best is taken: a fit is judged where the robot moves well
 TRIES = 20  # of a random motion, until one keeps the limits at some size
 SHRINK = 0.9
 MOST_SHRINKS = 40
@@ -141,13 +142,20 @@ def scaled(trajectory: FourierTrajectory, factor: float) -> FourierTrajectory:
 
 
 def random_candidates(
-    search: Search, count: int, seed: int, *, few: bool = False, progress: Progress = SILENT
+    search: Search,
+    count: int,
+    seed: int,
+    *,
+    few: bool = False,
+    stream: int = 0,
+    progress: Progress = SILENT,
 ) -> list[Candidate]:
     """Motions with random coefficients, each as large as its limits allow. Raises BenchError where none keeps them.
 
-    few: with few harmonics for each joint, and a base frequency at random.
+    few: with few harmonics for each joint, and a base frequency at random. stream: an even number; motions of another
+    one have nothing in common with these.
     """
-    random = np.random.default_rng([seed, int(few)])
+    random = np.random.default_rng([seed, stream + int(few)])
     shape, room = search.shape, search.room
     found = []
     for _ in range(count):
@@ -229,6 +237,14 @@ def proven(search: Search, trial: Tried, load: str | None) -> Proven:
     robot = search.nominal.model.geometry.robot.name
     what = limit_in_words(given_way[-1]) if given_way else "all limits"
     raise BenchError(f"robot {robot}: of no motion from home it could be proven that it keeps {what}")
+
+
+def random_checks(search: Search, seed: int) -> tuple[Proven, ...]:
+    """Motions at random to judge a fit on, one for each payload, that keep every limit at all times: of a few that have
+    nothing in common with those of the search the ones that tell most.
+    """
+    best = min(random_candidates(search, CHECKS, seed, stream=2), key=search.value)
+    return tuple(proven(search, trial, load) for trial, load in zip(best, search.loads, strict=True))
 
 
 def random_values(search: Search, candidates: Sequence[Candidate]) -> Mapping[str, float]:

@@ -32,6 +32,7 @@ def sentences(plan: ExperimentPlan, told: Forecast) -> list[str]:
         lines.append(
             f"Taken as limits, because none were given: {'; '.join(plan.room.assumed)}. Check them against the machine."
         )
+    lines.append(_judged(plan))
     lines.append(_proven(plan))
     lines.append(
         f"Currents are expected by {plan.nominal.source}; {_noise(plan)}. "
@@ -90,6 +91,16 @@ def note_sentence(note: ForecastNote) -> str:
     return f"{and_list(subjects)} stay undetermined: they only show together, as one sum."
 
 
+def _judged(plan: ExperimentPlan) -> str:
+    """Which recordings are not fitted."""
+    names = [recording.name for recording in plan.recordings if recording.use == "validate"]
+    many = len(names) > 1
+    return (
+        f"Record {and_list(names)} too, {'other motions' if many else 'another motion'} inside the same limits: "
+        f"the fit is judged on {'them' if many else 'it'}."
+    )
+
+
 def _proven(plan: ExperimentPlan) -> str:
     """Which limits are kept at all times, and which of them made a motion smaller."""
     room = plan.room
@@ -104,9 +115,10 @@ def _proven(plan: ExperimentPlan) -> str:
     told = (
         f"{kept[0].upper()}{kept[1:]} are proven to be kept at all times, between the rows of the table too."
     )
-    for name, proof in zip(plan.names, plan.proofs, strict=True):
-        if proof.given_way:
-            told += f" {name[0].upper()}{name[1:]} was made smaller for it, by {limit_in_words(proof.given_way[0])}."
+    for recording in plan.recordings:
+        name, given_way = recording.name, recording.proven.given_way
+        if given_way:
+            told += f" {name[0].upper()}{name[1:]} was made smaller for it, by {limit_in_words(given_way[0])}."
     return told
 
 
