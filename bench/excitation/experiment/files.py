@@ -102,9 +102,7 @@ def plan_json(plan: ExperimentPlan, told: Forecast) -> dict[str, Any]:
             "mass": told.enough.mass,
         },
         "assumed": list(plan.room.assumed),
-        "reach": {
-            recording.name: _limits(plan, recording.trajectory) for recording in plan.recordings
-        },
+        "reach": {recording.name: _limits(plan, recording.trajectory) for recording in plan.recordings},
         "proofs": {
             recording.name: {
                 "intervals": recording.proven.proof.intervals,
