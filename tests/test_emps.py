@@ -56,7 +56,14 @@ def test_import_and_identify_give_the_published_table(
     assert f"{stored['condition']:.4f} {100 * stored['error']['identify']:.4f}" == "25.9883 4.0834"
     assert f"{model['condition']:.4f}" == "25.9883"
     assert f"{100 * model['error']['identify']:.4f}" == "4.0834"
-    kept = {"value": 35.15065, "std": 0.0, "unit": "N/V", "nominal": 35.15065, "fitted": False, "determined": False}
+    kept = {
+        "value": 35.15065,
+        "std": 0.0,
+        "unit": "N/V",
+        "nominal": 35.15065,
+        "fitted": False,
+        "determined": False,
+    }
     assert model["drive_gains"]["axis"] == kept
 
 
