@@ -14,6 +14,9 @@ from bench.dataset.payload import Payload
 from bench.dataset.robot import Robot, load_robot
 from bench.diagnosis.catalogue_search import diagnose_with_catalogue
 from bench.diagnosis.summary import summary_of
+from bench.document.diagnosis import gains_before_after
+from bench.document.identification import gains_table
+from bench.document.markdown.tables import markdown
 from bench.identification.finding import Code, Finding
 from bench.identification.finding_words import note, sentence
 from bench.identification.findings import with_findings
@@ -28,7 +31,8 @@ from bench.identification.scale import Scale, ScaleCase
 from bench.identification.scale_words import CODES, REASONS, SHORT, why_nominal
 from bench.model.model import build_model
 from bench.page.section_effects import gains_section
-from bench.page.verdict import gains_sentence
+from bench.page.verdict import gains_sentence, identification_tiles, identification_verdict
+from bench.residuals.residuals import WhereItFails
 from bench.scenario.scenario import load_scenario, scenario_from_dict
 from bench.truth.dataset import as_dataset
 from bench.truth.simulate import simulate
@@ -322,7 +326,16 @@ def test_a_gain_less_sure_than_itself_is_not_determined_and_no_number_is_told(ap
     weak = replace(result.drive_gains["lift"], value=-2e-12, std=4.6e-11)
     told = with_findings(replace(result, drive_gains={**result.drive_gains, "lift": weak}), ())
     assert not weak.determined
-    assert "e-12" not in repr(told) + " ".join(told.notes)
+    tables = markdown(gains_table(told)) + markdown(gains_before_after(told, told))
+    nowhere = WhereItFails("robot", ())
+    page = " ".join(identification_verdict(told, nowhere, 0.01)) + str(identification_tiles(told, 0.01))
+    page += str(gains_section(told, None))
+    for words in (repr(told), " ".join(told.notes), tables, page):
+        assert "e-12" not in words
+        assert "0.00000" not in words
+        assert "-100" not in words
+    assert "not determined" in tables
+    assert "not determined" in page
     assert Code.GAIN_NOT_DETERMINED in {each.code for each in told.findings}
     assert not {Code.GAIN_RUNAWAY, Code.GAIN_NEGATIVE, Code.GAIN_FAR} & {each.code for each in told.findings}
     assert DriveGain(3.0, 2.0, "N*m/A", 3.0).determined

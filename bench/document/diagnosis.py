@@ -95,7 +95,9 @@ def gains_before_after(before: Identification, after: Identification) -> Table:
         ],
     )
     nominal = Column("nominal", [gain.nominal for gain in gains], "number", 1)
-    from_nominal = Column("from nominal", [gain_change(gain) for gain in gains], "change", 2)
+    from_nominal = Column(
+        "from nominal", [gain_change(gain) if gain.determined else "" for gain in gains], "change", 2
+    )
     return Table((*moved, nominal, from_nominal))
 
 

@@ -32,7 +32,7 @@ def gains_table(result: Identification, truth: Truth | None = None) -> Table:
     joints, gains = list(result.drive_gains), list(result.drive_gains.values())
     against_nominal = (
         Column("nominal", [gain.nominal for gain in gains], "number"),
-        Column("change", [gain_change(gain) for gain in gains], "change"),
+        Column("change", [gain_change(gain) if gain.determined else "" for gain in gains], "change"),
     )
     return Table(
         (

@@ -158,7 +158,10 @@ def _gain_tile(result: Identification, before: Identification | None) -> Tile:
     if not result.gains_fitted:
         return Tile("Drive gains", "nominal", "" if why is None else in_short(why))
     gains = {joint: gain for joint, gain in result.drive_gains.items() if gain.fitted} or result.drive_gains
-    if before is not None:
+    open_ = [joint for joint, gain in gains.items() if not gain.determined]
+    if open_:
+        return Tile("Drive gains", "not determined", ", ".join(open_))
+    if before is not None and all(before.drive_gains[joint].determined for joint in gains):
         moves = {name: gain.value / before.drive_gains[name].value - 1.0 for name, gain in gains.items()}
         joint = max(moves, key=lambda name: abs(moves[name]))
         return Tile(

@@ -43,8 +43,12 @@ def gains_chart(models: Sequence[tuple[Role, str, Mapping[str, DriveGain]]]) -> 
     """Drive gains with their 95 % intervals against their nominal values; models: role, name, gains by joint."""
     series = []
     for i, (role, name, gains) in enumerate(models):
-        value = np.array([gain_change(gain) for gain in gains.values()])
-        half = WITHIN_95 * np.array([gain.std / abs(gain.nominal) for gain in gains.values()])
+        known = [
+            (gain_change(gain), gain.std / abs(gain.nominal)) for gain in gains.values() if gain.determined
+        ]
+        value, half = np.full(len(gains), np.nan), np.full(len(gains), np.nan)
+        there = [gain.determined for gain in gains.values()]
+        value[there], half[there] = [change for change, _ in known], [WITHIN_95 * std for _, std in known]
         shift = 0.0 if len(models) == 1 else 0.3 * (i - 0.5)
         at = np.arange(len(gains))
         series.append(Spans(name, role, at, value, value - half, value + half, shift))
