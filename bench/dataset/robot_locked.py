@@ -49,7 +49,7 @@ def locked_joints(plain: mujoco.MjModel, values: Mapping[str, float]) -> tuple[L
     for name, value in values.items():
         if name not in names:
             raise BenchError(
-                f"no joint {name!r}: {meant(name, [one for one in names if one], 'the MJCF has')}"
+                f"no joint {name!r}: {meant(name, [known for known in names if known], 'the MJCF has')}"
             )
         joint = names.index(name)
         unit = units.get(int(plain.jnt_type[joint]))
@@ -75,7 +75,7 @@ def locked_as_data(locked: Sequence[LockedJoint]) -> dict[str, dict[str, Any]]:
 
 def locked_from_data(content: Mapping[str, Mapping[str, Any]]) -> tuple[LockedJoint, ...]:
     """What `locked_as_data` gave. Raises KeyError, TypeError or ValueError for anything else."""
-    return tuple(LockedJoint(name, float(one["value"]), one["unit"]) for name, one in content.items())
+    return tuple(LockedJoint(name, float(entry["value"]), entry["unit"]) for name, entry in content.items())
 
 
 def locked_in_words(locked: Sequence[LockedJoint]) -> str:
@@ -177,7 +177,9 @@ def _shorten_keyframes(
         key = spec.add_key()
         for field, value in keyframe.items():
             kept = (
-                [one for i, one in enumerate(value) if i not in without[field]] if field in without else value
+                [number for i, number in enumerate(value) if i not in without[field]]
+                if field in without
+                else value
             )
             setattr(key, field, kept)
 
@@ -201,14 +203,14 @@ def _fold(
         if name not in values:
             before.append(joint)
             continue
-        if any(plain.jnt_type[one] == int(mujoco.mjtJoint.mjJNT_BALL) for one in before):
+        if any(plain.jnt_type[other] == int(mujoco.mjtJoint.mjJNT_BALL) for other in before):
             raise BenchError(
                 f"{name!r} comes after a ball joint of its body: give it a body of its own in the MJCF"
             )
         moved, turned = _motion(plain, joint, values[name])
-        for one in before:
-            axes[one] = _rotated(axes[one], turned, back=True)
-            points[one] = _rotated(points[one] - moved, turned, back=True)
+        for other in before:
+            axes[other] = _rotated(axes[other], turned, back=True)
+            points[other] = _rotated(points[other] - moved, turned, back=True)
         place = place + _rotated(moved, turn)
         product = np.zeros(4)
         mujoco.mju_mulQuat(product, turn, turned)
@@ -217,14 +219,13 @@ def _fold(
     if body.frame is not None:
         body.set_frame(body.parent.add_frame())
     body.pos, body.quat, body.alt.type = place, turn, mujoco.mjtOrientation.mjORIENTATION_QUAT
-    for one in before:
-        joint = by_id[one]
+    for number in before:
+        joint = by_id[number]
         if joint.frame is not None:
             joint.set_frame(body.add_frame())
-        joint.axis, joint.pos = axes[one], points[one]
-    for one in range(first, first + count):
-        if one not in before:
-            spec.delete(by_id[one])
+        joint.axis, joint.pos = axes[number], points[number]
+    for number in set(range(first, first + count)) - set(before):
+        spec.delete(by_id[number])
 
 
 def _motion(plain: mujoco.MjModel, joint: int, value: float) -> tuple[np.ndarray, np.ndarray]:

@@ -55,15 +55,12 @@ def welds_to_connect(model: mujoco.MjModel, joints: Sequence[str]) -> tuple[str,
     moving = _rank(free[:, places])
     if moving == len(joints):
         return ()
-    welds = [int(one) for one in np.unique(owners) if model.eq_type[one] == int(mujoco.mjtEq.mjEQ_WELD)]
-    for changed in (*((one,) for one in welds), tuple(welds)):
-        turning = [row for one in changed for row in np.flatnonzero(owners == one)[3:]]
+    welds = [int(owner) for owner in np.unique(owners) if model.eq_type[owner] == int(mujoco.mjtEq.mjEQ_WELD)]
+    for changed in (*((weld,) for weld in welds), tuple(welds)):
+        turning = [row for weld in changed for row in np.flatnonzero(owners == weld)[3:]]
         other = _motions(np.delete(rows, turning, axis=0))
         if _rank(other[:, places]) == len(joints) and len(other) - len(joints) == len(free) - moving:
-            return tuple(
-                mujoco.mj_id2name(model, mujoco.mjtObj.mjOBJ_EQUALITY, one) or f"equality_{one}"
-                for one in changed
-            )
+            return tuple(model.equality(weld).name or f"equality_{weld}" for weld in changed)
     return ()
 
 

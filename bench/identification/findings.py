@@ -78,7 +78,9 @@ def with_findings(
 
 def locked_findings(locked: Sequence[LockedJoint]) -> list[Finding]:
     """The joints that robot.toml locks, with their positions: one finding for hinges, one for slides."""
-    by_unit = {unit: {one.name: one.value for one in locked if one.unit == unit} for unit in ("rad", "m")}
+    by_unit = {
+        unit: {joint.name: joint.value for joint in locked if joint.unit == unit} for unit in ("rad", "m")
+    }
     return [
         Finding(Code.LOCKED, tuple(values), numbers=values, unit=unit)
         for unit, values in by_unit.items()

@@ -82,7 +82,7 @@ def joints_to_lock(geometry: Geometry, jacobian: np.ndarray, rank: int) -> Cure 
     springs = [name for name in joints_with_springs(geometry.robot) if name in moving]
     chosen: list[str] = []
     for name in dict.fromkeys((*springs, *moving)):
-        of_chosen = np.array([moving[one] for one in (*chosen, name)])
+        of_chosen = np.array([moving[joint] for joint in (*chosen, name)])
         sizes = np.linalg.svd(of_chosen, compute_uv=False)
         if len(sizes) > len(chosen) and sizes[-1] > INDEPENDENT:
             chosen.append(name)

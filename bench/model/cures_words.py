@@ -17,10 +17,10 @@ def cure_in_words(cure: Cure | None) -> str:
     if cure.code == CureCode.CONNECT:
         return f"; {use_connect(cure.names)}"
     values = ", ".join(f"{name} = {cure.positions[name]:.10g}" for name in cure.names)
-    one = len(cure.names) == 1
-    line = f"lock {'it' if one else 'them'}: [locked] {values} in robot.toml"
+    single = len(cure.names) == 1
+    line = f"lock {'it' if single else 'them'}: [locked] {values} in robot.toml"
     if cure.code == CureCode.LOCK_SPRINGS:
-        return f"; {'its spring is' if one else 'their springs are'} not in the model, {line}"
+        return f"; {'its spring is' if single else 'their springs are'} not in the model, {line}"
     if cure.others:
         return f"; a motor, a closure or a lock is missing, for example [locked] {values} in robot.toml"
-    return f"; if {'it is' if one else 'they are'} held, {line}"
+    return f"; if {'it is' if single else 'they are'} held, {line}"

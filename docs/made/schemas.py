@@ -79,8 +79,16 @@ def _takes(schema: Mapping[str, Any], one: Mapping[str, Any]) -> str:
         inside = _takes(schema, one["items"]) if one.get("items") else "values"
         return f"list of {'tables' if inside == 'table' else inside}"
     if kind == "object":
-        return "tables by name" if isinstance(one.get("additionalProperties"), Mapping) else "table"
+        return _takes_named(schema, one.get("additionalProperties"))
     return WORDS.get(kind, kind)
+
+
+def _takes_named(schema: Mapping[str, Any], named: Any) -> str:
+    """Of a table with keys of any name what these take."""
+    if not isinstance(named, Mapping):
+        return "table"
+    inside = _takes(schema, named) if "type" in named else "table"
+    return f"{inside}s by name"
 
 
 def page() -> str:
