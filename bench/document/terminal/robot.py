@@ -8,9 +8,10 @@ from bench.document.numbers import pretty_unit
 from bench.document.table import Column, Table
 from bench.document.terminal.identification import section
 from bench.document.terminal.tables import printed
+from bench.robot_check.agreement_words import count
 from bench.robot_check.outcome import Check
 from bench.robot_check.report import JointLine, Mobility, RobotReport, Singularity
-from bench.robot_check.words import count, detail_of, name_of, nearest_singularity
+from bench.robot_check.words import detail_of, name_of, nearest_singularity
 
 MARKS = {"ok": ("✓", "green"), "note": ("!", "yellow"), "failed": ("✗", "bold red")}
 NOT_EXACT = 1e-9  # m or rad: a gap that is coloured
