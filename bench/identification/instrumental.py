@@ -12,7 +12,7 @@ import numpy as np
 
 from bench.identification.compressed import Stack, compress
 from bench.identification.least_squares import row_weights
-from bench.identification.solution import Solution, scaled_lstsq, torque_system, weighted
+from bench.identification.solution import Solution, scaled_lstsq, solved_gains, torque_system, weighted
 
 REWEIGHTINGS = 3
 DEPENDENT = 1e-9  # of the largest singular value of a motor's instruments, columns of unit length
@@ -35,7 +35,7 @@ def instrumental_variables(
         rows, right = torque_system(weighted(hat.factors, weights), None if start.gains_fitted else nominal)
         x = scaled_lstsq(rows, right)
         p = stack.phi.shape[2]
-        gains = x[p:] if start.gains_fitted else nominal
+        gains = solved_gains(stack.factors, x[p:], nominal) if start.gains_fitted else nominal
         solution = Solution(x[:p], gains, weights, "torque", start.gains_fitted)
     return replace(solution, instruments=lambda given: projected(given, bases))
 

@@ -16,7 +16,7 @@ from bench.identification.observation import observe
 from bench.identification.prepare import Prepared, prepare
 from bench.identification.problem import Problem
 from bench.identification.result import Identification, relative_error
-from bench.identification.solution import scaled_lstsq, torque_system
+from bench.identification.solution import scaled_lstsq, solved_gains, torque_system
 
 LARGE = 0.05  # relative error of a motor in one recording, from which it is worth a try
 BETTER = 0.5  # of a motor's error over all recordings: what another load must bring it down to
@@ -49,7 +49,7 @@ def other_load(problem: Problem, result: Identification, prepared: Prepared | No
             loads = {**declared, name: other}
             if other == load or None not in loads.values() or set(loads.values()) == {None}:
                 continue
-            ratios = trial.errors(loads) / before
+            ratios = np.divide(trial.errors(loads), before, out=np.ones_like(before), where=before > 0.0)
             score = float(np.log(ratios).sum())
             if ratios.min() < BETTER and ratios.max() < NO_WORSE and (best is None or score < best[0]):
                 best = score, name, other, ratios
@@ -87,10 +87,11 @@ class _LoadTrial:
         factors = triangular_factors(np.concatenate(parts, axis=1).swapaxes(0, 1))
         found = scaled_lstsq(*torque_system(factors, None))
         theta, gains = found[: self.layout.size], found[self.layout.size :]
+        gains = solved_gains(factors, gains, self.prepared.dataset.robot.nominal_gains)
         theta, gains = minimised(factors, theta, gains, np.ones(len(gains)), True)
-        return np.asarray(
-            np.sqrt(squared_errors(factors, theta, gains) / (factors[:, :, -1] ** 2).sum(axis=1))
-        )
+        whole = (factors[:, :, -1] ** 2).sum(axis=1)
+        left = squared_errors(factors, theta, gains)
+        return np.sqrt(np.divide(left, whole, out=np.zeros_like(whole), where=whole > 0.0))
 
     def _part(self, name: str, load: str | None) -> np.ndarray:
         if (name, load) not in self.parts:

@@ -46,9 +46,13 @@ def summarise(
     effects = slice(p - layout.effects, p)
     loose = unsettled(prepared.effects, solution.theta[effects], std[effects])
     kept = np.setdiff1d(kept, [effects.start + i for i, _ in loose])
+    rows = np.any([observation.moving.any(axis=0) for observation in prepared.fitted], axis=0)
+    gain_std = np.where(
+        rows | (not solution.gains_fitted), std[p : p + n], np.inf
+    )  # nothing tells it without
     gains = {
         actuator.joint: DriveGain(
-            float(solution.gains[j]), float(std[p + j]), actuator.gain_unit, actuator.gain
+            float(solution.gains[j]), float(gain_std[j]), actuator.gain_unit, actuator.gain
         )
         for j, actuator in enumerate(robot.actuators)
     }
