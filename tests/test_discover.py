@@ -71,7 +71,8 @@ def test_a_law_is_told_where_it_stays(found: Diagnosis, monkeypatch: pytest.Monk
     monkeypatch.setattr(find, "_discovered", lambda _finding, law, i: (law.name, law.places[i].name))
     places = (SimpleNamespace(name="left"), SimpleNamespace(name="right"))
     finding = SimpleNamespace(after=SimpleNamespace(effect_parameters={"law": {"right": {}}}))
-    told = find._told(finding, [SimpleNamespace(name="law", places=places)], found)
+    laws = [SimpleNamespace(name="law", places=places)]
+    told = find._told(finding, laws, laws, found)
     assert told.discovered == (("law", "right"),)
 
 

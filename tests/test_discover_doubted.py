@@ -6,7 +6,9 @@ from typing import Any
 import pytest
 
 from bench.diagnosis.discovery.doubted import doubted
+from bench.diagnosis.discovery.find import _without
 from bench.diagnosis.reason import Because, Doubt, Reason
+from bench.diagnosis.reason_words import reason_sentence
 from bench.diagnosis.result import EffectVerdict, Remainder, Unexplained
 
 
@@ -41,3 +43,21 @@ def test_what_may_make_up_for_an_inexact_law_is_not_sure(
     assert [one.verdict for one in told] == [verdict, "not supported"]
     assert told[1] is other
     assert (Doubt.BESIDE_A_LAW in told[0].why.doubts) == (verdict == "resembles")
+
+
+@pytest.mark.parametrize(
+    ("because", "alternatives", "verdict", "said"),
+    [
+        (Because.AS_GOOD, ("law", "lag"), "indistinguishable", Reason(Because.AS_GOOD)),
+        (Because.AS_GOOD, ("law",), "resembles", Reason(Because.AS_GOOD_AS_A_LAW, ("left",))),
+        (Because.EXPLAINS, ("dropped",), "missing", Reason(Because.EXPLAINS)),
+    ],
+)
+def test_indistinguishable_is_what_has_an_alternative_of_the_catalogue(
+    because: Because, alternatives: tuple[str, ...], verdict: str, said: Reason
+) -> None:
+    before = EffectVerdict("drag", "indistinguishable", 0.1, 0.1, 0.0, (), alternatives, {}, Reason(because))
+    told = _without(before, {"law": ("left",), "dropped": ()})
+    assert (told.verdict, told.why) == (verdict, said)
+    assert told.alternatives == tuple(name for name in alternatives if name == "lag")
+    assert reason_sentence(told)

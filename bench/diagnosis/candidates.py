@@ -9,6 +9,7 @@ from bench.basics.progress import SILENT, Progress
 from bench.effects import Effect, EffectInstance, RobotSignals, places_in
 from bench.identification.effect_rows import effect_rows
 from bench.identification.filtered import forget_motions
+from bench.identification.joint_samples import stands_still
 from bench.identification.partial_regression import PartialRegression, partial_regression
 from bench.identification.prepare import Prepared
 from bench.identification.shapes import best_shape
@@ -75,7 +76,11 @@ def propose(start: Context, catalogue: Mapping[str, Effect], progress: Progress 
         if not found:
             continue
         effect = catalogue[name]
-        visible = [instance for instance in found if effect.shape or _visible(start, instance)]
+        visible = [
+            instance
+            for instance in found
+            if not stands_still(prepared, instance) and (effect.shape or _visible(start, instance))
+        ]
         if not visible:
             proposals.append(Proposal(name, tuple(found), True, _taken_up_by(start, found[0])))
             continue

@@ -44,7 +44,8 @@ def halves_of(stack: Stack, solution: Solution, further: np.ndarray) -> Halves:
     modelled = (stack.phi @ solution.theta + stack.kappa) / solution.gains * stack.moving
     error = stack.current - modelled
     count = np.maximum(stack.moving.sum(axis=0), 1)
-    weights = 1.0 / np.sqrt((error**2).sum(axis=0) / count)
+    size = np.sqrt((error**2).sum(axis=0) / count)
+    weights = np.divide(1.0, size, out=np.zeros_like(size), where=size > 0.0)  # nothing, of one without rows
     samples, n, p = stack.phi.shape
     fitted = np.broadcast_to(solution.gains_fitted, (n,))
     own = p + (n if fitted.any() else 0)
@@ -68,7 +69,8 @@ def halves_of(stack: Stack, solution: Solution, further: np.ndarray) -> Halves:
     left = rows @ _solution(inner.sum(axis=(0, 1)), np.arange(rows.shape[2] - 1))
     parts = [np.split(entry[:, None], stack.starts[1:]) for entry in left]
     memory = np.array([memory_in_rows(part, stack.returns) for part in parts])
-    return Halves(inner, own, count / memory, ((stack.current * weights) ** 2).sum(axis=0))
+    measured = ((stack.current * weights) ** 2).sum(axis=0)
+    return Halves(inner, own, count / memory, np.maximum(measured, np.finfo(float).tiny))
 
 
 def _solution(inner: np.ndarray, used: np.ndarray) -> np.ndarray:

@@ -47,7 +47,7 @@ def _told(some: Sequence[Discovered]) -> str:
 
 def _tabled(law: Discovered) -> str:
     """A function without a formula: what it goes by, and what it makes of the error."""
-    parts = list(dict.fromkeys(_function(term) for term in law.terms))
+    parts = list(dict.fromkeys(_function(term) or _kind(term) for term in law.terms))
     largest = max(law.terms, key=lambda term: abs(term.value))
     size = f"its largest value is ({_number(largest.value, largest.std)}) {symbols(largest.unit)}"
     falls = ""
@@ -60,8 +60,10 @@ def _tabled(law: Discovered) -> str:
 
 
 def _function(term: LawTerm) -> str:
-    """What a table's entry belongs to: "a smooth function of the position that opposes the motion"."""
-    (table,) = [look for look in term.looks_at if look.role == "table"]
+    """What a table's entry belongs to: "a smooth function of the position that opposes the motion"; "" of no table."""
+    table = next((look for look in term.looks_at if look.role == "table"), None)
+    if table is None:
+        return ""
     of = f" of {table.motor}" if table.motor else ""
     function = f"a smooth function of the {WHAT[table.what]}{of}"
     roles = {look.role for look in term.looks_at if look.what == "velocity" and look.role != "table"}

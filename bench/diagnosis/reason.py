@@ -9,6 +9,7 @@ class Because(StrEnum):
 
     EXPLAINS = "explains"  # the error falls with it
     AS_GOOD = "as good"  # it would do as well as what was found
+    AS_GOOD_AS_A_LAW = "as good as a law"  # that is in no catalogue [the motors of such laws]
     GAINS_NOTHING = "gains nothing"
     GAINS_LITTLE = "gains little"  # too little to be sure
     TAKEN_UP = "taken up"  # by the model's own parameters [the one that does most, if any]

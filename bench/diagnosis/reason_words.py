@@ -5,7 +5,7 @@ from collections.abc import Callable, Mapping
 from bench.diagnosis.reason import Because, Doubt
 from bench.diagnosis.result import Diagnosis, EffectVerdict, Remainder, Unexplained
 from bench.effects.display_names import begun, spoken
-from bench.identification.wording import in_percent, or_list
+from bench.identification.wording import and_list, in_percent, or_list
 
 DOUBTS: Mapping[Doubt, str] = {
     Doubt.MUCH_LEFT: "something that no effect of the catalogue explains is left, and may be what this stands for",
@@ -52,8 +52,9 @@ def left_words(left: Unexplained) -> str:
 
 
 def _explains(verdict: EffectVerdict) -> str:
+    at = f" at {', '.join(verdict.actuators)}" if verdict.actuators else ""
     said = (
-        f"With {spoken(verdict.effect)} at {', '.join(verdict.actuators)} the error on recordings not fitted falls "
+        f"With {spoken(verdict.effect)}{at} the error on recordings not fitted falls "
         f"from {in_percent(verdict.error_before)} to {in_percent(verdict.error_after)} of the current"
     )
     return (
@@ -62,8 +63,14 @@ def _explains(verdict: EffectVerdict) -> str:
 
 
 def _as_good(verdict: EffectVerdict) -> str:
+    others = _alternatives(verdict) if verdict.alternatives else "what was chosen"
+    return f"{begun(verdict.effect)} would explain the data as well as {others}: these recordings cannot tell"
+
+
+def _as_good_as_a_law(verdict: EffectVerdict) -> str:
+    at = f" at {and_list(verdict.why.names)}" if verdict.why.names else ""
     return (
-        f"{begun(verdict.effect)} would explain the data as well as {_alternatives(verdict)}: these recordings cannot "
+        f"{begun(verdict.effect)} would explain the data as well as the discovered law{at}: these recordings cannot "
         "tell"
     )
 
@@ -99,6 +106,7 @@ def _alternatives(verdict: EffectVerdict) -> str:
 WORDS: Mapping[Because, Callable[[EffectVerdict], str]] = {
     Because.EXPLAINS: _explains,
     Because.AS_GOOD: _as_good,
+    Because.AS_GOOD_AS_A_LAW: _as_good_as_a_law,
     Because.GAINS_NOTHING: lambda verdict: _adding(verdict, "gains nothing"),
     Because.GAINS_LITTLE: lambda verdict: _adding(verdict, "gains too little to be sure"),
     Because.TAKEN_UP: _taken_up,

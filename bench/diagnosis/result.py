@@ -49,7 +49,7 @@ class EffectVerdict:
     """What the data say of one effect.
 
     verdict: indistinguishable always has alternatives; an effect that resembles what is missing fits, and leaves much
-    that no effect explains.
+    that no effect explains, or does as well as a discovered law.
     error_before, error_after: relative error on recordings that were not fitted, without and with it. evidence:
     log-likelihood ratio on those recordings, nats. actuators: where it shows. alternatives: effects that the data
     cannot tell from it. size: RMS of its torque at each actuator, N*m or N.

@@ -1,5 +1,6 @@
 """A diagnosis in a few sentences."""
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -15,7 +16,7 @@ from bench.effects.display_names import spoken
 from bench.identification.finding import CAUSES
 from bench.identification.finding_words import sentence
 from bench.identification.findings import LOOSE, runaway, unlike
-from bench.identification.result import Identification
+from bench.identification.result import Identification, Quantity
 from bench.identification.scale_words import cure, nominal_gains, why_nominal
 from bench.identification.scale_words import reason as why_in_words
 from bench.identification.summary import ROBOT
@@ -140,8 +141,12 @@ def _strange(diagnosis: Diagnosis) -> tuple[str, ...]:
     if strange:
         return (f"{false}. {sentence(strange)}",)
     if left.significant and left.error > HOPELESS * max(left.noise_floor, REAL, left.repeats or 0.0):
-        times = left.error / left.noise_floor
-        return (f"{false}: what is left is {times:.0f} times the noise. Check columns, signs and payloads.",)
+        size = (
+            f"{left.error / left.noise_floor:.0f} times the noise"
+            if left.noise_floor
+            else in_percent(left.error)
+        )
+        return (f"{false}: what is left is {size}. Check columns, signs and payloads.",)
     return ()
 
 
@@ -219,12 +224,18 @@ def error_share(verdict: EffectVerdict) -> float | None:
     """The share of the squared error, without an effect, that it takes away; None where there is no error."""
     if not verdict.error_before > 0.0:
         return None
-    return 1.0 - (verdict.error_after / verdict.error_before) ** 2
+    ratio = verdict.error_after / verdict.error_before
+    return 1.0 - ratio * ratio
 
 
 def motor_torques(result: Identification) -> dict[str, float]:
-    """RMS torque or force of every motor over the fitted recordings, by the model's gains, N*m or N."""
+    """RMS torque or force of every motor over the fitted recordings, by the model's gains, N*m or N.
+
+    Nothing where the answer has no currents of them.
+    """
     fitted = [trace for trace in result.recordings if trace.use == "identify"]
+    if not fitted:
+        return {}
     squares = np.concatenate([trace.measured**2 for trace in fitted]).mean(axis=0)
     gains = result.drive_gains
     return {
@@ -251,11 +262,16 @@ def moved_gain(diagnosis: Diagnosis) -> str | None:
     before, after = diagnosis.before.drive_gains, diagnosis.after.drive_gains
     if not diagnosis.after.gains_fitted:
         return None
-    changes = {joint: after[joint].value / before[joint].value - 1.0 for joint in after}
+    changes = {joint: gain_moved(before[joint], after[joint]) for joint in after}
     joint = max(changes, key=lambda name: abs(changes[name]))
     if abs(changes[joint]) < TELLING or after[joint].std > LOOSE * abs(after[joint].value):
         return None
     return joint
+
+
+def gain_moved(before: Quantity, after: Quantity) -> float:
+    """By which share of itself a gain moves; without bounds where it was zero."""
+    return after.value / before.value - 1.0 if before.value else math.inf
 
 
 def _largest_change(diagnosis: Diagnosis) -> str | None:

@@ -61,6 +61,8 @@ def unexplained(
     joints = list(result.joints)
     for j in range(len(joints)):
         errors = np.concatenate([trace.error[:, j][trace.moving[:, j]] for trace in judged])
+        if not len(errors):
+            continue  # a motor that stands still throughout leaves no error that could vary
         scale = errors.std() or 1.0
         if _in_impacts(errors):
             found["time"] = max(found.get("time", 0.0), ALMOST)

@@ -48,9 +48,10 @@ def value_and_std(value: float, std: float) -> tuple[str, str]:
         return f"{value:.5g}", f"{std:.2g}"
     if std == 0.0:
         return f"{value:.6g}", GIVEN
-    leading = math.floor(math.log10(float(f"{std:.1e}")))
+    large = max(abs(value), std) >= 1e6
+    leading = 0 if large else math.floor(math.log10(float(f"{std:.1e}")))
     decimals = 1 - leading
-    if leading < -6 or max(abs(value), std) >= 1e6:
+    if leading < -6 or large:
         return f"{value:.4e}", f"{std:.1e}"
     return f"{value:.{max(decimals, 0)}f}", f"{std:.{max(decimals, 0)}f}"
 

@@ -115,7 +115,7 @@ class Table:
     @property
     def mark_of_rows(self) -> tuple[Mark, ...]:
         """The mark of every row."""
-        return self.marks or (PLAIN,) * len(self.columns[0].cells)
+        return self.marks or (PLAIN,) * max((len(column.cells) for column in self.columns[:1]), default=0)
 
     def to_dataframe(self) -> pd.DataFrame:
         """The table with its numbers as they are; a quantity takes two columns. Needs pandas."""

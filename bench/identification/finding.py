@@ -56,6 +56,7 @@ class Code(StrEnum):
     PHYSICAL = auto()
     VELOCITY_TAKEN = auto()
     # what to record or leave out
+    STANDS_STILL = auto()
     NEVER_REVERSES = auto()
     POORLY_DETERMINED = auto()
     SHORT = auto()

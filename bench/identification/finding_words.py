@@ -376,6 +376,10 @@ WORDS: Mapping[Code, Callable[[Finding], str]] = {
         f"The current of {finding.names[0]} in {finding.names[1]} counts little from {finding.numbers['start']:.4g} to "
         f"{finding.numbers['end']:.4g} s: it is far from the model there. Look at it, or `exclude` it."
     ),
+    Code.STANDS_STILL: lambda finding: (
+        f"Joint {finding.names[0]} stands still in all fitted recordings: they tell nothing of its drive gain, which "
+        "stays nominal, nor of effects there. Record motions that move it."
+    ),
     Code.NEVER_REVERSES: lambda finding: (
         f"Joint {finding.names[0]} never reverses: move it through zero velocity to tell friction apart."
     ),

@@ -66,8 +66,11 @@ def with_findings(
     found += periods_not_whole(result)
     found += _implausible(result)
     for j, joint in enumerate(result.joints):
+        fitted = [recording for recording in result.recordings if recording.use == "identify"]
         reverses = any(np.ptp(np.sign(recording.velocity[:, j])) > 0 for recording in result.recordings)
-        if not reverses:
+        if not any(recording.moving[:, j].any() for recording in fitted):
+            found.append(Finding(Code.STANDS_STILL, (joint,)))
+        elif not reverses:
             found.append(Finding(Code.NEVER_REVERSES, (joint,)))
     loose = sum(parameter.relative_std > LOOSE for parameter in result.parameters)
     if loose:

@@ -12,7 +12,14 @@ import numpy as np
 
 from bench.identification.compressed import Stack, compress
 from bench.identification.least_squares import row_weights
-from bench.identification.solution import NominalGains, Solution, scaled_lstsq, torque_system, weighted
+from bench.identification.solution import (
+    NominalGains,
+    Solution,
+    scaled_lstsq,
+    solved_gains,
+    torque_system,
+    weighted,
+)
 
 REWEIGHTINGS = 3
 DEPENDENT = 1e-9  # of the largest singular value of a motor's instruments, columns of unit length
@@ -35,7 +42,7 @@ def instrumental_variables(
         rows, right = torque_system(weighted(hat.factors, weights), known.held)
         x = scaled_lstsq(rows, right)
         p = stack.phi.shape[2]
-        gains = known.with_fitted(x[p:])
+        gains = solved_gains(stack.factors, known.with_fitted(x[p:]), nominal)
         solution = Solution(x[:p], gains, weights, "torque", start.gains_fitted)
     return replace(solution, instruments=lambda given: projected(given, bases))
 

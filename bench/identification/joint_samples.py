@@ -7,6 +7,15 @@ from bench.identification.prepare import Prepared
 from bench.signals.decimation import decimated_indices
 
 
+def stands_still(prepared: Prepared, instance: EffectInstance) -> bool:
+    """Whether an effect sits at a motor of which no fitted row says anything: it never moves, or is excluded."""
+    joints = prepared.dataset.robot.joints
+    if instance.joint not in joints:
+        return False
+    j = joints.index(instance.joint)
+    return not any(observation.moving[:, j].any() for observation in prepared.fitted)
+
+
 def joint_samples(
     prepared: Prepared, instance: EffectInstance, lacks: np.ndarray
 ) -> tuple[JointSamples, ...]:

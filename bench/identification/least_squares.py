@@ -7,6 +7,7 @@ from bench.identification.solution import (
     NominalGains,
     Solution,
     scaled_lstsq,
+    solved_gains,
     torque_residual_rms,
     torque_system,
     weighted,
@@ -46,5 +47,5 @@ def _solve(stack: Stack, gains: NominalGains, weights: np.ndarray) -> Solution:
     rows, right = torque_system(weighted(stack.factors, weights), gains.held)
     x = scaled_lstsq(rows, right)
     p = stack.phi.shape[2]
-    found = gains.with_fitted(x[p:])
+    found = solved_gains(stack.factors, gains.with_fitted(x[p:]), gains.values)
     return Solution(x[:p], found, weights, "torque", gains.fitted)

@@ -35,6 +35,8 @@ def _local(errors: Sequence[np.ndarray]) -> tuple[float, int]:
             for lag in range(lags + 1)
         ]
     )
+    if not values[0]:
+        return 1.0, 0
     correlation = values / values[0]
     total, reach = 1.0, 0
     for lag in range(1, lags, 2):

@@ -64,7 +64,8 @@ def stepped(prepared: Prepared, stack: Stack, solution: Solution) -> tuple[Prepa
         instances = _moved(prepared, shapes, share * theta[added], reaches, about + share * (values - about))
         moved = with_effects(prepared, instances, fitted_only=True)
         after = solved_quickly(moved)
-        if ((spread(*after) / before) ** 2).mean() <= 1.0 + NO_WORSE:
+        ratio = np.divide(spread(*after), before, out=np.ones_like(before), where=before > 0.0)
+        if (ratio**2).mean() <= 1.0 + NO_WORSE:
             return moved, *after
     return None
 

@@ -16,7 +16,7 @@ from bench.identification.observation import observe
 from bench.identification.prepare import Prepared, prepare
 from bench.identification.problem import Problem
 from bench.identification.result import Identification, relative_error
-from bench.identification.solution import scaled_lstsq, torque_system
+from bench.identification.solution import scaled_lstsq, solved_gains, torque_system
 
 LARGE = 0.05  # relative error of a motor in one recording, from which it is worth a try
 BETTER = 0.5  # of a motor's error over all recordings: what another load must bring it down to
@@ -49,7 +49,7 @@ def other_load(problem: Problem, result: Identification, prepared: Prepared | No
             loads = {**declared, name: other}
             if other == load or None not in loads.values() or set(loads.values()) == {None}:
                 continue
-            ratios = trial.errors(loads) / before
+            ratios = np.divide(trial.errors(loads), before, out=np.ones_like(before), where=before > 0.0)
             score = float(np.log(ratios).sum())
             if ratios.min() < BETTER and ratios.max() < NO_WORSE and (best is None or score < best[0]):
                 best = score, name, other, ratios
@@ -87,11 +87,12 @@ class _LoadTrial:
         factors = triangular_factors(np.concatenate(parts, axis=1).swapaxes(0, 1))
         gains = self.prepared.gains
         found = scaled_lstsq(*torque_system(factors, gains.held))
-        theta, found_gains = found[: self.layout.size], gains.with_fitted(found[self.layout.size :])
+        theta = found[: self.layout.size]
+        found_gains = solved_gains(factors, gains.with_fitted(found[self.layout.size :]), gains.values)
         theta, found_gains = minimised(factors, theta, found_gains, np.ones(len(found_gains)), gains.fitted)
-        return np.asarray(
-            np.sqrt(squared_errors(factors, theta, found_gains) / (factors[:, :, -1] ** 2).sum(axis=1))
-        )
+        whole = (factors[:, :, -1] ** 2).sum(axis=1)
+        left = squared_errors(factors, theta, found_gains)
+        return np.sqrt(np.divide(left, whole, out=np.zeros_like(whole), where=whole > 0.0))
 
     def _part(self, name: str, load: str | None) -> np.ndarray:
         if (name, load) not in self.parts:

@@ -56,7 +56,7 @@ def robust_error(stack: Stack, start: Solution, nominal: np.ndarray) -> Solution
     moving = stack.moving
     slopes = (_slopes(found.error / found.scale, found.freedom) * moving).sum(axis=0)
     stretch = found.weights.sum(axis=0) / np.maximum(slopes, np.finfo(float).tiny)
-    root = np.sqrt(found.weights / stretch)
+    root = np.sqrt(np.divide(found.weights, stretch, out=np.zeros_like(found.weights), where=stretch > 0.0))
     return replace(
         solution,
         theta=found.theta,

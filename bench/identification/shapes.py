@@ -7,7 +7,7 @@ import numpy as np
 
 from bench.effects import Bracket, EffectInstance, JointSamples, ShapeParameter
 from bench.identification.bounded import minimum_between
-from bench.identification.joint_samples import joint_samples
+from bench.identification.joint_samples import joint_samples, stands_still
 from bench.identification.newton import NEARBY, within_reach
 from bench.identification.partial_regression import PartialRegression, RegressionProducts
 from bench.identification.prepare import Prepared
@@ -21,8 +21,11 @@ LOGARITHMIC = 2.0  # ratio of a bracket's ends from which nodes are spread by th
 def best_shape(prepared: Prepared, instance: EffectInstance, partial: PartialRegression) -> EffectInstance:
     """The instance with the shape values that explain most of what is left.
 
-    Every combination of discrete values is tried, and with each the other parameters, one after the other.
+    Every combination of discrete values is tried, and with each the other parameters, one after the other. At a motor
+    that stands still the shape stays as it is: nothing there depends on it.
     """
+    if stands_still(prepared, instance):
+        return instance
     samples = joint_samples(prepared, instance, partial.lacks)
     shape = instance.effect.shape
     free = [parameter for parameter in shape if not parameter.discrete]

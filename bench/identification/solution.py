@@ -80,6 +80,14 @@ def torque_system(factors: np.ndarray, gains: np.ndarray | None) -> tuple[np.nda
     return rows.reshape(-1, p + n), right.reshape(-1)
 
 
+def solved_gains(factors: np.ndarray, found: np.ndarray, nominal: np.ndarray) -> np.ndarray:
+    """Drive gains (n,) that were solved for; the nominal one of a motor without rows, of which nothing tells it.
+
+    factors (n, r, p + 2): the currents last.
+    """
+    return np.where(np.any(factors[:, :, -1] != 0.0, axis=1), found, nominal)
+
+
 def weighted(factors: np.ndarray, weights: np.ndarray) -> np.ndarray:
     """The factors with every motor's equation multiplied by its weight."""
     return factors * weights[:, None, None]

@@ -47,7 +47,9 @@ def summarise(
     effects = slice(p - layout.effects, p)
     loose = unsettled(prepared.effects, solution.theta[effects], std[effects])
     kept = np.setdiff1d(kept, [effects.start + i for i, _ in loose])
-    of_gains = np.where(solution.gains_fitted & (std[p : p + n] == 0.0), np.inf, std[p : p + n])
+    rows = np.any([observation.moving.any(axis=0) for observation in prepared.fitted], axis=0)
+    untold = solution.gains_fitted & ((std[p : p + n] == 0.0) | ~rows)
+    of_gains = np.where(untold, np.inf, std[p : p + n])
     gains = {
         actuator.joint: DriveGain(
             float(solution.gains[j]), float(of_gains[j]), actuator.gain_unit, actuator.gain

@@ -17,7 +17,7 @@ from bench.identification.observation import all_currents
 from bench.identification.prepare import Prepared, prepare
 from bench.identification.problem import Problem
 from bench.identification.result import Identification
-from bench.identification.solution import scaled_lstsq, torque_system
+from bench.identification.solution import scaled_lstsq, solved_gains, torque_system
 
 LARGE = 0.05  # relative error from which it is worth a try
 BETTER = 0.5  # of the error: what a swap must bring it down to
@@ -105,7 +105,8 @@ class _ColumnsTrial:
         """Relative error of the currents by least squares in torque; or the least that there can be, from there."""
         rows, right = torque_system(factors, self.gains.held)
         found = scaled_lstsq(rows, right)
-        theta, gains = found[: self.size], self.gains.with_fitted(found[self.size :])
+        theta = found[: self.size]
+        gains = solved_gains(factors, self.gains.with_fitted(found[self.size :]), self.gains.values)
         if least:
             theta, gains = minimised(factors, theta, gains, np.ones(len(gains)), self.gains.fitted)
         return float(np.sqrt(squared_errors(factors, theta, gains).sum() / (factors[:, :, -1] ** 2).sum()))

@@ -3,6 +3,8 @@
 import math
 from collections.abc import Sequence
 
+WRITTEN_OUT = 1e15  # larger numbers have more digits than a float
+
 
 def in_percent(share: float | None, digits: int = 3) -> str:
     """A share as a percentage of so many digits, all of those before the point; "–" where there is none."""
@@ -16,6 +18,8 @@ def with_error(value: float, std: float) -> str:
     """A value with its standard error, to two digits of that: 3.3012 ± 0.0015."""
     if not 0.0 < std < math.inf:
         return f"{value:.4g}"
+    if std > WRITTEN_OUT:
+        return f"{value:.4g} ± {std:.2g}"
     digits = 1 - math.floor(math.log10(std))
     std = round(std, digits)
     digits = max(0, 1 - math.floor(math.log10(std)))  # 0.0996 is 0.10
@@ -23,17 +27,19 @@ def with_error(value: float, std: float) -> str:
 
 
 def and_list(names: Sequence[str]) -> str:
-    """Names as in "a, b and c"."""
+    """Names as in "a, b and c"; "none" where there is no name."""
     return _joined(names, "and")
 
 
 def or_list(names: Sequence[str]) -> str:
-    """Names as in "a, b or c"."""
+    """Names as in "a, b or c"; "none" where there is no name."""
     return _joined(names, "or")
 
 
 def _joined(names: Sequence[str], word: str) -> str:
-    return names[0] if len(names) == 1 else f"{', '.join(names[:-1])} {word} {names[-1]}"
+    if len(names) < 2:
+        return names[0] if names else "none"
+    return f"{', '.join(names[:-1])} {word} {names[-1]}"
 
 
 def motor_words(joint: str) -> str:

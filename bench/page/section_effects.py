@@ -23,7 +23,7 @@ from bench.page.tables import on_page
 UNSUPPORTED = ("not supported", "absorbed")
 VERDICTS_AID = (
     "missing: supported beyond what the model has. indistinguishable: these data cannot tell it from the named "
-    "alternatives. resembles: it fits, and leaves much that no effect explains. "
+    "alternatives. resembles: it fits, and leaves much that no effect explains, or does as well as a discovered law. "
     "Evidence: log-likelihood ratio on recordings that were not fitted, in nats; 10 is strong."
 )
 SIZES_AID = (

@@ -4,7 +4,7 @@ from collections.abc import Collection, Mapping
 
 from bench.basics.chi_squared import WITHIN_95
 from bench.diagnosis.result import Diagnosis
-from bench.diagnosis.summary import found_effects, moved_gain, summary_of
+from bench.diagnosis.summary import found_effects, gain_moved, moved_gain, summary_of
 from bench.document.numbers import gain_change, pretty_unit
 from bench.document.typeset import effect_name, share, short, typeset
 from bench.export.replay.replay import Replay
@@ -162,7 +162,7 @@ def _gain_tile(result: Identification, before: Identification | None) -> Tile:
     if open_:
         return Tile("Drive gains", "not determined", ", ".join(open_))
     if before is not None and all(before.drive_gains[joint].determined for joint in gains):
-        moves = {name: gain.value / before.drive_gains[name].value - 1.0 for name, gain in gains.items()}
+        moves = {name: gain_moved(before.drive_gains[name], gain) for name, gain in gains.items()}
         joint = max(moves, key=lambda name: abs(moves[name]))
         return Tile(
             "Largest move of a gain", share(moves[joint], signed=True), f"{joint}, by what is missing"

@@ -172,7 +172,7 @@ def line_words(line: SpectralLine, units: tuple[str, str]) -> str:
     if line.over == "time":
         frequency = with_error(line.frequency, line.resolution)
         return f"{motor_words(line.joint)}: {share} of the squared error swings at {frequency} Hz, {size}"
-    period = f"every {with_error(1.0 / line.frequency, line.resolution / line.frequency**2)} {units[1]}"
+    period = f"every {with_error(1.0 / line.frequency, line.resolution / line.frequency / line.frequency)} {units[1]}"
     if units[1] == "rad":
         period += f", {with_error(TURN * line.frequency, TURN * line.resolution)} times a turn"
     period += " as far as the travelled range tells"

@@ -55,8 +55,8 @@ def _supported() -> str:
 
 
 def _unsupported(features: Sequence[str]) -> str:
-    first, *others = features
-    return first + (f" (and {len(others)} more: {'; '.join(others)})" if others else "")
+    others = features[1:]
+    return "".join(features[:1]) + (f" (and {len(others)} more: {'; '.join(others)})" if others else "")
 
 
 def _fault(fault: str) -> str:

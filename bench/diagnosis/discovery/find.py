@@ -1,6 +1,6 @@
 """Diagnosis with the effects of a catalogue and, where these leave something, with laws that are in none."""
 
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 from math import hypot
 
@@ -176,7 +176,7 @@ def _with_laws(
     good = _better(finding, plain.diagnosis, -AS_GOOD if simpler else MATERIAL)
     if not (staying or called) or not good:
         return plain
-    return _Answer(finding, staying, _told(finding, staying, answered(case, finding, progress)))
+    return _Answer(finding, staying, _told(finding, staying, laws, answered(case, finding, progress)))
 
 
 def _judged_from(
@@ -236,7 +236,7 @@ def _with_tables(case: SplitProblem, plain: _Answer, progress: Progress) -> _Ans
     staying = tuple(law for law in (*plain.laws, *laws) if law.name in wider.names)
     if not {law.name for law in laws}.intersection(wider.names) or not _better(wider, plain.diagnosis):
         return plain
-    told = _told(wider, staying, answered(case, wider, progress))
+    told = _told(wider, staying, (*plain.laws, *laws), answered(case, wider, progress))
     told = replace(told, after=gains_widened(told.after, [plain.diagnosis.after]))
     judged_before = {verdict.effect for verdict in told.ranking}
     others = tuple(verdict for verdict in plain.diagnosis.ranking if verdict.effect not in judged_before)
@@ -269,9 +269,13 @@ def _better(finding: SearchResult, plain: Diagnosis, by: float = MATERIAL) -> bo
     return error is not None and error < (1.0 - by) * plain.unexplained.error
 
 
-def _told(finding: SearchResult, laws: Sequence[Law], diagnosis: Diagnosis) -> Diagnosis:
-    """The laws as what was discovered, and the catalogue's names as what is missing."""
-    names = {law.name for law in laws}
+def _told(
+    finding: SearchResult, laws: Sequence[Law], tried: Sequence[Law], diagnosis: Diagnosis
+) -> Diagnosis:
+    """The laws as what was discovered, and the catalogue's names as what is missing. tried: laws that competed."""
+    names = {law.name: () for law in tried} | {
+        law.name: tuple(place.name for place in law.places if _stays_at(finding, law, place)) for law in laws
+    }
     ranking = tuple(_without(verdict, names) for verdict in diagnosis.ranking if verdict.effect not in names)
     ranking = doubted(finding, laws, ranking, diagnosis.unexplained)
     return replace(
@@ -292,16 +296,20 @@ def _stays_at(finding: SearchResult, law: Law, place: Place) -> bool:
     return place.name in finding.after.effect_parameters[law.name]
 
 
-def _without(verdict: EffectVerdict, laws: set[str]) -> EffectVerdict:
-    """A verdict that names effects of the catalogue alone."""
-    left = tuple(name for name in verdict.alternatives if name not in laws)
-    if left == verdict.alternatives:
-        return verdict
-    if verdict.verdict == "indistinguishable" and not left:
-        return replace(
-            verdict, alternatives=left, verdict="resembles" if verdict.actuators else "not supported"
-        )
-    return replace(verdict, alternatives=left)
+def _without(verdict: EffectVerdict, laws: Mapping[str, Sequence[str]]) -> EffectVerdict:
+    """A verdict that names effects of the catalogue alone. laws: by name the motors at which they stay.
+
+    Indistinguishable is what has an alternative of the catalogue. An effect that does as well as laws alone resembles
+    what they say; a found one for which nothing but a law could stand is as sure as it is without that.
+    """
+    others = tuple(name for name in verdict.alternatives if name not in laws)
+    if others or not verdict.alternatives:
+        return replace(verdict, alternatives=others)
+    if verdict.why.because is Because.AS_GOOD:
+        places = dict.fromkeys(place for name in verdict.alternatives for place in laws[name])
+        why = Reason(Because.AS_GOOD_AS_A_LAW, tuple(places), verdict.why.doubts)
+        return replace(verdict, alternatives=(), verdict="resembles", why=why)
+    return replace(verdict, alternatives=(), verdict="resembles" if verdict.why.doubts else "missing")
 
 
 def _discovered(finding: SearchResult, law: Law, i: int) -> Discovered:

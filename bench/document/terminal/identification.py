@@ -96,7 +96,7 @@ def sentences_list(sentences: Sequence[str], style: str = "") -> Grid:
     grid.add_column(style=style)
     grid.add_column()
     for sentence in sentences:
-        grid.add_row("•", sentence)
+        grid.add_row("•", Text(sentence))
     return grid
 
 
@@ -106,7 +106,7 @@ def _groupings(result: Identification) -> Grid:
     grid.add_column(no_wrap=True)
     grid.add_column(overflow="fold", style="dim")
     for parameter in result.parameters:
-        grid.add_row(parameter.name, parameter.grouping)
+        grid.add_row(Text(parameter.name), Text(parameter.grouping))
     return grid
 
 

@@ -7,6 +7,7 @@ from typing import Literal
 import rich.table
 from rich import box
 from rich.cells import cell_len
+from rich.text import Text
 
 from bench.document.numbers import GIVEN, quantity_parts, rounded_terms
 from bench.document.table import RIGHT, Column, Table
@@ -54,7 +55,7 @@ class Fit:
 def fit_strips(strips: Sequence[Strip], width: int, gaps: Sequence[int] = GAPS) -> Fit:
     """Narrow the gaps, then leave out strips of the highest rank, until all fit into `width`."""
     fitting = list(strips)
-    while True:
+    while fitting:
         total = sum(strip.width for strip in fitting)
         gap = next((gap for gap in gaps if total + gap * (len(fitting) - 1) <= width), gaps[-1])
         room = width - total - gap * (len(fitting) - 1)
@@ -62,6 +63,7 @@ def fit_strips(strips: Sequence[Strip], width: int, gaps: Sequence[int] = GAPS) 
         if room >= 0 or last.rank == 0:
             return Fit(tuple(fitting), gap, room)
         fitting = [strip for strip in fitting if strip.rank < last.rank]
+    return Fit((), gaps[0], width)
 
 
 def printed(table: Table, width: int = WIDTH) -> rich.table.Table:
@@ -92,16 +94,18 @@ def _rich(fit: Fit, table: Table) -> rich.table.Table:
         header_style="dim",
         show_edge=False,
     )
+    if not fit.strips:
+        return grid
     folds = any(strip.folds for strip in fit.strips)
     for strip in fit.strips:
         whole = fit.room >= 0 or (folds and not strip.folds)
         grid.add_column(
-            strip.header, justify=strip.justify, style=strip.style, no_wrap=whole, overflow="fold"
+            Text(strip.header), justify=strip.justify, style=strip.style, no_wrap=whole, overflow="fold"
         )
     for row, (mark, *cells) in enumerate(
         zip(table.mark_of_rows, *(part.cells for part in fit.strips), strict=True)
     ):
-        grid.add_row(*cells, style=STYLES[mark], end_section=row in table.ends)
+        grid.add_row(*map(Text, cells), style=STYLES[mark], end_section=row in table.ends)
     return grid
 
 
@@ -133,7 +137,7 @@ def _aligned(column: Column) -> list[str]:
 
 def bar(share: float, length: int) -> str:
     """A bar of a share between 0 and 1 of `length` columns, to an eighth of a column; never quite empty."""
-    eighths = max(round(8 * length * min(share, 1.0)), 1)
+    eighths = max(round(8 * length * min(share, 1.0)), 1) if share > 0.0 else 1  # nor of what is no number
     return "█" * (eighths // 8) + EIGHTHS[eighths % 8].strip()
 
 

@@ -91,7 +91,7 @@ class Discrimination:
     @property
     def growth(self) -> float:
         """By which share the wrong model's error is the larger, over given data not fitted and the new motion."""
-        if self.motion is None:
+        if self.motion is None or not self.questions:
             return 0.0
         shares = [
             2.0 * answer.nats * answer.memory / (self.judged_rows + answer.count)
@@ -102,7 +102,7 @@ class Discrimination:
     @property
     def given_tells(self) -> bool:
         """Whether the given data are enough already."""
-        if self.motion is None or self.judged_rows == 0:
+        if self.motion is None or not self.questions or self.judged_rows == 0:
             return False
         pairs = list(zip(self.given.values(), self.motion.answers, strict=True))
         shares = [2.0 * nats * answer.memory / self.judged_rows for nats, answer in pairs]

@@ -73,7 +73,7 @@ def _answer(found: Discrimination) -> list[str]:
             f"If one of them is suspected all the same, bring it out first: {or_list(telling_motions(_names(found)))}."
         )
         return lines
-    if max(found.shown.values()) < NEEDED:
+    if max(found.shown.values(), default=0.0) < NEEDED:
         lines.append(
             "Neither effect shows for sure in these data: what follows is for effects as small as those fitted to them."
         )

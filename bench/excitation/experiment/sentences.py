@@ -53,9 +53,10 @@ def _compared(plan: ExperimentPlan, told: Forecast) -> list[str]:
         return ["Not all that was asked for can be determined: motions are compared where it can."]
     if plan.random:
         what = "worst relative standard error" if worst else "mean axis of the error ellipsoid"
+        better = f"{plan.random['median'] / plan.value:.2g} times better than" if plan.value else "against"
         lines.append(
             f"The {what} of what was asked for is {in_percent(expected, 2)}. By all samples, those near standstill "
-            f"included, it is {in_percent(plan.value, 2)}: {plan.random['median'] / plan.value:.2g} times better than "
+            f"included, it is {in_percent(plan.value, 2)}: {better} "
             f"the median of {RANDOM} random motions inside the same limits ({in_percent(plan.random['median'], 2)}, "
             f"the best of them {in_percent(plan.random['best'], 2)})."
         )

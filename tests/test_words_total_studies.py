@@ -1,0 +1,91 @@
+"""Every code of a check, a comparison, a plan and a replay is rendered with all values that its type admits."""
+
+import json
+from types import SimpleNamespace
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from bench.excitation.discrimination.sentences import next_step
+from bench.excitation.discrimination.sentences import sentences as discriminated
+from bench.excitation.experiment.forecast import ForecastCode, ForecastNote
+from bench.excitation.experiment.proof_words import limit_in_words
+from bench.excitation.experiment.sentences import note_sentence
+from bench.excitation.experiment.sentences import sentences as planned
+from bench.export.replay.words import replay_sentences
+from bench.residuals.as_json import where_json
+from bench.residuals.words import overlapping, where_sentences, whole_alike, whole_sentences
+from bench.robot_check.outcome import CheckCode
+from bench.robot_check.words import detail_of, name_of, nearest_singularity
+from tests.any_studies import (
+    checks_of,
+    discriminations,
+    failures,
+    few,
+    forecasts,
+    plans_of,
+    singularities,
+    unproven,
+)
+from tests.any_values import EXAMPLE, often, rarely, sizes
+
+
+@pytest.mark.parametrize("code", list(CheckCode))
+@rarely
+@given(data=st.data())
+def test_checks_of_a_robot(code, data):
+    check = data.draw(checks_of(code))
+    assert name_of(check)
+    assert isinstance(detail_of(check), str)
+
+
+@often
+@given(singularities)
+def test_singularities(singularity):
+    assert nearest_singularity(singularity)
+
+
+@often
+@given(failures)
+def test_where_a_model_fails(where):
+    assert len(where_sentences(where)) >= len(where.motors)
+    assert isinstance(overlapping(where), str)
+    json.dumps(where_json(where), allow_nan=False)
+    for motor in where.motors:
+        assert all(line.endswith(".") for line in (*whole_sentences(motor), *whole_alike(motor)))
+
+
+@pytest.mark.parametrize("code", list(ForecastCode))
+@rarely
+@given(subjects=few)
+def test_notes_on_a_forecast(code, subjects):
+    assert note_sentence(ForecastNote(code, subjects))
+
+
+@often
+@given(st.data())
+def test_plans(data):
+    told = data.draw(forecasts)
+    assert planned(data.draw(plans_of(told)), told)
+
+
+@often
+@given(unproven)
+def test_what_is_not_proven(limit):
+    assert limit_in_words(limit)
+
+
+@often
+@given(discriminations())
+def test_two_effects_told_apart(found):
+    assert discriminated(found)
+    next_step(found, "bench diagnose DATASET", "folder")
+
+
+@often
+@given(few, sizes, st.booleans())
+def test_replays(left_out, opened, with_recordings):
+    side = SimpleNamespace(recordings=EXAMPLE.recordings if with_recordings else ())
+    result = SimpleNamespace(twin=side, model=side, left_out=left_out, opened=opened)
+    assert all(replay_sentences(result))
