@@ -2,8 +2,8 @@
 
 The fit opens its filters as wide as the currents need (`bench.signals.settings`), and the noise of the encoders'
 accelerations that they then let through grows with the power 5/2 of the band. A narrow peak of the current, as near a
-singular pose, therefore costs more than it tells: the errors of encoders, and of the time steps of a simulation, grow past
-the noise of the currents.
+singular pose, therefore costs more than it tells: the errors of encoders, and of the time steps of a simulation, grow
+past the noise of the currents.
 """
 
 import numpy as np
@@ -12,9 +12,12 @@ from bench.scenario.trajectory import FourierTrajectory
 from bench.signals.settings import CURRENT_LOSS
 
 HIGHEST = 3.0  # times a motion's highest harmonic: products of two rates have twice that, a pose that varies once more
+ROUNDING = 1e-18  # of the power of a current with its mean: one that varies by less does not vary
 
 
-def current_above(current: np.ndarray, rate: float, trajectory: FourierTrajectory) -> tuple[np.ndarray, np.ndarray]:
+def current_above(
+    current: np.ndarray, rate: float, trajectory: FourierTrajectory
+) -> tuple[np.ndarray, np.ndarray]:
     """Currents or torques (N, n) about their mean, at a rate in Hz, in Hann's window, and what of them lies above
     `HIGHEST` times the highest harmonic, (N, n) each.
     """
@@ -32,7 +35,8 @@ def band_shares(current: np.ndarray, rate: float, trajectory: FourierTrajectory)
     """
     whole, above = current_above(current, rate, trajectory)
     power = (whole**2).sum(axis=0)
-    return np.asarray(np.sqrt((above**2).sum(axis=0) / (CURRENT_LOSS * np.where(power > 0.0, power, 1.0))))
+    allowed = CURRENT_LOSS * np.where(power > ROUNDING * (current**2).sum(axis=0), power, np.inf)
+    return np.asarray(np.sqrt((above**2).sum(axis=0) / allowed))
 
 
 def hann(length: int) -> np.ndarray:

@@ -235,9 +235,7 @@ def _condition(tried: Mapping[str, _Tried], movements: Sequence[Movement]) -> fl
     return float(singular[0] / singular[-1]) if singular[-1] > 0 else np.inf
 
 
-def _rows(
-    model: IdentificationModel, movement: Movement, motion: Motion
-) -> tuple[np.ndarray, np.ndarray]:
+def _rows(model: IdentificationModel, movement: Movement, motion: Motion) -> tuple[np.ndarray, np.ndarray]:
     """Rows (N n, c) and torques (N, n) of bodies as guessed. Columns: base parameters, drive gains, and (where it has
     any) the payload's unknown parameters.
     """

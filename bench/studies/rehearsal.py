@@ -26,8 +26,8 @@ class Refused:
 
 @dataclass(frozen=True)
 class Rehearsal:
-    """drive: for the scenario; runs: whether every recording of it was simulated to its end; refused: what was tried before,
-    in turn, and, where nothing runs, `drive` as the last.
+    """drive: for the scenario; runs: whether every recording of it was simulated to its end; refused: the drives that
+    were tried before it, or all where none runs.
     """
 
     drive: SimulatedDrive
@@ -38,8 +38,8 @@ class Rehearsal:
 def rehearse(
     plan: ExperimentPlan, drives: Sequence[SimulatedDrive] = DRIVES, progress: Progress = SILENT
 ) -> Rehearsal:
-    """The first of the drives with which all recordings of a plan can be simulated, every payload included; the first of all
-    where there is none.
+    """The first of the drives with which all recordings of a plan, of every payload, can be simulated; the first of all
+    where none can.
     """
     refused: list[Refused] = []
     for drive in drives:

@@ -10,9 +10,8 @@ def rehearsal_sentence(rehearsal: Rehearsal) -> str:
         return ""
     if rehearsal.runs:
         first = rehearsal.refused[0]
-        return (
-            f"The scenario simulates {_described(rehearsal.drive)}, since {_described(first.drive)} fails: {first.why}."
-        )
+        taken, other = _described(rehearsal.drive), _described(first.drive)
+        return f"The scenario simulates {taken}, since {other} fails: {first.why}."
     last = rehearsal.refused[-1]
     return f"The scenario cannot be simulated. With {_described(last.drive)}, the last that was tried: {last.why}."
 

@@ -43,8 +43,8 @@ def write_plan(
 ) -> list[Path]:
     """Write the folder, whole or not at all, and tell its files; one that an earlier call wrote is replaced.
 
-    drawn: pictures and recordings by file name, and what writes each. drive: of the scenario. Raises BenchError if the folder holds anything
-    else, or cannot be written.
+    drawn: pictures and recordings by file name, and what writes each. drive: of the scenario. Raises BenchError if the
+    folder holds anything else, or cannot be written.
     """
     check_folder(folder)
     with whole_folder(folder) as partial:
@@ -105,9 +105,7 @@ def plan_json(plan: ExperimentPlan, told: Forecast) -> dict[str, Any]:
             "mass": told.enough.mass,
         },
         "assumed": list(plan.room.assumed),
-        "reach": {
-            recording.name: _limits(plan, recording.trajectory) for recording in plan.recordings
-        },
+        "reach": {recording.name: _limits(plan, recording.trajectory) for recording in plan.recordings},
         "proofs": {
             recording.name: {
                 "intervals": recording.proven.proof.intervals,
@@ -157,7 +155,7 @@ def _coefficients(plan: ExperimentPlan, trajectory: FourierTrajectory) -> str:
 
 
 def scenario_text(plan: ExperimentPlan, drive: SimulatedDrive = FIRST) -> str:
-    """A scenario for `bench simulate`: the motions to identify from, and those to judge on, on a machine with this drive."""
+    """A scenario for `bench simulate`: the motions to fit and those to judge on, of a machine with this drive."""
     robot = plan.robot
     reference = robot.name if built_in_robots().get(robot.name) == robot.folder else str(robot.folder)
     lines = [

@@ -272,7 +272,9 @@ def _of_bands(
     near = np.flatnonzero(values > NEAR)
     here = told.shown.current[:, near]
     whole, above = current_above(here, rate, trajectory)
-    of_logarithm = hann(len(here))[:, None] * (above / (above**2).sum(axis=0) - whole / (whole**2).sum(axis=0))
+    of_logarithm = hann(len(here))[:, None] * (
+        above / (above**2).sum(axis=0) - whole / (whole**2).sum(axis=0)
+    )
     of_logarithm -= of_logarithm.mean(axis=0)  # of currents about their mean
     slopes = np.zeros((len(near), *sizes.shape))
     for order in range(3):

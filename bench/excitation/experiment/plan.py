@@ -75,7 +75,7 @@ WHOLE = Aim()
 
 @dataclass(frozen=True)
 class PlannedRecording:
-    """A recording to make: what it is for, its payload or None, its motion with the proof that this keeps all limits."""
+    """A recording to make: what it is for, its payload or None, its motion and the proof that this keeps all limits."""
 
     name: str
     use: Use

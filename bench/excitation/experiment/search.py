@@ -17,7 +17,9 @@ from bench.model.motion import Motion, motion_of
 from bench.scenario.trajectory import FourierTrajectory, random_trajectory
 
 RANDOM = 50  # motions at random; the best few of them are improved
-CHECKS = 5  # motions at random to judge on, of which the best is taken: a fit is judged where the robot moves well
+CHECKS = (
+    5  # motions at random to judge on, of which the best is taken: a fit is judged where the robot moves well
+)
 TRIES = 20  # of a random motion, until one keeps the limits at some size
 SHRINK = 0.9
 MOST_SHRINKS = 40

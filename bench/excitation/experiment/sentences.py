@@ -118,7 +118,9 @@ def _proven(plan: ExperimentPlan) -> str:
     for recording in plan.recordings:
         name, given_way = recording.name, recording.proven.given_way
         if given_way:
-            told += f" {name[0].upper()}{name[1:]} was made smaller for it, by {limit_in_words(given_way[0])}."
+            told += (
+                f" {name[0].upper()}{name[1:]} was made smaller for it, by {limit_in_words(given_way[0])}."
+            )
     return told
 
 

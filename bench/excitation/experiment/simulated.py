@@ -27,6 +27,6 @@ DRIVES = (
     SimulatedDrive(10.0, 0.0001),
     SimulatedDrive(5.0, 0.00005),
 )
-"""What is tried, in turn. A controller that is stiff for the inertia at home is too stiff where the robot is lighter, as where
-its motors hardly move a heavy tool: explicit steps diverge there unless it is softer, or they are shorter. Coarse steps come
-first, since a simulation takes as long as it has steps."""
+"""What is tried, in turn. A controller that is stiff for the inertia at home is too stiff where the robot is lighter:
+explicit steps diverge in a pose in which its motors hardly move a heavy tool, unless it is softer or they are shorter.
+Coarse steps come first, since the time of a simulation grows with their number."""
