@@ -197,13 +197,36 @@ def test_effects_that_nothing_tells_apart_are_named():
 
 
 def test_the_scenario_is_one(arm, tmp_path):
-    for name, one in zip(arm.names, arm.motions, strict=True):
+    for one in arm.recordings:
         lines = [f"{key} = {value!r}" for key, value in one.trajectory.to_dict().items()]
-        (tmp_path / f"{name}.toml").write_text("\n".join(lines))
+        (tmp_path / f"{one.name}.toml").write_text("\n".join(lines))
     (tmp_path / "scenario.toml").write_text(scenario_text(arm))
     scenario = load_scenario(tmp_path / "scenario.toml")
     found = resolve_trajectories(scenario)
-    assert found["loaded_check"] == arm.motions[1].trajectory
+    assert found == {one.name: one.trajectory for one in arm.recordings}
+    uses = {one.name: (one.use, one.payload) for one in scenario.settings.recordings}
+    assert uses == {
+        "unloaded": ("identify", None),
+        "loaded": ("identify", "payload"),
+        "unloaded_check": ("validate", None),
+        "loaded_check": ("validate", "payload"),
+    }
+
+
+def test_motions_to_judge_on_are_others_inside_the_same_limits(arm):
+    fitted, judged = arm.recordings[:2], arm.recordings[2:]
+    time = np.linspace(0.0, 6.0, 20_001)
+    for one in judged:
+        states = one.trajectory.evaluate(time)
+        for other in fitted:
+            moved = states[0] - arm.room.home, other.trajectory.evaluate(time)[0] - arm.room.home
+            alike = np.sum(moved[0] * moved[1], axis=0) / np.prod(np.linalg.norm(moved, axis=1), axis=0)
+            assert np.all(np.abs(alike) < 0.9)
+        assert np.ptp(states[0], axis=0).min() > 0.2
+        assert np.all(states[0] >= arm.room.joint.low - 1e-9)
+        assert np.all(states[0] <= arm.room.joint.high + 1e-9)
+        assert np.abs(states[1]).max() <= 4.0 + 1e-8
+        assert np.abs(states[2]).max() <= 40.0 + 1e-7
 
 
 def test_the_command_writes_everything(tmp_path, capsys):
@@ -222,6 +245,14 @@ def test_the_command_writes_everything(tmp_path, capsys):
     for row in (rows[0], rows[-1]):
         assert [float(row["position.shoulder"]), float(row["position.elbow"])] == pytest.approx(home)
         assert float(row["velocity.elbow"]) == pytest.approx(0.0, abs=1e-12)
+    assert [(name, one["use"]) for name, one in answer["recordings"].items()] == [
+        ("unloaded", "identify"),
+        ("loaded", "identify"),
+        ("unloaded_check", "validate"),
+        ("loaded_check", "validate"),
+    ]
+    assert (folder / "loaded_check.csv").read_text() != (folder / "loaded.csv").read_text()
+    assert "--name loaded_check.csv --use validate --payload payload" in (folder / "README.md").read_text()
     assert (folder / "motions.png").stat().st_size > 10_000
     assert (folder / "motions.rrd").stat().st_size > 10_000
     assert capsys.readouterr().out == ""

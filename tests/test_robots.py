@@ -12,6 +12,7 @@ from bench.dataset.robot import load_robot
 
 ROBOTS = tuple(built_in_robots())
 LOOPS = {
+    "crank_slide": 2,
     "delta": 6,
     "dualv": 3,
     "emps": 0,
@@ -25,6 +26,7 @@ LOOPS = {
 }
 COUPLINGS = {"wrist": 3}
 TREE_DOF = {
+    "crank_slide": 6,
     "delta": 21,
     "dualv": 9,
     "emps": 1,

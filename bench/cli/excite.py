@@ -107,15 +107,19 @@ def excite(
         from bench.effects import catalogue_for
         from bench.excitation.experiment.after import plan_after
         from bench.excitation.experiment.figure import write_plan_figure
-        from bench.excitation.experiment.files import PICTURE, VIEW, check_folder, write_plan
+        from bench.excitation.experiment.files import PICTURE, SCENARIO, VIEW, check_folder, write_plan
         from bench.excitation.experiment.forecast import forecast
         from bench.excitation.experiment.plan import WHOLE, Aim, ExperimentPlan, plan_experiment
         from bench.excitation.experiment.request_file import asked_table
         from bench.excitation.experiment.sentences import sentences
         from bench.identification.problem import problem_of
+        from bench.studies.rehearsal import rehearse
+        from bench.studies.rehearsal_words import rehearsal_sentence
+        from bench.truth.timers import stop_step_timers
         from bench.viewer.planned import write_planned_rrd
 
         check_folder(output)
+        stop_step_timers()
         aim = Aim(wanted or WHOLE.wanted, **search)
         table, described = asked_table(limits, options), load_robot(robot)
         if after is None:
@@ -131,15 +135,18 @@ def excite(
             plan = plan_after(problem, table, aim, progress=progress)
         progress.phase("forecasting the standard errors")
         told = forecast(plan, gain_accuracy)
+        rehearsal = rehearse(plan, progress=progress)
         progress.phase("writing the motions")
 
         def view(path: Path, plan: ExperimentPlan) -> None:
             motions = {recording.name: recording.trajectory for recording in plan.recordings}
             write_planned_rrd(path, plan.robot, motions)
 
-        write_plan(output, plan, told, {PICTURE: write_plan_figure, VIEW: view})
-    for sentence in sentences(plan, told):
-        click.echo(sentence)
+        write_plan(output, plan, told, {PICTURE: write_plan_figure, VIEW: view}, rehearsal.drive)
+    for sentence in [*sentences(plan, told), rehearsal_sentence(rehearsal)]:
+        if sentence:
+            click.echo(sentence)
     say([wrote(output, "tables, coefficients, scenario, pictures, forecast")])
-    folder = output.with_name(f"{output.resolve().name}.data")
-    say([next_line(["simulate", output / "scenario.toml", "-o", folder], "tries it in simulation")])
+    if rehearsal.runs:
+        folder = output.with_name(f"{output.resolve().name}.data")
+        say([next_line(["simulate", output / SCENARIO, "-o", folder], "tries it in simulation")])

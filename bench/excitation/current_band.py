@@ -12,6 +12,7 @@ from bench.scenario.trajectory import FourierTrajectory
 from bench.signals.settings import CURRENT_LOSS
 
 HIGHEST = 3.0  # times a motion's highest harmonic: products of two rates have twice that, a pose that varies once more
+ROUNDING = 1e-18  # of the power of a current with its mean: one that varies by less does not vary
 
 
 def current_above(
@@ -34,7 +35,8 @@ def band_shares(current: np.ndarray, rate: float, trajectory: FourierTrajectory)
     """
     whole, above = current_above(current, rate, trajectory)
     power = (whole**2).sum(axis=0)
-    return np.asarray(np.sqrt((above**2).sum(axis=0) / (CURRENT_LOSS * np.where(power > 0.0, power, 1.0))))
+    allowed = CURRENT_LOSS * np.where(power > ROUNDING * (current**2).sum(axis=0), power, np.inf)
+    return np.asarray(np.sqrt((above**2).sum(axis=0) / allowed))
 
 
 def hann(length: int) -> np.ndarray:

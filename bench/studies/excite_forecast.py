@@ -1,6 +1,5 @@
 """Do forecasts of `bench excite` come true? The planned motions on the simulated machine, with noise ever anew."""
 
-import tomllib
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -9,14 +8,14 @@ from scipy.stats import chi2
 from bench.basics.errors import BenchError
 from bench.basics.progress import SILENT, Progress
 from bench.dataset.dataset import Dataset
-from bench.excitation.experiment.files import scenario_text
 from bench.excitation.experiment.forecast import Forecast, described
 from bench.excitation.experiment.plan import ExperimentPlan
 from bench.identification.identify import identify
 from bench.identification.prepare import Prepared, prepare
 from bench.identification.problem import problem_of
-from bench.scenario.scenario import Scenario, scenario_from_dict
+from bench.scenario.scenario import Scenario
 from bench.studies.logged_again import with_other_currents
+from bench.studies.rehearsal import scenario_of
 from bench.truth.dataset import as_dataset
 from bench.truth.resense import sense_again
 from bench.truth.simulate import simulate
@@ -113,13 +112,9 @@ def _independent(estimates: np.ndarray) -> float:
 
 def planned_scenario(plan: ExperimentPlan, seed: int) -> Scenario:
     """The experiment as a scenario, without the recordings that only check."""
-    content = tomllib.loads(scenario_text(plan))
-    content["seed"] = seed
-    content["recordings"] = [entry for entry in content["recordings"] if entry["use"] == "identify"]
-    for recording, motion in zip(content["recordings"], plan.motions, strict=True):
-        del recording["trajectory_file"]
-        recording["trajectory"] = motion.trajectory.to_dict()
-    return scenario_from_dict(content, f"{plan.robot.name}_planned", robot=plan.robot)
+    whole = scenario_of(plan)
+    fitted = tuple(recording for recording in whole.settings.recordings if recording.use == "identify")
+    return _seeded(replace(whole, settings=whole.settings.model_copy(update={"recordings": fitted})), seed)
 
 
 def _seeded(scenario: Scenario, seed: int) -> Scenario:

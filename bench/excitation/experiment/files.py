@@ -19,6 +19,7 @@ from bench.excitation.experiment.between_samples import extremes
 from bench.excitation.experiment.forecast import Forecast
 from bench.excitation.experiment.plan import ExperimentPlan
 from bench.excitation.experiment.sentences import sentences
+from bench.excitation.experiment.simulated import FIRST, SimulatedDrive
 from bench.identification.wording import in_percent
 from bench.scenario.trajectory import FourierTrajectory
 
@@ -30,18 +31,20 @@ ANSWER, SCENARIO, SUMMARY, PICTURE, VIEW = (
     "motions.rrd",
 )
 
-STIFF = 30.0  # Hz: of the simulated controller
-
 Draw = Callable[[Path, ExperimentPlan], None]
 
 
 def write_plan(
-    folder: str | Path, plan: ExperimentPlan, told: Forecast, drawn: Mapping[str, Draw]
+    folder: str | Path,
+    plan: ExperimentPlan,
+    told: Forecast,
+    drawn: Mapping[str, Draw],
+    drive: SimulatedDrive = FIRST,
 ) -> list[Path]:
     """Write the folder, whole or not at all, and tell its files; one that an earlier call wrote is replaced.
 
-    drawn: pictures and recordings by file name, and what writes each. Raises BenchError if the folder holds anything
-    else, or cannot be written.
+    drawn: pictures and recordings by file name, and what writes each. drive: of the scenario. Raises BenchError if the
+    folder holds anything else, or cannot be written.
     """
     check_folder(folder)
     with whole_folder(folder) as partial:
@@ -51,7 +54,7 @@ def write_plan(
             write_text_atomically(
                 partial / f"{recording.name}.toml", _coefficients(plan, recording.trajectory)
             )
-        write_text_atomically(partial / SCENARIO, scenario_text(plan))
+        write_text_atomically(partial / SCENARIO, scenario_text(plan, drive))
         for file, draw in drawn.items():
             draw(partial / file, plan)
         write_text_atomically(partial / SUMMARY, _readme(plan, told, tuple(drawn)))
@@ -151,8 +154,8 @@ def _coefficients(plan: ExperimentPlan, trajectory: FourierTrajectory) -> str:
     return "\n".join(lines) + "\n"
 
 
-def scenario_text(plan: ExperimentPlan) -> str:
-    """A scenario that `bench simulate` runs: the motions to identify from, and those to judge on."""
+def scenario_text(plan: ExperimentPlan, drive: SimulatedDrive = FIRST) -> str:
+    """A scenario for `bench simulate`: the motions to fit and those to judge on, of a machine with this drive."""
     robot = plan.robot
     reference = robot.name if built_in_robots().get(robot.name) == robot.folder else str(robot.folder)
     lines = [
@@ -160,9 +163,10 @@ def scenario_text(plan: ExperimentPlan) -> str:
         toml_line("robot", reference),
         toml_line("seed", plan.aim.seed),
         toml_line("log_rate", plan.nominal.noise.rate),
+        toml_line("step", drive.step_at(plan.nominal.noise.rate)),
         "",
         "[controller]  # stiff, so that the motion is the planned one",
-        toml_line("natural_frequency", STIFF),
+        toml_line("natural_frequency", drive.natural_frequency),
         toml_line("feedforward", "acceleration"),
         "",
         "[sensors]",

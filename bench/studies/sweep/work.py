@@ -6,7 +6,6 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
-import mujoco
 import numpy as np
 
 from bench.basics.errors import BenchError
@@ -28,6 +27,7 @@ from bench.truth.dataset import as_dataset
 from bench.truth.resense import sense_again
 from bench.truth.simulate import Simulation, simulate
 from bench.truth.timers import stop_step_timers
+from bench.truth.unwarned import unwarned
 
 Trajectories = Mapping[str, FourierTrajectory]
 OK, FAILED = "ok", "failed"
@@ -152,17 +152,9 @@ def _scenario(run: Run, content: Mapping[str, Any]) -> Scenario:
 
 def _simulated(run: Run, trajectories: Trajectories) -> Simulation:
     content = with_sized_effect(run.content, run.base, trajectories)
-    before = mujoco.get_mju_user_warning()
-    mujoco.set_mju_user_warning(_left_to_the_reason)
-    try:
+    with unwarned():
         stop_step_timers()
         return simulate(_scenario(run, content), trajectories, threads=1)
-    finally:
-        mujoco.set_mju_user_warning(before)
-
-
-def _left_to_the_reason(_: str) -> None:
-    """In place of MuJoCo's warning, which goes to the screen and to a file MUJOCO_LOG.TXT: the row tells it."""
 
 
 def _filters(scenario: Scenario) -> dict[str, Any]:

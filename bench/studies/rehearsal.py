@@ -1,0 +1,62 @@
+"""A planned experiment on the simulated machine, before its scenario is written: a drive with which it runs."""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from bench.basics.errors import BenchError
+from bench.basics.progress import SILENT, Progress
+from bench.excitation.experiment.files import scenario_text
+from bench.excitation.experiment.plan import ExperimentPlan
+from bench.excitation.experiment.simulated import DRIVES, FIRST, SimulatedDrive
+from bench.scenario.scenario import Scenario, scenario_from_dict
+from bench.truth.simulate import simulate
+from bench.truth.unwarned import unwarned
+
+
+@dataclass(frozen=True)
+class Refused:
+    """A drive with which a planned scenario does not run, and why."""
+
+    drive: SimulatedDrive
+    why: str
+
+
+@dataclass(frozen=True)
+class Rehearsal:
+    """drive: for the scenario; runs: whether every recording of it was simulated to its end; refused: the drives that
+    were tried before it, or all where none runs.
+    """
+
+    drive: SimulatedDrive
+    runs: bool
+    refused: tuple[Refused, ...]
+
+
+def rehearse(
+    plan: ExperimentPlan, drives: Sequence[SimulatedDrive] = DRIVES, progress: Progress = SILENT
+) -> Rehearsal:
+    """The first of the drives with which all recordings of a plan, of every payload, can be simulated; the first of all
+    where none can.
+    """
+    refused: list[Refused] = []
+    for drive in drives:
+        try:
+            with unwarned():
+                simulate(scenario_of(plan, drive), progress=progress)
+        except BenchError as error:
+            refused.append(Refused(drive, str(error)))
+        else:
+            return Rehearsal(drive, True, tuple(refused))
+    return Rehearsal(drives[0], False, tuple(refused))
+
+
+def scenario_of(plan: ExperimentPlan, drive: SimulatedDrive = FIRST) -> Scenario:
+    """The scenario that is written for a plan, with its motions in it."""
+    content = tomllib.loads(scenario_text(plan, drive))
+    for entry, recording in zip(content["recordings"], plan.recordings, strict=True):
+        del entry["trajectory_file"]
+        entry["trajectory"] = recording.trajectory.to_dict()
+    return scenario_from_dict(content, f"{plan.robot.name}_planned", robot=plan.robot)

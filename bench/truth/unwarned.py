@@ -1,0 +1,21 @@
+"""MuJoCo without warnings of its own."""
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+import mujoco
+
+
+@contextmanager
+def unwarned() -> Iterator[None]:
+    """No warning goes to the screen and to a file MUJOCO_LOG.TXT: the error that `simulate` raises says it."""
+    before = mujoco.get_mju_user_warning()
+    mujoco.set_mju_user_warning(_left_to_the_error)
+    try:
+        yield
+    finally:
+        mujoco.set_mju_user_warning(before)
+
+
+def _left_to_the_error(_: str) -> None:
+    pass
