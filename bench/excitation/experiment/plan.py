@@ -78,11 +78,7 @@ WHOLE = Aim()
 
 @dataclass(frozen=True)
 class PlannedRecording:
-<<<<<<< HEAD
     """A recording to make: what it is for, its payload or None, its motion with the proof that it keeps all limits."""
-=======
-    """A recording to make: what it is for, its payload or None, its motion and the proof that this keeps all limits."""
->>>>>>> w-plans
 
     name: str
     use: Use
