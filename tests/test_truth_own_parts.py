@@ -4,6 +4,7 @@ import mujoco
 import numpy as np
 import pytest
 
+from bench.export.mjcf_actuators import DrivenJoint, set_motors
 from bench.scenario.scenario import load_scenario
 from bench.truth.machine import build_machine
 from bench.truth.simulate import simulate
@@ -188,3 +189,14 @@ def test_settings_for_the_masses_of_the_file_are_for_its_own_bodies(scenario, se
     assert len(rotors) == 2
     assert bare.body_mass[rotors].max() < 1e-5
     assert bare.body_inertia[rotors].max() < 1e-5
+
+
+def test_nor_the_motors_that_an_export_adds():
+    spec = mujoco.MjSpec.from_string(MJCF.format(nasty=NASTY, own=OWN, compiler="", option=""))
+    (motor,) = set_motors(spec, spec.compile(), [DrivenJoint("crank", 2.0, 0.5)], [])
+    model = spec.compile()
+    added = model.actuator(motor.name)
+    assert (added.gainprm[0], added.biasprm[:3].tolist(), added.gear[0]) == (2.0, [-0.5, 0.0, 0.0], 1.0)
+    limits = (model.actuator_ctrllimited, model.actuator_forcelimited, model.actuator_actlimited)
+    assert not any(limited[added.id] for limited in limits)
+    assert not model.actuator_armature[added.id]
