@@ -41,12 +41,12 @@ def held(dataset, joint, uses):
 
 
 @pytest.mark.parametrize("method", ["current", "robust", "iv", "wls", "ls"])
-def test_its_gain_stays_nominal_and_is_not_determined(dataset, method):
+def test_its_gain_stays_nominal_and_is_not_fitted(dataset, method):
     result = identify(held(dataset, 1, ("identify", "validate")), method=method)
     gain = result.drive_gains["elbow"]
-    assert (gain.value, gain.std, gain.determined) == (gain.nominal, math.inf, False)
+    assert (gain.value, gain.fitted) == (gain.nominal, False)
     assert Finding(Code.STANDS_STILL, ("elbow",)) in result.findings
-    assert result.drive_gains["shoulder"].determined
+    assert result.drive_gains["shoulder"].fitted
     assert not periods_not_whole(result)
 
 
@@ -65,6 +65,6 @@ def test_an_effect_that_is_asked_for_there_has_no_values(dataset):
 def test_a_diagnosis_comes_to_its_end(dataset, uses):
     found = diagnose(held(dataset, 1, uses), discover=False)
     answer = json.loads(json.dumps(diagnosis_json(found), allow_nan=False))
-    assert (answer["after"]["drive_gains"]["elbow"]["std"] is None) == ("identify" in uses)
+    assert answer["after"]["drive_gains"]["elbow"]["fitted"] == ("identify" not in uses)
     assert all("elbow" not in verdict.actuators for verdict in found.ranking) or "identify" not in uses
     diagnosis_report(found, Console(file=io.StringIO(), width=80))

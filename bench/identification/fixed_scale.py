@@ -54,7 +54,8 @@ def scale_of(
     if all(payload.mass is None for payload in question.payloads.values()):
         return Scale(ScaleCase.MASS_UNKNOWN, names, open_, joints, remedies)
     some = determined.any() and determined[: len(robot.redundant)].all()
-    if some and all(each.apart(~determined) for each in shares):
+    # states that leave no gain open say nothing of those that a recorded motion leaves open
+    if some and all(each.apart(~determined) for each in shares if not each.determined.all()):
         return Scale(ScaleCase.FIXED_FOR_SOME, names, open_, open_, remedies)
     return Scale(ScaleCase.NOT_FIXED, names, open_, joints, remedies)
 

@@ -266,7 +266,6 @@ Sentence = Callable[..., str]
 """From the values of a check, by name."""
 
 WORDS: dict[CheckCode, tuple[str, Sentence]] = {
-    **AGREEMENT_WORDS,
     CheckCode.MJCF_SUPPORTED: ("supported MJCF", _supported),
     CheckCode.MJCF_UNSUPPORTED: ("supported MJCF", _unsupported),
     CheckCode.GEOMETRY_UNREADABLE: ("geometry", _fault),
@@ -279,6 +278,7 @@ WORDS: dict[CheckCode, tuple[str, Sentence]] = {
     CheckCode.TENDON_UNUSED: ("note", _tendon),
     CheckCode.LENGTHS_LARGE: ("note", _lengths_large),
     CheckCode.JOINTS_LOCKED: ("locked", _locked),
+    **AGREEMENT_WORDS,
     CheckCode.LOOP_COUNTS_DIFFER: ("loop closures", _loop_counts),
     CheckCode.LOOP_CLOSURES_AGREE: ("loop closures", _closures_agree),
     CheckCode.LOOP_CLOSURES_DIFFER: ("loop closures", _closures_differ),
