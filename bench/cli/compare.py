@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from bench.cli.last_lines import next_line, say, write_answer, wrote
+from bench.cli.last_lines import next_line, say, write_with_words, wrote
 from bench.cli.options import (
     dataset_argument,
     effect_file_option,
@@ -15,6 +15,7 @@ from bench.cli.options import (
     output_option,
     with_option,
 )
+from bench.cli.steps import shown, take_all
 
 if TYPE_CHECKING:
     from bench.dataset.dataset import Dataset
@@ -85,11 +86,23 @@ def _of_one(
 
     data = load_dataset(dataset)
     errors = errors_of(data, model_file, effects, filters=given, effect_files=effect_files)
-    written = []
-    if json_file is not None:
-        write_answer(json_file, {**comparison_json(errors.comparison), **where_json(errors.where)})
-        written.append(wrote(json_file, "comparison"))
-    if output is not None:
+    written: list[str] = []
+
+    def answer(words: bool = True) -> dict[str, Any]:
+        return {**comparison_json(errors.comparison, words=words), **where_json(errors.where, words=words)}
+
+    def write() -> None:
+        if json_file is not None:
+            write_with_words(json_file, answer, "comparison", written)
+
+    def report() -> None:
+        console = Console()
+        comparison_report(errors.comparison, console)
+        where_report(errors.where, console)
+
+    def folder() -> None:
+        if output is None:
+            return
         from bench.page.section_run import CommandRun
 
         options = {"model": str(model_file), **given} if model_file is not None else given
@@ -99,11 +112,16 @@ def _of_one(
         result = errors.identified
         if result is None and model_file is not None:
             result = load_model(model_file).beside(data, errors.recordings)
-        written += _pictures_and_page(output, errors.motors, result, data, run, model_file)
-    console = Console()
-    comparison_report(errors.comparison, console)
-    where_report(errors.where, console)
-    say([*written, _next(errors.motors, dataset, model_file, errors.effects, effect_files, given)])
+        _draw(output, errors.motors, result, data, run, model_file, written)
+
+    take_all(
+        write,
+        lambda: shown(report, lambda: comparison_json(errors.comparison, words=False)),
+        folder,
+        lambda: say(
+            [*written, _next(errors.motors, dataset, model_file, errors.effects, effect_files, given)]
+        ),
+    )
 
 
 def _next(
@@ -141,28 +159,45 @@ def _side_by_side(
 
     data = load_dataset(dataset)
     comparison = side_by_side(problem_of(data, effect_files=effect_files), model_files)
-    changed = changed_sentences(comparison)
-    if json_file is not None:
-        write_answer(json_file, side_by_side_json(comparison, changed))
-    side_by_side_report(comparison, changed, Console())
-    lines = [] if json_file is None else [wrote(json_file, "comparison")]
-    say([*lines, next_line(["compare", dataset, "--model", model_files[-1]], "shows where this one fails")])
+    written: list[str] = []
+
+    def answer(words: bool = True) -> dict[str, Any]:
+        return side_by_side_json(comparison, changed_sentences(comparison) if words else ())
+
+    def write() -> None:
+        if json_file is not None:
+            write_with_words(json_file, answer, "comparison", written)
+
+    step = next_line(["compare", dataset, "--model", model_files[-1]], "shows where this one fails")
+    take_all(
+        write,
+        lambda: shown(
+            lambda: side_by_side_report(comparison, changed_sentences(comparison), Console()),
+            lambda: answer(words=False),
+        ),
+        lambda: say([*written, step]),
+    )
 
 
-def _pictures_and_page(
+def _draw(
     output: Path,
     what: "Compared",
     result: "Identification | None",
     data: "Dataset",
     run: "CommandRun",
     model_file: Path | None,
-) -> list[str]:
-    """Write both into a folder and tell what was written."""
+    written: list[str],
+) -> None:
+    """Draw figures and page into a folder; each that was written is added to `written`."""
     from bench.document.figures.comparison import write_comparison_figures
     from bench.page.write import write_identification_report
 
-    written = [wrote(path, "figure") for path in write_comparison_figures(output, what)]
-    if result is not None:
-        name = str(model_file) if model_file is not None else ""
-        written.append(wrote(write_identification_report(output, result, data, run, name), "report"))
-    return written
+    def figures() -> None:
+        written.extend(wrote(path, "figure") for path in write_comparison_figures(output, what))
+
+    def page() -> None:
+        if result is not None:
+            name = "" if model_file is None else str(model_file)
+            written.append(wrote(write_identification_report(output, result, data, run, name), "report"))
+
+    take_all(figures, page)

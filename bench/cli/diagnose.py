@@ -1,11 +1,13 @@
 """`bench diagnose`: which physical effects a model lacks."""
 
+from dataclasses import replace
+from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 
-from bench.cli.last_lines import after_diagnosis, say, write_answer, wrote
+from bench.cli.last_lines import after_diagnosis, say, write_with_words, wrote
 from bench.cli.options import (
     dataset_argument,
     effect_file_option,
@@ -17,6 +19,13 @@ from bench.cli.options import (
     with_option,
 )
 from bench.cli.progress import quiet_option, shown_progress
+from bench.cli.steps import shown, take_all
+
+if TYPE_CHECKING:
+    from bench.basics.progress import Progress
+    from bench.dataset.dataset import Dataset
+    from bench.diagnosis.result import Diagnosis
+    from bench.page.section_run import CommandRun
 
 
 @click.command("diagnose")
@@ -70,45 +79,99 @@ def diagnose(
         diagnosis = diagnosed(
             data, effects, filters=given, effect_files=effect_files, discover=discover, progress=progress
         )
-    written: list[str] = []
-    laws: list[Path] = []
-    if model_file is not None:
-        from bench.diagnosis.discovery.written import write_laws
-
-        diagnosis = write_laws(diagnosis, model_file.parent)
-        names = dict.fromkeys(law.file for law in diagnosis.discovered if law.file is not None)
-        laws = [model_file.parent / name for name in names]
-        written += [wrote(path, "law: name it with --effect-file") for path in laws]
-    if json_file is not None:
-        from bench.diagnosis.as_json import diagnosis_json
-
-        write_answer(json_file, diagnosis_json(diagnosis))
-        written.append(wrote(json_file, "diagnosis"))
-    if model_file is not None:
-        from bench.identification.model_file import save_model
-
-        save_model(diagnosis.after, model_file, data.folder, [*map(Path, effect_files), *laws])
-        written.append(wrote(model_file, "model with what is missing"))
     from bench.page.section_run import CommandRun
 
-    if output is not None:
-        run = CommandRun("diagnose", str(dataset), effects, tuple(map(str, effect_files)), given, str(output))
+    outcome = _Outcome(diagnosis, data, tuple(effect_files))
+    command = CommandRun("diagnose", str(dataset), effects, tuple(map(str, effect_files)), given)
+    take_all(
+        lambda: outcome.write_laws(model_file),
+        lambda: outcome.write_answer(json_file),
+        lambda: outcome.write_model(model_file),
+        lambda: outcome.show(verbose=verbose),
+        lambda: outcome.draw(output, command, quiet=quiet),
+        lambda: outcome.say_next(command, model_file),
+    )
+
+
+class _Outcome:
+    """A diagnosis on its way to files and terminal: what was written so far, and the laws among it."""
+
+    def __init__(self, diagnosis: "Diagnosis", data: "Dataset", effect_files: tuple[Path, ...]) -> None:
+        self.diagnosis, self.data, self.effect_files = diagnosis, data, effect_files
+        self.written: list[str] = []
+        self.laws: list[Path] = []
+
+    def write_laws(self, model: Path | None) -> None:
+        """Write discovered laws beside the model file; from here on the diagnosis names their files."""
+        if model is None:
+            return
+        from bench.diagnosis.discovery.written import write_laws
+
+        self.diagnosis = write_laws(self.diagnosis, model.parent)
+        names = dict.fromkeys(law.file for law in self.diagnosis.discovered if law.file is not None)
+        self.laws = [model.parent / name for name in names]
+        self.written += [wrote(path, "law: name it with --effect-file") for path in self.laws]
+
+    def write_answer(self, file: Path | None) -> None:
+        """Write the answer as JSON."""
+        if file is None:
+            return
+        from bench.diagnosis.as_json import diagnosis_json
+
+        write_with_words(file, partial(diagnosis_json, self.diagnosis), "diagnosis", self.written)
+
+    def write_model(self, file: Path | None) -> None:
+        """Write the model with what is missing."""
+        if file is None:
+            return
+        from bench.identification.model_file import save_model
+
+        save_model(self.diagnosis.after, file, self.data.folder, [*self.effect_files, *self.laws])
+        self.written.append(wrote(file, "model with what is missing"))
+
+    def show(self, *, verbose: bool) -> None:
+        """Print the report; the values alone where it cannot be made."""
+        from rich.console import Console
+
+        from bench.diagnosis.as_json import verdict_json
+        from bench.document.terminal.diagnosis import diagnosis_report
+
+        shown(
+            lambda: diagnosis_report(self.diagnosis, Console(), verbose=verbose),
+            lambda: verdict_json(self.diagnosis),
+        )
+
+    def draw(self, folder: Path | None, command: "CommandRun", *, quiet: bool) -> None:
+        """Draw figures and page."""
+        if folder is None:
+            return
         with shown_progress(quiet, "drawing figures") as progress:
-            from bench.diagnosis.split import dataset_of
-            from bench.document.figures.diagnosis import write_diagnosis_figures
-            from bench.page.write import write_diagnosis_report
-            from bench.residuals.motor import compared
+            take_all(
+                lambda: self._draw_figures(folder),
+                lambda: self._draw_page(folder, command, progress),
+            )
 
-            after = diagnosis.after
-            logged = dataset_of(data, after.recordings).recordings
-            left = compared(data.robot, logged, after.recordings, after.settings)
-            written += [wrote(path, "figure") for path in write_diagnosis_figures(output, diagnosis, left)]
-            page = write_diagnosis_report(output, diagnosis, data, run, progress)
-            written.append(wrote(page, "report"))
-    from rich.console import Console
+    def _draw_figures(self, folder: Path) -> None:
+        from bench.diagnosis.split import dataset_of
+        from bench.document.figures.diagnosis import write_diagnosis_figures
+        from bench.residuals.motor import compared
 
-    from bench.document.terminal.diagnosis import diagnosis_report
+        after = self.diagnosis.after
+        logged = dataset_of(self.data, after.recordings).recordings
+        errors = compared(self.data.robot, logged, after.recordings, after.settings)
+        drawn = write_diagnosis_figures(folder, self.diagnosis, errors)
+        self.written += [wrote(path, "figure") for path in drawn]
 
-    diagnosis_report(diagnosis, Console(), verbose=verbose)
-    again = CommandRun("diagnose", str(dataset), effects, tuple(map(str, effect_files)), given).line()
-    say([*written, after_diagnosis(diagnosis, dataset, again, model_file, (*effect_files, *laws))])
+    def _draw_page(self, folder: Path, command: "CommandRun", progress: "Progress") -> None:
+        from bench.page.write import write_diagnosis_report
+
+        run = replace(command, output=str(folder))
+        self.written.append(
+            wrote(write_diagnosis_report(folder, self.diagnosis, self.data, run, progress), "report")
+        )
+
+    def say_next(self, command: "CommandRun", model: Path | None) -> None:
+        """Say what was written, and what makes sense next."""
+        say(self.written)
+        files = (*self.effect_files, *self.laws)
+        say([after_diagnosis(self.diagnosis, Path(command.dataset), command.line(), model, files)])

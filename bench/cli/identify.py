@@ -1,11 +1,12 @@
 """`bench identify`: from recordings to drive gains and dynamic parameters."""
 
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
-from bench.cli.last_lines import AGAIN, STANDARD_OUTPUT, next_line, say, write_answer, wrote
+from bench.cli.last_lines import AGAIN, STANDARD_OUTPUT, next_line, say, write_with_words, wrote
 from bench.cli.options import (
     dataset_argument,
     effect_file_option,
@@ -16,9 +17,11 @@ from bench.cli.options import (
     output_option,
     with_option,
 )
+from bench.cli.steps import shown, take_all
 from bench.identification.estimators import DEFAULT_METHOD, ESTIMATORS
 
 if TYPE_CHECKING:
+    from bench.identification.result import Identification
     from bench.residuals.motor import Compared
 
 
@@ -104,17 +107,27 @@ def identify(  # noqa: PLR0913, PLR0917 - an argument for each option
         essential=essential,
         physical=physical,
     )
-    written = []
-    if json_file is not None:
+    files = tuple(map(str, effect_files))
+    written: list[str] = []
+
+    def answer() -> None:
+        if json_file is None:
+            return
         folder = None if json_file == STANDARD_OUTPUT else json_file.resolve().parent
-        write_answer(json_file, model_json(result, data.folder, effect_files, folder))
-        written.append(wrote(json_file, "model"))
-    if rrd_file is not None:
+        made = partial(model_json, result, data.folder, effect_files, folder)
+        write_with_words(json_file, made, "model", written)
+
+    def recording() -> None:
+        if rrd_file is None:
+            return
         from bench.viewer.recording import write_rrd
 
         write_rrd(rrd_file, result, data)
         written.append(wrote(rrd_file, f"recording: open it with rerun {rrd_file}"))
-    if output is not None:
+
+    def page() -> None:
+        if output is None:
+            return
         from bench.page.section_run import CommandRun
         from bench.page.write import write_identification_report
 
@@ -126,16 +139,32 @@ def identify(  # noqa: PLR0913, PLR0917 - an argument for each option
             "deviations": deviations,
             **given,
         }
-        command = CommandRun(
-            "identify", str(dataset), effects, tuple(map(str, effect_files)), options, str(output)
-        )
+        command = CommandRun("identify", str(dataset), effects, files, options, str(output))
         written.append(wrote(write_identification_report(output, result, data, command), "report"))
-    identification_report(result, Console(), verbose=verbose)
-    what = compared(data.robot, data.recordings, result.recordings, result.settings)
-    mend = any(finding.code in MEND_FIRST for finding in result.findings)
-    say(
-        [*left_over(what), *written, _next(what, dataset, effects, effect_files, given, json_file, mend=mend)]
+
+    def last_lines() -> None:
+        what = compared(data.robot, data.recordings, result.recordings, result.settings)
+        mend = any(finding.code in MEND_FIRST for finding in result.findings)
+        step = _next(what, dataset, effects, effect_files, given, json_file, mend=mend)
+        say([*left_over(what), *written, step])
+
+    take_all(
+        answer,
+        lambda: shown(
+            lambda: identification_report(result, Console(), verbose=verbose), lambda: _gains(result)
+        ),
+        recording,
+        page,
+        last_lines,
     )
+
+
+def _gains(result: "Identification") -> dict[str, Any]:
+    """What an answer comes down to."""
+    from bench.identification.model_json import to_json
+
+    answer = to_json(result, words=False)
+    return {key: answer[key] for key in ("robot", "drive_gains", "parameters", "effect_parameters", "error")}
 
 
 def _next(

@@ -3,7 +3,7 @@
 import io
 import json
 import sys
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import redirect_stdout
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -64,6 +64,21 @@ def answer_on(context: click.Context, file: Path | None) -> None:
 
 def _standard_output(context: click.Context) -> Any:
     return context.meta.setdefault(_OUTPUT, sys.stdout)
+
+
+def write_with_words(
+    path: Path, made: Callable[..., Mapping[str, Any]], what: str, written: list[str]
+) -> None:
+    """Write an answer with its sentences; where these cannot be made, without, and the error goes on.
+
+    made: the answer, without sentences by words=False. what: the file is; a line on it is added to those written.
+    """
+    answer = made(words=False)
+    try:
+        answer = made()
+    finally:
+        write_answer(path, answer)
+        written.append(wrote(path, what))
 
 
 def write_answer(path: Path, answer: Mapping[str, Any]) -> None:

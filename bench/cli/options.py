@@ -7,10 +7,12 @@ from typing import Any
 import click
 
 from bench.basics.errors import BenchError
+from bench.basics.files.atomic import why_no_folder, why_unwritable
 from bench.cli.completion import effects
-from bench.cli.last_lines import answer_on
+from bench.cli.last_lines import STANDARD_OUTPUT, answer_on
 
 Command = Callable[..., Any]
+_NAMED = "bench.files that are written"
 
 dataset_argument = click.argument("dataset", type=click.Path(path_type=Path))
 
@@ -34,11 +36,30 @@ effect_file_option = click.option(
 )
 
 
-def in_existing_folder(_context: click.Context, option: click.Parameter, file: Path | None) -> Path | None:
-    """Refuse a file in a folder that is not there, before any work is done: it is misspelt more often than meant."""
-    if file is not None and not file.parent.is_dir():
+def in_existing_folder(context: click.Context, option: click.Parameter, file: Path | None) -> Path | None:
+    """Refuse a file that cannot be written, before any work is done.
+
+    One in a folder that is not there is misspelt more often than meant. Two options that name one file would lose an
+    answer.
+    """
+    if file is None or file == STANDARD_OUTPUT:
+        return file
+    if not file.parent.is_dir():
         raise BenchError(f"{option.opts[0]} {file}: there is no folder {file.parent}")
+    why = why_unwritable(file)
+    if why is not None:
+        raise BenchError(f"{option.opts[0]} {file}: cannot be written: {why}")
+    named: dict[Path, str] = context.meta.setdefault(_NAMED, {})
+    other = named.setdefault(file.resolve(), option.opts[0])
+    if other != option.opts[0] and (not file.exists() or file.is_file()):
+        raise BenchError(f"{option.opts[0]} {file}: {other} names the same file")
     return file
+
+
+def file_or_folder(context: click.Context, option: click.Parameter, path: Path | None) -> Path | None:
+    """A file that can be written, or a folder in which one can be."""
+    check = as_folder if path is not None and path.is_dir() else in_existing_folder
+    return check(context, option, path)
 
 
 def _answer_file(context: click.Context, option: click.Parameter, file: Path | None) -> Path | None:
@@ -48,12 +69,10 @@ def _answer_file(context: click.Context, option: click.Parameter, file: Path | N
 
 
 def as_folder(_context: click.Context, option: click.Parameter, folder: Path | None) -> Path | None:
-    """Refuse a folder that is a file, or would lie in one, before any work is done."""
-    for path in () if folder is None else (folder, *folder.parents):
-        if path.is_dir():
-            break
-        if path.exists():
-            raise BenchError(f"{option.opts[0]} {folder}: {path} is a file: name a folder")
+    """Refuse a folder that is a file, would lie in one, or cannot be written, before any work is done."""
+    why = None if folder is None else why_no_folder(folder)
+    if why is not None:
+        raise BenchError(f"{option.opts[0]} {folder}: {why}")
     return folder
 
 

@@ -9,9 +9,9 @@ from bench.basics.progress import Progress
 from bench.cli.last_lines import say, wrote
 from bench.cli.options import (
     effect_file_option,
+    file_or_folder,
     filter_options,
     given_filters,
-    in_existing_folder,
     with_option,
 )
 from bench.cli.progress import quiet_option, shown_progress
@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     default=Path("report.html"),
     show_default=True,
     metavar="FILE.html",
-    callback=in_existing_folder,
+    callback=file_or_folder,
     help="The file to write.",
 )
 @click.option(
@@ -143,7 +143,9 @@ def _of_trial(source: Path, output: Path) -> Path:
 
 def _of_dataset(given: "Source", output: Path, progress: Progress) -> "Diagnosis":
     from bench.api.diagnose import diagnose
+    from bench.cli.steps import shown
     from bench.dataset.dataset import load_dataset
+    from bench.diagnosis.as_json import verdict_json
     from bench.page.folder import SavedRun
     from bench.page.section_run import CommandRun
     from bench.page.write import write_saved_run
@@ -159,7 +161,8 @@ def _of_dataset(given: "Source", output: Path, progress: Progress) -> "Diagnosis
     )
     files = tuple(map(str, given.effect_files))
     run = CommandRun("report", str(given.path), given.effects, files, given.filters, str(output))
-    write_saved_run(output, SavedRun(run, dataset, diagnosis.after, diagnosis, ""), progress=progress)
+    kept = SavedRun(run, dataset, diagnosis.after, diagnosis, "")
+    shown(lambda: write_saved_run(output, kept, progress=progress), lambda: verdict_json(diagnosis))
     return diagnosis
 
 

@@ -20,23 +20,26 @@ MODEL_KEYS = (
     "effect_parameters",
     "error",
     "notes",
+    "findings",
 )
 
 
-def diagnosis_json(diagnosis: Diagnosis) -> dict[str, Any]:
+def diagnosis_json(diagnosis: Diagnosis, *, words: bool = True) -> dict[str, Any]:
     """The answer as plain data, ready for JSON; a number that is not finite becomes null.
 
+    words: whether with its sentences; all values and codes are there without them, and texts are empty.
+
     missing, ladder, ranking and unexplained as documented for other programs; size: RMS torque in N*m or force
-    in N by actuator; error_share: of the squared error, taken away. differs_by_recording: effects of which one value
-    for all recordings is not enough, with request as `--with` takes it. superfluous: effects of the starting model
-    that the found one does without. before, after: gains, parameters and errors of
+    in N by actuator; error_share: of the squared error, taken away; reason: the codes of why. differs_by_recording:
+    effects of which one value for all recordings is not enough, with request as `--with` takes it. superfluous: effects
+    of the starting model that the found one does without. before, after: gains, parameters and errors of
     the models without and with what is missing.
     """
     answer = {
         "robot": diagnosis.robot,
         "locked": locked_as_data(diagnosis.after.locked),
-        "judged_on": judged_on(diagnosis),
-        "summary": summary_sentences(diagnosis),
+        "judged_on": judged_on(diagnosis) if words else "",
+        "summary": summary_sentences(diagnosis) if words else [],
         "missing": list(diagnosis.missing),
         "ladder": [
             {
@@ -45,20 +48,28 @@ def diagnosis_json(diagnosis: Diagnosis) -> dict[str, Any]:
             }
             for step in diagnosis.ladder
         ],
-        "ranking": [_verdict(diagnosis, verdict) for verdict in diagnosis.ranking],
-        "unexplained": _left(diagnosis.unexplained),
+        "ranking": [_verdict(diagnosis, verdict, words) for verdict in diagnosis.ranking],
+        "unexplained": _left(diagnosis.unexplained, words),
         "differs_by_recording": [
             {**asdict(differing), "request": differing.request} for differing in diagnosis.differs
         ],
         "superfluous": [asdict(effect) for effect in diagnosis.superfluous],
         "discovered": [_discovered(law) for law in diagnosis.discovered],
-        "before": _model(diagnosis.before),
-        "after": _model(diagnosis.after),
+        "before": _model(diagnosis.before, words),
+        "after": _model(diagnosis.after, words),
     }
     return dict(finite(answer))
 
 
-def _verdict(diagnosis: Diagnosis, verdict: EffectVerdict) -> dict[str, Any]:
+def verdict_json(diagnosis: Diagnosis) -> dict[str, Any]:
+    """What is missing, where, how far the error falls, the laws and the gains: what an answer comes down to."""
+    answer = diagnosis_json(diagnosis, words=False)
+    missing = [entry for entry in answer["ranking"] if entry["effect"] in diagnosis.missing]
+    short = {key: answer[key] for key in ("robot", "missing", "ladder", "unexplained", "discovered")}
+    return {**short, "ranking": missing, "drive_gains": answer["after"]["drive_gains"]}
+
+
+def _verdict(diagnosis: Diagnosis, verdict: EffectVerdict, words: bool) -> dict[str, Any]:
     return {
         "effect": verdict.effect,
         "error_before": verdict.error_before,
@@ -69,17 +80,19 @@ def _verdict(diagnosis: Diagnosis, verdict: EffectVerdict) -> dict[str, Any]:
         "alternatives": list(verdict.alternatives),
         "size": dict(verdict.size),
         "error_share": error_share(verdict),
-        "why": reason(diagnosis, verdict),
+        "reason": asdict(verdict.why),
+        "why": reason(diagnosis, verdict) if words else "",
     }
 
 
-def _left(left: Unexplained) -> dict[str, Any]:
+def _left(left: Unexplained, words: bool) -> dict[str, Any]:
     return {
         "significant": left.significant,
         "error": left.error,
         "noise_floor": left.noise_floor,
         "depends_on": list(left.depends_on),
-        "why": left_words(left),
+        "what": left.what,
+        "why": left_words(left) if words else "",
         "encoders": left.encoders,
         "repeats": left.repeats,
     }
@@ -101,6 +114,6 @@ def _discovered(law: Discovered) -> dict[str, Any]:
     }
 
 
-def _model(result: Identification) -> dict[str, Any]:
-    whole = to_json(result)
+def _model(result: Identification, words: bool) -> dict[str, Any]:
+    whole = to_json(result, words=words)
     return {key: whole[key] for key in MODEL_KEYS}

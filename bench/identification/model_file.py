@@ -139,8 +139,12 @@ def save_model(
     """
     if isinstance(result, SavedModel):
         dataset, effect_files = dataset or result.dataset, effect_files or result.effect_files
-    answer = model_json(result, dataset, effect_files, Path(path).resolve().parent)
-    write_text_atomically(Path(path), json.dumps(answer, indent=1) + "\n")
+    folder = Path(path).resolve().parent
+    answer = model_json(result, dataset, effect_files, folder, words=False)
+    try:
+        answer = model_json(result, dataset, effect_files, folder)
+    finally:  # what notes say stands there as codes, too
+        write_text_atomically(Path(path), json.dumps(answer, indent=1) + "\n")
 
 
 def _named_from(folder: Path | None, file: Path) -> str:
@@ -154,10 +158,12 @@ def model_json(
     dataset: Path | None = None,
     effect_files: Sequence[Path] = (),
     folder: Path | None = None,
+    *,
+    words: bool = True,
 ) -> dict[str, Any]:
-    """What a model file holds; see `save_model`. folder: where it will lie, if it will be a file."""
+    """What a model file holds; see `save_model`. folder: of a file that it will be; words: see `to_json`."""
     model = result.model if isinstance(result, SavedModel) else result
-    answer = to_json(model, result.recordings) | {"versions": versions().named()}
+    answer = to_json(model, result.recordings, words=words) | {"versions": versions().named()}
     if dataset is not None:
         answer["dataset"] = str(dataset.resolve())
     if effect_files:
@@ -312,8 +318,8 @@ def _base_value(name: str, known: Mapping[str, float], saved: SavedModel) -> flo
     )
 
 
-def comparison_json(comparison: Comparison) -> dict[str, Any]:
-    """The comparison as plain data."""
+def comparison_json(comparison: Comparison, *, words: bool = True) -> dict[str, Any]:
+    """The comparison as plain data; words: whether with its notes."""
     answer = finite(
         {
             "robot": comparison.robot,
@@ -323,7 +329,7 @@ def comparison_json(comparison: Comparison) -> dict[str, Any]:
                 {"name": trace.name, "use": trace.use, "payload": trace.payload}
                 for trace in comparison.recordings
             ],
-            "notes": list(comparison.notes),
+            "notes": list(comparison.notes) if words else [],
         }
     )
     return dict(answer)

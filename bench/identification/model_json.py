@@ -25,11 +25,15 @@ FORMAT = 1
 
 
 def to_json(
-    result: Identification, recordings: Sequence[CurrentSeries | ModelledRecording] | None = None
+    result: Identification,
+    recordings: Sequence[CurrentSeries | ModelledRecording] | None = None,
+    *,
+    words: bool = True,
 ) -> dict[str, Any]:
     """The answer as plain data, ready for JSON; a number that is not finite becomes null.
 
-    recordings: those that it is of, where the answer has lost their currents.
+    recordings: those that it is of, where the answer has lost their currents. words: whether with its notes as
+    sentences, beside what they say as codes.
     """
 
     def quantity(quantity: Quantity) -> dict[str, Any]:
@@ -78,7 +82,7 @@ def to_json(
             {"name": trace.name, "use": trace.use, "payload": trace.payload}
             for trace in (result.recordings if recordings is None else recordings)
         ],
-        "notes": list(result.notes),
+        "notes": list(result.notes) if words else [],
         "findings": [_finding(finding) for finding in result.findings],
     }
     return dict(finite(answer))

@@ -105,11 +105,18 @@ def save_run(folder: Path, kept: SavedRun) -> None:
         bare = [tuple(replace(entry, by_effect={}) for entry in series) for series in between]
         models += [diagnosis.before.recordings, *bare]
     write_series(folder / SERIES_FILE, models, joints)
-    if kept.workbench is not None:
-        write_text_atomically(folder / WORKBENCH_FILE, json.dumps(finite(kept.workbench), allow_nan=False))
-        written.append(WORKBENCH_FILE)
     content["files"] = {name: file_digest(folder / name) for name in written}
     write_json_atomically(folder / RUN_FILE, finite(content))
+    if kept.workbench is not None:
+        save_workbench(folder, kept)
+
+
+def save_workbench(folder: Path, kept: SavedRun) -> None:
+    """Write what the workbench of a page shows beside a run that was saved."""
+    write_text_atomically(folder / WORKBENCH_FILE, json.dumps(finite(kept.workbench), allow_nan=False))
+    content = json.loads((folder / RUN_FILE).read_text(encoding="utf-8"))
+    content["files"][WORKBENCH_FILE] = file_digest(folder / WORKBENCH_FILE)
+    write_json_atomically(folder / RUN_FILE, content)
 
 
 def _told(diagnosis: Diagnosis) -> dict[str, Any]:

@@ -13,7 +13,7 @@ from bench.export.replay.replay import Replay
 from bench.identification.model_file import Comparison, model_json
 from bench.identification.problem import Problem
 from bench.identification.result import Identification
-from bench.page.folder import SavedRun, save_run
+from bench.page.folder import SavedRun, save_run, save_workbench
 from bench.page.pages import comparison_page, diagnosis_page, identification_page, replay_page
 from bench.page.parts import Page
 from bench.page.render import Workbench, render_page
@@ -34,10 +34,11 @@ def write_diagnosis_report(
     folder: Path, diagnosis: Diagnosis, dataset: Dataset, run: CommandRun, progress: Progress = SILENT
 ) -> Path:
     """Write report.html of a diagnosis into its folder, and what is needed to write it again."""
-    progress.phase("preparing the workbench of the page")
     kept = SavedRun(run, dataset, diagnosis.after, diagnosis, "")
+    save_run(folder, kept)  # before anything is drawn of it
+    progress.phase("preparing the workbench of the page")
     kept = replace(kept, workbench=page_data(kept.problem, diagnosis))
-    save_run(folder, kept)
+    save_workbench(folder, kept)
     return write_saved_run(folder / REPORT_FILE, kept, folder, progress)
 
 

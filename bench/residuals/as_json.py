@@ -1,5 +1,6 @@
 """Where a model fails, as plain data."""
 
+from collections.abc import Callable
 from dataclasses import asdict
 from typing import Any
 
@@ -17,24 +18,32 @@ from bench.residuals.words import (
 )
 
 
-def where_json(where: WhereItFails) -> dict[str, Any]:
+def where_json(where: WhereItFails, *, words: bool = True) -> dict[str, Any]:
     """Noise floor, findings and warm-up of every motor, and all of it in sentences; shares lie between 0 and 1.
 
-    Opposing errors are in the drive's unit, every finding with a `text`.
+    Opposing errors are in the drive's unit, every finding with a `text`. words: whether with these and the sentences.
     """
     answer = {
         "noise_floor": {motor.joint: motor.noise for motor in where.motors},
-        "where": {motor.joint: _motor(motor) for motor in where.motors},
-        "sentences": where_sentences(where),
-        "shares": overlapping(where),
+        "where": {motor.joint: _motor(motor, _in_words if words else _in_no_words) for motor in where.motors},
+        "sentences": where_sentences(where) if words else [],
+        "shares": overlapping(where) if words else "",
     }
     return dict(finite(answer))
 
 
-def _motor(motor: MotorErrors) -> dict[str, Any]:
+def _in_words(sentence: Callable[..., str], *of: Any) -> str:
+    return sentence(*of)
+
+
+def _in_no_words(_sentence: Callable[..., str], *_of: Any) -> str:
+    return ""
+
+
+def _motor(motor: MotorErrors, text: Callable[..., str]) -> dict[str, Any]:
     units = motor.units
     return {
-        "text": level_sentence(motor),
+        "text": text(level_sentence, motor),
         "error": motor.error,
         "noise": motor.noise,
         "by_recording": {
@@ -48,7 +57,7 @@ def _motor(motor: MotorErrors) -> dict[str, Any]:
                 "time_share": concentration.time_share,
                 "evidence": concentration.evidence,
                 "of_rest": concentration.of_rest,
-                "text": concentration_words(concentration),
+                "text": text(concentration_words, concentration),
             }
             for concentration in motor.concentrations
         ],
@@ -59,7 +68,7 @@ def _motor(motor: MotorErrors) -> dict[str, Any]:
                 "low": {"mean": dependence.low, "at": dependence.low_at},
                 "high": {"mean": dependence.high, "at": dependence.high_at},
                 "of_rest": dependence.of_rest,
-                "text": dependence_words(dependence, units),
+                "text": text(dependence_words, dependence, units),
             }
             for dependence in motor.dependences
         ],
@@ -70,7 +79,7 @@ def _motor(motor: MotorErrors) -> dict[str, Any]:
                 "resolution": line.resolution,
                 "error_share": line.error_share,
                 "amplitude": line.amplitude,
-                "text": line_words(line, units),
+                "text": text(line_words, line, units),
             }
             for line in motor.lines
         ],
@@ -78,12 +87,12 @@ def _motor(motor: MotorErrors) -> dict[str, Any]:
             {
                 "first": asdict(change.first),
                 "second": asdict(change.second),
-                "text": change_words(change, units[0]),
+                "text": text(change_words, change, units[0]),
             }
             for change in motor.changes
         ],
         "looks_like": [
-            {**asdict(rival), "question": rival.question, "text": alike_words(motor.joint, rival)}
+            {**asdict(rival), "question": rival.question, "text": text(alike_words, motor.joint, rival)}
             for rival in motor.alike
         ],
         "warm_up": [asdict(opposing) for opposing in motor.warm_up],

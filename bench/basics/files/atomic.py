@@ -1,6 +1,7 @@
 """Files that are whole or not there: an interrupted command leaves no half-written one."""
 
 import json
+import os
 import secrets
 import shutil
 from collections.abc import Iterator
@@ -20,26 +21,75 @@ def atomic_path(path: str | Path) -> Iterator[Path]:
     included, the stand-in is removed and `path` stays as it was. A device or a pipe (/dev/stdout) is
     handed out as it is.
 
-    Raises BenchError if `path` is a folder, or cannot be written.
+    Raises BenchError if `path` is a folder, or cannot be written: no permission, no space, a folder that is gone.
     """
     path = Path(path)
     if path.is_dir():
         raise BenchError(f"cannot write {path}: it is a folder")
     if path.exists() and not path.is_file():
-        yield path
+        with _named(path, path):
+            yield path
         return
     target = path.resolve()  # through a symbolic link, not over it
-    partial = target.with_name(f".{target.stem}.partial-{secrets.token_hex(4)}{target.suffix}")
-    try:
+    partial = _stand_in(target)
+    with _named(path, partial, target, target.parent):
         target.parent.mkdir(parents=True, exist_ok=True)
         partial.touch(exist_ok=False)
-    except OSError as error:
-        raise BenchError(f"cannot write {path}: {error.strerror}") from error
+        try:
+            yield partial
+            partial.replace(target)
+        finally:
+            partial.unlink(missing_ok=True)
+
+
+def _stand_in(target: Path) -> Path:
+    return target.with_name(f".{target.stem}.partial-{secrets.token_hex(4)}{target.suffix}")
+
+
+@contextmanager
+def _named(path: Path, *own: Path) -> Iterator[None]:
+    """What the system says against writing, as a line that names `path`; own: paths that stand for it.
+
+    An error that names another file is about that one, and goes on as it is.
+    """
     try:
-        yield partial
-        partial.replace(target)
-    finally:
-        partial.unlink(missing_ok=True)
+        yield
+    except OSError as error:
+        if error.filename is not None and Path(error.filename) not in own:
+            raise
+        raise BenchError(f"cannot write {path}: {error.strerror or error}") from error
+
+
+def why_unwritable(path: Path) -> str | None:
+    """What speaks against writing a file there, or nothing: its stand-in is made and removed again.
+
+    The folder has to be there.
+    """
+    if path.is_dir():
+        return "it is a folder"
+    if path.exists() and not path.is_file():
+        return None if os.access(path, os.W_OK) else "it takes no writing"
+    partial = _stand_in(path.resolve())
+    try:
+        partial.touch(exist_ok=False)
+        partial.unlink()
+    except OSError as error:
+        return error.strerror or str(error)
+    return None
+
+
+def why_no_folder(folder: Path) -> str | None:
+    """The same of files in a folder, which may have to be made: one is made in the nearest that is there."""
+    there = next(path for path in (folder, *folder.parents) if path.exists())
+    if not there.is_dir():
+        return f"{there} is a file: name a folder"
+    partial = there.resolve() / f".partial-{secrets.token_hex(4)}"
+    try:
+        partial.mkdir()
+        partial.rmdir()
+    except OSError as error:
+        return error.strerror or str(error)
+    return None
 
 
 @contextmanager
