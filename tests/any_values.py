@@ -27,6 +27,7 @@ from bench.diagnosis.result import (
 from bench.effects import CATALOGUE
 from bench.identification.finding import Code, Finding, Unknown
 from bench.identification.result import DriveGain, ErrorSummary, Parameter, Quantity
+from bench.identification.scale import ScaleRemedy
 from tests.shown import dataset_of, identification_of
 
 often = settings(
@@ -85,6 +86,9 @@ unknowns = st.builds(Unknown, st.sampled_from(["parameter", "gain", "effect"]), 
 _NONE = st.just(())
 _ONE, _TWO = some(names, 1, 1), some(names, 2, 2)
 _SOME = some(names, 1)
+_REMEDIES = st.dictionaries(  # how many gains each set of remedies would fix
+    some(st.sampled_from(list(ScaleRemedy)), 1).map("+".join), st.integers(0, 9).map(float)
+)
 _CARRIES = {  # names, numbers, whether it is of unknowns
     Code.GAIN_RUNAWAY: (_ONE, "value nominal", False),
     Code.PARAMETER_WITHOUT_DEVIATION: (_NONE, "value", True),
@@ -133,18 +137,26 @@ _CARRIES = {  # names, numbers, whether it is of unknowns
     Code.BAD_STRETCH: (_TWO, "start end", False),
     Code.NO_VALUE_OF_ITS_OWN: (_SOME, "", True),
     Code.TOLD: (_ONE, "", False),
+    Code.GAIN_NOT_DETERMINED: (_NONE, "", True),
+    Code.GAINS_NOT_WANTED: (_SOME, "", False),
+    Code.PAYLOAD_NOT_WEIGHED: (_SOME, _REMEDIES, True),
+    Code.GAINS_NOT_FIXED: (_SOME, _REMEDIES, True),
+    Code.GAINS_FIXED_FOR_SOME: (_SOME, _REMEDIES, True),
 }
 
 
 def findings_of(code: Code):
+    if code is Code.LOCKED:
+        return st.dictionaries(names, numbers, min_size=1).flatmap(
+            lambda locked: st.builds(
+                Finding, st.just(code), st.just(tuple(locked)), st.just(()), st.just(locked), units
+            )
+        )
     carried, numbered, of_unknowns = _CARRIES[code]
+    if isinstance(numbered, str):
+        numbered = st.fixed_dictionaries(dict.fromkeys(numbered.split(), numbers))
     return st.builds(
-        Finding,
-        st.just(code),
-        carried,
-        some(unknowns, 1) if of_unknowns else st.just(()),
-        st.fixed_dictionaries(dict.fromkeys(numbered.split(), numbers)),
-        units,
+        Finding, st.just(code), carried, some(unknowns, 1) if of_unknowns else st.just(()), numbered, units
     )
 
 
