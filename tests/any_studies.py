@@ -102,9 +102,16 @@ def checks_of(code: CheckCode) -> st.SearchStrategy[Check]:
     )
     hints = get_type_hints(_regular if takes_any else sentence)
     hints.pop("return")
-    values = {each: _of_type(kind) for each, kind in hints.items()}
+    values = {
+        each: _of_type(kind)
+        for each, kind in hints.items()
+        if each != "joints" or code is not CheckCode.JOINTS_LOCKED
+    }
     if "term" in values:
         values["term"] = st.sampled_from(sorted(TERMS))
+    if code is CheckCode.JOINTS_LOCKED:
+        held = st.fixed_dictionaries({"value": numbers, "unit": st.sampled_from(["rad", "m"])})
+        values["joints"] = st.dictionaries(names, held, max_size=3)
     return st.builds(Check, st.just(code), st.just("note"), st.fixed_dictionaries(values))
 
 
@@ -181,7 +188,10 @@ def plans_of(told: Forecast) -> st.SearchStrategy[Any]:
                 model=built(array, geometry=built(array, closed=st.booleans())),
             ),
             names=st.just(tuple(name for name, _ in some_recordings)),
-            proofs=st.just(tuple(one for _, one in some_recordings)),
+            proofs=st.just(tuple(each for _, each in some_recordings)),
+            recordings=st.just(
+                tuple(SimpleNamespace(name=name, use="validate") for name, _ in some_recordings)
+            ),
         )
     )
 
