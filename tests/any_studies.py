@@ -190,7 +190,9 @@ def plans_of(told: Forecast) -> st.SearchStrategy[Any]:
             names=st.just(tuple(name for name, _ in some_recordings)),
             proofs=st.just(tuple(each for _, each in some_recordings)),
             recordings=st.just(
-                tuple(SimpleNamespace(name=name, use="validate") for name, _ in some_recordings)
+                tuple(
+                    SimpleNamespace(name=name, use="validate", proven=each) for name, each in some_recordings
+                )
             ),
         )
     )
