@@ -51,7 +51,7 @@ def test_the_command_writes_it(recorded, tmp_path, capsys):
     assert main([*words, "--duration", "6", "--steps", "5"]) == 0
     assert "The recordings that are there give" in capsys.readouterr().out
     answer = json.loads((tmp_path / "next" / "answer.json").read_text())
-    assert list(answer["recordings"]) == ["next", "next_check"]  # the second to judge on
+    assert list(answer["recordings"]) == ["next", "next_check"]
     assert answer["value"] < answer["before"]
 
 

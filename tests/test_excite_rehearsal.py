@@ -1,13 +1,19 @@
 """A planned scenario is tried before it is written: the command that a plan prints next works."""
 
 import json
+import shutil
 
+import numpy as np
 import pytest
 
 from bench.api.simulate import simulation_of
+from bench.basics.errors import BenchError
 from bench.basics.progress import SILENT
 from bench.cli import main
 from bench.dataset.robot import load_robot
+from bench.excitation.experiment import plan as plan_module
+from bench.excitation.experiment import proof
+from bench.excitation.experiment.enclosed_loops import begins_at_home
 from bench.excitation.experiment.plan import Aim, plan_experiment
 from bench.excitation.experiment.request import ExperimentTable
 from bench.excitation.experiment.simulated import FIRST, SimulatedDrive
@@ -96,3 +102,46 @@ def test_a_sample_takes_a_whole_number_of_steps(rate):
             scenario_of(planned(load_robot("two_link"), rate=rate), SimulatedDrive(30.0, largest)).log_every
             >= 1
         )
+
+
+def with_home(folder, values):
+    """The five-bar with another home, or with what its file says rounded."""
+    shutil.copytree(load_robot("five_bar").folder, folder)
+    path = folder / "five_bar.xml"
+    path.write_text(path.read_text().replace("1.5113606206690187", values, 1))
+    return load_robot(folder)
+
+
+def test_a_home_that_a_file_rounds_is_home(tmp_path):
+    """Loops that are open by 1e-7 there are closed where a motion begins; the elbow on the other side is not there."""
+    plan = planned(with_home(tmp_path / "rounded", "1.5113606"))
+    geometry, reach = plan.nominal.model.geometry, np.full((1, 4), 1e-9)
+    start = plan.motions[0].motion.q[:1]
+    assert np.abs(start - geometry.home).max() > 1e-9
+    assert begins_at_home(geometry, start, reach)
+    assert not begins_at_home(geometry, start + np.array([0.0, 1e-6, 0.0, 0.0]), reach)
+
+
+def test_where_nothing_is_proven_at_home_nothing_is_searched(monkeypatch):
+    def never(*_, **__):
+        raise AssertionError("motions were tried")
+
+    monkeypatch.setattr(plan_module, "random_candidates", never)
+    monkeypatch.setattr(proof, "begins_at_home", lambda *_: False)
+    with pytest.raises(BenchError, match="of no motion from home it could be proven that it keeps the loops"):
+        planned(load_robot("five_bar"))
+
+
+def test_closures_that_repeat_one_another_and_disagree_a_little_can_be_simulated(tmp_path):
+    """A second connect at the same pin, 0.1 µm off: the loops cannot all be closed to rounding."""
+    folder = tmp_path / "twice"
+    shutil.copytree(load_robot("five_bar").folder, folder)
+    path = folder / "five_bar.xml"
+    text = path.read_text().replace(
+        '<site name="right_tip"', '<site name="again" pos="0.3000001 0 0"/><site name="right_tip"'
+    )
+    path.write_text(
+        text.replace("</equality>", '<connect name="again" site1="left_tip" site2="again"/></equality>')
+    )
+    plan = planned(load_robot(folder))
+    assert rehearse(plan).runs

@@ -11,6 +11,10 @@ from bench.truth.indices import Indices
 
 Array = NDArray[np.float64]
 CLOSED = 1e-12  # m: loops closed to rounding
+REPEATED = (
+    1e-5  # m or rad: by how much closures that repeat one another may disagree; none closes to rounding then
+)
+STILL = 1e-13  # rad or m: a step of Newton's method by less changes nothing any more
 LARGEST_MOVE = 0.02  # rad or m of an actuated joint between two solutions, so that the branch is kept
 
 
@@ -53,6 +57,8 @@ def close_loops(model: mujoco.MjModel, data: mujoco.MjData, passive: Indices) ->
             return jacobian
         move = np.zeros(model.nv)
         move[passive] = -np.linalg.lstsq(jacobian[:, passive], gap, rcond=None)[0]
+        if np.abs(move).max() < STILL and np.abs(gap).max() < REPEATED:
+            return jacobian
         qpos = np.array(data.qpos)
         mujoco.mj_integratePos(model, qpos, move, 1.0)
         data.qpos[:] = qpos

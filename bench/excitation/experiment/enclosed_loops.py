@@ -18,7 +18,7 @@ from bench.model.closure import Closures, closures_of, loop_bias, loop_rows
 from bench.model.geometry import Geometry
 from bench.model.kinematics import frames_of
 from bench.model.mobility import column_scales
-from bench.model.motion import Motion
+from bench.model.motion import Motion, motion_of
 from bench.model.scalars import Scalar
 
 WIDER = 4.0  # times what is passed through: the set of poses, so that the next interval's middle lies in it
@@ -147,8 +147,11 @@ def follows(geometry: Geometry, q: np.ndarray, passed: np.ndarray, reach: np.nda
 
 
 def begins_at_home(geometry: Geometry, q: np.ndarray, reach: np.ndarray) -> bool:
-    """Whether the first interval's set of poses holds home."""
-    off = _apart(geometry, geometry.home[None], q[:1])[:, geometry.passive]
+    """Whether the first interval's set of poses holds home, its loops closed to rounding: a file rounds it."""
+    motors = geometry.home[None, geometry.active_configuration] + geometry.active_offset
+    still = np.zeros_like(motors)
+    home = motion_of(geometry, np.zeros(1), motors, still, still).q
+    off = _apart(geometry, home, q[:1])[:, geometry.passive]
     return bool(np.all(off <= reach[:1, geometry.passive]))
 
 

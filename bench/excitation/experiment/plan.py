@@ -31,6 +31,7 @@ from bench.excitation.experiment.search import (
     Search,
     Shape,
     Tried,
+    check_proven_at_home,
     check_standing,
     proven,
     random_candidates,
@@ -285,6 +286,7 @@ def started(
     targets = targets_of(nominal, aim.wanted)
     first = Search(nominal, room, shape, loads, known, lambda _: np.zeros(1))
     check_standing(first)
+    check_proven_at_home(first)
     progress.phase("trying motions at random", 2 * RANDOM)
     starts = random_candidates(first, RANDOM, aim.seed, progress=progress)
     sparse = random_candidates(first, RANDOM, aim.seed, few=True, progress=progress)

@@ -23,6 +23,7 @@ CHECKS = (
 TRIES = 20  # of a random motion, until one keeps the limits at some size
 SHRINK = 0.9
 MOST_SHRINKS = 40
+STANDING = 0.02  # s at home that are looked at before any motion: a few intervals of a proof
 FEW = 3  # harmonics for each joint of a sparse motion
 POINTS = 8.0  # samples of a period of the highest harmonic, in the search
 FEWEST_POINTS = 20  # of a ramp
@@ -131,6 +132,19 @@ def check_standing(search: Search) -> None:
                     f"current or torque of {actuator.joint}: {most:.3g} {unit} leaves no room, "
                     f"standing at home{carrying} takes {needed:.3g} already"
                 )
+
+
+def check_proven_at_home(search: Search) -> None:
+    """Raise BenchError where a limit cannot be proven of standing at home, where every motion begins."""
+    none = np.zeros((len(search.room.home), 1))
+    standing = FourierTrajectory(search.room.home, none, none, 1.0 / STANDING, STANDING, 0.5 * STANDING)
+    for load in search.loads:
+        told = prove(Promise(search.nominal, search.room, standing, load))
+        if isinstance(told, Unproven):
+            robot = search.nominal.model.geometry.robot.name
+            raise BenchError(
+                f"robot {robot}: of no motion from home it could be proven that it keeps {limit_in_words(told)}"
+            )
 
 
 def largest_of(errors: Errors, fit: Equations) -> float:
