@@ -22,6 +22,7 @@ from bench.diagnosis.result import (
     Role,
     Superfluous,
     Unexplained,
+    Unfinished,
     Verdict,
 )
 from bench.effects import CATALOGUE
@@ -301,6 +302,7 @@ def diagnoses(example):
             differs=st.lists(differing_at(joints), max_size=2).map(tuple),
             superfluous=st.lists(st.builds(Superfluous, effects, st.none() | effects), max_size=2).map(tuple),
             discovered=st.lists(laws, max_size=2).map(tuple),
+            unfinished=some(st.sampled_from(list(Unfinished)), most=5),
         )
 
     ranking = st.lists(verdicts_at(joints), max_size=3, unique_by=lambda verdict: verdict.effect).map(tuple)

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from bench.basics.deadline import NEVER
 from bench.dataset.dataset import load_dataset
 from bench.diagnosis import rounds
 from bench.diagnosis.catalogue_search import diagnose_with_catalogue
@@ -88,7 +89,7 @@ def again(
     monkeypatch.setattr(rounds, "_with_set", lambda here, chosen: replace(here, chosen=chosen))
     monkeypatch.setattr(rounds, "_alike", lambda here, *_: [replace(here, chosen=key) for key in alike])
     progress: Any = SimpleNamespace(phase=lambda *_: None)
-    origin: Any = SimpleNamespace(with_proposals=lambda _, chosen: leaves[chosen])
+    origin: Any = SimpleNamespace(with_proposals=lambda _, chosen: leaves[chosen], deadline=NEVER)
     start: Any = FakeRound((0,))
     return rounds._again(origin, start, (), progress), seen
 

@@ -72,6 +72,7 @@ class FakeRound:
     chosen: tuple[int, ...]
     model: float
     converged: bool = False
+    cut: bool = False
 
 
 @pytest.mark.parametrize(("factor", "last"), [(0.9, rounds.ROUNDS - 1), (0.99, 0)])
@@ -124,16 +125,17 @@ def test_no_effect_goes_because_of_what_is_only_nearly_so(
     def searched(_: object, first: str, barred: dict[str, str], __: object) -> Any:
         if barred:
             raise StopIteration(first, dict(barred))
-        return SimpleNamespace(model="near")
+        return SimpleNamespace(model="near", cut=False)
 
     monkeypatch.setattr(catalogue_search, "searched", searched)
     monkeypatch.setattr(catalogue_search, "_where_possible", where_possible)
     monkeypatch.setattr(catalogue_search, "leaving", lambda _, model, after, __: (model, after, ()))
-    monkeypatch.setattr(catalogue_search, "_fits", lambda *_: None)
-    monkeypatch.setattr(catalogue_search, "_ladder", lambda *_: ())
+    monkeypatch.setattr(catalogue_search, "fits_of", lambda *_: None)
+    monkeypatch.setattr(catalogue_search, "ladder_of", lambda *_: ())
     origin: Any = SimpleNamespace(
         start=SimpleNamespace(effects=()), exactly=lambda _: "exact", in_search=None, with_instances=None
     )
+    origin.at_leisure = origin
     case: Any = SimpleNamespace(start=SimpleNamespace(effects=()), before=None)
     if possible:
         assert catalogue_search.search_from(case, origin, None).after == "exact"  # type: ignore[arg-type, comparison-overlap]

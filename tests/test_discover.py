@@ -68,7 +68,7 @@ def test_a_law_is_found_with_its_formula_its_value_and_its_place(found: Diagnosi
 
 
 def test_a_law_is_told_where_it_stays(found: Diagnosis, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(find, "_discovered", lambda _finding, law, i: (law.name, law.places[i].name))
+    monkeypatch.setattr(find, "discovered_at", lambda _finding, law, i: (law.name, law.places[i].name))
     places = (SimpleNamespace(name="left"), SimpleNamespace(name="right"))
     finding = SimpleNamespace(after=SimpleNamespace(effect_parameters={"law": {"right": {}}}))
     laws = [SimpleNamespace(name="law", places=places)]

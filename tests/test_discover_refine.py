@@ -6,6 +6,7 @@ from typing import Any
 
 import pytest
 
+from bench.basics.deadline import NEVER
 from bench.diagnosis.discovery import find, refine
 from bench.diagnosis.discovery.refine import NEARBY, THERE, Refined, refined
 from bench.diagnosis.rounds import Round
@@ -95,14 +96,14 @@ def test_the_set_of_a_converged_model_is_one_that_a_search_begins_with(
     """Of laws at one motor each none shows alone, and a search that grew from single effects missed them."""
     proposals: Any = [SimpleNamespace(name=name) for name in ("a", "b", "c")]
     model: Any = SimpleNamespace(effects=[SimpleNamespace(effect=SimpleNamespace(name=n)) for n in "bc"])
-    origin: Any = SimpleNamespace(start=SimpleNamespace(effects=()))
+    origin: Any = SimpleNamespace(start=SimpleNamespace(effects=()), deadline=NEVER)
     found = Found(SimpleNamespace(total=10.0, fit=SimpleNamespace(chosen=(0,))), {}, None)  # type: ignore[arg-type]
     monkeypatch.setattr(find, "judged", lambda *_: Round(model, proposals, None, found))  # type: ignore[arg-type]
     monkeypatch.setattr(find, "usable", lambda *_: [0, 1, 2])
     for total, chosen in ((20.0, (1, 2)), (5.0, (0,))):
         best = SimpleNamespace(total=total, fit=SimpleNamespace(chosen=(1, 2)))
         begun: list[Any] = []
-        monkeypatch.setattr(find, "best_set", lambda _, begin, __, b=best, s=begun: s.extend(begin) or b)
+        monkeypatch.setattr(find, "best_set", lambda _, begin, *__, b=best, s=begun: s.extend(begin) or b)
         here = find._judged_from(origin, model, proposals, ())
         assert here.chosen == chosen
         assert [1, 2] in begun

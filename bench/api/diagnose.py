@@ -5,11 +5,16 @@ from dataclasses import replace
 from pathlib import Path
 
 from bench.api.sources import Data, as_dataset
+from bench.basics.deadline import deadline_in
+from bench.basics.errors import BenchError
 from bench.basics.progress import SILENT, Progress
 from bench.diagnosis.discovery.find import find_missing_effects
 from bench.diagnosis.result import Diagnosis
 from bench.identification.problem import Filters, problem_of
 from bench.identification.shortness import short_recordings
+
+TIME_LIMIT = 600.0
+"""s: several times what a search takes on a robot with six motors, and no longer than one waits for an answer."""
 
 
 def diagnose(
@@ -20,19 +25,24 @@ def diagnose(
     effect_files: Iterable[str | Path] = (),
     discover: bool | None = None,
     progress: Progress = SILENT,
+    time_limit: float | None = TIME_LIMIT,
 ) -> Diagnosis:
     """Which physical effects the model lacks, judged on recordings that were not fitted.
 
     data: a dataset or its folder. effects: those that the model has already, each as EFFECT or EFFECT:PLACE. filters:
     settings by name, the others chosen from the data. effect_files: Python files with effects of your own, which
     compete as well as those that the dataset names. discover: whether laws that are in no catalogue compete too; left
-    out, where the catalogue leaves something unexplained. progress: told how far the search is. Raises BenchError
-    naming what in dataset, robot or files cannot be used.
+    out, where the catalogue leaves something unexplained. progress: told how far the search is. time_limit: s, after
+    which the best answer so far is given, and says what was not looked at (`finished`, `unfinished`); None: without.
+    Raises BenchError naming what in dataset, robot or files cannot be used.
     """
+    if time_limit is not None and not time_limit > 0.0:
+        raise BenchError(f"time limit {time_limit:g}: give seconds, more than none")
+    deadline = deadline_in(time_limit)
     progress.phase("reading the recordings")
     dataset = as_dataset(data)
     problem = problem_of(dataset, effects, filters, effect_files=effect_files)
-    diagnosis = find_missing_effects(problem, discover=discover, progress=progress)
+    diagnosis = find_missing_effects(problem, discover=discover, progress=progress, deadline=deadline)
     after = diagnosis.after
     short = short_recordings(dataset.recordings, after.settings)
     return replace(diagnosis, after=replace(after, findings=(*after.findings, *short)))

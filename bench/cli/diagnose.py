@@ -47,10 +47,16 @@ if TYPE_CHECKING:
     default=None,
     help="Look for laws that are in no catalogue; by default where its effects leave something.",
 )
+@click.option(
+    "--time-limit",
+    type=click.FloatRange(min=0.0, min_open=True),
+    metavar="SECONDS",
+    help="Give the best answer by then, which says what was not looked at. [default: 600]",
+)
 @output_option("Folder for report and figures.")
 @quiet_option
 @click.option("-v", "--verbose", is_flag=True, help="Print every effect and every parameter.")
-def diagnose(
+def diagnose(  # noqa: PLR0913, PLR0917 - an argument for each option
     dataset: Path,
     effects: tuple[str, ...],
     effect_files: tuple[Path, ...],
@@ -60,6 +66,7 @@ def diagnose(
     verbose: bool,
     quiet: bool,
     discover: bool | None,
+    time_limit: float | None,
     **filters: Any,
 ) -> None:
     """Find the physical effects that a model lacks, and how sure it is.
@@ -71,18 +78,26 @@ def diagnose(
     """
     given = given_filters(**filters)
     with shown_progress(quiet) as progress:
+        from bench.api.diagnose import TIME_LIMIT
         from bench.api.diagnose import diagnose as diagnosed
         from bench.dataset.dataset import load_dataset
 
         progress.phase("reading the recordings")
         data = load_dataset(dataset)
         diagnosis = diagnosed(
-            data, effects, filters=given, effect_files=effect_files, discover=discover, progress=progress
+            data,
+            effects,
+            filters=given,
+            effect_files=effect_files,
+            discover=discover,
+            progress=progress,
+            time_limit=TIME_LIMIT if time_limit is None else time_limit,
         )
     from bench.page.section_run import CommandRun
 
+    options = given if time_limit is None else {**given, "time_limit": time_limit}
     outcome = _Outcome(diagnosis, data, tuple(effect_files))
-    command = CommandRun("diagnose", str(dataset), effects, tuple(map(str, effect_files)), given)
+    command = CommandRun("diagnose", str(dataset), effects, tuple(map(str, effect_files)), options)
     take_all(
         lambda: outcome.write_laws(model_file),
         lambda: outcome.write_answer(json_file),

@@ -24,13 +24,14 @@ def with_spread_over_models(
 
     Where something is left that no effect accounts for, one effect more, or another in the place of a found one, stands
     for what it may be, whatever its sign: each has the shape of a torque that is not modelled. model: with the found
-    effects where they show.
+    effects where they show. Raises TimeUpError after the deadline.
     """
     others, added = [], model.effects[len(origin.start.effects) :]
     for chosen in _as_good(last):
         instances = [
             instance for i in chosen for instance in _instances(last.proposals[i], i in last.chosen, added)
         ]
+        origin.deadline.check()
         other = fit(origin.beside(model, instances))
         if runaway(other) is None and _no_worse(other, after):
             others.append(other)

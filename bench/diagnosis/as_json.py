@@ -6,7 +6,7 @@ from typing import Any
 from bench.basics.plain_data import finite
 from bench.dataset.robot_locked import locked_as_data
 from bench.diagnosis.reason_words import judged_on, left_words
-from bench.diagnosis.result import Diagnosis, Discovered, EffectVerdict, Unexplained
+from bench.diagnosis.result import Diagnosis, Discovered, EffectVerdict, Unfinished
 from bench.diagnosis.summary import error_share, reason, summary_sentences
 from bench.identification.model_json import to_json
 from bench.identification.result import Identification
@@ -29,6 +29,7 @@ def diagnosis_json(diagnosis: Diagnosis, *, words: bool = True) -> dict[str, Any
 
     words: whether with its sentences; all values and codes are there without them, and texts are empty.
 
+    finished: whether all was looked at before the time was up; not_looked_at: codes of what was not, or not to its end.
     missing, ladder, ranking and unexplained as documented for other programs; size: RMS torque in N*m or force
     in N by actuator; error_share: of the squared error, taken away; reason: the codes of why. differs_by_recording:
     effects of which one value for all recordings is not enough, with request as `--with` takes it. superfluous: effects
@@ -40,6 +41,8 @@ def diagnosis_json(diagnosis: Diagnosis, *, words: bool = True) -> dict[str, Any
         "locked": locked_as_data(diagnosis.after.locked),
         "judged_on": judged_on(diagnosis) if words else "",
         "summary": summary_sentences(diagnosis) if words else [],
+        "finished": diagnosis.finished,
+        "not_looked_at": list(diagnosis.unfinished),
         "missing": list(diagnosis.missing),
         "ladder": [
             {
@@ -49,7 +52,7 @@ def diagnosis_json(diagnosis: Diagnosis, *, words: bool = True) -> dict[str, Any
             for step in diagnosis.ladder
         ],
         "ranking": [_verdict(diagnosis, verdict, words) for verdict in diagnosis.ranking],
-        "unexplained": _left(diagnosis.unexplained, words),
+        "unexplained": _left(diagnosis, words),
         "differs_by_recording": [
             {**asdict(differing), "request": differing.request} for differing in diagnosis.differs
         ],
@@ -65,7 +68,9 @@ def verdict_json(diagnosis: Diagnosis) -> dict[str, Any]:
     """What is missing, where, how far the error falls, the laws and the gains: what an answer comes down to."""
     answer = diagnosis_json(diagnosis, words=False)
     missing = [entry for entry in answer["ranking"] if entry["effect"] in diagnosis.missing]
-    short = {key: answer[key] for key in ("robot", "missing", "ladder", "unexplained", "discovered")}
+    short = {
+        key: answer[key] for key in ("robot", "finished", "missing", "ladder", "unexplained", "discovered")
+    }
     return {**short, "ranking": missing, "drive_gains": answer["after"]["drive_gains"]}
 
 
@@ -85,14 +90,15 @@ def _verdict(diagnosis: Diagnosis, verdict: EffectVerdict, words: bool) -> dict[
     }
 
 
-def _left(left: Unexplained, words: bool) -> dict[str, Any]:
+def _left(diagnosis: Diagnosis, words: bool) -> dict[str, Any]:
+    left, searched = diagnosis.unexplained, Unfinished.SETS not in diagnosis.unfinished
     return {
         "significant": left.significant,
         "error": left.error,
         "noise_floor": left.noise_floor,
         "depends_on": list(left.depends_on),
         "what": left.what,
-        "why": left_words(left) if words else "",
+        "why": left_words(left, searched=searched) if words else "",
         "encoders": left.encoders,
         "repeats": left.repeats,
     }

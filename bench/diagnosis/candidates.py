@@ -5,6 +5,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from bench.basics.deadline import NEVER, Deadline
 from bench.basics.progress import SILENT, Progress
 from bench.effects import Effect, EffectInstance, RobotSignals, places_in
 from bench.identification.effect_rows import effect_rows
@@ -50,8 +51,16 @@ def context_of(prepared: Prepared, near: tuple[RobotSignals, ...]) -> Context:
     return Context(replace(prepared, signals=near), left)
 
 
-def propose(start: Context, catalogue: Mapping[str, Effect], progress: Progress = SILENT) -> list[Proposal]:
-    """Every effect of the catalogue that the starting model does not have, wherever it can sit."""
+def propose(
+    start: Context,
+    catalogue: Mapping[str, Effect],
+    progress: Progress = SILENT,
+    deadline: Deadline = NEVER,
+) -> list[Proposal]:
+    """Every effect of the catalogue that the starting model does not have, wherever it can sit.
+
+    Raises TimeUpError after the deadline.
+    """
     prepared = start.prepared
     places = places_in(prepared.model.geometry, prepared.dataset.weighed)
     present = {(instance.effect.name, instance.joint) for instance in prepared.effects}
@@ -67,12 +76,14 @@ def propose(start: Context, catalogue: Mapping[str, Effect], progress: Progress 
     plain = [instance for found in every.values() for instance in found if not instance.effect.shape]
     alone = [instance for instance in plain if not instance.effect.depends_on_model]
     for seen, measured in zip(prepared.signals, prepared.measured, strict=True):
+        deadline.check()
         fitted = measured.recording.use == "identify"
-        effect_rows(seen, prepared.settings.decimation, plain if fitted else alone)
+        effect_rows(seen, prepared.settings.decimation, plain if fitted else alone, deadline)
         forget_motions((measured,))
     proposals = []
     for name, found in every.items():
         progress.advance()
+        deadline.check()
         if not found:
             continue
         effect = catalogue[name]
@@ -84,22 +95,29 @@ def propose(start: Context, catalogue: Mapping[str, Effect], progress: Progress 
         if not visible:
             proposals.append(Proposal(name, tuple(found), True, _taken_up_by(start, found[0])))
             continue
-        proposals.append(Proposal(name, shaped(start, visible), False, ""))
+        proposals.append(Proposal(name, shaped(start, visible, deadline), False, ""))
         forget_motions(prepared.measured)  # few effects need them
     return proposals
 
 
-def shaped(context: Context, instances: Sequence[EffectInstance]) -> tuple[EffectInstance, ...]:
+def shaped(
+    context: Context, instances: Sequence[EffectInstance], deadline: Deadline = NEVER
+) -> tuple[EffectInstance, ...]:
     """The instances of one effect with the shape, and about the values, that explain most of what is left."""
     found = tuple(instances)
     if found[0].effect.shape:
-        found = tuple(best_shape(context.prepared, instance, context.left) for instance in found)
+        found = tuple(_with_best_shape(context, instance, deadline) for instance in found)
     for _ in range(LINEARISATIONS):
         about = _about_their_values(context, found)
         if about == found:
             break
         found = about
     return found
+
+
+def _with_best_shape(context: Context, instance: EffectInstance, deadline: Deadline) -> EffectInstance:
+    deadline.check()
+    return best_shape(context.prepared, instance, context.left)
 
 
 def _about_their_values(

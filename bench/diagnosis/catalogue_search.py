@@ -1,11 +1,11 @@
 """Which effects of the catalogue a model lacks, judged on recordings that were not fitted."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import cache
 
 import numpy as np
 
+from bench.basics.deadline import NEVER, Deadline, TimeUpError
 from bench.basics.progress import SILENT, Progress
 from bench.basics.threads import on_one_thread
 from bench.diagnosis.as_good import with_spread_over_models
@@ -13,6 +13,15 @@ from bench.diagnosis.candidates import Proposal
 from bench.diagnosis.differs import differing
 from bench.diagnosis.elsewhere import differing_elsewhere, worse_elsewhere
 from bench.diagnosis.encoder_noise import encoder_error
+from bench.diagnosis.ladder import (
+    Fits,
+    ends_of_ladder,
+    errors_nearly_without,
+    errors_without,
+    fits_of,
+    ladder_of,
+    step_of,
+)
 from bench.diagnosis.mounting import mounted_otherwise
 from bench.diagnosis.normal_equations import System
 from bench.diagnosis.origin import Origin, origin_of
@@ -32,26 +41,31 @@ from bench.diagnosis.pruning import (
     superfluous_effect,
 )
 from bench.diagnosis.reason import Reason
-from bench.diagnosis.result import Diagnosis, Differing, EffectVerdict, LadderStep, Superfluous
-from bench.diagnosis.rounds import Round, first_round, searched
+from bench.diagnosis.result import (
+    Diagnosis,
+    Differing,
+    EffectVerdict,
+    LadderStep,
+    Superfluous,
+    Unfinished,
+)
+from bench.diagnosis.rounds import Round, first_round, searched, staying
 from bench.diagnosis.search import Found
 from bench.diagnosis.showing import shows
 from bench.diagnosis.split import with_held_out_parts
 from bench.diagnosis.starting import given_wholly, kept_and_new, leaving, origins_of, worse
 from bench.diagnosis.unexplained import unexplained
-from bench.diagnosis.verdicts import judged_error, verdicts
+from bench.diagnosis.verdicts import judged_error, undecided, verdicts
 from bench.effects import EffectInstance
 from bench.identification.findings import with_other_values
-from bench.identification.identify import fit, fitted_currents
+from bench.identification.identify import fit
 from bench.identification.impossible_payload import with_possible_payloads
 from bench.identification.noise_let_through import with_noise_heard
 from bench.identification.nonlinear import converged
 from bench.identification.prepare import Prepared, prepare
 from bench.identification.problem import Problem
-from bench.identification.result import CurrentSeries, Identification, relative_error
+from bench.identification.result import Identification, relative_error
 from bench.identification.widened import gains_widened
-
-Fits = Callable[[frozenset[str]], LadderStep]
 
 NONE_BARRED: Mapping[str, Reason] = {}
 OWN_VALUES_TRIED = 3  # sets of values for each recording beside which effects are searched
@@ -59,19 +73,24 @@ OWN_VALUES_TRIED = 3  # sets of values for each recording beside which effects a
 
 @dataclass(frozen=True)
 class SplitProblem:
-    """A problem that is diagnosed: in parts to fit and to judge on, its starting model, and that model's fit."""
+    """A problem that is diagnosed: in parts to fit and to judge on, its starting model, and that model's fit.
+
+    deadline: after which the best answer so far is given.
+    """
 
     problem: Problem
     held_out: float
     start: Prepared
     before: Identification
+    deadline: Deadline = NEVER
 
 
 @dataclass(frozen=True)
 class SearchResult:
-    """What a search found. new: beyond what the starting model has; names: of their effects; fits: see `_fits`; barred:
-    effects that may not be found, and why. differs: what differs from run to run, and differently: the answer with a
-    value of it for each; compared: whether they are known.
+    """What a search found. new: beyond what the starting model has; names: of their effects; fits: see `fits_of`;
+    barred: effects that may not be found, and why. differs: what differs from run to run, and differently: the answer
+    with a value of it for each; compared: whether they are known. unfinished: what the deadline kept from being looked
+    at.
     """
 
     origin: Origin
@@ -87,6 +106,7 @@ class SearchResult:
     compared: bool = False
     differs: tuple[Differing, ...] = ()
     differently: Identification | None = None
+    unfinished: tuple[Unfinished, ...] = ()
 
 
 @on_one_thread
@@ -101,15 +121,17 @@ def diagnose_with_catalogue(problem: Problem, progress: Progress = SILENT) -> Di
     return answered(case, search_catalogue(case, progress), progress)
 
 
-def split_and_fitted(problem: Problem, progress: Progress = SILENT) -> SplitProblem:
-    """Set parts aside to judge on, prepare the problem and fit the model as it is."""
+def split_and_fitted(
+    problem: Problem, progress: Progress = SILENT, deadline: Deadline = NEVER
+) -> SplitProblem:
+    """Set parts aside to judge on, prepare the problem and fit the model as it is, however long that takes."""
     progress.phase("preparing the recordings")
     dataset, held_out = with_held_out_parts(problem.dataset)
     problem = replace(problem, dataset=dataset)
     start = prepare(problem)
     progress.phase("fitting the model as it is")
     start = converged(start)
-    return SplitProblem(problem, held_out, start, fit(start))
+    return SplitProblem(problem, held_out, start, fit(start), deadline)
 
 
 def search_catalogue(case: SplitProblem, progress: Progress = SILENT) -> SearchResult:
@@ -118,9 +140,12 @@ def search_catalogue(case: SplitProblem, progress: Progress = SILENT) -> SearchR
 
     One value for all recordings, where it differs, moves the gains and looks like other effects. Values for each are
     part of the answer where with what is found beside them they explain clearly more of parts that are not fitted, no
-    less of other recordings with values of theirs, and still differ.
+    less of other recordings with values of theirs, and still differ. After the deadline the best so far is the answer.
     """
-    plain = _compared(case, _search_beside(case, case.start, case.before, progress))
+    plain = _search_beside(case, case.start, case.before, progress)
+    if case.deadline.passed:
+        return replace(plain, unfinished=(*plain.unfinished, Unfinished.OWN_VALUES))
+    plain = _compared(case, plain)
     here, tried = plain, list[frozenset[Place]]()
     while len(tried) < OWN_VALUES_TRIED:
         wanted = places_of(here.differs)
@@ -132,7 +157,10 @@ def search_catalogue(case: SplitProblem, progress: Progress = SILENT) -> SearchR
             break
         tried.append(wanted)
         start = with_own_values(case.start, wanted, case.problem.catalogue)
-        here = _compared(case, _search_beside(case, start, fit(start), progress))
+        here = _search_beside(case, start, fit(start), progress)
+        if here.unfinished or case.deadline.passed:
+            return replace(plain, unfinished=(Unfinished.OWN_VALUES,))
+        here = _compared(case, here)
         if places_of(here.differs) == wanted:
             better = explains_more(here.model, plain.model) and not worse_elsewhere(
                 here.model, here.after, plain.after, wanted
@@ -149,7 +177,7 @@ def _search_beside(
     before: the answer of `model` as it is.
     """
     for start in origins_of(model):
-        origin = origin_of(start)
+        origin = origin_of(start, case.deadline)
         finding = search_from(case, origin, first_round(origin, case.problem.catalogue, progress), progress)
         if start is model or not worse(finding.after, before):
             break
@@ -169,17 +197,24 @@ def search_from(
     first: Round,
     progress: Progress = SILENT,
     barred: Mapping[str, Reason] = NONE_BARRED,
+    *,
+    wholly: bool = False,
 ) -> SearchResult:
     """Search from a first round on until every found effect is possible and needed.
 
-    barred: effects that may not be found, and why.
+    barred: effects that may not be found, and why. After the deadline the best set so far is the answer, brought to its
+    end; wholly: TimeUpError is raised instead.
     """
     known, given = dict(barred), case.start.effects
-    own = len(origin.start.effects)
+    own, cut, searching, origin = len(origin.start.effects), False, origin, origin.at_leisure
     given_round = [first]
     del first  # handed on without a name, so that its system is gone before the next is built
     while True:
-        last = searched(origin, given_round.pop(), known, progress)
+        here = given_round.pop()
+        last = staying(origin, here, known) if cut else searched(searching, here, known, progress)
+        cut = last.cut
+        if cut and wholly:
+            raise TimeUpError
         progress.phase("fitting what was found")
         model, after, out = _where_possible(origin, last.model, given)
         exact = origin.exactly(last.model) if out else last.model
@@ -191,16 +226,29 @@ def search_from(
             names = tuple(dict.fromkeys(instance.effect.name for instance in new))
             each = dict.fromkeys(instance.request for instance in own_values(origin.start, given))
             without = fit(origin.with_instances(kept)) if each else case.before
-            fits = _fits(origin, kept, new, without, after)
-            ladder = _ladder(names, fits)
-            out = superfluous_effect(ladder)
+            fits = fits_of(origin, kept, new, without, after)
+            ladder = ends_of_ladder(names, fits) if cut else ladder_of(names, fits)
+            out = {} if cut else superfluous_effect(ladder)
             if each:
                 ladder = (
-                    _step((), case.before.recordings),
+                    step_of((), case.before.recordings),
                     *(replace(s, effects=(*each, *s.effects)) for s in ladder),
                 )
         if not out:
-            return SearchResult(origin, last, model, after, new, names, fits, ladder, superfluous, known)
+            missed = (Unfinished.SETS,) if cut else ()
+            return SearchResult(
+                searching,
+                last,
+                model,
+                after,
+                new,
+                names,
+                fits,
+                ladder,
+                superfluous,
+                known,
+                unfinished=missed,
+            )
         known |= out
         given_round.append(last)
 
@@ -217,15 +265,22 @@ def answered(case: SplitProblem, finding: SearchResult, progress: Progress = SIL
         at = (instance.joint,) if instance.joint else dataset.robot.joints
         places[instance.effect.name] = (*places.get(instance.effect.name, ()), *at)
     scale = _relative(after, system, best)
-    without = _errors_without(finding.names, finding.fits)
+    unfinished = list(finding.unfinished)
+    if Unfinished.SETS in unfinished:
+        without = errors_nearly_without(finding.names, finding.last, scale)
+    else:
+        without = errors_without(finding.names, finding.fits)
     others = differing_elsewhere(model, after, case.problem.catalogue)
     if others:
         after = with_other_values(after, [f"{effect}:{joint}" for effect, joint in sorted(others)])
     left = unexplained(after, dataset.recordings, lambda: encoder_error(model))
     if (left.significant or left.much) and model.fit_gains:
         progress.phase("fitting models that are as good")
-        after = with_spread_over_models(finding.origin, finding.last, model, after)
-    if not finding.compared:
+        try:
+            after = with_spread_over_models(finding.origin, finding.last, model, after)
+        except TimeUpError:
+            unfinished.append(Unfinished.AS_GOOD)
+    if not finding.compared and not unfinished:
         finding = _compared(case, finding)
     if finding.differently is not None and not {each.request for each in finding.differs} <= {*after.effects}:
         after = gains_widened(after, [finding.differently])  # values for each recording explain the data, too
@@ -234,7 +289,7 @@ def answered(case: SplitProblem, finding: SearchResult, progress: Progress = SIL
     ranking = tuple(
         refused(verdict, finding.barred.get(verdict.effect))
         for verdict in ranking
-        if verdict.effect not in known
+        if verdict.effect not in known and not (Unfinished.SETS in unfinished and undecided(verdict))
     )
     ranking = tuple(replace(verdict, size=_sizes(model, after, verdict.effect)) for verdict in ranking)
     missing = tuple(verdict.effect for verdict in _by_strength(ranking) if verdict.effect in places)
@@ -249,6 +304,7 @@ def answered(case: SplitProblem, finding: SearchResult, progress: Progress = SIL
         after=replace(after, findings=(*mounted_otherwise(model), *after.findings)),
         differs=finding.differs,
         superfluous=finding.superfluous,
+        unfinished=tuple(unfinished),
     )
 
 
@@ -325,54 +381,3 @@ def _sizes(model: Prepared, result: Identification, effect: str) -> dict[str, fl
         return {}
     rms = np.sqrt((total**2).mean(axis=0))
     return {joint: float(value) for joint, value in zip(joints, rms, strict=True) if value > 0}
-
-
-def _fits(
-    origin: Origin,
-    kept: Sequence[EffectInstance],
-    new: Sequence[EffectInstance],
-    before: Identification,
-    after: Identification,
-) -> Fits:
-    """What is kept of the starting model with some of the new effects, by name, each set fitted once; before, after:
-    without any, and with all.
-    """
-
-    @cache
-    def fitted(names: frozenset[str]) -> LadderStep:
-        if not names:
-            return _step((), before.recordings)
-        chosen = [instance for instance in new if instance.effect.name in names]
-        if len(chosen) == len(new):
-            return _step(tuple(names), after.recordings)
-        return _step(tuple(names), fitted_currents(origin.with_instances([*kept, *chosen])))
-
-    return fitted
-
-
-def _errors_without(names: Sequence[str], fits: Fits) -> dict[str, float]:
-    """Relative error on recordings that were not fitted, by effect, of the found model without it, fitted anew."""
-    return {name: fits(frozenset(names) - {name}).validate or 0.0 for name in names}
-
-
-def _ladder(names: Sequence[str], fits: Fits) -> tuple[LadderStep, ...]:
-    """Errors after each added effect, the one that helps most first."""
-    steps = [fits(frozenset())]
-    left = list(names)
-    taken: list[str] = []
-    while left:
-        tried = [replace(fits(frozenset((*taken, name))), effects=(*taken, name)) for name in left]
-        best = min(tried, key=lambda step: step.validate or step.identify or 0.0)
-        taken.append(best.effects[-1])
-        left.remove(best.effects[-1])
-        steps.append(best)
-    return tuple(steps)
-
-
-def _step(effects: tuple[str, ...], fitted: Sequence[CurrentSeries]) -> LadderStep:
-    return LadderStep(effects, _error(fitted, "identify"), _error(fitted, "validate"), tuple(fitted))
-
-
-def _error(fitted: Sequence[CurrentSeries], use: str) -> float | None:
-    """Relative error on the recordings of this use; None without any."""
-    return relative_error([trace for trace in fitted if trace.use == use])

@@ -12,6 +12,7 @@ from functools import cached_property
 
 import numpy as np
 
+from bench.basics.deadline import NEVER, Deadline
 from bench.diagnosis.motor_rows import MotorRows, apart_from, combined, folded, motor_rows, products
 from bench.effects import EffectInstance, RobotSignals
 from bench.identification.bilinear import (
@@ -133,10 +134,12 @@ def build_system(
     candidates: Sequence[Sequence[EffectInstance]],
     exact: Sequence[EffectInstance],
     start: Solution,
+    deadline: Deadline = NEVER,
 ) -> System:
     """The system of a prepared model with its solution `start`; candidates: an effect at its places each, or nothing.
 
     exact: instances whose columns are as the fit has them; those of the others are of the recordings seen `near`.
+    Raises TimeUpError after the deadline.
     """
     every = [instance for instances in candidates for instance in instances]
     blocks: dict[str, list[tuple[MotorRows, ...]]] = {"identify": [], "validate": []}
@@ -145,7 +148,10 @@ def build_system(
     ):
         # handed on without a name, so that no recording's columns outlast its rows; nor does its motion
         rows = _rows(
-            prepared, observation, _added(signals, nearly, prepared.settings.decimation, every, exact), start
+            prepared,
+            observation,
+            _added(signals, nearly, prepared.settings.decimation, every, exact, deadline),
+            start,
         )
         blocks[observation.use].append(rows)
         for seen in (signals, nearly):
@@ -284,9 +290,10 @@ def _added(
     decimation: int,
     every: Sequence[EffectInstance],
     exact: Sequence[EffectInstance],
+    deadline: Deadline,
 ) -> np.ndarray:
     """The columns of all candidates in one recording, (M, n, c): see `build_system`."""
-    columns = effect_rows(nearly, decimation, every)
+    columns = effect_rows(nearly, decimation, every, deadline)
     as_fitted = np.concatenate(
         [
             np.zeros(0, dtype=bool),

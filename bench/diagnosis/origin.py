@@ -6,6 +6,7 @@ from functools import cached_property
 
 import numpy as np
 
+from bench.basics.deadline import NEVER, Deadline
 from bench.diagnosis.candidates import Context, Proposal, context_of, shaped
 from bench.diagnosis.noise import leaves_only_noise, noise_squares
 from bench.diagnosis.normal_equations import System
@@ -31,6 +32,7 @@ class Origin:
     """What a search starts from: the model at its own solution, and what is worked out once for all beside it.
 
     known: effects beside it that were converged before, by what they began as, and the model that they belong to.
+    deadline: after which models are converged no further, but TimeUpError is raised.
     """
 
     start: Prepared
@@ -38,6 +40,12 @@ class Origin:
     known: dict[Hashable, tuple[tuple[EffectInstance, ...], PresentModel]] = field(
         default_factory=dict, compare=False, repr=False
     )
+    deadline: Deadline = NEVER
+
+    @cached_property
+    def at_leisure(self) -> "Origin":
+        """The same without a deadline: what was begun is brought to its end."""
+        return self if self.deadline is NEVER else replace(self, deadline=NEVER)
 
     @cached_property
     def noise(self) -> np.ndarray | None:
@@ -133,7 +141,9 @@ class Origin:
         """A converged model as another sees its effects, who sees them nearby, or as they are. most: rounds."""
         if not settles(model.effects):
             return self._settled(other, model.effects, model.present, nearly=False)
-        return converged_from(other, model, added_from=len(self.start.effects), most=most)
+        return converged_from(
+            other, model, added_from=len(self.start.effects), most=most, deadline=self.deadline
+        )
 
     def _converged(
         self,
@@ -145,7 +155,8 @@ class Origin:
     ) -> Prepared:
         """A model with other effects, converged, see there; what the starting model has stays."""
         begun = with_effects(model, effects, present, fitted_only=settles(effects))
-        return converged(begun, nearly=nearly, added_from=len(self.start.effects))
+        self.deadline.check()
+        return converged(begun, nearly=nearly, added_from=len(self.start.effects), deadline=self.deadline)
 
 
 def _instances(proposals: Sequence[Proposal], chosen: Sequence[int]) -> list[EffectInstance]:
@@ -162,10 +173,10 @@ def _less_nearby(instances: Sequence[EffectInstance]) -> bool:
     return any(changes_torque(instance.effect) for instance in instances)
 
 
-def origin_of(start: Prepared) -> Origin:
+def origin_of(start: Prepared, deadline: Deadline = NEVER) -> Origin:
     """The search for what a converged starting model lacks."""
     start = at_its_solution(start)
-    return Origin(start, Nearby(start.model, start.measured))
+    return Origin(start, Nearby(start.model, start.measured), deadline=deadline)
 
 
 def at_its_solution(model: Prepared) -> Prepared:

@@ -27,8 +27,11 @@ def judged_on(diagnosis: Diagnosis) -> str:
     return f"the last {100.0 * diagnosis.held_out:.0f} % of every recording, not fitted"
 
 
-def left_words(left: Unexplained) -> str:
-    """What remains beside the found effects, and beside which noise; without a capital letter and full stop."""
+def left_words(left: Unexplained, *, searched: bool = True) -> str:
+    """What remains beside the found effects, and beside which noise; without a capital letter and full stop.
+
+    searched: whether all effects of the catalogue were tried.
+    """
     floor, encoders = (f"{100.0 * noise:.3g} %" for noise in (left.noise_floor, left.encoders))
     error = f"{100.0 * left.error:.3g} %"
     if left.what == Remainder.NOISE:
@@ -45,10 +48,8 @@ def left_words(left: Unexplained) -> str:
         noise += f", and the logs repeat themselves to {100.0 * left.repeats:.3g} %"
     if left.what == Remainder.NO_PATTERN:
         return f"{error} of the current is left where {noise}; it varies with nothing that was looked at"
-    return (
-        f"{error} of the current is left where {noise}, and it varies with {', '.join(left.depends_on)}: no effect of "
-        "the catalogue accounts for it"
-    )
+    varies = f"{error} of the current is left where {noise}, and it varies with {', '.join(left.depends_on)}"
+    return f"{varies}: no effect of the catalogue accounts for it" if searched else varies
 
 
 def _explains(verdict: EffectVerdict) -> str:

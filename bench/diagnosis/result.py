@@ -31,6 +31,16 @@ class Remainder(StrEnum):
     PATTERN = "pattern"
 
 
+class Unfinished(StrEnum):
+    """What was not looked at, or not to its end, since the time was up."""
+
+    CAUSES = "causes"  # columns that are swapped, loads that are others
+    SETS = "sets"  # effects of the catalogue, and sets of them, beyond what was found
+    OWN_VALUES = "own values"  # what differs from recording to recording
+    AS_GOOD = "as good"  # models that explain the data as well
+    LAWS = "laws"  # that are in no catalogue
+
+
 Verdict = Literal["missing", "not supported", "indistinguishable", "resembles", "absorbed"]
 
 
@@ -191,7 +201,8 @@ class Diagnosis:
     them. differs: what has another value in each recording, whether the model has it or not; by_recording: those of
     which `after` has these values, with one for all of the others.
     superfluous: effects of the starting model that `after` does without.
-    discovered: laws that are in no catalogue, motor by motor; `after` and the ladder have them, too.
+    discovered: laws that are in no catalogue, motor by motor; `after` and the ladder have them, too. unfinished: what
+    was not looked at, since the time was up.
     """
 
     robot: str
@@ -205,6 +216,12 @@ class Diagnosis:
     differs: tuple[Differing, ...] = ()
     superfluous: tuple[Superfluous, ...] = ()
     discovered: tuple[Discovered, ...] = ()
+    unfinished: tuple[Unfinished, ...] = ()
+
+    @property
+    def finished(self) -> bool:
+        """Whether all was looked at before the time was up."""
+        return not self.unfinished
 
     @property
     def by_recording(self) -> tuple[str, ...]:
@@ -221,7 +238,8 @@ class Diagnosis:
         found = (*self.missing, *self.by_recording, *(law.formula for law in self.discovered))
         errors = [step.validate if step.validate is not None else step.identify for step in self.ladder]
         fall = " → ".join(f"{100.0 * error:.3g} %" for error in errors if error is not None)
-        return f"<{self.robot}: {', '.join(found) or 'nothing'} missing; error {fall}>"
+        early = "" if self.finished else "; unfinished"
+        return f"<{self.robot}: {', '.join(found) or 'nothing'} missing; error {fall}{early}>"
 
     def rows(self) -> list[dict[str, str | float]]:
         """The ranking as a table: one row with effect, verdict, evidence and errors before and after each."""

@@ -6,6 +6,7 @@ from functools import cached_property
 
 import numpy as np
 
+from bench.basics.deadline import NEVER, TimeUpError
 from bench.basics.progress import SILENT, Progress
 from bench.diagnosis.batched_sets import solve_sets, swapped
 from bench.diagnosis.candidates import Context, Proposal, propose, shaped
@@ -17,7 +18,8 @@ from bench.diagnosis.restart import restarted
 from bench.diagnosis.revealed import beside, partners
 from bench.diagnosis.search import NEEDED, Found, contains, neighbours, score, search
 from bench.diagnosis.special_case import explaining_most, explains, with_shapes_of
-from bench.effects import Effect
+from bench.effects import Effect, EffectInstance
+from bench.identification.nonlinear import settles
 from bench.identification.prepare import Prepared, with_effects
 from bench.identification.result import relative_error
 from bench.identification.solution import Solution
@@ -30,12 +32,16 @@ MOST_ALIKE = 2  # sets like the present one that are converged where a search's 
 
 @dataclass(frozen=True)
 class Round:
-    """A converged model, every effect in the shape that suits it, their system about it, and the best set there."""
+    """A converged model, every effect in the shape that suits it, their system about it, and the best set there.
+
+    cut: whether the time was up before the search had ended; the model is that of the best set so far, then.
+    """
 
     model: Prepared
     proposals: Sequence[Proposal]
     system: System
     found: Found
+    cut: bool = False
 
     @cached_property
     def left(self) -> SquaresLeft:
@@ -54,10 +60,22 @@ class Round:
 
 
 def first_round(origin: Origin, catalogue: Mapping[str, Effect], progress: Progress = SILENT) -> Round:
-    """Every effect in the shape that suits the starting model."""
+    """Every effect in the shape that suits the starting model; after the deadline `straight_round`."""
     progress.phase("searching, round 1", len(catalogue))
-    proposals = propose(origin.context(origin.start), catalogue, progress)
-    return judged(origin, origin.start, proposals, ())
+    try:
+        proposals = propose(origin.context(origin.start), catalogue, progress, origin.deadline)
+        return judged(origin, origin.start, proposals, ())
+    except TimeUpError:
+        return straight_round(origin.at_leisure, catalogue)
+
+
+def straight_round(origin: Origin, catalogue: Mapping[str, Effect]) -> Round:
+    """The best set of the effects alone whose columns depend on nothing that is sought: it is converged at once."""
+    straight = {
+        name: effect for name, effect in catalogue.items() if not settles([EffectInstance(effect, "", name)])
+    }
+    here = judged(origin, origin.start, propose(origin.context(origin.start), straight), ())
+    return replace(_converged(origin, here), cut=True)
 
 
 def searched(origin: Origin, first: Round, barred: Collection[str], progress: Progress = SILENT) -> Round:
@@ -65,22 +83,29 @@ def searched(origin: Origin, first: Round, barred: Collection[str], progress: Pr
     joins leads to a set which, converged, leaves clearly less.
 
     barred: effects that may not be found: of an impossible sign, or superfluous. What a round found without them is
-    there to be surpassed.
+    there to be surpassed. After the deadline the best set so far is the answer.
     """
+    if first.cut:
+        return first
     before = None
     if barred:
         whole, first = first, replace(first, found=_search(first.system, first.proposals, barred))
         stayed = tuple(i for i in whole.chosen if whole.proposals[i].name not in barred)
         if stayed and stayed != first.chosen:
-            before = _converged(origin, _with_set(whole, stayed))
+            before = _converged(origin.at_leisure, _with_set(whole, stayed))
         del whole
     given = [first]
     del first  # handed on without a name, so that its system is gone before the next is built
     here = _again(origin, given.pop(), barred, progress, before)
     tried = {frozenset(here.chosen)}
     for _ in range(ROUNDS - 1):
+        if here.cut:
+            break
         progress.phase("searching for partners")
-        better = _with_partner(origin, here, barred)
+        try:
+            better = _with_partner(origin, here, barred)
+        except TimeUpError:
+            return replace(here, cut=True)
         if better is None or frozenset(better.chosen) in tried:
             break
         there = _again(origin, better, barred, progress, here)
@@ -89,6 +114,12 @@ def searched(origin: Origin, first: Round, barred: Collection[str], progress: Pr
         here = there
         tried.add(frozenset(here.chosen))
     return here
+
+
+def staying(origin: Origin, here: Round, barred: Collection[str]) -> Round:
+    """What stays of a round's set where some effects may not be found, converged, without another search."""
+    stayed = [i for i in here.chosen if here.proposals[i].name not in barred]
+    return replace(_with_set(here, stayed), model=origin.with_proposals(here.proposals, stayed), cut=True)
 
 
 def error_of(model: Prepared) -> float:
@@ -114,23 +145,38 @@ def _again(
     """
     if before is not None and not here.chosen:
         return before
-    for number in range(2, ROUNDS + 1):
-        if not here.chosen:
-            break
-        progress.phase(f"searching, round {number}", len(here.proposals))
-        better = _first_better(origin, here, before, barred)
-        if better is None:
-            assert before is not None  # without one to surpass, the best set is taken
-            return before
-        proposals = reshaped(origin, better, progress)
-        model, chosen, names = better.model, better.chosen, better.names
-        before = None
-        del here, better  # so that this round's system is gone before the next is built
-        here = judged(origin, model, proposals, barred)
-        if here.names == names:
-            return here
-        before = _with_set(here, chosen)
-    return replace(here, model=origin.with_proposals(here.proposals, here.chosen))
+    spare = before  # what is answered where the time is up
+    try:
+        for number in range(2, ROUNDS + 1):
+            if not here.chosen:
+                break
+            progress.phase(f"searching, round {number}", len(here.proposals))
+            better = _first_better(origin, here, before, barred)
+            if better is None:
+                assert before is not None  # without one to surpass, the best set is taken
+                return before
+            spare = None if origin.deadline is NEVER else better
+            proposals = reshaped(origin, better, progress)
+            model, chosen, names = better.model, better.chosen, better.names
+            before = None
+            del (
+                here,
+                better,
+            )  # so that this round's system is gone before the next is built, unless it is spared
+            here = judged(origin, model, proposals, barred)
+            if here.names == names:
+                return here
+            before = spare = _with_set(here, chosen)
+        return replace(here, model=origin.with_proposals(here.proposals, here.chosen))
+    except TimeUpError:
+        return _straight(origin, here, barred) if spare is None else replace(spare, cut=True)
+
+
+def _straight(origin: Origin, here: Round, barred: Collection[str]) -> Round:
+    """A round with the best set of its effects that are converged at once, and the search cut there."""
+    usable_now = [i for i in usable(here.proposals, barred) if not settles(here.proposals[i].instances)]
+    best = replace(here, found=search(here.system, usable_now))
+    return replace(_converged(origin.at_leisure, best), cut=True)
 
 
 def _first_better(origin: Origin, here: Round, before: Round | None, barred: Collection[str]) -> Round | None:
@@ -201,7 +247,7 @@ def _with_partner(origin: Origin, here: Round, barred: Collection[str]) -> Round
 def judged(origin: Origin, model: Prepared, proposals: Sequence[Proposal], barred: Collection[str]) -> Round:
     """The starting model's equations with every proposal's columns, linearised about `model`, and the best set."""
     system = system_about(origin, model, proposals)
-    return Round(model, proposals, system, _search(system, proposals, barred))
+    return Round(model, proposals, system, search(system, usable(proposals, barred), origin.deadline))
 
 
 def system_about(origin: Origin, model: Prepared, proposals: Sequence[Proposal]) -> System:
@@ -212,7 +258,7 @@ def system_about(origin: Origin, model: Prepared, proposals: Sequence[Proposal])
     exact = model.effects[len(start.effects) :]
     listed = [() if proposal.absorbed else proposal.instances for proposal in proposals]
     near = origin.nearby.signals(model.present, model.signals)
-    system = build_system(about, near, listed, exact, own)
+    system = build_system(about, near, listed, exact, own, origin.deadline)
     return replace(system, priors=tuple(proposal.prior for proposal in proposals))
 
 
@@ -251,6 +297,7 @@ def reshaped(origin: Origin, here: Round, progress: Progress) -> list[Proposal]:
     solve_sets(here.system, swapped(here.chosen, asked))  # together, and kept: each is asked for below
     for i, proposal in enumerate(here.proposals):
         progress.advance()
+        origin.deadline.check()
         if i in here.chosen:
             instances = tuple(instance for instance in added if instance.effect.name == proposal.name)
             result.append(replace(proposal, instances=instances))
@@ -260,7 +307,11 @@ def reshaped(origin: Origin, here: Round, progress: Progress) -> list[Proposal]:
             continue
         rival = _rival(here.system, here.found, i)
         if rival is None:
-            instances = proposal.instances if only_noise else shaped(contexts[None], proposal.instances)
+            instances = (
+                proposal.instances
+                if only_noise
+                else shaped(contexts[None], proposal.instances, origin.deadline)
+            )
             rival = _whole(here.system, here.found, i)
             if rival is None or (not only_noise and explains(contexts[None], instances)):
                 result.append(replace(proposal, instances=instances))
@@ -269,7 +320,7 @@ def reshaped(origin: Origin, here: Round, progress: Progress) -> list[Proposal]:
         if rival not in contexts:
             others = [instance for instance in added if instance.effect.name != name]
             contexts[rival] = origin.context(with_effects(model, (*origin.start.effects, *others)))
-        instances = shaped(contexts[rival], proposal.instances)
+        instances = shaped(contexts[rival], proposal.instances, origin.deadline)
         if contains(here.system.candidates[rival], here.system.candidates[i]):
             found = [instance for instance in added if instance.effect.name == name]
             instances = explaining_most(contexts[rival], instances, with_shapes_of(found, instances))
@@ -285,8 +336,7 @@ def _whole(system: System, found: Found, i: int) -> int | None:
 
 def _has_shape(proposal: Proposal) -> bool:
     """Whether the columns of an effect depend on the model beside which it is looked at."""
-    effect = proposal.instances[0].effect
-    return not proposal.absorbed and bool(effect.shape or effect.depends_on_model)
+    return not proposal.absorbed and settles(proposal.instances)
 
 
 def _rival(system: System, found: Found, i: int) -> int | None:

@@ -6,6 +6,7 @@ from itertools import combinations
 
 import numpy as np
 
+from bench.basics.deadline import NEVER, Deadline
 from bench.diagnosis.batched_sets import enlarged, reduced, solve_sets, swapped
 from bench.diagnosis.normal_equations import Candidate, SetFit, System, judged_by_motor, solve_set
 
@@ -62,18 +63,20 @@ class Found:
     empty: SetFit
 
 
-def search(system: System, usable: Sequence[int]) -> Found:
+def search(system: System, usable: Sequence[int], deadline: Deadline = NEVER) -> Found:
     """The supported set among the usable candidates (indices).
 
     A larger set wins only if each of its effects earns NEEDED nats and MATERIAL of the error on recordings that
     were not fitted, and if none of its effects has an impossible sign. All pairs and triples of the shortlist
-    compete, so that a first choice that a better pair makes superfluous does not stay.
+    compete, so that a first choice that a better pair makes superfluous does not stay. Raises TimeUpError after the
+    deadline.
     """
     empty = solve_set(system, ())
     alone = solve_sets(system, [(i,) for i in usable])
     singles = {i: score(system, fit, empty) for i, fit in zip(usable, alone, strict=True)}
     best = score(system, empty, empty)
     for size in range(1, LARGEST_SET + 1):
+        deadline.check()
         order = _shortlist(system, usable, singles, best, empty)
         if size <= EXHAUSTIVE:
             sets = list(combinations(order, size))

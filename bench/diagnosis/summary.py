@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -11,7 +11,8 @@ from bench.diagnosis.differs_words import from_run_to_run
 from bench.diagnosis.law_words import law_sentences
 from bench.diagnosis.motions import telling_motions
 from bench.diagnosis.reason_words import judged_on, left_words, reason_sentence
-from bench.diagnosis.result import Diagnosis, EffectVerdict
+from bench.diagnosis.result import Diagnosis, EffectVerdict, Unfinished
+from bench.diagnosis.unfinished_words import unfinished_sentence
 from bench.effects.display_names import spoken
 from bench.identification.finding import CAUSES
 from bench.identification.finding_words import sentence
@@ -35,7 +36,8 @@ class DiagnosisSummary:
     verdict: what is missing; strange: what makes the answer or its names unsure; nominal: that the gains are only
     nominal, "" where they are fitted or do not matter; undecided: what could as well be missing; moved: what became of
     the gain that moves most, "" where none does; superfluous: what the model had in vain; differs: what has another
-    value in each recording; left: what no effect accounts for; laws: those that are in no catalogue.
+    value in each recording; left: what no effect accounts for; laws: those that are in no catalogue;
+    unfinished: what the time did not allow to look at, "" where all was.
     """
 
     verdict: str
@@ -47,12 +49,14 @@ class DiagnosisSummary:
     differs: tuple[str, ...]
     left: str
     laws: tuple[str, ...] = ()
+    unfinished: str = ""
 
     @property
     def sentences(self) -> list[str]:
         """All of them in the order in which they are told."""
         told = [
             self.verdict,
+            self.unfinished,
             *self.laws,
             *self.strange,
             self.nominal,
@@ -71,12 +75,17 @@ def summary_sentences(diagnosis: Diagnosis) -> list[str]:
 
 
 def summary_of(diagnosis: Diagnosis) -> DiagnosisSummary:
-    """What is missing, what it changes, how sure that is, and what is left."""
+    """What is missing, what it changes, how sure that is, what is left, and what was not looked at."""
+    return replace(_summary(diagnosis), unfinished=unfinished_sentence(diagnosis))
+
+
+def _summary(diagnosis: Diagnosis) -> DiagnosisSummary:
+    searched = Unfinished.SETS not in diagnosis.unfinished
     found = found_effects(diagnosis)
     first, last = diagnosis.ladder[0], diagnosis.ladder[-1]
     before, after = (_first_known(step.validate, step.identify) for step in (first, last))
     floor = diagnosis.unexplained.noise_floor
-    left = f"{_capital(left_words(diagnosis.unexplained))}."
+    left = f"{_capital(left_words(diagnosis.unexplained, searched=searched))}."
     judged = judged_on(diagnosis)
     needless = _superfluous(diagnosis)
     each = diagnosis.by_recording
@@ -88,8 +97,13 @@ def summary_of(diagnosis: Diagnosis) -> DiagnosisSummary:
             f"{what} is missing that the catalogue knows: judged on {judged}, no effect makes the "
             f"error clearly smaller than {in_percent(after if each else before)} of the current."
         )
+        if not searched:
+            nothing = (
+                f"Nothing was found to be missing before the time was up: judged on {judged}, the error is "
+                f"{in_percent(before)} of the current, where noise leaves {in_percent(floor)}."
+            )
         causes = [expected for expected in diagnosis.after.findings if expected.code in CAUSES]
-        if causes:
+        if causes and searched:
             nothing = (
                 f"{sentence(causes[0])} As it is declared, no effect makes the error on {judged} clearly "
                 f"smaller than {in_percent(before)} of the current."

@@ -9,7 +9,7 @@ from bench.diagnosis.candidates import Proposal
 from bench.diagnosis.normal_equations import SetFit, System, solve_set, squared_errors
 from bench.diagnosis.reason import Because, Doubt, Reason
 from bench.diagnosis.result import EffectVerdict, Unexplained, Verdict
-from bench.diagnosis.search import Found, Scored, close, contains, material, score
+from bench.diagnosis.search import NEEDED, Found, Scored, close, contains, material, score
 
 DOMINANT = 3.0
 DOMINANT_BESIDE = 10.0  # so many times what is left, an effect must explain where much is left
@@ -67,6 +67,11 @@ def verdicts(
             ),
         )
     )
+
+
+def undecided(verdict: EffectVerdict) -> bool:
+    """Whether an effect explains so much beside what was found that a search to its end would have to decide on it."""
+    return verdict.why.because is Because.GAINS_LITTLE and verdict.evidence > NEEDED
 
 
 def judged_error(system: System, fit: SetFit) -> float:

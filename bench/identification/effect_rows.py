@@ -4,6 +4,7 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
+from bench.basics.deadline import NEVER, Deadline
 from bench.effects import ActuatorEffect, Effect, EffectInstance, RobotSignals
 from bench.effects.checked_columns import columns_at_motors
 from bench.effects.row_cache import KeptRows
@@ -15,8 +16,16 @@ from bench.signals.sparse_decimation import decimate_sparse
 TOGETHER = 2_000_000  # bytes of columns that are filtered together, at most
 
 
-def effect_rows(signals: RobotSignals, decimation: int, effects: Sequence[EffectInstance]) -> np.ndarray:
-    """The columns of effects in one recording, filtered and decimated like the currents, (M, n, ne)."""
+def effect_rows(
+    signals: RobotSignals,
+    decimation: int,
+    effects: Sequence[EffectInstance],
+    deadline: Deadline = NEVER,
+) -> np.ndarray:
+    """The columns of effects in one recording, filtered and decimated like the currents, (M, n, ne).
+
+    Raises TimeUpError after the deadline.
+    """
     count = sum(len(effect_instance.effect.parameters) for effect_instance in effects)
     kept = len(decimated_indices(signals.length, decimation))
     rows = np.zeros((kept, len(signals.joints), count))
@@ -29,14 +38,14 @@ def effect_rows(signals: RobotSignals, decimation: int, effects: Sequence[Effect
         for part, share in made_of(signals, instance):
             parts.append(part)
             places.append((own, share))
-    for i, values in _kept_or_computed(signals, decimation, parts):
+    for i, values in _kept_or_computed(signals, decimation, parts, deadline):
         own, share = places[i]
         own += values if share == 1.0 else share * values
     return rows
 
 
 def _kept_or_computed(
-    signals: RobotSignals, decimation: int, effects: Sequence[EffectInstance]
+    signals: RobotSignals, decimation: int, effects: Sequence[EffectInstance], deadline: Deadline
 ) -> Iterator[tuple[int, np.ndarray]]:
     """The rows (M, n, k) of every effect as it is, with its index, computed only where they are not known yet.
 
@@ -56,6 +65,7 @@ def _kept_or_computed(
         together: list[tuple[int, np.ndarray, np.ndarray]] = []
         size = 0
         for i in own:
+            deadline.check()
             columns, motors = columns_at_motors(effects[i], seen)
             together.append((i, columns, motors))
             size += columns.nbytes

@@ -1,5 +1,6 @@
 """Whether the data are what they are declared to be: units, columns and loads."""
 
+from bench.basics.deadline import NEVER, Deadline
 from bench.dataset.dataset import Dataset
 from bench.identification.finding import Code, Finding
 from bench.identification.other_load import other_load
@@ -11,18 +12,22 @@ from bench.identification.unlike_units import unlike_units
 
 
 def mistaken(
-    problem: Problem, result: Identification, prepared: Prepared | None = None
+    problem: Problem,
+    result: Identification,
+    prepared: Prepared | None = None,
+    deadline: Deadline = NEVER,
 ) -> tuple[Finding, ...]:
     """What is probably declared wrongly. Beside currents in unlike units nothing else is looked for: all is off then.
 
-    prepared: the problem's equations with the filters of the result, where they are at hand.
+    prepared: the problem's equations with the filters of the result, where they are at hand. Raises TimeUpError after
+    the deadline.
     """
     heavy = heavy_payloads(problem.dataset)
     units = unlike_units(result)
     if units:
         return (*heavy, *units)
-    swapped = swapped_columns(problem, result, prepared)
-    return (*heavy, *swapped, *other_load(problem, result, prepared))
+    swapped = swapped_columns(problem, result, prepared, deadline)
+    return (*heavy, *swapped, *other_load(problem, result, prepared, deadline))
 
 
 def heavy_payloads(dataset: Dataset) -> tuple[Finding, ...]:

@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from bench.basics.deadline import NEVER, Deadline
 from bench.effects import EffectInstance
 from bench.identification.compressed import Stack
 from bench.identification.effect_columns import PresentModel
@@ -55,35 +56,47 @@ def settles(instances: Sequence[EffectInstance]) -> bool:
     return any(instance.effect.shape or instance.effect.depends_on_model for instance in instances)
 
 
-def converged(prepared: Prepared, *, nearly: bool = False, added_from: int | None = None) -> Prepared:
+def converged(
+    prepared: Prepared,
+    *,
+    nearly: bool = False,
+    added_from: int | None = None,
+    deadline: Deadline = NEVER,
+) -> Prepared:
     """Shape parameters found and model-dependent columns linearised, in a few rounds; nothing to do without.
 
     At first every shape is searched beside the others; then all move together by steps of Gauss and Newton, as long
     as the errors become smaller by them (see newton.py), and are searched again where they do not. nearly: shapes and
     the present model are nearly right, so that no search comes first. added_from: in a search, the first of the effects
-    that it added; these leave the places where they are out of bounds (see out_of_bounds.py).
+    that it added; these leave the places where they are out of bounds (see out_of_bounds.py). Raises TimeUpError after
+    the deadline.
     """
     instances = prepared.effects
     if prepared.converged or not settles(instances):
         return prepared
     if nearly:
         begun, present, before = _begun(prepared)
-        return _rounds(prepared, begun, present, before, added_from)
+        return _rounds(prepared, begun, present, before, added_from, deadline=deadline)
     straight = [instance for instance in instances if not settles([instance])]
     plain = with_effects(prepared, straight, fitted_only=True)
     present = present_model(plain, solved_quickly(plain)[1])
-    return _rounds(prepared, instances, present, None, added_from)
+    return _rounds(prepared, instances, present, None, added_from, deadline=deadline)
 
 
 def converged_from(
-    prepared: Prepared, model: Prepared, *, added_from: int | None = None, most: int = MOST_ROUNDS
+    prepared: Prepared,
+    model: Prepared,
+    *,
+    added_from: int | None = None,
+    most: int = MOST_ROUNDS,
+    deadline: Deadline = NEVER,
 ) -> Prepared:
     """The effects of a converged model converged as they are seen otherwise: in place of nearby as they are, say.
 
     prepared: that sees them so; its own effects are not asked for. most: rounds; after fewer than MOST_ROUNDS a model
     that has not settled is `provisional`. added_from: as `converged`.
     """
-    return _rounds(prepared, *_begun(model), added_from, most)
+    return _rounds(prepared, *_begun(model), added_from, most, deadline=deadline)
 
 
 def _begun(model: Prepared) -> tuple[tuple[EffectInstance, ...], PresentModel, tuple[np.ndarray, ...]]:
@@ -112,6 +125,8 @@ def _rounds(
     before: tuple[np.ndarray, ...] | None,
     added_from: int | None,
     most: int = MOST_ROUNDS,
+    *,
+    deadline: Deadline,
 ) -> Prepared:
     """Rounds from effects that are linearised about `present`, until the state is as it was `before`.
 
@@ -119,11 +134,12 @@ def _rounds(
     """
     last, settled = instances, False
     for _ in range(most):
+        deadline.check()
         prepared = with_effects(prepared, instances, present, fitted_only=True)
         solved = None if before is None else solved_quickly(prepared)
         together = None if solved is None else stepped(prepared, *solved)
         if together is None:
-            unshaped, prepared = prepared, _shaped(prepared)
+            unshaped, prepared = prepared, _shaped(prepared, deadline)
             stack, solution = solved if solved and prepared is unshaped else solved_quickly(prepared)
         else:
             prepared, stack, solution = together
@@ -191,12 +207,13 @@ def _eased(
     return tuple(eased)
 
 
-def _shaped(prepared: Prepared) -> Prepared:
+def _shaped(prepared: Prepared, deadline: Deadline) -> Prepared:
     """Every shape parameter in turn at its best value, the others held."""
     instances = list(prepared.effects)
     for i, instance in enumerate(instances):
         if not instance.effect.shape:
             continue
+        deadline.check()
         others = with_effects(prepared, instances[:i] + instances[i + 1 :], fitted_only=True)
         stack, solution = solved_quickly(others)
         partial = partial_regression(stack, solution)

@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from bench.basics.deadline import NEVER, Deadline
 from bench.basics.threads import on_one_thread
 from bench.identification.compressed import triangular_factors
 from bench.identification.current_error import minimised, squared_errors
@@ -24,7 +25,12 @@ NO_WORSE = 1.05  # times the error of every other motor
 
 
 @on_one_thread
-def other_load(problem: Problem, result: Identification, prepared: Prepared | None = None) -> list[Finding]:
+def other_load(
+    problem: Problem,
+    result: Identification,
+    prepared: Prepared | None = None,
+    deadline: Deadline = NEVER,
+) -> list[Finding]:
     """The recording that carries another load than declared, if with that load some motor's error falls far, and no
     other's rises; none where nothing does.
 
@@ -32,7 +38,7 @@ def other_load(problem: Problem, result: Identification, prepared: Prepared | No
     bodies; in one after the other the load is left out, or another that the fitted recordings carry is put in. Judged
     motor by motor, since an effect that is missing at one hides what the load does there and not at the others. Where
     no motor's error is large in any recording, nothing is tried. prepared: the problem's equations with the filters of
-    the result.
+    the result. Raises TimeUpError after the deadline.
     """
     if not _large(result) or not result.gains_fitted:
         return []
@@ -46,6 +52,7 @@ def other_load(problem: Problem, result: Identification, prepared: Prepared | No
     best: tuple[float, str, str | None, np.ndarray] | None = None
     for name, load in declared.items():
         for other in (None, *prepared.layout.payloads):
+            deadline.check()
             loads = {**declared, name: other}
             if other == load or None not in loads.values() or set(loads.values()) == {None}:
                 continue

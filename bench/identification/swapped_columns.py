@@ -8,6 +8,7 @@ from itertools import combinations
 
 import numpy as np
 
+from bench.basics.deadline import NEVER, Deadline
 from bench.basics.threads import on_one_thread
 from bench.identification.compressed import triangular_factors
 from bench.identification.current_error import minimised, squared_errors
@@ -25,14 +26,17 @@ BETTER = 0.5  # of the error: what a swap must bring it down to
 
 @on_one_thread
 def swapped_columns(
-    problem: Problem, result: Identification, prepared: Prepared | None = None
+    problem: Problem,
+    result: Identification,
+    prepared: Prepared | None = None,
+    deadline: Deadline = NEVER,
 ) -> list[Finding]:
     """The two motors whose columns, exchanged, bring the error down most; none where none do.
 
     Tried one pair at a time, in all fitted recordings and in each of them, with the filters of the result, and with dry
     and viscous friction beside the rigid bodies, lest it hide the swap. The error must fall far below that of the
     result and below what friction alone makes of it. Where the error of the result is small, nothing is tried.
-    prepared: the problem's equations with these filters, where they are at hand.
+    prepared: the problem's equations with these filters, where they are at hand. Raises TimeUpError after the deadline.
     """
     error = result.error.identify
     joints = list(result.joints)
@@ -43,9 +47,12 @@ def swapped_columns(
             replace(problem, effects=(), filters=result.settings, fit_gains=result.gains_fitted)
         )
     trial = _ColumnsTrial(prepared)
-    names, a, b = min(
-        _swaps(tuple(trial.parts), len(joints)), key=lambda swap: trial.error(trial.exchanged(*swap))
-    )
+
+    def error_with(swap: tuple[tuple[str, ...], int, int]) -> float:
+        deadline.check()
+        return trial.error(trial.exchanged(*swap))
+
+    names, a, b = min(_swaps(tuple(trial.parts), len(joints)), key=error_with)
     reached = trial.error(trial.exchanged(names, a, b), least=True)
     if not reached < BETTER * min(error, trial.error(trial.exchanged((), a, b), least=True), 1.0):
         return []

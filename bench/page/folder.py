@@ -30,6 +30,7 @@ from bench.diagnosis.result import (
     Remainder,
     Superfluous,
     Unexplained,
+    Unfinished,
 )
 from bench.diagnosis.split import with_held_out_parts
 from bench.identification.model_file import load_model, read_identification, save_model
@@ -133,6 +134,7 @@ def _told(diagnosis: Diagnosis) -> dict[str, Any]:
         "differs": [asdict(differing) for differing in diagnosis.differs],
         "superfluous": [asdict(effect) for effect in diagnosis.superfluous],
         "discovered": [asdict(law) for law in diagnosis.discovered],
+        "unfinished": diagnosis.unfinished,
         "between": [i for i in range(1, len(ladder) - 1) if ladder[i].recordings],
     }
 
@@ -255,6 +257,7 @@ def _diagnosis(
             differs=tuple(_differing(entry) for entry in told.get("differs", ())),
             superfluous=tuple(Superfluous(**effect) for effect in told.get("superfluous", ())),
             discovered=_discovered(told),
+            unfinished=tuple(Unfinished(code) for code in told.get("unfinished", ())),
         )
     except (KeyError, TypeError, ValueError) as error:
         raise _damaged(path, error) from None

@@ -8,7 +8,8 @@ from bench.basics.shell_word import quoted
 from bench.basics.versions import Versions, versions
 from bench.dataset.dataset import Dataset
 from bench.diagnosis.reason_words import judged_on, left_words
-from bench.diagnosis.result import Diagnosis
+from bench.diagnosis.result import Diagnosis, Unfinished
+from bench.diagnosis.unfinished_words import unfinished_sentence
 from bench.document.numbers import STD_FROM, USES, fit_rate
 from bench.document.typeset import effect_name, short, typeset
 from bench.identification.result import Identification
@@ -32,6 +33,7 @@ OPTIONS = {
     "nearest": "--nearest",
     "data": "--data",
     "duration": "--duration",
+    "time_limit": "--time-limit",
     "widen": "--widen",
     "rate": "--rate",
     "seed": "--seed",
@@ -106,6 +108,8 @@ def limits_section(
         "that a controller passes on from the encoders below it counts as error."
     )
     if diagnosis is not None:
+        if not diagnosis.finished:
+            found.append(typeset(unfinished_sentence(diagnosis)))
         hidden = [
             effect_name(verdict.effect) for verdict in diagnosis.ranking if verdict.verdict == "absorbed"
         ]
@@ -119,7 +123,8 @@ def limits_section(
         if doubtful:
             found.append(f"These recordings cannot decide on: {', '.join(doubtful)}.")
         if diagnosis.unexplained.significant:
-            words = left_words(diagnosis.unexplained)
+            searched = Unfinished.SETS not in diagnosis.unfinished
+            words = left_words(diagnosis.unexplained, searched=searched)
             found.append(typeset(f"{words[:1].upper()}{words[1:]}."))
     else:
         found.append("Which physical effects the model lacks was not looked for: bench diagnose does.")

@@ -20,7 +20,7 @@ MOST_GAINS = 7  # that are listed in a sentence
 
 
 def diagnosis_verdict(diagnosis: Diagnosis) -> tuple[str, ...]:
-    """Three sentences on a diagnosis, and one for each law that was discovered."""
+    """Three sentences on a diagnosis, one for each law that was discovered, and one on what was not looked at."""
     said = summary_of(diagnosis)
     doubt = runaway(diagnosis.after)
     middle = sentence(doubt) if doubt else said.nominal or said.moved or gains_sentence(diagnosis.after)
@@ -38,7 +38,8 @@ def diagnosis_verdict(diagnosis: Diagnosis) -> tuple[str, ...]:
         )
     if doubtful:
         middle += f"; {and_list(doubtful)}: these recordings cannot tell"
-    return tuple(typeset(name) for name in (said.verdict, *said.laws, f"{middle}.", said.left))
+    told = (said.verdict, said.unfinished, *said.laws, f"{middle}.", said.left)
+    return tuple(typeset(name) for name in told if name)
 
 
 def identification_verdict(result: Identification, where: WhereItFails, noise: float) -> tuple[str, ...]:

@@ -87,4 +87,5 @@ def write_saved_run(
 def _identify_line(kept: SavedRun) -> str:
     """The command that identifies the diagnosed dataset in the same way, without the effects that the page ticks."""
     each = tuple(effect for effect in kept.after.effects if effect.endswith(TAG))
-    return CommandRun("identify", kept.run.dataset, each, kept.run.effect_files, kept.run.options).line()
+    options = {name: value for name, value in kept.run.options.items() if name != "time_limit"}
+    return CommandRun("identify", kept.run.dataset, each, kept.run.effect_files, options).line()

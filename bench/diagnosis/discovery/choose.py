@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable, Sequence
 
+from bench.basics.deadline import NEVER, Deadline
 from bench.diagnosis.batched_sets import enlarged, reduced, solve_sets, swapped
 from bench.diagnosis.normal_equations import SetFit, System, solve_set
 from bench.diagnosis.search import NEEDED, Scored, earned, possible, score, simplest
@@ -14,17 +15,20 @@ SWAPS = (
 )
 
 
-def best_set(system: System, begin: Iterable[Sequence[int]], usable: Sequence[int]) -> Scored:
+def best_set(
+    system: System, begin: Iterable[Sequence[int]], usable: Sequence[int], deadline: Deadline = NEVER
+) -> Scored:
     """The best set that is reached, of members that all earn their place.
 
     begin: sets to set out from, beside the empty one. usable: candidates (indices) that may join or stand in for a
-    member. Evidence, priors and what each member must earn are those of the diagnosis's own search.
+    member. Evidence, priors and what each member must earn are those of the diagnosis's own search. Raises TimeUpError
+    after the deadline.
     """
     empty = solve_set(system, ())
     starts = _scored(system, begin, empty)[:BEGUN]
     best = score(system, empty, empty)
     for start in [best, *starts]:
-        here = _climbed(system, start, usable, empty)
+        here = _climbed(system, start, usable, empty, deadline)
         if here.total > best.total + NEEDED or (
             here.total > best.total and len(here.fit.chosen) <= len(best.fit.chosen)
         ):
@@ -32,10 +36,13 @@ def best_set(system: System, begin: Iterable[Sequence[int]], usable: Sequence[in
     return best
 
 
-def _climbed(system: System, start: Scored, usable: Sequence[int], empty: SetFit) -> Scored:
+def _climbed(
+    system: System, start: Scored, usable: Sequence[int], empty: SetFit, deadline: Deadline
+) -> Scored:
     """One change after the other, as long as evidence grows; members that do not earn their place leave."""
     here = _all_earned(system, start, usable, empty)
     for _ in range(STEPS):
+        deadline.check()
         chosen = here.fit.chosen
         others = [i for i in usable if i not in chosen]
         tried = swapped(chosen, others)

@@ -1,11 +1,12 @@
 """Diagnosis with the effects of a catalogue and, where these leave something, with laws that are in none."""
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from math import hypot
 
 import numpy as np
 
+from bench.basics.deadline import NEVER, Deadline, TimeUpError
 from bench.basics.progress import SILENT, Progress
 from bench.basics.threads import on_one_thread
 from bench.diagnosis.candidates import Proposal
@@ -22,22 +23,25 @@ from bench.diagnosis.discovery.choose import best_set
 from bench.diagnosis.discovery.doubted import doubted
 from bench.diagnosis.discovery.laws import Law, laws_of
 from bench.diagnosis.discovery.merged import merged
-from bench.diagnosis.discovery.named import name_of
 from bench.diagnosis.discovery.parts import parts_of, unknowns
 from bench.diagnosis.discovery.refine import AS_GOOD, Refined
 from bench.diagnosis.discovery.search import Laws, search_laws
 from bench.diagnosis.discovery.seen import places_of
 from bench.diagnosis.discovery.smooth import tabled_laws
-from bench.diagnosis.discovery.term import Term
+from bench.diagnosis.discovery.told import discovered_at
 from bench.diagnosis.discovery.variables import Place
-from bench.diagnosis.normal_equations import solve_set
 from bench.diagnosis.origin import Origin
 from bench.diagnosis.reason import Because, Reason
-from bench.diagnosis.result import Diagnosis, Discovered, EffectVerdict, LawTerm, LooksAt, Unexplained
+from bench.diagnosis.result import (
+    Diagnosis,
+    EffectVerdict,
+    Unexplained,
+    Unfinished,
+)
 from bench.diagnosis.rounds import Round, judged, usable
 from bench.diagnosis.search import MATERIAL, NEEDED
-from bench.diagnosis.verdicts import judged_error
 from bench.effects import EffectInstance
+from bench.identification.finding import Finding
 from bench.identification.identify import fit
 from bench.identification.mistaken import mistaken
 from bench.identification.prepare import Prepared
@@ -47,48 +51,98 @@ from bench.identification.widened import gains_widened
 LEFT = 1.15  # times what noise leaves: where more is left, laws are looked for, whatever it varies with
 TRIED = 1000  # laws that might stand for several effects, as many as a search looks at
 UNIT = 10.0  # times the nominal gain, or a tenth: as far off, a unit or a load is wrong
-HELPS = 0.9  # of the error without a law: what an effect in its place must reach to be told as near
 
 
 @on_one_thread
 def find_missing_effects(
-    problem: Problem, *, discover: bool | None = None, progress: Progress = SILENT
+    problem: Problem,
+    *,
+    discover: bool | None = None,
+    progress: Progress = SILENT,
+    deadline: Deadline = NEVER,
 ) -> Diagnosis:
     """Physical effects that the model lacks, and laws that no catalogue has, judged on recordings not fitted.
 
     discover: whether to look for laws, by default where the effects leave something. progress: told how far the search
-    is. Raises BenchError naming what in dataset or robot cannot be used.
+    is. deadline: after which the best answer so far is given, and says what was not looked at. Raises BenchError naming
+    what in dataset or robot cannot be used.
 
     Columns that are probably swapped and loads that are probably others are told. Unless that is asked for, no law is
     looked for beside them, nor beside a drive gain that is ten times off.
     """
-    case = split_and_fitted(problem, progress)
+    case = split_and_fitted(problem, progress, deadline)
     progress.phase("looking for swapped columns and loads")
-    causes = mistaken(problem, case.before)
+    causes: tuple[Finding, ...] = ()
+    unfinished: tuple[Unfinished, ...] = ()
+    try:
+        whole = case.start if not (case.held_out or case.start.effects) else None
+        causes = mistaken(problem, case.before, whole, deadline)
+    except TimeUpError:
+        unfinished = (Unfinished.CAUSES,)
     found = _found(case, discover, not causes, progress)
-    return replace(found, after=replace(found.after, findings=(*causes, *found.after.findings)))
+    return replace(
+        found,
+        after=replace(found.after, findings=(*causes, *found.after.findings)),
+        unfinished=(*unfinished, *found.unfinished),
+    )
+
+
+@dataclass(frozen=True)
+class _Answer:
+    """What was found, the laws among it, and what is told of it."""
+
+    finding: SearchResult
+    laws: tuple[Law, ...]
+    diagnosis: Diagnosis
 
 
 def _found(case: SplitProblem, discover: bool | None, believed: bool, progress: Progress) -> Diagnosis:
-    """What is found; believed: whether nothing speaks against how the data are declared."""
+    """What is found; believed: whether nothing speaks against how the data are declared.
+
+    After the deadline the last answer that came to its end is given.
+    """
     finding = search_catalogue(case, progress)
     plain = answered(case, finding, progress)
-    gains = plain.after.drive_gains.values()
+    if finding.unfinished:
+        return _without_laws(plain, discover)
+    best = plain
+    try:
+        for better in _with_more(case, _Answer(finding, (), plain), discover, believed, progress):
+            best = better.diagnosis
+    except TimeUpError:
+        return _without_laws(best, discover)
+    return best
+
+
+def _without_laws(diagnosis: Diagnosis, discover: bool | None) -> Diagnosis:
+    """An answer that says that laws were not looked for, or not to the end, unless none were to be."""
+    missed = () if discover is False else (Unfinished.LAWS,)
+    return replace(diagnosis, unfinished=(*diagnosis.unfinished, *missed))
+
+
+def _with_more(
+    case: SplitProblem, plain: _Answer, discover: bool | None, believed: bool, progress: Progress
+) -> Iterator[_Answer]:
+    """Answers that are better, one after the other: with laws, with one for several, with tables."""
+    finding, answer = plain.finding, plain
+    gains = plain.diagnosis.after.drive_gains.values()
     believed = believed and all(1.0 / UNIT <= gain.value / gain.nominal <= UNIT for gain in gains)
-    wanted = something_left(plain.unexplained)
-    answer = _Answer(finding, (), plain)
+    wanted = something_left(plain.diagnosis.unexplained)
     if discover is None and not believed:
-        return plain
+        return
     if discover is not False and not wanted:
         answer = _with_one_for_several(case, answer, progress)
+        yield answer
     if answer.laws or not (wanted if discover is None else discover):
-        return answer.diagnosis
+        return
     found_laws = search_laws(finding.origin, finding.last, _never(finding), progress)
     if found_laws is not None:
         answer = _with_laws(case, answer, *found_laws, progress)
+        yield answer
     if answer.laws or wanted:
         answer = _with_one_for_several(case, answer, progress)
-    return _with_tables(case, answer, progress).diagnosis
+        yield answer
+    yield _with_tables(case, answer, progress)
 
 
 def _never(finding: SearchResult) -> dict[str, Reason]:
@@ -111,15 +165,6 @@ def _never_beside(finding: SearchResult, named: Sequence[EffectInstance]) -> dic
 def something_left(left: Unexplained) -> bool:
     """Whether there is enough beyond the noise to look for laws in."""
     return left.significant or left.error > LEFT * hypot(left.noise_floor, left.encoders)
-
-
-@dataclass(frozen=True)
-class _Answer:
-    """What was found, the laws among it, and what is told of it."""
-
-    finding: SearchResult
-    laws: tuple[Law, ...]
-    diagnosis: Diagnosis
 
 
 def _with_laws(
@@ -170,7 +215,7 @@ def _with_laws(
         )
     if not called and here.names.isdisjoint(law.name for law in laws):
         return plain
-    finding = search_from(case, origin, here, progress, barred)
+    finding = search_from(case, origin, here, progress, barred, wholly=True)
     staying = tuple(law for law in laws if law.name in finding.names)
     simpler = fewer and _unknowns(finding, staying) < _unknowns(plain.finding, plain.laws)
     good = _better(finding, plain.diagnosis, -AS_GOOD if simpler else MATERIAL)
@@ -187,7 +232,7 @@ def _judged_from(
     there = {instance.effect.name for instance in model.effects[len(origin.start.effects) :]}
     known = usable(proposals, barred)
     begun = [i for i in known if proposals[i].name in there]
-    best = best_set(here.system, [begun, here.chosen], known)
+    best = best_set(here.system, [begun, here.chosen], known, origin.deadline)
     return replace(here, found=replace(here.found, best=best)) if best.total > here.found.best.total else here
 
 
@@ -232,7 +277,7 @@ def _with_tables(case: SplitProblem, plain: _Answer, progress: Progress) -> _Ans
     here = _judged_from(origin, model, proposals, finding.barred)
     if here.names.isdisjoint(law.name for law in laws):
         return plain
-    wider = search_from(case, origin, here, progress, finding.barred)
+    wider = search_from(case, origin, here, progress, finding.barred, wholly=True)
     staying = tuple(law for law in (*plain.laws, *laws) if law.name in wider.names)
     if not {law.name for law in laws}.intersection(wider.names) or not _better(wider, plain.diagnosis):
         return plain
@@ -283,7 +328,7 @@ def _told(
         missing=tuple(name for name in diagnosis.missing if name not in names),
         ranking=ranking,
         discovered=tuple(
-            _discovered(finding, law, i)
+            discovered_at(finding, law, i)
             for law in laws
             for i, place in enumerate(law.places)
             if _stays_at(finding, law, place)
@@ -310,61 +355,3 @@ def _without(verdict: EffectVerdict, laws: Mapping[str, Sequence[str]]) -> Effec
         why = Reason(Because.AS_GOOD_AS_A_LAW, tuple(places), verdict.why.doubts)
         return replace(verdict, alternatives=(), verdict="resembles", why=why)
     return replace(verdict, alternatives=(), verdict="resembles" if verdict.why.doubts else "missing")
-
-
-def _discovered(finding: SearchResult, law: Law, i: int) -> Discovered:
-    place = law.places[i]
-    values = finding.after.effect_parameters[law.name][place.name]
-    linear = [parameter.name for parameter in law.instances[0].effect.parameters]
-    numbers = {label: value for label, value in values.items() if label not in linear}
-    terms = law.at({label: value.value for label, value in numbers.items()})
-    formulas = [
-        (formula, _looks_at(term.part(k), place))
-        for term in terms
-        for k, formula in enumerate(term.formulas(place))
-    ]
-    error = finding.after.error
-    without = finding.fits(frozenset(finding.names) - {law.name})
-    single = {name_of(term) for term in law.terms}
-    return Discovered(
-        place=place.name,
-        law=law.name,
-        terms=tuple(
-            LawTerm(formula, values[label].value, values[label].std, values[label].unit, looks_at)
-            for label, (formula, looks_at) in zip(linear, formulas, strict=True)
-        ),
-        numbers=numbers,
-        identify=error.identify,
-        validate=error.validate,
-        without=without.identify if without.validate is None else without.validate,
-        named=single.pop() if len(single) == 1 else None,
-        nearest=_nearest(finding, law.name, without.validate),
-        source=law.source,
-    )
-
-
-def _looks_at(term: Term, place: Place) -> tuple[LooksAt, ...]:
-    return tuple(
-        LooksAt(variable.kind, variable.motor(place) if variable.ahead else "", factor.role)
-        for factor in term.factors
-        for variable in factor.variables
-    )
-
-
-def _nearest(finding: SearchResult, law: str, without: float | None) -> tuple[str, float] | None:
-    """The effect of the catalogue that does best in the place of a law, and the error with it."""
-    system, proposals = finding.last.system, finding.last.proposals
-    chosen = finding.last.found.best.fit.chosen
-    others = tuple(i for i in chosen if proposals[i].name != law)
-    here = judged_error(system, finding.last.found.best.fit)
-    error = finding.after.error.validate
-    if not here or error is None or without is None:
-        return None
-    scale = error / here
-    tried = [
-        (judged_error(system, solve_set(system, (*others, i))) * scale, proposals[i].name)
-        for i in finding.last.found.singles
-        if i not in chosen
-    ]
-    best = min(tried, default=None)
-    return None if best is None or best[0] > HELPS * without else (best[1], best[0])

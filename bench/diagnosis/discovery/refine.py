@@ -64,7 +64,7 @@ def refined(origin: Origin, model: Prepared, terms: Mapping[str, Term], places: 
 
     Each is judged on recordings that were not fitted, first as it is known nearby beside the found model as that is
     known there; what does well is then converged as it is. MOST of them are tried, those beside all or none of the
-    other effects first.
+    other effects first. Raises TimeUpError after the deadline.
     """
     own = len(origin.start.effects)
     best = Refined(model, terms, error_of(model))
@@ -222,7 +222,7 @@ def _without(origin: Origin, whole: Prepared, kept: Collection[str], error: floa
     fewer = with_effects(whole, left)
     if error_of(fewer) > FAR_LESS * error:
         return None
-    return at_its_solution(converged(fewer, nearly=True))
+    return at_its_solution(converged(fewer, nearly=True, deadline=origin.deadline))
 
 
 def better(new: Refined, old: Refined, own: int, nearly: float = 0.0) -> bool:

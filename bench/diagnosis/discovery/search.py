@@ -47,12 +47,13 @@ def search_laws(
     """Terms that do better than the catalogue alone, beside its effects or in place of them; None where none does.
 
     Rounds end where the converged model is no better than the last one. last: of a search among the effects of the
-    catalogue, with its converged model; barred: names that may not be found.
+    catalogue, with its converged model; barred: names that may not be found. Raises TimeUpError after the deadline.
     """
     last = replace(last, model=origin.exactly(last.model))
     laws, own = Laws(last, {}), len(origin.start.effects)
     best = Refined(last.model, {}, error_of(last.model))
     for number in range(ROUNDS):
+        origin.deadline.check()
         progress.phase(f"searching for laws, round {number + 1}")
         states, count = _states(origin, laws)
         if not states:
@@ -106,7 +107,7 @@ def _round(origin: Origin, laws: Laws, barred: Collection[str], states: Sequence
         chosen = {index[name] for name in (*names, *state.beside) if name in index}
         begin.append(sorted(chosen.intersection(usable)))
     system = system_about(origin, here.model, proposals)
-    best = best_set(system, begin, usable)
+    best = best_set(system, begin, usable, origin.deadline)
     empty = solve_set(system, ())
     singles = {i: score(system, solve_set(system, (i,)), empty) for i in usable}
     return Laws(Round(here.model, proposals, system, Found(best, singles, empty)), terms)
@@ -127,10 +128,11 @@ def _states(origin: Origin, laws: Laws) -> tuple[list[State], int]:
     lefts = {}
     fewer = [names, *(names - {name} for name in sorted(names)), set[str]()]
     for kept in {tuple(sorted(some)): some for some in fewer}.values():
+        origin.deadline.check()
         out = [i for name, some in columns.items() if name not in kept for i in some]
         count = sum(unknowns[name] for name in kept)
         lefts[tuple(sorted(kept))] = left_without(left, known, rows, out, solution.theta[out].tolist()), count
-    return best_states(lefts, terms, BASICS), len(terms)
+    return best_states(lefts, terms, BASICS, origin.deadline), len(terms)
 
 
 def _columns_of(model: Prepared, own: int) -> tuple[dict[str, list[int]], dict[str, int]]:

@@ -6,6 +6,7 @@ from itertools import zip_longest
 
 import numpy as np
 
+from bench.basics.deadline import NEVER, Deadline
 from bench.diagnosis.discovery.screen import Left, Screened, screened
 from bench.diagnosis.discovery.term import Term
 from bench.diagnosis.search import NEEDED
@@ -29,12 +30,16 @@ class State:
 
 
 def best_states(
-    lefts: Mapping[tuple[str, ...], tuple[Left, int]], terms: Sequence[Term], basics: Sequence[Term]
+    lefts: Mapping[tuple[str, ...], tuple[Left, int]],
+    terms: Sequence[Term],
+    basics: Sequence[Term],
+    deadline: Deadline = NEVER,
 ) -> list[State]:
     """Sets of up to DEPTH terms beside models with these effects, which leave so much with so many unknowns.
 
     The best of each size, then the second best, and so on; as long as more terms are worth what they cost.
-    basics: terms beside which others may show; each model is tried with them as well.
+    basics: terms beside which others may show; each model is tried with them as well. Raises TimeUpError after the
+    deadline.
     """
     price = NEEDED + float(np.log(len(terms)))
     levels: list[list[State]] = []
@@ -47,11 +52,11 @@ def best_states(
     for basic in basics:
         beam += [_joined(state, Screened(basic, {}, 0.0), price) for state in beam]
     for _ in range(DEPTH):
-        wider = [
-            _joined(state, candidate, price)
-            for state in beam
-            for candidate in screened(state.left, terms, WIDER, _known(state))
-        ]
+        wider: list[State] = []
+        for state in beam:
+            deadline.check()
+            best = screened(state.left, terms, WIDER, _known(state))
+            wider += [_joined(state, candidate, price) for candidate in best]
         beam = _distinct(wider)[:WIDTH]
         if not beam or beam[0].cost >= least:
             break

@@ -1,0 +1,85 @@
+"""The ladder of a diagnosis: what a model with some of the found effects leaves, each fitted by itself."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from functools import cache
+
+from bench.diagnosis.normal_equations import solve_set
+from bench.diagnosis.origin import Origin
+from bench.diagnosis.result import LadderStep
+from bench.diagnosis.rounds import Round
+from bench.diagnosis.verdicts import judged_error
+from bench.effects import EffectInstance
+from bench.identification.identify import fitted_currents
+from bench.identification.result import CurrentSeries, Identification, relative_error
+
+Fits = Callable[[frozenset[str]], LadderStep]
+"""From the names of effects to the step of the model that has them."""
+
+
+def fits_of(
+    origin: Origin,
+    kept: Sequence[EffectInstance],
+    new: Sequence[EffectInstance],
+    before: Identification,
+    after: Identification,
+) -> Fits:
+    """What is kept of the starting model with some of the new effects, by name, each set fitted once; before, after:
+    without any, and with all.
+    """
+
+    @cache
+    def fitted(names: frozenset[str]) -> LadderStep:
+        if not names:
+            return step_of((), before.recordings)
+        chosen = [instance for instance in new if instance.effect.name in names]
+        if len(chosen) == len(new):
+            return step_of(tuple(names), after.recordings)
+        return step_of(tuple(names), fitted_currents(origin.with_instances([*kept, *chosen])))
+
+    return fitted
+
+
+def errors_without(names: Sequence[str], fits: Fits) -> dict[str, float]:
+    """Relative error on recordings that were not fitted, by effect, of the found model without it, fitted anew."""
+    return {name: fits(frozenset(names) - {name}).validate or 0.0 for name in names}
+
+
+def errors_nearly_without(names: Sequence[str], last: Round, scale: float) -> dict[str, float]:
+    """The same as the last system knows it, without fitting anything."""
+    chosen, system = last.chosen, last.system
+    return {
+        name: scale
+        * judged_error(system, solve_set(system, [i for i in chosen if last.proposals[i].name != name]))
+        for name in names
+    }
+
+
+def ladder_of(names: Sequence[str], fits: Fits) -> tuple[LadderStep, ...]:
+    """Errors after each added effect, the one that helps most first. names: of all that are added."""
+    steps = [fits(frozenset())]
+    left = list(names)
+    taken: list[str] = []
+    while left:
+        tried = [replace(fits(frozenset((*taken, name))), effects=(*taken, name)) for name in left]
+        best = min(tried, key=lambda step: step.validate or step.identify or 0.0)
+        taken.append(best.effects[-1])
+        left.remove(best.effects[-1])
+        steps.append(best)
+    return tuple(steps)
+
+
+def ends_of_ladder(names: Sequence[str], fits: Fits) -> tuple[LadderStep, ...]:
+    """The first and the last step of a ladder."""
+    first = fits(frozenset())
+    return (first, replace(fits(frozenset(names)), effects=tuple(names))) if names else (first,)
+
+
+def step_of(effects: tuple[str, ...], fitted: Sequence[CurrentSeries]) -> LadderStep:
+    """A step by the currents that its model gives."""
+    return LadderStep(effects, _error(fitted, "identify"), _error(fitted, "validate"), tuple(fitted))
+
+
+def _error(fitted: Sequence[CurrentSeries], use: str) -> float | None:
+    """Relative error on the recordings of this use; None without any."""
+    return relative_error([trace for trace in fitted if trace.use == use])
