@@ -93,25 +93,32 @@ class Search:
         self, trajectory: FourierTrajectory, load: str | None, near: Motion | None = None
     ) -> Tried | None:
         """A trajectory with what it tells; None where it does not keep the limits."""
-        geometry = self.nominal.model.geometry
-        motion = robot_motion(geometry, self.room, trajectory, self.shape.times, near=near)
-        if motion is None:
-            return None
+        motion = self._motion(trajectory, near)
+        return None if motion is None else self._telling(trajectory, load, motion)
+
+    def shrunk(self, trajectory: FourierTrajectory, load: str | None) -> Tried | None:
+        """The same motion, smaller, until it keeps the limits; None if it never does."""
+        near = None
+        for _ in range(MOST_SHRINKS):
+            motion = self._motion(trajectory, near)
+            found = None if motion is None else self._telling(trajectory, load, motion)
+            if found is not None:
+                return found
+            near = motion
+            trajectory = scaled(trajectory, SHRINK)
+        return None
+
+    def _motion(self, trajectory: FourierTrajectory, near: Motion | None) -> Motion | None:
+        return robot_motion(self.nominal.model.geometry, self.room, trajectory, self.shape.times, near=near)
+
+    def _telling(self, trajectory: FourierTrajectory, load: str | None, motion: Motion) -> Tried | None:
+        """What a motion tells; None where its currents do not keep their limits and their band."""
         what = seen(self.nominal, motion, load)
         if np.any(np.abs(what.current * self.nominal.gains) > self.room.torque):
             return None
         if np.any(band_shares(what.current, self.shape.rate, trajectory) > 1.0):
             return None
         return Tried(trajectory, motion, evidence(self.nominal, what, self.shape.duration))
-
-    def shrunk(self, trajectory: FourierTrajectory, load: str | None) -> Tried | None:
-        """The same motion, smaller, until it keeps the limits; None if it never does."""
-        for _ in range(MOST_SHRINKS):
-            found = self.tried(trajectory, load)
-            if found is not None:
-                return found
-            trajectory = scaled(trajectory, SHRINK)
-        return None
 
 
 def check_standing(search: Search) -> None:
