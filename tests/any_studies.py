@@ -10,6 +10,7 @@ from bench.excitation.discrimination.result import Discrimination, ImpossibleSig
 from bench.excitation.experiment.forecast import Enough, Expected, Forecast, ForecastCode, ForecastNote
 from bench.excitation.experiment.open_limits import Kept
 from bench.excitation.experiment.proof import Unproven
+from bench.identification.finding import Code
 from bench.residuals.concentration import Concentration
 from bench.residuals.look_alikes import QUESTION, LookAlike
 from bench.residuals.opposing_motion import Change, Opposing
@@ -20,7 +21,7 @@ from bench.residuals.residuals import MotorErrors, WhereItFails
 from bench.robot_check.outcome import Check, CheckCode
 from bench.robot_check.report import Amplification, Singularity
 from bench.robot_check.words import TERMS, WORDS, _regular
-from tests.any_values import effects, errors, names, numbers, sizes, some, units
+from tests.any_values import effects, errors, findings_of, names, numbers, sizes, some, units
 
 few = some(names)
 
@@ -185,6 +186,7 @@ def plans_of(told: Forecast) -> st.SearchStrategy[Any]:
                 array,
                 noise=noise,
                 source=names,
+                scale=st.none() | findings_of(Code.GAINS_NOT_FIXED),
                 model=built(array, geometry=built(array, closed=st.booleans())),
             ),
             names=st.just(tuple(name for name, _ in some_recordings)),

@@ -111,6 +111,13 @@ def test_masses_of_the_mjcf_change_nothing_but_the_mass(tmp_path):
     np.testing.assert_array_equal(one.base.grouping, other.base.grouping)
 
 
+def test_a_body_of_many_tonnes_is_noted(linkage):
+    edit_mjcf(linkage, ('<geom fromto="0 0 0 0.3 0 0"/>', '<geom fromto="0 0 0 0.3 0 0" mass="20000"/>'))
+    (note,) = (c for c in check_robot(load_robot(linkage)).checks if c.code == CheckCode.MASSES_LARGE)
+    assert note.verdict == "note"
+    assert "2e+04 kg" in detail_of(note)
+
+
 # --- home ---------------------------------------------------------------------------------------------------
 
 

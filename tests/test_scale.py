@@ -370,12 +370,18 @@ def test_a_payload_that_was_not_weighed_is_named(apart: Dataset) -> None:
     assert sentence(found).endswith("Declare its mass. That fixes 1 of 2.")
 
 
-def test_an_experiment_with_a_load_that_fixes_nothing_is_not_planned(
+def test_an_experiment_with_a_load_that_fixes_nothing_says_so(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
+    """It is planned for the parameters alone; asked for the gains, it is refused."""
     limits = tmp_path / "limits.toml"
     limits.write_text("[payload]\nmass = 1.0\n")
-    assert main(["excite", "wrist", "-o", str(tmp_path / "planned"), "--limits", str(limits), "-q"]) == 2
+    words = ["excite", "wrist", "-o", str(tmp_path / "planned"), "--limits", str(limits), "--steps", "2"]
+    assert main([*words, "--duration", "4"]) == 0
+    said = " ".join(capsys.readouterr().out.split())
+    assert "The drive gains stay at their nominal values, since the payload payload" in said
+    assert "Declare its centre of mass." in said
+    assert main([*words, "--for", "gains", "-q"]) == 2
     error = capsys.readouterr().err
-    assert "does not fix the drive gains of wrist. Declare its centre of mass." in error
+    assert "Declare its centre of mass." in error
     assert error.count("\n") == 1

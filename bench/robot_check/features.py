@@ -20,6 +20,7 @@ FORCES: Mapping[MjcfTerm, tuple[str, ...]] = {  # the fields of MuJoCo's model
     "frictionloss": ("dof_frictionloss",),
 }
 LARGE = 20.0  # m: no robot is so large
+HEAVY = 1e4  # kg: no link is so heavy
 
 
 def check_features(compiled: mujoco.MjModel) -> Check:
@@ -61,8 +62,7 @@ def _notes(compiled: mujoco.MjModel, robot: Robot) -> Iterator[tuple[CheckCode, 
     gap = home_gap(robot.mjcf_as_drawn())
     if CLOSED < gap <= ROUNDING:
         yield CheckCode.DRAWING_ROUNDED, {"gap": gap}
-    if (length := _furthest(compiled)) > LARGE:
-        yield CheckCode.LENGTHS_LARGE, {"length": length}
+    yield from _sizes(compiled)
     if compiled.opt.density or compiled.opt.viscosity:
         medium = {"density": float(compiled.opt.density), "viscosity": float(compiled.opt.viscosity)}
         yield CheckCode.MEDIUM_NOT_MODELLED, medium
@@ -83,6 +83,18 @@ def _place(joint: str, robot: Robot) -> Place:
 def _effect_of(term: MjcfTerm, place: Place) -> str:
     """The effect of the catalogue that has the law of a term, in a joint with a motor or without."""
     return next(name for name, effect in CATALOGUE.items() if (effect.in_mjcf, effect.place) == (term, place))
+
+
+def _sizes(compiled: mujoco.MjModel) -> Iterator[tuple[CheckCode, dict[str, Any]]]:
+    """Lengths and masses that look like another unit's."""
+    if (length := _furthest(compiled)) > LARGE:
+        yield CheckCode.LENGTHS_LARGE, {"length": length}
+    heavy = {
+        label_of(compiled, mujoco.mjtObj.mjOBJ_BODY, int(body)): float(compiled.body_mass[body])
+        for body in np.flatnonzero(compiled.body_mass > HEAVY)
+    }
+    if heavy:
+        yield CheckCode.MASSES_LARGE, {"masses": heavy}
 
 
 def _furthest(compiled: mujoco.MjModel) -> float:

@@ -23,6 +23,7 @@ class CheckCode(StrEnum):
     ACTUATORS_UNUSED = auto()
     TENDON_UNUSED = auto()
     LENGTHS_LARGE = auto()
+    MASSES_LARGE = auto()
     JOINTS_LOCKED = auto()
     # Pinocchio beside MuJoCo
     JOINT_TREES_AGREE = auto()

@@ -89,6 +89,14 @@ def _lengths_large(length: float) -> str:
     )
 
 
+def _masses_large(masses: Mapping[str, float]) -> str:
+    heavy = ", ".join(f"body {body!r} {mass:.3g} kg" for body, mass in masses.items())
+    return (
+        f"{heavy}: MuJoCo takes 1000 kg/m³ for bodies without a mass, and an MJCF is in metres and kg; identification "
+        "does not read masses, but a simulation and the currents that a plan expects go by them"
+    )
+
+
 def _medium(density: float, viscosity: float) -> str:
     return "the air (density, viscosity) slows bodies in the simulator, the model does not know it"
 
@@ -277,6 +285,7 @@ WORDS: dict[CheckCode, tuple[str, Sentence]] = {
     CheckCode.ACTUATORS_UNUSED: ("note", _actuators),
     CheckCode.TENDON_UNUSED: ("note", _tendon),
     CheckCode.LENGTHS_LARGE: ("note", _lengths_large),
+    CheckCode.MASSES_LARGE: ("note", _masses_large),
     CheckCode.JOINTS_LOCKED: ("locked", _locked),
     **AGREEMENT_WORDS,
     CheckCode.LOOP_COUNTS_DIFFER: ("loop closures", _loop_counts),

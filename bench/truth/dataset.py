@@ -12,6 +12,7 @@ from bench.dataset.controller import ControlLaw, reference_column
 from bench.dataset.dataset import Dataset, RecordingEntry, write_dataset_toml
 from bench.dataset.names import DATASET_FILE
 from bench.dataset.recording import Recording, position_column, write_recording
+from bench.dataset.recording_checks import LARGEST_CURRENT
 from bench.dataset.robot import Robot
 from bench.scenario.scenario import payload_declared
 from bench.truth.report import truth
@@ -99,7 +100,13 @@ def _write_folder(simulation: Simulation, folder: Path) -> None:
         file = folder / own.name
         log = recording.log
         write_recording(file, log.time, log.position, log.current, scenario.robot.driven, own.extra)
-    entries = [RecordingEntry(r.name, r.use, r.payload) for r in dataset.recordings]
+    entries = [
+        # a simulation knows its units: where masses are large, currents may be, too
+        RecordingEntry(
+            r.name, r.use, r.payload, ("units",) if np.abs(r.current).max() > LARGEST_CURRENT else ()
+        )
+        for r in dataset.recordings
+    ]
     used = {entry.payload for entry in entries}
     payloads = [payload for name, payload in dataset.payloads.items() if name in used]
     write_dataset_toml(

@@ -11,6 +11,7 @@ from bench.dataset.recording import Recording
 from bench.effects import EffectInstance, effect_columns
 from bench.identification.effect_columns import PresentModel, robot_signals
 from bench.identification.filtered import Measured
+from bench.identification.finding import Finding
 from bench.identification.layout import ParameterLayout
 from bench.identification.payload_parameters import payload_columns
 from bench.identification.standstill import no_gaps
@@ -48,7 +49,8 @@ class Nominal:
     """A model with values: base parameters (nb,), gains (n,), payloads by name, and effects as unknowns beside.
 
     layout: of the parameters; the gains come behind them where `gains_fitted`: they are unknowns where some payload's
-    mass is known. source: where the values are from, in words.
+    mass is known. source: where the values are from, in words. scale: why payloads, as they are declared, leave all
+    gains open; None where they do not.
     """
 
     model: IdentificationModel
@@ -60,6 +62,7 @@ class Nominal:
     gains_fitted: bool
     noise: Noise
     source: str
+    scale: Finding | None = None
 
     @property
     def size(self) -> int:

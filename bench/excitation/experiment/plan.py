@@ -39,10 +39,11 @@ from bench.excitation.experiment.search import (
     random_values,
 )
 from bench.export.prior import cad_prior
+from bench.identification.finding import Finding
 from bench.identification.fixed_scale import scale_of
 from bench.identification.gain_shares import random_states
 from bench.identification.layout import parameter_layout
-from bench.identification.scale_words import cure, scale_findings
+from bench.identification.scale_words import scale_findings, scale_sentence
 from bench.model.model import IdentificationModel, build_model
 from bench.scenario.trajectory import FourierTrajectory
 
@@ -151,8 +152,7 @@ def nominal_machine(
     model = build_model(robot)
     payload = asked_payload(robot, table.payload)
     payloads: dict[str, Payload] = {} if payload is None else {PAYLOAD: payload}
-    if payload is not None:
-        _check_scale(model, payloads)
+    scale = _open_scale(model, payloads)
     effects = _effects(model, requests, catalogue, tuple(payloads))
     prior = cad_prior(model.geometry)
     count = sum(len(instance.effect.parameters) for instance in effects)
@@ -164,21 +164,22 @@ def nominal_machine(
         payloads=payloads,
         layout=layout,
         effects=effects,
-        gains_fitted=payload is not None,
+        gains_fitted=payload is not None and scale is None,
+        scale=scale,
         noise=noise_of(robot, table),
         source=f"{prior.source} and nominal gains",
     )
 
 
-def _check_scale(model: IdentificationModel, payloads: Mapping[str, Payload]) -> None:
-    robot = model.geometry.robot
+def _open_scale(model: IdentificationModel, payloads: Mapping[str, Payload]) -> Finding | None:
+    """Why the payloads leave all drive gains open, and what would fix them; None where they fix some."""
+    if not payloads:
+        return None
     scale = scale_of(model, payloads, random_states(model, [None, *payloads]))
-    if not np.any(scale.fitted(robot.joints)):
-        (finding,) = scale_findings(scale)
-        raise BenchError(
-            f"payload: as it is declared, it does not fix the drive gains of {robot.name}. {cure(finding)} Without a "
-            "payload, motions are planned for the parameters alone."
-        )
+    if np.any(scale.fitted(model.geometry.robot.joints)):
+        return None
+    (finding,) = scale_findings(scale)
+    return finding
 
 
 def noise_of(robot: Robot, table: ExperimentTable) -> Noise:
@@ -331,6 +332,10 @@ def targets_of(nominal: Nominal, wanted: Sequence[str]) -> np.ndarray:
     found: list[int] = []
     for name in wanted:
         if name == GAINS and not nominal.gains_fitted:
+            if nominal.scale is not None:
+                raise BenchError(
+                    f"{PAYLOAD}: the drive gains cannot be planned for: {scale_sentence(nominal.scale)}"
+                )
             raise BenchError("the drive gains cannot be identified without a payload of known mass: give one")
         if name in (ALL, PARAMETERS):
             found += range(layout.base)

@@ -15,6 +15,7 @@ from bench.excitation.experiment.nominal import FRICTION_SHARE
 from bench.excitation.experiment.plan import ExperimentPlan
 from bench.excitation.experiment.proof_words import limit_in_words
 from bench.excitation.experiment.search import RANDOM
+from bench.identification.scale_words import scale_sentence
 from bench.identification.wording import and_list, in_percent
 
 MOST_NAMED = 3
@@ -25,7 +26,9 @@ def sentences(plan: ExperimentPlan, told: Forecast) -> list[str]:
     lines = [_gains(told), _parameters(plan, told)]
     lines += _compared(plan, told)
     lines.append(_sizes(plan, told))
-    lines += map(note_sentence, told.notes)
+    for note in told.notes:
+        why = plan.nominal.scale if note.code is ForecastCode.NO_SCALE else None
+        lines.append(note_sentence(note) if why is None else scale_sentence(why))
     if told.enough is not None:
         lines += enough(told.enough)
     if plan.room.assumed:
