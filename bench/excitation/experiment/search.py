@@ -23,6 +23,7 @@ CHECKS = (
 TRIES = 20  # of a random motion, until one keeps the limits at some size
 SHRINK = 0.9
 MOST_SHRINKS = 40
+SMALL_STEPS = 3  # of a motion that cannot be proven yet; then larger ones, since each proof takes seconds
 STANDING = 0.02  # s at home that are looked at before any motion: a few intervals of a proof
 FEW = 3  # harmonics for each joint of a sparse motion
 POINTS = 8.0  # samples of a period of the highest harmonic, in the search
@@ -248,7 +249,8 @@ def proven(search: Search, trial: Tried, load: str | None) -> Proven:
     """
     given_way: list[Unproven] = []
     trajectory = filled(search.room, trial.trajectory)
-    for _ in range(MOST_SHRINKS):
+    less = 0.2 * (1.0 - SHRINK)
+    for attempt in range(MOST_SHRINKS):
         told = prove(Promise(search.nominal, search.room, trajectory, load))
         if isinstance(told, Unproven):
             given_way.append(told)
@@ -256,7 +258,8 @@ def proven(search: Search, trial: Tried, load: str | None) -> Proven:
             found = search.tried(trajectory, load)
             if found is not None and keeps_joints(search.room, trajectory):
                 return Proven(found, told, tuple(given_way))
-        trajectory = scaled(trajectory, 1.0 - 0.2 * (1.0 - SHRINK))
+        less = less if attempt < SMALL_STEPS else min(2.0 * less, 1.0 - SHRINK)
+        trajectory = scaled(trajectory, 1.0 - less)
     robot = search.nominal.model.geometry.robot.name
     what = limit_in_words(given_way[-1]) if given_way else "all limits"
     raise BenchError(f"robot {robot}: of no motion from home it could be proven that it keeps {what}")
