@@ -6,7 +6,7 @@ import pinocchio as pin
 import pytest
 
 from bench.model.closure import loop_residual
-from bench.model.configuration import configuration_rates, hermite, integrate
+from bench.model.configuration import configuration_rates, displacements, hermite, integrate
 from bench.model.geometry import read_geometry
 from bench.model.kinematics import end_of, end_point, end_rotation, frames_of, link_of, rates_of
 from bench.model.scalars import dense
@@ -121,6 +121,15 @@ def test_integration_is_pinocchios(robot):
         moved = integrate(geometry, q, step)
         theirs = np.stack([pin.integrate(model, q[:, i], step[:, i]) for i in range(POSES)], axis=1)
         assert np.abs(moved - theirs).max() < (5.0 * size**2 if free else 0.0) + 1e-12
+
+
+def test_displacements_undo_an_integration(robot):
+    geometry = read_geometry(robot)
+    q = random_open_poses(geometry, POSES)
+    for size in (1.0, 1e-3, 0.0):
+        step = size * np.random.default_rng(2).uniform(-1.0, 1.0, size=(geometry.nv, POSES))
+        found = displacements(geometry, q, integrate(geometry, q, step))
+        assert np.abs(found - step).max() < 1e-12
 
 
 def test_configuration_rates_by_finite_differences(robot):

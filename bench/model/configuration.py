@@ -32,6 +32,32 @@ def integrate(geometry: Geometry, q: np.ndarray, step: np.ndarray) -> np.ndarray
     return moved
 
 
+def displacements(geometry: Geometry, first: np.ndarray, second: np.ndarray) -> np.ndarray:
+    """Tree displacements (nv, N) that move configurations first (nq, N) to second; `integrate` undoes it."""
+    step = np.empty((geometry.nv, first.shape[1]))
+    for joint in geometry.joints:
+        if joint.kind in ("hinge", "slide"):
+            step[joint.v.start] = second[joint.q.start] - first[joint.q.start]
+            continue
+        before, after = first[_quaternion(joint)], second[_quaternion(joint)]
+        if joint.kind == "free":
+            at = slice(joint.q.start, joint.q.start + 3)
+            world = second[at] - first[at]
+            rotation = rotation_of(before)
+            step[joint.v.start : joint.v.start + 3] = [
+                sum(own * along for own, along in zip(axis, world, strict=True)) for axis in rotation
+            ]
+        back = before * np.array([[-1.0], [-1.0], [-1.0], [1.0]])
+        turn = _product(back, after[:3], after[3])
+        turn *= np.where(turn[3] < 0.0, -1.0, 1.0)
+        sine = np.linalg.norm(turn[:3], axis=0)
+        angle = 2.0 * np.arctan2(sine, turn[3])
+        step[joint.v.stop - 3 : joint.v.stop] = turn[:3] * np.where(
+            sine > 0.0, angle / np.where(sine > 0.0, sine, 1.0), 2.0
+        )
+    return step
+
+
 def normalised(geometry: Geometry, q: np.ndarray) -> np.ndarray:
     """The configurations with unit quaternions, in place."""
     for joint in geometry.joints:

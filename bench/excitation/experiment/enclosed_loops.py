@@ -14,12 +14,14 @@ import numpy as np
 
 from bench.excitation.experiment.motor_balls import Intervals, MotorBalls
 from bench.model.balls import balls, dense_balls
-from bench.model.closure import Closures, closures_of, loop_bias, loop_rows
+from bench.model.closure import Closures, closures_of, loop_bias, loop_jacobian, loop_rows
+from bench.model.configuration import displacements
 from bench.model.geometry import Geometry
 from bench.model.kinematics import frames_of
 from bench.model.mobility import column_scales
 from bench.model.motion import Motion, motion_of
 from bench.model.scalars import Scalar
+from bench.model.spin import idle_spins
 
 WIDER = 4.0  # times what is passed through: the set of poses, so that the next interval's middle lies in it
 LEAST = 0.5  # of the largest radius of a pose's set: a joint that hardly moves has that
@@ -138,12 +140,36 @@ def enclosed(
 def follows(geometry: Geometry, q: np.ndarray, passed: np.ndarray, reach: np.ndarray) -> np.ndarray:
     """Whether the motion of each interval but the last goes on as that of the next (K - 1,): then one of the two sets
     holds what both say of the time between them. q (K, nq): poses in the middles; the others as in `Enclosure`.
+
+    Poses that differ by idle spins of rods are one: closures say nothing of these.
     """
     passive = geometry.passive
-    between = _apart(geometry, q[:-1], q[1:])[:, passive]
-    into_first = np.all(between + passed[1:, passive] <= reach[:-1, passive], axis=1)
-    into_second = np.all(between + passed[:-1, passive] <= reach[1:, passive], axis=1)
-    return np.asarray(into_first | into_second)
+
+    def overlap(between: np.ndarray, first: np.ndarray) -> np.ndarray:
+        into_first = np.all(between + passed[first + 1][:, passive] <= reach[first][:, passive], axis=1)
+        into_second = np.all(between + passed[first][:, passive] <= reach[first + 1][:, passive], axis=1)
+        return np.asarray(into_first | into_second)
+
+    found = overlap(_apart(geometry, q[:-1], q[1:])[:, passive], np.arange(len(q) - 1))
+    left = np.flatnonzero(~found)
+    if len(left) and idle_spins(geometry):
+        found[left] = overlap(_apart_but_for_spins(geometry, q[left], q[left + 1]), left)
+    return found
+
+
+def _apart_but_for_spins(geometry: Geometry, first: np.ndarray, second: np.ndarray) -> np.ndarray:
+    """Displacements (K, passive), evened, from configurations (K, nq) to others, without the rods' idle spins.
+
+    What spins move is taken away to first order; its square is added.
+    """
+    spins, passive = len(idle_spins(geometry)), geometry.passive
+    rows = loop_jacobian(geometry, first.T, passive)[:-spins].transpose(2, 0, 1)
+    free = np.linalg.svd(rows)[2][:, -spins:]
+    away = displacements(geometry, first.T, second.T)[passive].T
+    spun = np.einsum("ksp,ks->kp", free, np.einsum("ksp,kp->ks", free, away))
+    found = np.zeros((len(first), geometry.nv))
+    found[:, passive] = np.abs(away - spun) + np.abs(spun).max(axis=1, keepdims=True) ** 2
+    return np.asarray(_evened(geometry, found)[:, passive])
 
 
 def begins_at_home(geometry: Geometry, q: np.ndarray, reach: np.ndarray) -> bool:
