@@ -53,9 +53,12 @@ def _notes(compiled: mujoco.MjModel, robot: Robot) -> Iterator[tuple[CheckCode, 
     for term, fields in FORCES.items():
         joints = _joints_with(compiled, fields)
         if joints:
-            driven_first = sorted(joints, key=lambda joint: joint not in robot.driven)
+            balls = [joint for joint in joints if joint in _without_an_angle(compiled)]
+            with_angle = [joint for joint in joints if joint not in balls]
+            driven_first = sorted(with_angle, key=lambda joint: joint not in robot.driven)
             effects = [f"{_effect_of(term, _place(joint, robot))}:{joint}" for joint in driven_first]
-            yield CheckCode.JOINT_FORCE_NOT_MODELLED, {"term": term, "joints": joints, "effects": effects}
+            values = {"term": term, "joints": joints, "effects": effects, "unfitted": balls}
+            yield CheckCode.JOINT_FORCE_NOT_MODELLED, values
     rotors = [joint for joint in _joints_with(compiled, ("dof_armature",)) if joint not in robot.driven]
     if rotors:
         yield CheckCode.PASSIVE_ARMATURE_NOT_MODELLED, {"joints": rotors}
@@ -74,6 +77,16 @@ def _notes(compiled: mujoco.MjModel, robot: Robot) -> Iterator[tuple[CheckCode, 
     used = set(np.concatenate((compiled.eq_obj1id[held], compiled.eq_obj2id[held])).tolist())
     for tendon in set(range(compiled.ntendon)) - used:
         yield CheckCode.TENDON_UNUSED, {"tendon": label_of(compiled, mujoco.mjtObj.mjOBJ_TENDON, tendon)}
+
+
+def _without_an_angle(compiled: mujoco.MjModel) -> list[str]:
+    """Ball and free joints, in which the catalogue has no friction and no spring."""
+    kinds = (int(mujoco.mjtJoint.mjJNT_BALL), int(mujoco.mjtJoint.mjJNT_FREE))
+    return [
+        label_of(compiled, mujoco.mjtObj.mjOBJ_JOINT, joint)
+        for joint in range(compiled.njnt)
+        if int(compiled.jnt_type[joint]) in kinds
+    ]
 
 
 def _place(joint: str, robot: Robot) -> Place:

@@ -67,11 +67,16 @@ def _equality_inactive(equality: str) -> str:
     return f"equality {equality!r} is inactive and ignored"
 
 
-def _joint_force(term: str, joints: Sequence[str], effects: Sequence[str]) -> str:
-    return (
-        f"{TERMS[term]} on {', '.join(joints)}: the simulator will add it, the model does not know it; fit it with "
-        f"--with {' --with '.join(effects)}"
-    )
+def _joint_force(term: str, joints: Sequence[str], effects: Sequence[str], unfitted: Sequence[str]) -> str:
+    said = f"{TERMS[term]} on {', '.join(joints)}: the simulator will add it, the model does not know it"
+    if effects:
+        said += f"; fit it with --with {' --with '.join(effects)}"
+    if unfitted:
+        said += (
+            f"; no effect of the catalogue has it in a ball or free joint ({', '.join(unfitted)}): for a simulation with "
+            f"nothing hidden, set it to zero there in the MJCF"
+        )
+    return said
 
 
 def _locked(joints: Mapping[str, Mapping[str, Any]]) -> str:
