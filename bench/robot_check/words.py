@@ -73,8 +73,8 @@ def _joint_force(term: str, joints: Sequence[str], effects: Sequence[str], unfit
         said += f"; fit it with --with {' --with '.join(effects)}"
     if unfitted:
         said += (
-            f"; no effect of the catalogue has it in a ball or free joint ({', '.join(unfitted)}): for a simulation with "
-            f"nothing hidden, set it to zero there in the MJCF"
+            f"; no effect of the catalogue has it in a ball or free joint ({', '.join(unfitted)}): for a simulation "
+            "with nothing hidden, set it to zero there in the MJCF"
         )
     return said
 
