@@ -385,3 +385,20 @@ def test_an_experiment_with_a_load_that_fixes_nothing_says_so(
     error = capsys.readouterr().err
     assert "Declare its centre of mass." in error
     assert error.count("\n") == 1
+
+
+@pytest.mark.parametrize("mass", [1e-3, 1e-6])
+def test_a_payload_that_hardly_shows_leaves_gains_unsure_and_the_model_right(mass: float) -> None:
+    """From the gains of least squares, which fall to zero, the search did not come back."""
+    inertia = [2e-3 * mass, 2e-3 * mass, 4e-3 * mass, 0.0, 0.0, 0.0]
+    changes = {
+        "step": 0.0005,
+        "payloads": {"disc": {"mass": mass, "inertia": inertia, "declared": {"mass": mass}}},
+        "design": {"optimise": False, "duration": 6.0},
+    }
+    result = answer(as_dataset(simulate(load_scenario("five_bar", changes), threads=1)))
+    assert result.error.identify < 0.005  # noise leaves 0.0025
+    for joint, true in (("left", 3.3), ("right", 2.76)):
+        gain = result.drive_gains[joint]
+        assert abs(gain.value - true) < 3.0 * gain.std
+        assert gain.determined == (mass == 1e-3)

@@ -83,6 +83,12 @@ def squared_errors(factors: np.ndarray, theta: np.ndarray, gains: np.ndarray) ->
     return np.asarray(((factors[:, :, p + 1] - modelled) ** 2).sum(axis=1))
 
 
+def log_likelihood(stack: Stack, solution: Solution) -> float:
+    """Of normal errors of the currents, each motor's of its own deviation, but for a constant."""
+    weights = error_weights(stack, squared_errors(stack.factors, solution.theta, solution.gains))
+    return float(len(stack.current) * np.log(weights).sum())
+
+
 def minimised(
     factors: np.ndarray,
     theta: np.ndarray,

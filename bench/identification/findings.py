@@ -210,7 +210,7 @@ def _error_turned(result: Identification, joint: str) -> float:
 def a_thousand(result: Identification) -> Code | None:
     """Whether all gains are about a thousand times the nominal ones, or a thousandth of them: a wrong unit."""
     ratios = (
-        [gain.value / gain.nominal for gain in result.drive_gains.values() if gain.fitted]
+        [gain.value / gain.nominal for gain in result.drive_gains.values() if gain.fitted and gain.determined]
         if result.gains_fitted
         else []
     )
