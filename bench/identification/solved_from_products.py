@@ -69,7 +69,7 @@ def _found(stack: Stack, gains: NominalGains, near: np.ndarray) -> Solution | No
 
 
 def _on_factors(stack: Stack, gains: NominalGains, near: np.ndarray) -> Solution:
-    """The same by steps on the factors themselves; from nominal gains where a motor has none at the other starts."""
+    """The same by steps on the factors themselves; from nominal gains where they leave less than the other starts."""
 
     def held(at: np.ndarray) -> Solution:
         return replace(
@@ -78,8 +78,8 @@ def _on_factors(stack: Stack, gains: NominalGains, near: np.ndarray) -> Solution
 
     starts = [weighted_least_squares(stack, gains)]
     if np.any(gains.fitted):
-        starts += [] if np.array_equal(near, gains.values) or _none(near, gains.values) else [held(near)]
-        starts = [start for start in starts if not _none(start.gains, gains.values)] or [held(gains.values)]
+        starts += [] if np.array_equal(near, gains.values) else [held(near)]
+        starts = [start for start in starts if not _none(start.gains, gains.values)] + [held(gains.values)]
     missed = [_missed(squared_errors(stack.factors, start.theta, start.gains)) for start in starts]
     return current_error(stack, starts[int(np.argmin(missed))])
 
