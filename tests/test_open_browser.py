@@ -278,6 +278,8 @@ def test_names_are_shown_as_they_are_and_never_as_markup(look, tmp_path):
         page.route("**/api/look/columns", lambda route: held.append(route))  # noqa: PLW0108 - it is given attributes
         page.locator("#robot").select_option("five_bar")
         expect(page.locator("#add-log [role=status]")).to_contain_text(f"Reading {evil}: a large log")
+        while not held:
+            page.wait_for_timeout(10)
         held[0].continue_()
         expect(page.locator(".chips")).to_contain_text("<script>")
         expect(page.locator("#add-log [role=status]")).to_have_count(0)

@@ -5,11 +5,14 @@ on the left side, whatever the gains; the problem is bilinear and solved by Gaus
 of the compressed factors, counted from the starting solution, and last on the factors themselves.
 """
 
+from dataclasses import replace
+
 import numpy as np
 
 from bench.identification.centred import FactorProducts, products_of
 from bench.identification.compressed import Stack
-from bench.identification.solution import Fitted, Solution, scaled_lstsq
+from bench.identification.least_squares import weighted_least_squares
+from bench.identification.solution import Fitted, NominalGains, Solution, scaled_lstsq
 
 REWEIGHTINGS = 3
 MOST_STEPS = 50
@@ -35,6 +38,20 @@ def current_error(stack: Stack, start: Solution) -> Solution:
         theta, gains = minimised(stack.factors, theta, gains, weights, start.gains_fitted, tolerance)
         weights = error_weights(stack, squared_errors(stack.factors, theta, gains))
     return Solution(theta, gains, weights, "current", start.gains_fitted)
+
+
+def from_best_start(stack: Stack, start: Solution, gains: NominalGains) -> Solution:
+    """The minimum from the gains of equation 12; from the nominal ones where these explain the currents better.
+
+    A payload that hardly shows lets the gains of equation 12 fall to zero, from where the search does not come back.
+    """
+    solution = current_error(stack, start)
+    if not np.any(gains.fitted):
+        return solution
+    nominal = current_error(stack, weighted_least_squares(stack, replace(gains, fitted=False)))
+    if log_likelihood(stack, solution) >= log_likelihood(stack, nominal):
+        return solution
+    return current_error(stack, replace(nominal, gains_fitted=gains.fitted))
 
 
 def from_products(

@@ -6,14 +6,14 @@ An estimator's own module is imported when it runs: commands take the names from
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
-
-import numpy as np
 
 from bench.basics.errors import BenchError
 
 if TYPE_CHECKING:
+    import numpy as np
+
     from bench.identification.compressed import Stack
     from bench.identification.scale import Scale
     from bench.identification.solution import NominalGains, Solution
@@ -40,20 +40,9 @@ class Request:
 
 
 def _current(request: Request) -> Solution:
-    """From the gains of equation 12; from the nominal ones where these explain the currents better: a payload that
-    hardly shows lets the gains of equation 12 fall to zero, from where the search does not come back.
-    """
-    from bench.identification.current_error import current_error, log_likelihood
-    from bench.identification.least_squares import weighted_least_squares
+    from bench.identification.current_error import from_best_start
 
-    stack, gains = request.stack, request.gains
-    solution = current_error(stack, _wls(request))
-    if not np.any(gains.fitted):
-        return solution
-    nominal = current_error(stack, weighted_least_squares(stack, replace(gains, fitted=False)))
-    if log_likelihood(stack, solution) >= log_likelihood(stack, nominal):
-        return solution
-    return current_error(stack, replace(nominal, gains_fitted=gains.fitted))
+    return from_best_start(request.stack, _wls(request), request.gains)
 
 
 def _robust(request: Request) -> Solution:
