@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 
 from bench.diagnosis import catalogue_search, noise, rounds, search
-from bench.diagnosis.search import NEEDED, Scored, earned
+from bench.diagnosis.normal_equations import SetFit
+from bench.diagnosis.search import NEEDED, Scored, earned, score
 
 
 @pytest.mark.parametrize(
@@ -34,10 +35,13 @@ def test_an_effect_earns_its_place_on_fitted_recordings_and_on_others(
     squares = {(): 1.0, (3,): 0.8}
     scores = {(): (0.0, 0.0, 0.0), (3,): (judged, fitted, total)}
     monkeypatch.setattr(
-        search, "solve_set", lambda _, key: SimpleNamespace(chosen=key, judged=squares[tuple(key)])
+        search,
+        "solve_set",
+        lambda _, key: SimpleNamespace(
+            chosen=key, judged=squares[tuple(key)], by_motor=np.full((2, 1), squares[tuple(key)])
+        ),
     )
     monkeypatch.setattr(search, "score", lambda _, fit, __: Scored(fit, *scores[tuple(fit.chosen)]))
-    monkeypatch.setattr(search, "judged_by_motor", lambda _, fit: np.array([squares[tuple(fit.chosen)]]))
     fit = search.solve_set(None, (3,))  # type: ignore[arg-type]
     one = search.score(None, fit, None)  # type: ignore[arg-type]
     assert earned(None, one, None) is enough  # type: ignore[arg-type]
@@ -53,16 +57,38 @@ def test_an_effect_that_leaves_little_of_the_error_of_one_motor_matters(
     squares = {(): 1.0, (3,): 0.98}
     by_motor = {(): np.array([1.0, 1.0]), (3,): np.array(left)}
     monkeypatch.setattr(
-        search, "solve_set", lambda _, key: SimpleNamespace(chosen=key, judged=squares[tuple(key)])
+        search,
+        "solve_set",
+        lambda _, key: SimpleNamespace(
+            chosen=key, judged=squares[tuple(key)], by_motor=np.stack([by_motor[tuple(key)]] * 2)
+        ),
     )
     far = 5.0 * NEEDED
     monkeypatch.setattr(
         search, "score", lambda _, fit, __: Scored(fit, *((far,) * 3 if fit.chosen else (0.0,) * 3))
     )
-    monkeypatch.setattr(search, "judged_by_motor", lambda _, fit: by_motor[tuple(fit.chosen)])
     fit = search.solve_set(None, (3,))  # type: ignore[arg-type]
     one = search.score(None, fit, None)  # type: ignore[arg-type]
     assert earned(None, one, None) is enough  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("heavy", [1.0, 1e6])
+def test_evidence_is_summed_motor_by_motor(heavy: float) -> None:
+    """What one motor gains does not saturate because the present model counts another for far more."""
+    rows = SimpleNamespace(rows=300, rows_of_motor=np.array([100.0, 200.0]))
+    system = SimpleNamespace(
+        fitted=rows, judged=rows, memory=2.0, repeats=1.0, prior_of=lambda _: 0.0, start=SimpleNamespace()
+    )
+
+    def fit(left: float, columns: int) -> SetFit:
+        by_motor = np.array([[left, heavy], [left, heavy]])
+        return SetFit((), np.arange(columns), np.zeros(columns), np.ones(2), 0.0, 0.0, by_motor)
+
+    scored = score(system, fit(1e-4, 3), fit(1.0, 3))  # type: ignore[arg-type]
+    expected = 0.5 * 100.0 / 2.0 * np.log(1e4)
+    assert scored.judged == pytest.approx(expected)
+    assert scored.fitted == pytest.approx(expected)
+    assert scored.total == pytest.approx(2.0 * expected)
 
 
 @dataclass(frozen=True)

@@ -64,7 +64,10 @@ class Carried:
         start = Solution(reference[: self.own], gains, weights, "current", data["fits_gains"])
         products = [
             MotorProducts(
-                np.pad(inner[use], ((0, 0), (0, 1), (0, 1))), data["rows"], float(self.squares[use].sum())
+                np.pad(inner[use], ((0, 0), (0, 1), (0, 1))),
+                data["rows"],
+                float(self.squares[use].sum()),
+                np.full(len(inner[use]), data["rows"] / len(inner[use])),
             )
             for use in ("fitted", "judged")
         ]

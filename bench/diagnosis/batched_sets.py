@@ -54,7 +54,7 @@ def swapped(chosen: Sequence[int], others: Sequence[int]) -> list[tuple[int, ...
 @dataclass(frozen=True)
 class _Sets:
     """Sets on their way: products; values (S, k) and gains (S, n) with the errors (S, n, k + 2) that they combine, all
-    columns' products with these (S, n, k + 2), and their cost (S,).
+    columns' products with these (S, n, k + 2), every motor's squares (S, n), and their cost (S,).
     """
 
     products: SetProducts
@@ -62,11 +62,12 @@ class _Sets:
     gains: np.ndarray
     errors: np.ndarray
     by_error: np.ndarray
+    squares: np.ndarray
     cost: np.ndarray
 
     def some(self, which: np.ndarray) -> "_Sets":
         """Some of them (S,) True or False."""
-        parts = (self.values, self.gains, self.errors, self.by_error, self.cost)
+        parts = (self.values, self.gains, self.errors, self.by_error, self.squares, self.cost)
         return _Sets(self.products.some(which), *(part[which] for part in parts))
 
 
@@ -99,7 +100,7 @@ def _together(system: System, keys: Sequence[tuple[int, ...]]) -> dict[tuple[int
     wide = values.shape[1] - system.base
     products = products_of_sets(system.fitted, system.base, added, wide)
     now = _at(products, values, np.array([pair[2] for pair in begun]), start)
-    found: dict[int, tuple[np.ndarray, np.ndarray, float]] = {}
+    found: dict[int, tuple[np.ndarray, np.ndarray, np.ndarray, float]] = {}
     left = np.arange(len(keys))  # which of them are not converged yet
     for _ in range(MOST_STEPS):
         step, by_gain, sound = _steps(now, start)
@@ -108,7 +109,7 @@ def _together(system: System, keys: Sequence[tuple[int, ...]]) -> dict[tuple[int
         lower = sound & (new.cost <= now.cost * (1.0 + 1e-12))
         converged = lower & has_converged(now.cost, new.cost, share, new.gains / start.gains)
         for i in np.flatnonzero(converged):
-            found[int(left[i])] = new.values[i], new.gains[i], float(new.cost[i])
+            found[int(left[i])] = new.values[i], new.gains[i], new.squares[i], float(new.cost[i])
         on = lower & ~converged
         if not on.any():
             break
@@ -123,16 +124,18 @@ def _together(system: System, keys: Sequence[tuple[int, ...]]) -> dict[tuple[int
         start,
     )
     return {
-        keys[i]: fit_of(system, keys[i], columns[i], own[: len(columns[i])], gains, cost, float(judged))
-        for (i, (own, gains, cost)), judged in zip(found.items(), last.cost, strict=True)
+        keys[i]: fit_of(
+            system, keys[i], columns[i], own[: len(columns[i])], gains, cost, np.stack((fitted, judged))
+        )
+        for (i, (own, gains, fitted, cost)), judged in zip(found.items(), last.squares, strict=True)
     }
 
 
 def _at(products: SetProducts, values: np.ndarray, gains: np.ndarray, start: Solution) -> _Sets:
     errors = errors_by(values, gains, start.gains)
     by_error = products.combined(errors)
-    cost = squares_of_sets(errors, by_error) @ start.weights**2
-    return _Sets(products, values, gains, errors, by_error, cost)
+    squares = squares_of_sets(errors, by_error)
+    return _Sets(products, values, gains, errors, by_error, squares, squares @ start.weights**2)
 
 
 def _moved(now: _Sets, steps: tuple[np.ndarray, np.ndarray, np.ndarray], start: Solution) -> _Sets:

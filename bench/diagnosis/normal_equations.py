@@ -59,12 +59,13 @@ class MotorProducts:
 
     torque and error: what the present model's solution needs, and leaves of the current. with_zeros
     (n, C + 3, C + 3): with one more column, of zeros, for sets of different size that are solved side by side.
-    measured: sum of squares of all currents.
+    measured: sum of squares of all currents. rows_of_motor (n,): how many of the rows are each motor's.
     """
 
     with_zeros: np.ndarray
     rows: int
     measured: float
+    rows_of_motor: np.ndarray
 
     @property
     def inner(self) -> np.ndarray:
@@ -76,7 +77,8 @@ class MotorProducts:
 class SetFit:
     """A set of candidates, solved on the fitted recordings; weighted squares left there and on the judged ones.
 
-    values (k,): coefficients of the system's columns, base first, beside the present solution; gains (n,).
+    values (k,): coefficients of the system's columns, base first, beside the present solution; gains (n,). by_motor
+    (2, n): squares of each motor's error, of fitted and of judged recordings.
     """
 
     chosen: tuple[int, ...]
@@ -85,6 +87,7 @@ class SetFit:
     gains: np.ndarray
     fitted: float
     judged: float
+    by_motor: np.ndarray
 
 
 @dataclass(frozen=True)
@@ -225,14 +228,10 @@ def _solved(system: System, chosen: tuple[int, ...]) -> SetFit:
         values, gains, cost = new_values, new_gains, new
         if converged:
             break
-    left = squares_of(inner_of(system.judged, columns), errors_by(values, gains, start.gains))
-    return fit_of(system, chosen, columns, values, gains, cost, float(left @ squares))
-
-
-def judged_by_motor(system: System, fit: SetFit) -> np.ndarray:
-    """Squares (n,) that a set leaves of the judged recordings, motor by motor, without weights."""
-    inner = inner_of(system.judged, fit.columns)
-    return squares_of(inner, errors_by(fit.values, fit.gains, system.start.gains))
+    errors = errors_by(values, gains, start.gains)
+    left = squares_of(inner_of(system.judged, columns), errors)
+    by_motor = np.stack((squares_of(inner, errors), left))
+    return fit_of(system, chosen, columns, values, gains, cost, by_motor)
 
 
 def has_converged(
@@ -275,13 +274,14 @@ def fit_of(
     values: np.ndarray,
     gains: np.ndarray,
     cost: float,
-    judged: float,
+    by_motor: np.ndarray,
 ) -> SetFit:
-    """A set with the solution in its independent columns (k,), and the weighted squares that it leaves."""
+    """A set with the solution in its independent columns (k,), and the squares (2, n) that it leaves."""
     every = system.columns_of(chosen)
     whole = np.zeros(system.fitted.inner.shape[1])
     whole[columns] = values
-    return SetFit(chosen, every, whole[every], gains, cost, judged)
+    judged = float(by_motor[1] @ system.start.weights**2)
+    return SetFit(chosen, every, whole[every], gains, cost, judged, by_motor)
 
 
 def _added(
@@ -367,7 +367,8 @@ def _products(
             inner[:size, :size] += products(rows, change)
     seen = [observation for observation in prepared.observations if observation.use == use]
     measured = sum(float(((observation.current * observation.moving) ** 2).sum()) for observation in seen)
-    return MotorProducts(with_zeros, sum(int(observation.moving.sum()) for observation in seen), measured)
+    of_motor = sum((observation.moving.sum(axis=0) for observation in seen), np.zeros(len(with_zeros)))
+    return MotorProducts(with_zeros, int(of_motor.sum()), measured, of_motor)
 
 
 def _errors(motors: Sequence[MotorRows], change: np.ndarray, fit: SetFit, start: Solution) -> np.ndarray:

@@ -8,7 +8,7 @@ import numpy as np
 
 from bench.basics.deadline import NEVER, Deadline
 from bench.diagnosis.batched_sets import enlarged, reduced, solve_sets, swapped
-from bench.diagnosis.normal_equations import Candidate, SetFit, System, judged_by_motor, solve_set
+from bench.diagnosis.normal_equations import Candidate, SetFit, System, solve_set
 
 EXHAUSTIVE = 3  # up to this size all sets of the shortlist compete; larger ones grow by one effect at a time
 LARGEST_SET = 6
@@ -43,10 +43,10 @@ def score(system: System, fit: SetFit, reference: SetFit) -> Scored:
     errors that return with it: recordings that were not fitted are no others than those that were, then.
     """
     tiny = np.finfo(float).tiny
-    samples = system.judged.rows / system.memory
-    judged = 0.5 * samples * np.log((reference.judged + tiny) / (fit.judged + tiny))
+    ratios = np.log((reference.by_motor + tiny) / (fit.by_motor + tiny))
+    fitted = 0.5 * float(system.fitted.rows_of_motor @ ratios[0]) / system.memory
+    judged = 0.5 * float(system.judged.rows_of_motor @ ratios[1]) / system.memory
     samples = system.fitted.rows / system.memory
-    fitted = 0.5 * samples * np.log((reference.fitted + tiny) / (fit.fitted + tiny))
     extra = len(fit.columns) - len(reference.columns)
     penalty = 0.5 * extra * np.log(max(samples / system.repeats, 1.0))
     penalty += system.prior_of(fit.chosen) - system.prior_of(reference.chosen)
@@ -142,18 +142,18 @@ def earned(system: System, scored: Scored, empty: SetFit) -> bool:
         )
         if min(gained) < NEEDED:
             return False
-        if not (material(fewer, scored.fit) or little_left_at_a_motor(system, fewer, scored.fit)):
+        if not (material(fewer, scored.fit) or little_left_at_a_motor(fewer, scored.fit)):
             return False
     return True
 
 
-def little_left_at_a_motor(system: System, before: SetFit, after: SetFit) -> bool:
+def little_left_at_a_motor(before: SetFit, after: SetFit) -> bool:
     """Whether little of the error of one motor is left on recordings that were not fitted.
 
     Each motor's error is weighted by what the present model leaves there of the fitted recordings: where that is far
     more than of others, all that goes there is little of the whole.
     """
-    return bool(np.any(judged_by_motor(system, after) <= LITTLE**2 * judged_by_motor(system, before)))
+    return bool(np.any(after.by_motor[1] <= LITTLE**2 * before.by_motor[1]))
 
 
 def material(before: SetFit, after: SetFit) -> bool:
