@@ -32,6 +32,7 @@ FORMATS = {  # the names that other programs rely on
     *("geometric_error", "encoder_offset", "passive_spring", "transmission_error"),
     *("hysteretic_cable", "shear_thinning_friction", "tool_drag"),
     "passive_load_friction",
+    "passive_rotor_inertia",
 }
 UNIT = re.compile(r"1|1/(turn|A\^2|V\^2|m)|[A-Za-z]+([*/^(][A-Za-z0-9()*/^]+)?")
 

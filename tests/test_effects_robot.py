@@ -81,6 +81,16 @@ def test_what_passive_friction_takes_the_motors_deliver(robot_name: str, tmp_pat
             close((columns * robot.velocity).sum(axis=1), power, 1e-3)
 
 
+@pytest.mark.parametrize("robot_name", ["five_bar", "delta", "tilted"])
+def test_the_motors_feed_the_energy_of_rotors_in_passive_joints(robot_name: str, tmp_path: Path) -> None:
+    robot, *_ = moving_robot(robot_name, tmp_path)
+    for joint in places_in(robot.geometry, ()).passive:
+        speed = np.gradient(robot.tree.q[:, _configuration(robot, joint)], robot.time, edge_order=2)
+        power = np.gradient(0.5 * speed**2, robot.time, edge_order=2)
+        columns = columns_at(robot, "passive_rotor_inertia", joint)[:, :, 0]
+        close((columns * robot.velocity).sum(axis=1), power, 1e-3)
+
+
 def _configuration(robot: RobotSignals, joint: str) -> int:
     return robot.geometry.joints[robot.geometry.joint_index(joint)].q.start
 

@@ -73,6 +73,7 @@ CASES = {
     "passive_coulomb_friction": Case({"Fc": 0.05}, {"Fc": 0.05}, share=0.02),
     # what mum is, only the model's parameters tell; so large that what it does to the force itself shows
     "passive_load_friction": Case({"mu": 0.015}, {"mu": 0.015}, share=0.03),
+    "passive_rotor_inertia": Case({"Ia": 0.005}, {"Ia": 0.005}),
     "passive_spring": Case(
         {"k": 1.5, "q0": 0.4, "joint": "left_elbow"}, {"k": 1.5, "kq0": 0.6}, "left_elbow"
     ),

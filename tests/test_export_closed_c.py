@@ -36,6 +36,7 @@ EFFECTS = (
     ("gain_saturation", "right", {"k": 0.02}),
     ("load_dependent_friction", "left", {"mu": 0.07}),
     ("passive_coulomb_friction", "left_elbow", {"Fc": 0.2}),
+    ("passive_rotor_inertia", "right_elbow", {"Ia": 0.01}),
     ("passive_spring", "right_elbow", {"k": 0.5, "kq0": 0.1}),
     ("passive_viscous_friction", "left_elbow", {"Fv": 0.3}),
     ("rotor_inertia", "right", {"Ia": 0.02}),

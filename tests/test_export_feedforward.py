@@ -75,26 +75,28 @@ def test_closed_loops_follow_the_call_before():
     assert step_by_step[-1] == pytest.approx(again, rel=1e-9)
 
 
-def test_friction_of_passive_joints_reaches_the_motors():
+def test_friction_springs_and_rotors_of_passive_joints_reach_the_motors():
     plain = identified("five_bar")
     sprung = with_effects(
         plain,
         ("passive_viscous_friction", "left_elbow", {"Fv": 0.3}),
         ("passive_coulomb_friction", "left_elbow", {"Fc": 0.2}),
+        ("passive_rotor_inertia", "left_elbow", {"Ia": 0.05}),
         ("passive_spring", "right_elbow", {"k": 0.5, "kq0": 0.1}),
     )
     assert {one.name for one in chosen_effects(sprung).in_passive} == {
         name for name, effect in CATALOGUE.items() if isinstance(effect, PassiveEffect)
     }
     home = plain.model.geometry.home[plain.model.geometry.active_configuration]
-    speed = np.array([0.7, -0.4])
-    change = Feedforward(sprung)(home, speed, np.zeros(2)) - Feedforward(plain)(home, speed, np.zeros(2))
-    motion = motion_of(plain.model.geometry, np.zeros(1), home[None], speed[None], np.zeros((1, 2)))
+    state = home, np.array([0.7, -0.4]), np.array([2.0, 3.0])
+    change = Feedforward(sprung)(*state) - Feedforward(plain)(*state)
+    motion = motion_of(plain.model.geometry, np.zeros(1), *(values[None] for values in state))
     left, right = (
         plain.model.geometry.joints[plain.model.geometry.joint_index(f"{s}_elbow")] for s in ("left", "right")
     )
     rate = motion.v[0, left.v.start]
-    wanted = motion.jacobian[0, left.v.start] * (0.3 * rate + 0.2 * np.sign(rate))
+    inertia = 0.05 * motion.a[0, left.v.start]
+    wanted = motion.jacobian[0, left.v.start] * (0.3 * rate + 0.2 * np.sign(rate) + inertia)
     wanted = wanted + motion.jacobian[0, right.v.start] * (0.5 * motion.q[0, right.q.start] - 0.1)
     assert change * plain.gains == pytest.approx(wanted, rel=1e-9)
 

@@ -95,6 +95,7 @@ def test_friction_springs_and_offsets_stand_in_joints_and_motors(tmp_path):
         ("quadratic_drag", "left", {"c": 0.02}),
         ("coulomb_friction", "left", {"Fc": 0.2}),
         ("passive_coulomb_friction", "right_elbow", {"Fc": 0.05}),
+        ("passive_rotor_inertia", "right_elbow", {"Ia": 0.002}),
         ("joint_spring", "right", {"k": 2.0, "kq0": -0.6}),
         ("constant_offset", "right", {"c": 0.3}),
         ("rotor_inertia", "left", {"Ia": 0.003}),
@@ -116,6 +117,7 @@ def test_friction_springs_and_offsets_stand_in_joints_and_motors(tmp_path):
     assert made.dof_frictionloss[made.joint("left").dofadr[0]] == pytest.approx(0.2)
     assert made.dof_frictionloss[made.joint("right_elbow").dofadr[0]] == pytest.approx(0.05)
     assert made.dof_armature[0] == pytest.approx(0.003 + physical.rotors[0])
+    assert made.dof_armature[made.joint("right_elbow").dofadr[0]] == pytest.approx(0.002)
     assert data.qfrc_actuator[right] == pytest.approx(-0.3)  # at no current: the motor has to overcome it
     text = (tmp_path / "out.xml").read_text()
     assert "cogging_torque at left (periods = 12, a = 0.1, b = 0.2)" in text

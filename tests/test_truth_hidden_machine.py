@@ -55,6 +55,21 @@ def test_a_passive_spring_reaches_the_motors_through_the_loops(robot):
 
 
 @pytest.mark.parametrize("robot", PASSIVE)
+def test_a_rotor_in_a_passive_joint_reaches_the_motors_through_the_loops(robot):
+    joint = {"five_bar": "left_elbow", "delta": "rod_2b_pitch"}[robot]
+    size, dof = 0.1 * PASSIVE[robot], int(bare_machine(robot).models[None].joint(joint).dofadr[0])
+
+    def rotor(motion):
+        forces = np.zeros_like(motion.qvel)
+        forces[:, dof] = size * motion.qacc[:, dof]
+        return forces
+
+    simulation = run(robot, {"effect": "passive_rotor_inertia", "joint": joint, "Ia": size})
+    for s in states(simulation, robot, rotor):
+        np.testing.assert_allclose(s.extra, 0, atol=1e-11 * abs(s.torque).max())
+
+
+@pytest.mark.parametrize("robot", PASSIVE)
 def test_passive_coulomb_friction_of_one_joint(robot):
     joint = {"five_bar": "left_elbow", "delta": "rod_2b_pitch"}[robot]
     dof = int(bare_machine(robot).models[None].joint(joint).dofadr[0])

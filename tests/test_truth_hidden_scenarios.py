@@ -35,6 +35,7 @@ EACH = {
     "load_dependent_friction": {"mu": 0.05},
     "passive_coulomb_friction": {"Fc": 0.05},
     "passive_load_friction": {"mu": 0.002},
+    "passive_rotor_inertia": {"Ia": 0.005},
     "passive_spring": {"k": 0.5, "q0": 0.1},
     "passive_viscous_friction": {"Fv": 0.05},
     "payload_mass_error": {"error": 0.1},

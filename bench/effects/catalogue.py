@@ -18,6 +18,7 @@ from bench.effects.laws.joint_spring import JointSpring
 from bench.effects.laws.load_dependent_friction import LoadDependentFriction
 from bench.effects.laws.passive_coulomb_friction import PassiveCoulombFriction
 from bench.effects.laws.passive_load_friction import PassiveLoadFriction
+from bench.effects.laws.passive_rotor_inertia import PassiveRotorInertia
 from bench.effects.laws.passive_spring import PassiveSpring
 from bench.effects.laws.passive_viscous_friction import PassiveViscousFriction
 from bench.effects.laws.payload_mass_error import PayloadMassError
@@ -52,6 +53,7 @@ CATALOGUE: dict[str, Effect] = {
     "load_dependent_friction": LoadDependentFriction(),
     "passive_coulomb_friction": PassiveCoulombFriction(),
     "passive_load_friction": PassiveLoadFriction(),
+    "passive_rotor_inertia": PassiveRotorInertia(),
     "passive_spring": PassiveSpring(),
     "passive_viscous_friction": PassiveViscousFriction(),
     "payload_mass_error": PayloadMassError(),

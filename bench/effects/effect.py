@@ -17,7 +17,7 @@ Seen = Literal["opposes", "fades", "load", "velocity", "repeats", "position", "c
 """What an error looks like, as the key of the atlas asks: it opposes the motion, fades or grows in the course of a
 recording, or with the load; passes through zero with the velocity; repeats over the position; is a smooth curve over
 it; follows the current or its change; follows the acceleration, or rings."""
-MjcfTerm = Literal["stiffness", "damping", "frictionloss"]
+MjcfTerm = Literal["stiffness", "damping", "frictionloss", "armature"]
 Bracket = tuple[float, float, float]
 """Where a shape parameter is searched: lower bound, first value, upper bound; all equal: no further search."""
 

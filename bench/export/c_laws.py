@@ -41,6 +41,7 @@ LAWS: dict[str, Law] = {
 
 PASSIVE_LAWS: dict[str, Law] = {
     "passive_coulomb_friction": lambda v: f"{v['Fc']} * sign(s)",
+    "passive_rotor_inertia": lambda v: f"{v['Ia']} * b",
     "passive_spring": lambda v: f"{v['k']} * x - {v['kq0']}",
     "passive_viscous_friction": lambda v: f"{v['Fv']} * s",
 }
@@ -70,8 +71,9 @@ def passive_lines(geometry: Geometry, passive: Sequence[int], effects: Sequence[
         k = list(passive).index(joint.v.start)
         law = PASSIVE_LAWS[effect.name](_numbers(effect.values))
         lines.append(
-            f"    {{ double x = pose[{joint.q.start}] + ({joint.offset!r}), s = rate[{joint.v.start}];\n"
-            "      (void)x; (void)s;\n"
+            f"    {{ double x = pose[{joint.q.start}] + ({joint.offset!r}), s = rate[{joint.v.start}], "
+            f"b = growth[{joint.v.start}];\n"
+            "      (void)x; (void)s; (void)b;\n"
             f"      for (int i = 0; i < M; i++) torque[i] += here.amplification[{k}][i] * ({law}); }}"
         )
     return "\n".join(lines)

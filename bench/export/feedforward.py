@@ -124,6 +124,7 @@ def _passive(geometry: Geometry, motion: Motion, fitted_effect: EffectValues) ->
     if not isinstance(effect, PassiveEffect):
         raise TypeError(effect.name)
     joint = geometry.joints[geometry.joint_index(fitted_effect.place)]
-    position, velocity = motion.q[:1, joint.q.start] + joint.offset, motion.v[:1, joint.v.start]
-    torque = effect.torque(position, velocity) @ np.array(list(fitted_effect.values.values()))
+    position = motion.q[:1, joint.q.start] + joint.offset
+    velocity, acceleration = motion.v[:1, joint.v.start], motion.a[:1, joint.v.start]
+    torque = effect.torque(position, velocity, acceleration) @ np.array(list(fitted_effect.values.values()))
     return np.asarray(motion.jacobian[0, joint.v.start] * torque[0])

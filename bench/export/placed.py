@@ -123,6 +123,7 @@ RULES: dict[str, Rule] = {
     "coulomb_friction": _coulomb,
     "joint_spring": _spring,
     "passive_coulomb_friction": _coulomb,
+    "passive_rotor_inertia": _rotor,
     "passive_spring": _spring,
     "passive_viscous_friction": _viscous,
     "quadratic_drag": _drag,

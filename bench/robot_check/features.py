@@ -18,6 +18,7 @@ FORCES: Mapping[MjcfTerm, tuple[str, ...]] = {  # the fields of MuJoCo's model
     "stiffness": ("jnt_stiffness", "jnt_stiffnesspoly"),
     "damping": ("dof_damping", "dof_dampingpoly"),
     "frictionloss": ("dof_frictionloss",),
+    "armature": ("dof_armature",),
 }
 LARGE = 20.0  # m: no robot is so large
 HEAVY = 1e4  # kg: no link is so heavy
@@ -52,6 +53,8 @@ def _notes(compiled: mujoco.MjModel, robot: Robot) -> Iterator[tuple[CheckCode, 
             yield CheckCode.EQUALITY_INACTIVE, {"equality": label}
     for term, fields in FORCES.items():
         joints = _joints_with(compiled, fields)
+        if term == "armature":  # a driven joint's is a base parameter, or part of one
+            joints = [joint for joint in joints if joint not in robot.driven]
         if joints:
             balls = [joint for joint in joints if joint in _without_an_angle(compiled)]
             with_angle = [joint for joint in joints if joint not in balls]
@@ -59,9 +62,6 @@ def _notes(compiled: mujoco.MjModel, robot: Robot) -> Iterator[tuple[CheckCode, 
             effects = [f"{_effect_of(term, _place(joint, robot))}:{joint}" for joint in driven_first]
             values = {"term": term, "joints": joints, "effects": effects, "unfitted": balls}
             yield CheckCode.JOINT_FORCE_NOT_MODELLED, values
-    rotors = [joint for joint in _joints_with(compiled, ("dof_armature",)) if joint not in robot.driven]
-    if rotors:
-        yield CheckCode.PASSIVE_ARMATURE_NOT_MODELLED, {"joints": rotors}
     gap = home_gap(robot.mjcf_as_drawn())
     if CLOSED < gap <= ROUNDING:
         yield CheckCode.DRAWING_ROUNDED, {"gap": gap}
@@ -80,7 +80,7 @@ def _notes(compiled: mujoco.MjModel, robot: Robot) -> Iterator[tuple[CheckCode, 
 
 
 def _without_an_angle(compiled: mujoco.MjModel) -> list[str]:
-    """Ball and free joints, in which the catalogue has no friction and no spring."""
+    """Ball and free joints, in which the catalogue has no friction, no spring and no rotor."""
     kinds = (int(mujoco.mjtJoint.mjJNT_BALL), int(mujoco.mjtJoint.mjJNT_FREE))
     return [
         label_of(compiled, mujoco.mjtObj.mjOBJ_JOINT, joint)

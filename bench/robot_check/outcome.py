@@ -17,7 +17,6 @@ class CheckCode(StrEnum):
     GEOMETRY_UNREADABLE = auto()
     EQUALITY_INACTIVE = auto()
     JOINT_FORCE_NOT_MODELLED = auto()
-    PASSIVE_ARMATURE_NOT_MODELLED = auto()
     MEDIUM_NOT_MODELLED = auto()
     PLUGINS_NOT_MODELLED = auto()
     ACTUATORS_UNUSED = auto()

@@ -13,6 +13,7 @@ TERMS = {  # of an MJCF's joint
     "stiffness": "spring (stiffness)",
     "damping": "damping",
     "frictionloss": "friction (frictionloss)",
+    "armature": "rotor inertia (armature)",
 }
 STILL = 1e-6  # rad or m: a smaller travel is none
 NAMED = 4  # joints that a sentence names
@@ -81,10 +82,6 @@ def _joint_force(term: str, joints: Sequence[str], effects: Sequence[str], unfit
 
 def _locked(joints: Mapping[str, Mapping[str, Any]]) -> str:
     return locked_in_words(locked_from_data(joints))
-
-
-def _passive_armature(joints: Sequence[str]) -> str:
-    return f"rotor inertia (armature) on the passive {', '.join(joints)}: the model does not know it"
 
 
 def _lengths_large(length: float) -> str:
@@ -284,7 +281,6 @@ WORDS: dict[CheckCode, tuple[str, Sentence]] = {
     CheckCode.GEOMETRY_UNREADABLE: ("geometry", _fault),
     CheckCode.EQUALITY_INACTIVE: ("note", _equality_inactive),
     CheckCode.JOINT_FORCE_NOT_MODELLED: ("note", _joint_force),
-    CheckCode.PASSIVE_ARMATURE_NOT_MODELLED: ("note", _passive_armature),
     CheckCode.MEDIUM_NOT_MODELLED: ("note", _medium),
     CheckCode.PLUGINS_NOT_MODELLED: ("note", _plugins),
     CheckCode.ACTUATORS_UNUSED: ("note", _actuators),

@@ -28,5 +28,5 @@ class PassiveCoulombFriction(PassiveEffect):
     parameters = (EffectParameter("Fc", "{effort}", positive=True),)
     in_mjcf = "frictionloss"
 
-    def torque(self, position: np.ndarray, velocity: np.ndarray) -> np.ndarray:  # noqa: ARG002 - of the velocity alone
+    def torque(self, position: np.ndarray, velocity: np.ndarray, acceleration: np.ndarray) -> np.ndarray:  # noqa: ARG002 - of the velocity alone
         return np.sign(velocity)[:, None]

@@ -29,5 +29,5 @@ class PassiveSpring(PassiveEffect):
     parameters = (EffectParameter("k", "{effort}/{angle}", positive=True), EffectParameter("kq0", "{effort}"))
     in_mjcf = "stiffness"
 
-    def torque(self, position: np.ndarray, velocity: np.ndarray) -> np.ndarray:  # noqa: ARG002 - of the position alone
+    def torque(self, position: np.ndarray, velocity: np.ndarray, acceleration: np.ndarray) -> np.ndarray:  # noqa: ARG002 - of the position alone
         return np.column_stack((position, -np.ones(len(position))))

@@ -28,5 +28,5 @@ class PassiveViscousFriction(PassiveEffect):
     parameters = (EffectParameter("Fv", "{effort}*s/{angle}", positive=True),)
     in_mjcf = "damping"
 
-    def torque(self, position: np.ndarray, velocity: np.ndarray) -> np.ndarray:  # noqa: ARG002 - of the velocity alone
+    def torque(self, position: np.ndarray, velocity: np.ndarray, acceleration: np.ndarray) -> np.ndarray:  # noqa: ARG002 - of the velocity alone
         return velocity[:, None]

@@ -32,6 +32,7 @@ from bench.truth.hidden.joint_spring import JointSpring
 from bench.truth.hidden.load_dependent_friction import LoadDependentFriction
 from bench.truth.hidden.passive_coulomb_friction import PassiveCoulombFriction
 from bench.truth.hidden.passive_load_friction import PassiveLoadFriction
+from bench.truth.hidden.passive_rotor_inertia import PassiveRotorInertia
 from bench.truth.hidden.passive_spring import PassiveSpring
 from bench.truth.hidden.passive_viscous_friction import PassiveViscousFriction
 from bench.truth.hidden.payload_mass_error import PayloadMassError
@@ -91,6 +92,7 @@ HIDDEN_EFFECTS: Mapping[str, type[HiddenEffect]] = {
     "load_dependent_friction": LoadDependentFriction,
     "passive_coulomb_friction": PassiveCoulombFriction,
     "passive_load_friction": PassiveLoadFriction,
+    "passive_rotor_inertia": PassiveRotorInertia,
     "passive_spring": PassiveSpring,
     "passive_viscous_friction": PassiveViscousFriction,
     "payload_mass_error": PayloadMassError,
