@@ -319,7 +319,11 @@ def test_coordinates_there_and_back(tmp_path):
         ('name="left_elbow"', 'name="left_elbow" damping="0.1"', ("damping", "left_elbow")),
         ('name="left_elbow"', 'name="left_elbow" stiffness="2"', ("spring", "left_elbow")),
         ('name="left"', 'name="left" frictionloss="0.3"', ("friction", "left")),
-        ('name="right_elbow"', 'name="right_elbow" armature="0.1"', ("--with passive_rotor_inertia:right_elbow",)),
+        (
+            'name="right_elbow"',
+            'name="right_elbow" armature="0.1"',
+            ("--with passive_rotor_inertia:right_elbow",),
+        ),
         (
             "</equality>",
             '<connect name="lock" active="false" body1="left_rod" anchor="0 0 0"/></equality>',

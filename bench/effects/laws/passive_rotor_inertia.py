@@ -29,7 +29,9 @@ class PassiveRotorInertia(PassiveEffect):
     )
     shown_by = "move one motor alone, fast, over the whole range"
     seen = ("acceleration",)
-    in_key = ("goes by the acceleration of a joint without a motor, at several motors at once",)
+    in_key = (
+        "is small, there at several motors at once, and goes by the acceleration of a joint without a motor",
+    )
     parameters = (EffectParameter("Ia", "{effort}*s^2/{angle}", positive=True),)
     in_mjcf = "armature"
 
