@@ -3,7 +3,7 @@
 import io
 import json
 from dataclasses import dataclass
-from itertools import count
+from itertools import count, pairwise
 
 import pytest
 from rich.console import Console
@@ -26,6 +26,7 @@ HIDDEN = (
     {"effect": "viscous_friction", "Fv": 0.15},
     {"effect": "cogging_torque", "joint": "left", "a": 0.12, "b": 0.05, "period": 0.35},
 )
+ROUNDING = 1e-9  # relative, of an error that is worked out in another order
 
 
 @dataclass
@@ -101,7 +102,7 @@ def test_later_is_no_worse(problem, looks):
         find_missing_effects(problem, deadline=Deadline(1.0 + part * looks, Counting())).ladder[-1].validate
         for part in parts
     ]
-    assert errors == sorted(errors, reverse=True)
+    assert all(later <= earlier * (1.0 + ROUNDING) for earlier, later in pairwise(errors))
 
 
 def test_a_deadline_passes_with_its_clock():

@@ -2,8 +2,8 @@
 
 About the pose in an interval's middle a set of poses is taken. In it, the closures' Jacobian by the passive joints A_p
 is known up to a radius; with C, its inverse in the middle, so is I - C A_p, and with that J = -A_p^-1 A_a and the
-speeds J v_a. A motion that cannot leave the set at these speeds within the interval stays in it. Where ||I - C A_p|| <=
-1/2 in a weighted maximum norm, no other pose of the set closes the loops with the motors there, so that the motion
+speeds J v_a. A motion that cannot leave the set at these speeds within the interval stays in it. Where ||I - C A_p|| is
+below 1 in a weighted maximum norm, no other pose of the set closes the loops with the motors there, so that the motion
 cannot be in another assembly mode (Neumaier, "Interval Methods for Systems of Equations", 1990, chapter 5). Where
 closures repeat one another, more of them than passive joints, it is their combination by C that counts.
 """
@@ -26,7 +26,7 @@ from bench.model.spin import idle_spins
 WIDER = 4.0  # times what is passed through: the set of poses, so that the next interval's middle lies in it
 LEAST = 0.5  # of the largest radius of a pose's set: a joint that hardly moves has that
 STARTS = 1e-12  # rad, or of the robot's length: what a closed pose may be off, beside its residual
-MOST_TURNED = 0.5  # of I - C A_p
+MOST_TURNED = 0.75  # of I - C A_p, below 1: with less, sets are smaller, with more, speeds in them stray more
 MOST_MOVED = (
     0.1  # rad, or of the robot's length: of a ball or free joint in its set, whose rates turn with it
 )
@@ -37,7 +37,7 @@ class Enclosure:
     """Intervals' poses q (K, nq) with radii; speeds, accelerations (K, nv) and the Jacobian (K, nv, n) of all joints by
     motors, about those of `motion`. rows, hold (K, m, nv): the closures' Jacobian in the middle and its radius. reach
     (K, nv): of the set of poses in which no other closes the loops, passed (K, nv): of that which the motion passes
-    through. held (K,): whether all that is so; the rest counts only there.
+    through. held (K,): whether all that is so; the rest counts only there. turned (K,): the norm of I - C A_p in reach.
     """
 
     motion: Motion
@@ -50,6 +50,7 @@ class Enclosure:
     reach: np.ndarray
     passed: np.ndarray
     held: np.ndarray
+    turned: np.ndarray
 
     def at(self, chosen: np.ndarray) -> "Enclosure":
         """Some of the intervals."""
@@ -95,20 +96,21 @@ def enclosed(
     half = intervals.half[:, None]
     (_, speed, growth), (_, speeding, growing) = motors.middle, motors.radius
     start = _start(geometry, closures, motion)
-    own = np.abs(motion.jacobian[:, passive])
+    own, fastest = np.abs(motion.jacobian[:, passive]), np.abs(speed) + speeding
     first = np.abs(motion.v[:, passive]) + _by(own, speeding)
-    reach = np.zeros_like(motion.v)
-    reach[:, active] = motors.radius[0]
-    reach[:, passive] = WIDER * half * first
-    reach = _evened(geometry, reach)
+
+    def moved(speeds: np.ndarray) -> np.ndarray:
+        """By all joints (K, nv), with such speeds of the passive ones."""
+        found = np.zeros_like(motion.v)
+        found[:, active] = motors.radius[0]
+        found[:, passive] = half * speeds
+        return _evened(geometry, found)
+
+    reach = moved(WIDER * first)
     least = LEAST * (reach / column_scales(geometry)).max(axis=1, keepdims=True) * column_scales(geometry)
     reach[:, passive] = np.maximum(reach, least)[:, passive] + 2.0 * start.bounds
     wide, middle = _linear(geometry, closures, motion, reach, reach, start.inverse)
-    straying = wide.jacobian(motion, middle)
-    passed = np.zeros_like(reach)
-    passed[:, active] = motors.radius[0]
-    passed[:, passive] = half * (first + _by(straying, np.abs(speed) + speeding))
-    passed = _evened(geometry, passed)
+    passed = moved(first + _by(wide.jacobian(motion, middle), fastest))
     passed[:, passive] += start.bounds
     held = (wide.largest <= MOST_TURNED) & np.all(passed[:, passive] <= reach[:, passive], axis=1)
     for part in _vectors(geometry):
@@ -118,7 +120,10 @@ def enclosed(
     held &= tight.largest <= MOST_TURNED
     jacobian = np.zeros_like(motion.jacobian)
     jacobian[:, passive] = tight.jacobian(motion, middle)
-    v = _by(np.abs(motion.jacobian), speeding) + _by(jacobian, np.abs(speed) + speeding)
+    again = moved(first + _by(jacobian[:, passive], fastest))
+    again[:, passive] += start.bounds
+    passed = np.minimum(passed, again)
+    v = _by(np.abs(motion.jacobian), speeding) + _by(jacobian, fastest)
     a = np.zeros_like(v)
     if rates:
         a = _by(np.abs(motion.jacobian), growing) + _by(jacobian, np.abs(growth) + growing)
@@ -134,6 +139,7 @@ def enclosed(
         reach,
         passed,
         held,
+        wide.largest,
     )
 
 

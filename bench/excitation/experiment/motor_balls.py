@@ -15,11 +15,12 @@ class Intervals:
     middle: np.ndarray
     half: np.ndarray
 
-    def halved(self) -> "Intervals":
-        """Each in two, side by side."""
-        half = np.repeat(0.5 * self.half, 2)
-        signs = np.tile([-1.0, 1.0], len(self.half))
-        return Intervals(np.repeat(self.middle, 2) + signs * half, half)
+    def cut(self, parts: np.ndarray) -> "Intervals":
+        """Each in so many (K,) of the same length, side by side."""
+        first = np.repeat(np.cumsum(parts) - parts, parts)
+        half = np.repeat(self.half / parts, parts)
+        steps = 2.0 * (np.arange(len(half)) - first) + 1.0
+        return Intervals(np.repeat(self.middle - self.half, parts) + steps * half, half)
 
     def at(self, chosen: np.ndarray) -> "Intervals":
         """Some of them."""
