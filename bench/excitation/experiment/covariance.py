@@ -1,5 +1,6 @@
 """From the equations of a fit to standard errors, and the directions that stay undetermined."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -40,27 +41,96 @@ def determined(fit: Equations) -> Determined:
     return Determined(covariance, undetermined, tuple(directions))
 
 
-def relative_errors(fit: Equations, sizes: np.ndarray, targets: np.ndarray) -> np.ndarray:
-    """Logarithms (k,) of the relative standard errors of the targets."""
-    variances = np.diag(_relative(fit, sizes))[targets]
-    return np.asarray(0.5 * np.log(np.maximum(variances, np.finfo(float).tiny)))
+@dataclass(frozen=True)
+class ErrorSlopes:
+    """By how much errors change where the normal matrix changes by dN and the score by dS, to first order: for each
+    column of left, by_normal and by_score (P, m), left' dN by_normal + left' dS by_score. summed: over the columns.
+    """
+
+    left: np.ndarray
+    by_normal: np.ndarray
+    by_score: np.ndarray
+    summed: bool
 
 
-def volume(fit: Equations, sizes: np.ndarray, targets: np.ndarray) -> np.ndarray:
-    """Logarithm (1,) of the geometric mean of the axes of the targets' error ellipsoid, relative: D-optimality."""
-    block = _relative(fit, sizes)[np.ix_(targets, targets)]
-    return np.array([0.5 * np.linalg.slogdet(block)[1] / len(targets)])
+@dataclass(frozen=True)
+class RelativeErrors:
+    """Of targets (k,), by number: logarithms of their standard errors over sizes (P,) of all unknowns."""
+
+    sizes: np.ndarray
+    targets: np.ndarray
+
+    def __call__(self, fit: Equations) -> np.ndarray:
+        """The logarithms (k,)."""
+        return np.asarray(0.5 * np.log(self._variances(_relative(fit, self.sizes))))
+
+    def slopes(self, fit: Equations) -> ErrorSlopes:
+        """About a fit; where nothing is determined nothing changes."""
+        relative = _relative(fit, self.sizes)
+        weights = 0.5 / self._variances(relative)
+        return _slopes(self, relative, lambda inverse: inverse * weights, summed=False)
+
+    def _variances(self, relative: "_Relative") -> np.ndarray:
+        return np.maximum(np.diag(relative.covariance)[self.targets], np.finfo(float).tiny)
 
 
-def _relative(fit: Equations, sizes: np.ndarray) -> np.ndarray:
-    """The covariance over sizes, with a large but finite error where nothing is determined."""
+@dataclass(frozen=True)
+class Volume:
+    """Of targets (k,), by number, with sizes (P,) of all unknowns: the logarithm of the geometric mean of the axes of
+    their relative error ellipsoid: D-optimality.
+    """
+
+    sizes: np.ndarray
+    targets: np.ndarray
+
+    def __call__(self, fit: Equations) -> np.ndarray:
+        """The logarithm (1,)."""
+        return np.array(
+            [0.5 * np.linalg.slogdet(self._block(_relative(fit, self.sizes)))[1] / len(self.targets)]
+        )
+
+    def slopes(self, fit: Equations) -> ErrorSlopes:
+        """About a fit; where nothing is determined nothing changes."""
+        relative = _relative(fit, self.sizes)
+        weights = np.linalg.inv(self._block(relative)) * (0.5 / len(self.targets))
+        return _slopes(self, relative, lambda inverse: inverse @ weights, summed=True)
+
+    def _block(self, relative: "_Relative") -> np.ndarray:
+        return relative.covariance[np.ix_(self.targets, self.targets)]
+
+
+Errors = RelativeErrors | Volume
+"""What is made small, of the fit of all recordings together: logarithms (k,), of which the largest counts."""
+
+
+def _slopes(
+    errors: Errors, relative: "_Relative", weighted: Callable[[np.ndarray], np.ndarray], *, summed: bool
+) -> ErrorSlopes:
+    """Of N^-1 S N^-1, for symmetric changes: -2 N^-1 dN N^-1 S N^-1 + N^-1 dS N^-1."""
+    inverse = relative.inverse[:, errors.targets] * errors.sizes[:, None]
+    noise = relative.noise[:, errors.targets] * errors.sizes[:, None]
+    return ErrorSlopes(weighted(inverse), -2.0 * noise, inverse, summed)
+
+
+@dataclass(frozen=True)
+class _Relative:
+    """The covariance (P, P) over sizes, with a large but finite error where nothing is determined; without that: the
+    inverse of the normal matrix, and what noise makes.
+    """
+
+    covariance: np.ndarray
+    inverse: np.ndarray
+    noise: np.ndarray
+
+
+def _relative(fit: Equations, sizes: np.ndarray) -> _Relative:
     scales = np.outer(sizes, sizes)
     values, vectors = np.linalg.eigh(fit.normal * scales)
     floor = max(OPEN**-2, 1e-15 * float(values[-1]))
     inverse = (vectors / np.maximum(values, floor)) @ vectors.T
     noise = inverse @ (fit.score * scales) @ inverse
     loose = vectors[:, values < floor]
-    return np.asarray(noise + OPEN**2 * loose @ loose.T)
+    return _Relative(noise + OPEN**2 * loose @ loose.T, inverse, noise)
 
 
 def _sparse(space: np.ndarray) -> np.ndarray:

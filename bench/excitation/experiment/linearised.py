@@ -11,7 +11,8 @@ from functools import partial
 import numpy as np
 
 from bench.excitation.current_band import band_shares, current_above, hann
-from bench.excitation.experiment.nominal import Evidence, SeenMotion, equations, evidence, seen
+from bench.excitation.experiment.covariance import ErrorSlopes
+from bench.excitation.experiment.nominal import Evidence, Noise, SeenMotion, equations, pooled_variance, seen
 from bench.excitation.experiment.request import Box
 from bench.excitation.experiment.room import Room, outside, tool_positions
 from bench.excitation.experiment.search import Candidate, Search, Tried
@@ -61,21 +62,19 @@ def moved(trajectory: FourierTrajectory, steps: np.ndarray) -> FourierTrajectory
 
 def linearised(search: Search, candidate: Candidate) -> Linearised:
     """Errors and limits about a candidate."""
-    evidences = [motion.evidence for motion in candidate]
-    before = search.errors(equations([*search.known, *evidences]))
+    recordings = [*search.known, *(motion.evidence for motion in candidate)]
+    fit = equations(recordings)
+    gradient = search.errors.slopes(fit)
     slopes, limits = [], []
     for number, motion in enumerate(candidate):
         sizes = coefficient_sizes(search.room, motion.trajectory)
         basis = _basis(motion.trajectory, search.shape.times)
         told = _perturbed(search, motion, search.loads[number])
-        others = [*search.known, *evidences[:number], *evidences[number + 1 :]]
-
-        def errors(changed: Evidence, others: list[Evidence] = others) -> np.ndarray:
-            return (search.errors(equations([*others, changed])) - before) / CHANGE
-
-        slopes.append(_error_slopes(search, told, basis, sizes, errors))
+        slopes.append(
+            _error_slopes(search, told, basis, sizes, gradient, recordings, len(search.known) + number)
+        )
         limits.append(_limits(search, motion, told, basis, sizes))
-    return Linearised(Linear(before, np.hstack(slopes)), _beside_each_other(limits))
+    return Linearised(Linear(search.errors(fit), np.hstack(slopes)), _beside_each_other(limits))
 
 
 @dataclass(frozen=True)
@@ -132,29 +131,72 @@ def _error_slopes(
     told: _Perturbed,
     basis: np.ndarray,
     sizes: np.ndarray,
-    errors: Callable[[Evidence], np.ndarray],
+    gradient: ErrorSlopes,
+    recordings: list[Evidence],
+    number: int,
 ) -> np.ndarray:
-    """Derivatives (k, 2 n H) of the errors."""
-    n = sizes.shape[1]
-    columns = []
-    jacobian = [
-        [(told.showing[order][j].jacobian - told.shown.jacobian) / told.steps[order, j] for j in range(n)]
-        for order in range(3)
-    ]
-    current = [
-        [(told.showing[order][j].current - told.shown.current) / told.steps[order, j] for j in range(n)]
-        for order in range(3)
-    ]
-    for which in range(2):
+    """Derivatives (k, 2 n H) of the errors by the coefficients of the recording of that number.
+
+    Its derivatives of the currents change at every sample, and with them the grams; the variance of its currents
+    changes, and with it the weights of the motors. Columns of `gradient` meet the regressor first: nothing has the size
+    of a gram for each coefficient.
+    """
+    own, n = recordings[number], sizes.shape[1]
+    weight = 1.0 / pooled_variance(recordings)
+    sides = np.hstack((gradient.left, gradient.by_normal, gradient.by_score))
+    left, by_normal, by_score = np.split(told.shown.jacobian @ sides, 3, axis=2)  # (N, n, m) each
+    scale = own.samples / len(told.shown.current)
+    of_normal, of_score = scale * weight[:, None], scale * (weight**2 * own.variance)[:, None]
+    slopes = np.zeros((gradient.left.shape[1], *sizes.shape))
+    variances = _variance_slopes(search.nominal.noise, told, basis, sizes)
+    for order in range(3):
         for j in range(n):
-            for k in range(sizes.shape[2]):
-                amount = CHANGE * sizes[which, j, k] * basis[:, :, which, k]  # (3, N)
-                shown = SeenMotion(
-                    told.shown.jacobian + sum(amount[o][:, None, None] * jacobian[o][j] for o in range(3)),
-                    told.shown.current + sum(amount[o][:, None] * current[o][j] for o in range(3)),
-                )
-                columns.append(errors(evidence(search.nominal, shown, search.shape.duration)))
-    return np.array(columns).T
+            change = (told.showing[order][j].jacobian - told.shown.jacobian) / told.steps[order, j]
+            to_left, to_normal, to_score = np.split(change @ sides, 3, axis=2)
+            at_samples = (
+                of_normal * (left * to_normal + to_left * by_normal)
+                + of_score * (left * to_score + to_left * by_score)
+            ).sum(axis=1)
+            slopes[:, :, j] += np.einsum("tm,twk->mwk", at_samples, basis[order]) * sizes[:, j]
+    slopes += np.tensordot(_by_variances(gradient, recordings, number, weight), variances, axes=1)
+    flat = slopes.reshape(len(slopes), sizes.size)
+    return flat.sum(axis=0, keepdims=True) if gradient.summed else flat
+
+
+def _variance_slopes(noise: Noise, told: _Perturbed, basis: np.ndarray, sizes: np.ndarray) -> np.ndarray:
+    """Derivatives (n, 2, n, H) of the variance of each motor's currents by the coefficients."""
+    current, before = told.shown.current, noise.deviation(told.shown.current) ** 2
+    found = np.zeros((len(before), *sizes.shape))
+    for which, j, k in np.ndindex(sizes.shape):
+        amount = CHANGE * sizes[which, j, k] * basis[:, :, which, k]  # (3, N)
+        changed = current + sum(
+            amount[order][:, None] * (told.showing[order][j].current - current) / told.steps[order, j]
+            for order in range(3)
+        )
+        found[:, which, j, k] = (noise.deviation(changed) ** 2 - before) / CHANGE
+    return found
+
+
+def _by_variances(
+    gradient: ErrorSlopes, recordings: list[Evidence], number: int, weight: np.ndarray
+) -> np.ndarray:
+    """Derivatives (m, n) of the errors by the variance of each motor's currents in one recording."""
+    own = recordings[number]
+    share = own.samples / sum(recording.samples for recording in recordings)
+
+    def between(grams: np.ndarray, right: np.ndarray) -> np.ndarray:
+        return np.einsum("pm,npm->mn", gradient.left, grams @ right)
+
+    whole = sum(recording.grams for recording in recordings)
+    noisy = sum(recording.grams * recording.variance[:, None, None] for recording in recordings)
+    return np.asarray(
+        weight**2
+        * (
+            between(own.grams, gradient.by_score)
+            - share * between(np.asarray(whole), gradient.by_normal)
+            - 2.0 * share * weight * between(np.asarray(noisy), gradient.by_score)
+        )
+    )
 
 
 def _limits(search: Search, tried: Tried, told: _Perturbed, basis: np.ndarray, sizes: np.ndarray) -> Linear:

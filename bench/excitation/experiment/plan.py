@@ -2,7 +2,6 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from functools import partial
 from typing import Literal
 
 import numpy as np
@@ -14,7 +13,7 @@ from bench.dataset.names import Use
 from bench.dataset.payload import Payload
 from bench.dataset.robot import Robot, refuse_redundant
 from bench.effects import CATALOGUE, Effect, EffectInstance, places_in, select_effects
-from bench.excitation.experiment.covariance import relative_errors, volume
+from bench.excitation.experiment.covariance import RelativeErrors, Volume
 from bench.excitation.experiment.descent import best_near
 from bench.excitation.experiment.nominal import Evidence, Noise, Nominal, reference_sizes, seen
 from bench.excitation.experiment.request import (
@@ -283,9 +282,9 @@ def started(
     progress: Progress = SILENT,
 ) -> Started:
     """The search with motions at random to begin with."""
-    measure = relative_errors if aim.criterion == "worst" else volume
+    measure = RelativeErrors if aim.criterion == "worst" else Volume
     targets = targets_of(nominal, aim.wanted)
-    first = Search(nominal, room, shape, loads, known, lambda _: np.zeros(1))
+    first = Search(nominal, room, shape, loads, known, measure(np.ones(nominal.size), targets))
     check_standing(first)
     check_proven_at_home(first)
     progress.phase("trying motions at random", 2 * RANDOM)
@@ -293,7 +292,7 @@ def started(
     sparse = random_candidates(first, RANDOM, aim.seed, few=True, progress=progress)
     if sizes is None:
         sizes = _sizes(nominal, loads, starts)
-    search = Search(nominal, room, shape, loads, known, partial(measure, sizes=sizes, targets=targets))
+    search = Search(nominal, room, shape, loads, known, measure(sizes, targets))
     return Started(search, sizes, targets, starts, sparse)
 
 

@@ -1,6 +1,6 @@
 """Search for the motions that make standard errors small, inside all limits."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -9,6 +9,7 @@ from bench.basics.errors import BenchError
 from bench.basics.joint_units import drive_unit
 from bench.basics.progress import SILENT, Progress
 from bench.excitation.current_band import band_shares
+from bench.excitation.experiment.covariance import Errors
 from bench.excitation.experiment.nominal import Equations, Evidence, Nominal, equations, evidence, seen
 from bench.excitation.experiment.proof import Promise, Proof, Unproven, prove
 from bench.excitation.experiment.proof_words import limit_in_words
@@ -65,8 +66,6 @@ class Tried:
 
 
 Candidate = tuple[Tried, ...]  # one for each recording
-Errors = Callable[[Equations], np.ndarray]
-"""What is made small, of the fit of all recordings together: logarithms (k,), of which the largest counts."""
 
 
 @dataclass(frozen=True)
