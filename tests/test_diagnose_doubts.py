@@ -7,7 +7,7 @@ import pytest
 from bench.dataset.heavy_payload import HeavyPayload
 from bench.dataset.robot import load_robot
 from bench.diagnosis.as_json import diagnosis_json
-from bench.diagnosis.result import Remainder
+from bench.diagnosis.result import LadderStep, Remainder
 from bench.diagnosis.summary import doubts, summary_sentences
 from bench.identification.finding import Code, Finding
 from bench.identification.findings import runaway, with_findings
@@ -104,3 +104,18 @@ def test_a_good_model_of_a_real_machine_is_not_told_to_check_its_columns(found):
 
     assert FAMILIAR not in left(0.0296)
     assert FAMILIAR in left(0.24)
+
+
+def test_where_most_of_the_current_is_left_no_model_explains_it(found):
+    left = replace(found.unexplained, what=Remainder.PATTERN, error=0.9)
+    ladder = (LadderStep((), 1.4, 1.3), LadderStep(("viscous_friction",), 0.8, 0.9))
+    said = summary_sentences(replace(found, unexplained=left, ladder=ladder))[0]
+    assert said.startswith("No model here explains these currents: ")
+    assert "the best one leaves 90 % of the current" in said
+    assert "It adds viscous friction at left" in said
+    nothing = replace(found, unexplained=left, ladder=ladder[:1], missing=(), ranking=OTHERS)
+    said = summary_sentences(nothing)[0]
+    assert said.startswith("No model here explains these currents: ")
+    assert "130 % of the current is left" in said
+    noise = replace(nothing, unexplained=replace(left, what=Remainder.NOISE))
+    assert summary_sentences(noise)[0].startswith("Nothing is missing")

@@ -11,7 +11,7 @@ from bench.diagnosis.differs_words import from_run_to_run
 from bench.diagnosis.law_words import law_sentences
 from bench.diagnosis.motions import telling_motions
 from bench.diagnosis.reason_words import judged_on, left_words, reason_sentence
-from bench.diagnosis.result import Diagnosis, EffectVerdict, Unfinished
+from bench.diagnosis.result import Diagnosis, EffectVerdict, Remainder, Unfinished
 from bench.diagnosis.unfinished_words import unfinished_sentence
 from bench.effects.display_names import spoken
 from bench.identification.finding import CAUSES
@@ -26,6 +26,9 @@ from bench.identification.wording import and_list, in_percent, or_list, with_err
 TELLING = 0.005  # change of a drive gain that is worth a word
 MOTIONS = 3  # that are advised: those of the effect and of its nearest alternatives
 HOPELESS = 10.0  # times the noise floor: where so much is left, names may be false
+UNEXPLAINED = (
+    0.5  # of the current, RMS: a model that leaves more accounts for less than three quarters of its square
+)
 REAL = 0.01  # of the current: what the best models leave of real machines, however little noise there is
 
 
@@ -102,6 +105,11 @@ def _summary(diagnosis: Diagnosis) -> DiagnosisSummary:
                 f"Nothing was found to be missing before the time was up: judged on {judged}, the error is "
                 f"{in_percent(before)} of the current, where noise leaves {in_percent(floor)}."
             )
+        elif not differs and _explains_nothing(diagnosis, before):
+            nothing = (
+                f"No model here explains these currents: judged on {judged}, {in_percent(before)} of the current is "
+                f"left, where noise leaves {in_percent(floor)}; no effect of the catalogue makes that clearly smaller."
+            )
         causes = [expected for expected in diagnosis.after.findings if expected.code in CAUSES]
         if causes and searched:
             nothing = (
@@ -133,11 +141,23 @@ def _summary(diagnosis: Diagnosis) -> DiagnosisSummary:
         f"{_capital(names)} {said_of} missing: judged on {judged}, the error falls from {in_percent(before)} "
         f"to {in_percent(after)} of the current, where noise leaves {in_percent(floor)}."
     )
+    if not laws and not each and _explains_nothing(diagnosis, after):
+        verdict = (
+            f"No model here explains these currents: judged on {judged}, the best one leaves {in_percent(after)} of "
+            f"the current, where noise leaves {in_percent(floor)}. It adds {names}; "
+            f"without, {in_percent(before)} is left."
+        )
     undecided = tuple(
         _cannot_tell(effect_verdict, found) for effect_verdict in found if effect_verdict.alternatives
     )
     moved = _largest_change(diagnosis) or ""
     return DiagnosisSummary(verdict, doubt, nominal, undecided, moved, needless, differs, left, laws)
+
+
+def _explains_nothing(diagnosis: Diagnosis, error: float | None) -> bool:
+    """Whether even the last model leaves most of the current, more than noise does."""
+    more = diagnosis.unexplained.what in (Remainder.PATTERN, Remainder.NO_PATTERN)
+    return more and error is not None and error > UNEXPLAINED
 
 
 def doubts(diagnosis: Diagnosis) -> list[str]:
