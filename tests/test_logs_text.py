@@ -252,3 +252,32 @@ def test_torques_of_a_large_robot_are_no_thousandths_of_a_current(tmp_path: Path
     description.write_text(original.replace('"N*m/A"', '"1"').replace('"N/V"', '"1"'), encoding="utf-8")
     told(tmp_path / "log.csv", robot, BY_NAME, tmp_path / "out")
     assert load_dataset(tmp_path / "out").robot.actuators[0].gain_unit == "N*m/(N*m)"
+
+
+def fixed(table: np.ndarray) -> str:
+    """As controllers write it: two decimals in the last column, decimal commas."""
+    lines = (";".join([*map(repr, row[:-1]), f"{row[-1]:.2f}"]) for row in table.tolist())
+    return HEAD.replace(",", ";") + "\n".join(lines).replace(".", ",")
+
+
+def test_a_last_line_that_was_cut_off_is_refused(tmp_path: Path, robot: str) -> None:
+    file, whole = tmp_path / "log.csv", fixed(rows())
+    file.write_text(whole)
+    told(file, robot, BY_NAME, tmp_path / "whole")
+    for less in (1, 2, 3):
+        file.write_text(whole[:-less])
+        with pytest.raises(BenchError, match=r"the last line was cut off: it ends in .*: remove it"):
+            told(file, robot, BY_NAME, tmp_path / "out")
+    file.write_text(HEAD + text(rows()).rstrip())  # as many digits as each value has
+    told(file, robot, BY_NAME, tmp_path / "free")
+    assert not (tmp_path / "out").exists()
+
+
+def test_a_name_without_its_unit_is_enough_to_be_asked_whether_it_was_meant(
+    tmp_path: Path, robot: str
+) -> None:
+    file = tmp_path / "log.csv"
+    file.write_text(HEAD.replace("t,", "Zeit [ms],") + text(rows()))
+    mapped = LogMap({**BY_NAME.columns, "time": "Zeitt"})
+    with pytest.raises(BenchError, match=r"there is no 'Zeitt' for time: did you mean 'Zeit \[ms\]'\?"):
+        told(file, robot, mapped, tmp_path / "out")

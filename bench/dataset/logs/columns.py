@@ -175,7 +175,7 @@ def _sources(
     absent = [(target, source) for target, source in sources.items() if source not in there]
     if absent:
         named = ", ".join(f"{source!r} for {target}" for target, source in absent)
-        near = [name for _, source in absent for name in get_close_matches(source, there, 1)]
+        near = [name for _, source in absent for name in _nearest(source, there)]
         hint = (
             f": did you mean {' or '.join(map(repr, dict.fromkeys(near)))}?"
             if len(near) == len(absent)
@@ -185,6 +185,13 @@ def _sources(
             f"{file}: there is no {named}{hint} (the log has {_inventory(log)}){_skipping(log, sources)}"
         )
     return sources
+
+
+def _nearest(source: str, there: Sequence[str]) -> list[str]:
+    """The column with the nearest name, its unit in brackets aside; none where no name is near."""
+    bare = {name.partition("[")[0].partition("(")[0].strip() or name: name for name in there}
+    near = get_close_matches(source, there, 1) or get_close_matches(source, list(bare), 1)
+    return [bare.get(name, name) for name in near]
 
 
 def _misspelt(missing: Sequence[str], log_map: LogMap) -> str:

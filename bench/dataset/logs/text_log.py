@@ -27,6 +27,7 @@ from bench.dataset.logs.units import unit_named
 LOOKED_AT = 400  # lines that tell what the table is like
 DELIMITERS = "\t;, "  # the first of those that give most numbers
 COMMENTS = ("#", "%", "//")
+DECIMALS = re.compile(r"[.,](\d+)$")
 CONTROL = re.compile(rb"[\x00-\x08\x0e-\x1f]")  # in no text
 
 
@@ -78,6 +79,7 @@ def split_log(path: Path, content: bytes, skip_rows: int = 0, header: bool | Non
     if used == len(table):
         raise BenchError(f"{path}: has a header but no rows")
     units |= {name: unit for name in names if (unit := _bracketed(name))}
+    _refuse_cut_off(path, text, [_cells(line.text, delimiter)[-1] for line in table[used:]], delimiter)
     first = table[used]
     body = text[first.start :]
     if delimiter == " ":  # a run of blanks is one separator
@@ -85,6 +87,22 @@ def split_log(path: Path, content: bytes, skip_rows: int = 0, header: bool | Non
     decimal_comma = delimiter != "," and "," in first.text
     found = CsvText(path, tuple(names), body, first.number, delimiter, decimal_comma)
     return TextLog(found, units, tuple(notes))
+
+
+def _refuse_cut_off(path: Path, text: str, above: Sequence[str], delimiter: str) -> None:
+    """A last line without an end whose last value has fewer decimals than all others have: 39 instead of 395,22."""
+    decimals = {_decimals(cell) for cell in above[:-1]}
+    last = _cells(text[text.rstrip().rfind("\n") + 1 :], delimiter)[-1]
+    if not text.endswith(("\n", "\r")) and len(decimals) == 1 and _decimals(last) < decimals.pop():
+        raise BenchError(
+            f"{path}: the last line was cut off: it ends in {last!r}, with fewer decimals than any other, and has no "
+            "end of line: remove it"
+        )
+
+
+def _decimals(cell: str) -> int:
+    found = DECIMALS.search(cell)
+    return len(found.group(1)) if found else 0
 
 
 def _text(path: Path, content: bytes) -> tuple[str, tuple[str, ...]]:
