@@ -16,7 +16,7 @@ from bench.excitation.experiment.nominal import seen
 from bench.excitation.experiment.open_limits import Kept, margins
 from bench.excitation.experiment.plan import nominal_machine
 from bench.excitation.experiment.proof import Promise, Proof, Unproven, prove
-from bench.excitation.experiment.proof_words import limit_in_words
+from bench.excitation.experiment.proof_words import limit_in_words, made_smaller
 from bench.excitation.experiment.request import Box, ExperimentTable
 from bench.excitation.experiment.room import filled, robot_motion, room_of, tool_positions
 from bench.model.mobility import smallest_singular_values
@@ -303,3 +303,11 @@ def test_a_limit_that_stays_open_is_told_in_words():
     assert limit_in_words(Unproven(Kept.TORQUE, "elbow", 1.25, True)) == "the torque of elbow at t = 1.2500 s"
     assert limit_in_words(Unproven(Kept.WORKSPACE, "1", 0.5, False)) == "workspace[1] at t = 0.5000 s"
     assert limit_in_words(Unproven(Kept.LOOPS, "", None, True)) == "the loops"
+
+
+@pytest.mark.parametrize("limit", Kept)
+def test_a_motion_that_was_made_smaller_says_where_and_what_relaxes_it(limit):
+    said = made_smaller("unloaded", Unproven(limit, "elbow", 2.25, True))
+    assert said.startswith("The motion 'unloaded' was made smaller, since at t = 2.25 s ")
+    assert "--limits" in said or "MJCF" in said
+    assert "{" not in said

@@ -95,7 +95,7 @@ def prove(promise: Promise) -> Proof | Unproven:
         if not undecided.any():
             return Proof(len(undecided), 2.0 * float(known.intervals.half.min()))
         if known.exceeded.any() or known.intervals.half.min() < SHORTEST * intervals.half.max():
-            return _first(known)
+            return _first(geometry, known)
         parts = known.parts[undecided]
         finer = known.intervals.at(undecided).cut(parts)
         near = known.motion.at(np.repeat(np.flatnonzero(undecided), parts))
@@ -104,7 +104,7 @@ def prove(promise: Promise) -> Proof | Unproven:
                 geometry, replace(near, time=finer.middle), *trajectory.evaluate(finer.middle)
             )
         except BenchError as error:
-            return replace(_first(known), why=str(error))
+            return replace(_first(geometry, known), why=str(error))
         known = _merged(known, ~undecided, _looked(promise, finer, motion))
 
 
@@ -205,10 +205,13 @@ def _at(known: _Looked, chosen: np.ndarray) -> _Looked:
     )
 
 
-def _first(known: _Looked) -> Unproven:
-    """The first limit that is exceeded, or else that stays open."""
+def _first(geometry: Geometry, known: _Looked) -> Unproven:
+    """The first limit that is exceeded, or else that stays open; of amplification, the joint that is fastest there."""
     exceeded = bool(known.exceeded.any())
     which = known.exceeded if exceeded else known.open
     interval = int(np.argmax(which.any(axis=1)))
     limit, where = known.limits[int(np.argmax(which[interval]))]
+    if limit is Kept.AMPLIFICATION:
+        fastest = int(np.abs(known.motion.jacobian[interval]).max(axis=1).argmax())
+        where = next(joint.name for joint in geometry.joints if joint.v.start <= fastest < joint.v.stop)
     return Unproven(limit, where, float(known.intervals.middle[interval]), exceeded)

@@ -13,7 +13,7 @@ from bench.excitation.experiment.forecast import (
 )
 from bench.excitation.experiment.nominal import FRICTION_SHARE
 from bench.excitation.experiment.plan import ExperimentPlan
-from bench.excitation.experiment.proof_words import limit_in_words
+from bench.excitation.experiment.proof_words import made_smaller
 from bench.excitation.experiment.search import RANDOM
 from bench.identification.scale_words import scale_sentence
 from bench.identification.wording import and_list, in_percent
@@ -122,9 +122,7 @@ def _proven(plan: ExperimentPlan) -> str:
     for recording in plan.recordings:
         name, given_way = recording.name, recording.proven.given_way
         if given_way:
-            told += (
-                f" {name[0].upper()}{name[1:]} was made smaller for it, by {limit_in_words(given_way[0])}."
-            )
+            told += f" {made_smaller(name, given_way[0])}"
     return told
 
 
