@@ -67,7 +67,9 @@ def test_models_that_are_as_good_have_one_effect_more_or_another_for_each_found_
     """One effect more keeps what a found one does to the gains: where all had one more, their spread said nothing."""
     totals = {(0, 4): 100.0, (0, 4, 1): 130.0, (0, 4, 2): 120.0, (0, 4, 3): 110.0}
     totals |= {(4, 1): 50.0, (4, 2): 95.0, (4, 3): 99.0, (0, 1): 97.0, (0, 2): 92.0, (0, 3): 10.0}
-    monkeypatch.setattr(as_good, "solve_set", lambda _, chosen: SimpleNamespace(chosen=tuple(chosen)))
+    monkeypatch.setattr(
+        as_good, "solve_sets", lambda _, sets: [SimpleNamespace(chosen=tuple(chosen)) for chosen in sets]
+    )
     monkeypatch.setattr(as_good, "score", lambda _, fit, __: Scored(fit, 0.0, 0.0, totals[fit.chosen]))
     monkeypatch.setattr(as_good, "close", lambda one, other: one.total - other.total < 10.0)
     best = Scored(SimpleNamespace(chosen=(0, 4)), 0.0, 0.0, 100.0)
@@ -77,4 +79,5 @@ def test_models_that_are_as_good_have_one_effect_more_or_another_for_each_found_
         proposals=[SimpleNamespace(absorbed=False)] * 5,
         chosen=(0, 4),
     )
-    assert list(as_good._as_good(last)) == [(0, 4, 1), (0, 4, 2), (4, 3), (0, 1)]
+    assert list(as_good._as_good(last, instead=True)) == [(0, 4, 1), (0, 4, 2), (4, 3), (0, 1)]
+    assert list(as_good._as_good(last, instead=False)) == [(0, 4, 1), (0, 4, 2)]

@@ -1,9 +1,9 @@
 """Models that explain the data as well as the one that was found, and what they do to its drive gains."""
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 
+from bench.diagnosis.batched_sets import solve_sets
 from bench.diagnosis.candidates import Proposal
-from bench.diagnosis.normal_equations import solve_set
 from bench.diagnosis.origin import Origin
 from bench.diagnosis.rounds import Round
 from bench.diagnosis.search import MATERIAL, Scored, close, score
@@ -18,16 +18,17 @@ MOST_MORE = 2  # models with one effect more that are fitted, the best supported
 
 
 def with_spread_over_models(
-    origin: Origin, last: Round, model: Prepared, after: Identification
+    origin: Origin, last: Round, model: Prepared, after: Identification, *, left: bool
 ) -> Identification:
     """The found model's answer, with deviations of its gains that hold those of models that are as good.
 
-    Where something is left that no effect accounts for, one effect more, or another in the place of a found one, stands
-    for what it may be, whatever its sign: each has the shape of a torque that is not modelled. model: with the found
-    effects where they show. Raises TimeUpError after the deadline.
+    One effect more that the data support, though it makes the error too little smaller to be told, counts for how sure
+    a gain is. left: where something is left that no effect accounts for, another effect in the place of a found one
+    stands for what it may be, too, whatever its sign: each has the shape of a torque that is not modelled. model: with
+    the found effects where they show. Raises TimeUpError after the deadline.
     """
     others, added = [], model.effects[len(origin.start.effects) :]
-    for chosen in _as_good(last):
+    for chosen in _as_good(last, instead=left):
         instances = [
             instance for i in chosen for instance in _instances(last.proposals[i], i in last.chosen, added)
         ]
@@ -38,31 +39,28 @@ def with_spread_over_models(
     return gains_widened(after, others)
 
 
-def _as_good(last: Round) -> Iterator[tuple[int, ...]]:
+def _as_good(last: Round, *, instead: bool) -> Iterator[tuple[int, ...]]:
     """Sets one effect away from the found one that the data support as well.
 
     The best with one more keep what the found ones do to the gains; for each found one, the best with another in its
-    place does not.
+    place does not: these only where they are asked for by `instead`.
     """
     system, best = last.system, last.found.best
     usable = [
         i for i, proposal in enumerate(last.proposals) if not proposal.absorbed and i not in last.chosen
     ]
 
-    def scored(chosen: Sequence[int]) -> Scored:
-        return score(system, solve_set(system, chosen), last.found.empty)
+    def scored(sets: Sequence[tuple[int, ...]]) -> list[Scored]:
+        fits = solve_sets(system, sets)
+        return sorted((score(system, fit, last.found.empty) for fit in fits), key=lambda one: -one.total)
 
-    more = _best_first(scored((*last.chosen, i)) for i in usable)
-    found = [scored for scored in more if scored.total > best.total][:MOST_MORE]
-    for k in last.chosen:
-        instead = _best_first(scored((*(c for c in last.chosen if c != k), i)) for i in usable)
-        found += [scored for scored in instead if close(best, scored)][:1]
+    more = scored([(*last.chosen, i) for i in usable])
+    found = [one for one in more if one.total > best.total][:MOST_MORE]
+    for k in last.chosen if instead else ():
+        others = scored([(*(c for c in last.chosen if c != k), i) for i in usable])
+        found += [one for one in others if close(best, one)][:1]
     for candidate in found:
         yield candidate.fit.chosen
-
-
-def _best_first(sets: Iterable[Scored]) -> list[Scored]:
-    return sorted(sets, key=lambda scored: -scored.total)
 
 
 def _instances(proposal: Proposal, found: bool, added: Sequence[EffectInstance]) -> Sequence[EffectInstance]:

@@ -274,10 +274,12 @@ def answered(case: SplitProblem, finding: SearchResult, progress: Progress = SIL
     if others:
         after = with_other_values(after, [f"{effect}:{joint}" for effect, joint in sorted(others)])
     left = unexplained(after, dataset.recordings, lambda: encoder_error(model))
-    if (left.significant or left.much) and model.fit_gains:
+    if model.fit_gains:
         progress.phase("fitting models that are as good")
         try:
-            after = with_spread_over_models(finding.origin, finding.last, model, after)
+            after = with_spread_over_models(
+                finding.origin, finding.last, model, after, left=left.significant or left.much
+            )
         except TimeUpError:
             unfinished.append(Unfinished.AS_GOOD)
     if not finding.compared and not unfinished:
