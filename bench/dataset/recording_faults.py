@@ -14,7 +14,7 @@ from bench.basics.files.table import FileTable
 from bench.dataset.exchanged import exchanged, without_exchange
 from bench.dataset.joint_facts import JointFacts
 from bench.dataset.recording_checks import Channel, Fault, find
-from bench.dataset.sampling import LIKE, TimeFault, cut_rows, gap_rows, time_fault
+from bench.dataset.sampling import FEWEST, LIKE, TimeFault, cut_rows, gap_rows, time_fault
 
 MOST_SPANS = 3  # that are told
 SECONDS = {remedy: 1.0 / factor for factor, (_, remedy) in LIKE.items()}
@@ -153,9 +153,11 @@ def _left_out(time: np.ndarray, bad: np.ndarray) -> tuple[str, Remedy]:
 
 
 def _between_gaps(time: np.ndarray) -> str:
-    """What helps where samples were lost: the stretches between."""
+    """What helps where samples were lost: the stretches between, but those with too few samples."""
     rows = [0, *gap_rows(time).tolist(), len(time)]
-    spans = [f"[{time[a]:.9g}, {time[b - 1]:.9g}]" for a, b in pairwise(rows)]
+    spans = [f"[{time[a]:.9g}, {time[b - 1]:.9g}]" for a, b in pairwise(rows) if b - a >= FEWEST]
+    if not spans:
+        return f"no stretch between gaps has the {FEWEST} samples that are needed"
     return f"window = [{listed(spans, MOST_SPANS)}] beside its file name in dataset.toml uses what is between"
 
 

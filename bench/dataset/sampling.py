@@ -26,6 +26,7 @@ from bench.basics.plural import plural
 
 FEWEST = 100  # samples: filters and decimation need some to settle
 SLOWEST_STEP = 0.1  # s: a robot's controller logs faster than 10 Hz
+FASTEST_USUAL = 0.25e-3  # s: stamps of 0.1 are 10 Hz in seconds rather than 10 kHz in milliseconds
 FASTEST_STEP = 5e-6  # s: and slower than 200 kHz
 UNIFORM = 1e-3  # of a step: stamps this near to a uniform grid are on it
 SMOOTHER = 0.9  # a spline smooths a little noise by itself; less than this is the stamps' merit
@@ -84,11 +85,15 @@ def _order_fault(time: Array, steps: Array) -> TimeFault | None:
 def _unit_fault(steps: Array) -> TimeFault | None:
     step = float(np.median(steps))
     if step >= SLOWEST_STEP * (1 - 1e-9):
-        said = f"steps by {step:g}, which is not seconds"
         for factor, (unit, remedy) in LIKE.items():
-            if 20e-6 < step / factor < 0.05:
-                return TimeFault(None, f"{said}: it looks like {unit}", remedy)
-        return TimeFault(None, f"{said}: too slow for a robot's controller")
+            if FASTEST_USUAL < step / factor < 0.05:
+                return TimeFault(
+                    None, f"steps by {step:g}, which is not seconds: it looks like {unit}", remedy
+                )
+        return TimeFault(
+            None,
+            f"steps by {step:g} s, {1 / step:.3g} Hz: too slow for what a robot's motors need to be fitted",
+        )
     if step <= FASTEST_STEP:
         return TimeFault(None, f"steps by {step:g} s, {1 / step:.3g} Hz: is it in minutes or hours?")
     return None
