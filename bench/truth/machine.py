@@ -25,6 +25,7 @@ from bench.truth.hidden import (
     HiddenEffect,
     has_law,
 )
+from bench.truth.hidden.base import harden_friction
 from bench.truth.hidden.entries import hidden_effects
 from bench.truth.indices import Indices
 from bench.truth.streams import stream
@@ -229,6 +230,8 @@ def _rigid_spec(robot: Robot, step: float) -> mujoco.MjSpec:
         equality.solimp = RIGID
     for joint in spec.joints:
         joint.actfrclimited = False
+        if joint.frictionloss > 0.0:
+            harden_friction(joint, step)
     return spec
 
 

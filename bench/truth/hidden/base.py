@@ -163,16 +163,20 @@ def has_law(effect: HiddenEffect, law: str) -> bool:
 
 
 def hard_friction(draft: Draft, joint: str) -> None:
-    """Make the constraint of a joint's dry friction as hard as the step allows.
+    """As `harden_friction`, on the motor's side of a joint."""
+    harden_friction(draft.motor_side(joint), draft.step)
+
+
+def harden_friction(joint: mujoco.MjsJoint, step: float) -> None:
+    """Make the constraint of a joint's dry friction as hard as the step allows, s.
 
     MuJoCo's friction constraint brings a slow joint to rest within the time constant of its `solref`. With
     two steps, the shortest that is stable, the full friction acts to rounding as soon as a joint moves faster
     than a few times (acceleration that it gives to the joint) · step, some 1e-3 rad/s. With the default of
     0.02 s that would take 0.1 rad/s.
     """
-    changed = draft.motor_side(joint)
-    changed.solref_friction = [2 * draft.step, 1.0]
-    changed.solimp_friction = [0.9999, 0.99999, 0.001, 0.5, 2.0]
+    joint.solref_friction = [2 * step, 1.0]
+    joint.solimp_friction = [0.9999, 0.99999, 0.001, 0.5, 2.0]
 
 
 def add_damping(draft: Draft, joint: str, linear: float, quadratic: float = 0.0) -> None:
