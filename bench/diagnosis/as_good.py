@@ -52,13 +52,15 @@ def _as_good(last: Round, *, instead: bool) -> Iterator[tuple[int, ...]]:
 
     def scored(sets: Sequence[tuple[int, ...]]) -> list[Scored]:
         fits = solve_sets(system, sets)
-        return sorted((score(system, fit, last.found.empty) for fit in fits), key=lambda one: -one.total)
+        return sorted(
+            (score(system, fit, last.found.empty) for fit in fits), key=lambda scored_set: -scored_set.total
+        )
 
     more = scored([(*last.chosen, i) for i in usable])
-    found = [one for one in more if one.total > best.total][:MOST_MORE]
+    found = [larger for larger in more if larger.total > best.total][:MOST_MORE]
     for k in last.chosen if instead else ():
         others = scored([(*(c for c in last.chosen if c != k), i) for i in usable])
-        found += [one for one in others if close(best, one)][:1]
+        found += [other for other in others if close(best, other)][:1]
     for candidate in found:
         yield candidate.fit.chosen
 
