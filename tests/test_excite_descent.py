@@ -50,7 +50,8 @@ def changed(search, candidate, number, steps):
     return (*candidate[:number], tried, *candidate[number + 1 :])
 
 
-def test_slopes_of_errors_are_difference_quotients(either):
+def test_slopes_of_errors_are_difference_quotients(either, monkeypatch):
+    monkeypatch.setattr(linear, "NEAR", -np.inf)
     search, starts = either
     smaller = [
         search.tried(scaled(m.trajectory, 0.7), load) for m, load in zip(starts[0], search.loads, strict=True)
@@ -66,6 +67,9 @@ def test_slopes_of_errors_are_difference_quotients(either):
         quotient = (plus - minus) / (2.0 * STEP)
         slope = about.errors.slopes[:, at : at + sizes.size] @ direction.ravel()
         np.testing.assert_allclose(slope, quotient, rtol=2e-3, atol=2e-3 * np.abs(quotient).max())
+        assert about.mean[at : at + sizes.size] @ direction.ravel() == pytest.approx(
+            quotient.mean(), rel=2e-3, abs=2e-3 * np.abs(quotient).max()
+        )
         at += sizes.size
 
 

@@ -53,8 +53,8 @@ def keeps_clear(geometry: Geometry, limits: Limits, motion: Motion) -> bool:
     """
     if not geometry.closed:
         return True
-    worst = motion.q[least_held(geometry, motion.q, LOOKED_AT)]
-    return bool(smallest_singular_values(geometry, worst).min() > limits.held)
+    _, held = least_held(geometry, motion.q, LOOKED_AT)
+    return bool(held.min() > limits.held)
 
 
 def feasible_motion(

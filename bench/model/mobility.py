@@ -121,11 +121,15 @@ def scaled_jacobians(geometry: Geometry, q: np.ndarray) -> np.ndarray:
 
 def smallest_singular_values(geometry: Geometry, q: np.ndarray) -> np.ndarray:
     """Of the scaled loop Jacobian by the passive joints at q (N, nq): (N,). Zero: some joint is not held."""
-    passive = scaled_jacobians(geometry, q)[:, :, geometry.passive]
+    return _smallest(scaled_jacobians(geometry, q)[:, :, geometry.passive])
+
+
+def _smallest(passive: np.ndarray) -> np.ndarray:
+    """The smallest singular values (N,) of matrices (N, m, np)."""
     if not passive.shape[2]:
-        return np.full(len(q), np.inf)
+        return np.full(len(passive), np.inf)
     if passive.shape[1] < passive.shape[2]:
-        return np.zeros(len(q))
+        return np.zeros(len(passive))
     return np.asarray(np.linalg.svd(passive, compute_uv=False)[:, -1])
 
 
@@ -138,13 +142,17 @@ def conditioning(geometry: Geometry, q: np.ndarray) -> float:
     return float((values[:, 0] / values[:, -1]).max())
 
 
-def least_held(geometry: Geometry, q: np.ndarray, count: int) -> np.ndarray:
-    """Of the poses q (N, nq) the numbers (count,) of those where the determinant by the passive joints is smallest."""
+def least_held(geometry: Geometry, q: np.ndarray, count: int) -> tuple[np.ndarray, np.ndarray]:
+    """Of the poses q (N, nq) the numbers (count,), in order, of those where the determinant by the passive joints is
+    smallest, and their `smallest_singular_values`.
+    """
     passive = scaled_jacobians(geometry, q)[:, :, geometry.passive]
+    square = passive
     if passive.shape[1] != passive.shape[2]:
-        passive = passive.transpose(0, 2, 1) @ passive
-    _, sizes = np.linalg.slogdet(passive)
-    return np.asarray(np.argsort(sizes, kind="stable")[:count])
+        square = passive.transpose(0, 2, 1) @ passive
+    _, sizes = np.linalg.slogdet(square)
+    worst = np.sort(np.argsort(sizes, kind="stable")[:count])
+    return worst, _smallest(passive[worst])
 
 
 def column_scales(geometry: Geometry) -> np.ndarray:

@@ -286,6 +286,17 @@ def _solve_block(
     return still_open
 
 
+def joined(motions: Sequence[Motion]) -> Motion:
+    """Motions behind one another."""
+    return Motion(
+        np.concatenate([motion.time for motion in motions]),
+        np.concatenate([motion.q for motion in motions]),
+        np.concatenate([motion.v for motion in motions]),
+        np.concatenate([motion.a for motion in motions]),
+        np.concatenate([motion.jacobian for motion in motions]),
+    )
+
+
 def blocks_of(samples: int, most: int) -> list[slice]:
     """The samples in as few blocks of nearly the same length as can be, each of at most so many."""
     count = -(-samples // most)

@@ -1,6 +1,5 @@
 """From the equations of a fit to standard errors, and the directions that stay undetermined."""
 
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -43,14 +42,18 @@ def determined(fit: Equations) -> Determined:
 
 @dataclass(frozen=True)
 class ErrorSlopes:
-    """By how much errors change where the normal matrix changes by dN and the score by dS, to first order: for each
-    column of left, by_normal and by_score (P, m), left' dN by_normal + left' dS by_score. summed: over the columns.
+    """By how much errors change where the normal matrix changes by dN and the score by dS, to first order.
+
+    Of each error by itself: for each column of left, by_normal and by_score (P, m), left' dN by_normal + left' dS
+    by_score. Of the mean of all: trace(mean_by_normal dN) + trace(mean_by_score dS), (P, P), symmetric. A single
+    error, which is its own mean, has no columns.
     """
 
     left: np.ndarray
     by_normal: np.ndarray
     by_score: np.ndarray
-    summed: bool
+    mean_by_normal: np.ndarray
+    mean_by_score: np.ndarray
 
 
 @dataclass(frozen=True)
@@ -64,11 +67,13 @@ class RelativeErrors:
         """The logarithms (k,)."""
         return np.asarray(0.5 * np.log(self._variances(_relative(fit, self.sizes))))
 
-    def slopes(self, fit: Equations) -> ErrorSlopes:
-        """About a fit; where nothing is determined nothing changes."""
+    def slopes(self, fit: Equations, near: np.ndarray) -> ErrorSlopes:
+        """About a fit, by themselves those that are `near` (k,); where nothing is determined nothing changes."""
         relative = _relative(fit, self.sizes)
-        weights = 0.5 / self._variances(relative)
-        return _slopes(self, relative, lambda inverse: inverse * weights, summed=False)
+        inverse, noise = _sides(self, relative)
+        left = inverse * (0.5 / self._variances(relative))
+        mean = left / len(self.targets)
+        return _slopes(left[:, near], noise[:, near], inverse[:, near], mean, noise, inverse)
 
     def _variances(self, relative: "_Relative") -> np.ndarray:
         return np.maximum(np.diag(relative.covariance)[self.targets], np.finfo(float).tiny)
@@ -89,11 +94,13 @@ class Volume:
             [0.5 * np.linalg.slogdet(self._block(_relative(fit, self.sizes)))[1] / len(self.targets)]
         )
 
-    def slopes(self, fit: Equations) -> ErrorSlopes:
+    def slopes(self, fit: Equations, _: np.ndarray) -> ErrorSlopes:
         """About a fit; where nothing is determined nothing changes."""
         relative = _relative(fit, self.sizes)
-        weights = np.linalg.inv(self._block(relative)) * (0.5 / len(self.targets))
-        return _slopes(self, relative, lambda inverse: inverse @ weights, summed=True)
+        inverse, noise = _sides(self, relative)
+        left = inverse @ np.linalg.inv(self._block(relative)) * (0.5 / len(self.targets))
+        none = np.zeros((len(left), 0))
+        return _slopes(none, none, none, left, noise, inverse)
 
     def _block(self, relative: "_Relative") -> np.ndarray:
         return relative.covariance[np.ix_(self.targets, self.targets)]
@@ -103,13 +110,30 @@ Errors = RelativeErrors | Volume
 """What is made small, of the fit of all recordings together: logarithms (k,), of which the largest counts."""
 
 
-def _slopes(
-    errors: Errors, relative: "_Relative", weighted: Callable[[np.ndarray], np.ndarray], *, summed: bool
-) -> ErrorSlopes:
-    """Of N^-1 S N^-1, for symmetric changes: -2 N^-1 dN N^-1 S N^-1 + N^-1 dS N^-1."""
+def _sides(errors: Errors, relative: "_Relative") -> tuple[np.ndarray, np.ndarray]:
+    """Columns (P, k) of the targets: of N^-1, and of -2 N^-1 S N^-1. The covariance N^-1 S N^-1 changes, for symmetric
+    changes, by -2 N^-1 dN N^-1 S N^-1 + N^-1 dS N^-1.
+    """
     inverse = relative.inverse[:, errors.targets] * errors.sizes[:, None]
     noise = relative.noise[:, errors.targets] * errors.sizes[:, None]
-    return ErrorSlopes(weighted(inverse), -2.0 * noise, inverse, summed)
+    return inverse, -2.0 * noise
+
+
+def _slopes(
+    left: np.ndarray,
+    by_normal: np.ndarray,
+    by_score: np.ndarray,
+    mean: np.ndarray,
+    mean_by_normal: np.ndarray,
+    mean_by_score: np.ndarray,
+) -> ErrorSlopes:
+    return ErrorSlopes(
+        left, by_normal, by_score, _symmetric(mean @ mean_by_normal.T), _symmetric(mean @ mean_by_score.T)
+    )
+
+
+def _symmetric(matrix: np.ndarray) -> np.ndarray:
+    return 0.5 * (matrix + matrix.T)
 
 
 @dataclass(frozen=True)

@@ -79,7 +79,7 @@ def _program(about: Linearised, trusted: float) -> tuple[np.ndarray, float]:
     """The best step (c,), in units of `coefficient_sizes`, and by how much the merit falls by it."""
     errors, limits = about.errors, about.limits
     count = errors.slopes.shape[1]
-    mean = ALSO_MEAN * errors.slopes.mean(axis=0)
+    mean = ALSO_MEAN * about.mean
     rows = np.vstack(
         (
             np.hstack((errors.slopes, -np.ones((len(errors.values), 1)))),

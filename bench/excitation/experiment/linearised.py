@@ -12,18 +12,26 @@ import numpy as np
 
 from bench.excitation.current_band import band_shares, current_above, hann
 from bench.excitation.experiment.covariance import ErrorSlopes
-from bench.excitation.experiment.nominal import Evidence, Noise, SeenMotion, equations, pooled_variance, seen
+from bench.excitation.experiment.nominal import (
+    Evidence,
+    Noise,
+    SeenMotion,
+    equations,
+    pooled_variance,
+    seen,
+    seen_each,
+)
 from bench.excitation.experiment.request import Box
 from bench.excitation.experiment.room import Room, outside, tool_positions
 from bench.excitation.experiment.search import Candidate, Search, Tried
 from bench.model.geometry import Geometry
 from bench.model.mobility import least_held, smallest_singular_values
-from bench.model.motion import Motion, motion_beside
+from bench.model.motion import Motion, joined, motion_beside
 from bench.scenario.trajectory import FourierTrajectory
 
 STEP = 1e-5  # of a joint's room, speed and acceleration: of the difference quotients of the motion
 CHANGE = 1e-4  # of the largest size of a coefficient: of those of the errors
-NEAR = 0.5  # of a limit: where a motion has less of it, it may be left out of one step
+NEAR = 0.5  # of a limit, and of the largest error: what is less of it may be left out of one step
 FINER = 3  # times as many samples for ranges, speeds and accelerations
 LOOKED_AT = 64  # poses, those whose closures are least held
 
@@ -38,11 +46,12 @@ class Linear:
 
 @dataclass(frozen=True)
 class Linearised:
-    """errors: logarithms of what is to be small; limits: what has to stay at 1 or below; both by all coefficients of
-    all motions, in the units of `coefficient_sizes`.
+    """errors: logarithms of what is to be small, the largest of them; mean (c,): slopes of the mean of all of them;
+    limits: what has to stay at 1 or below; all by all coefficients of all motions, in the units of `coefficient_sizes`.
     """
 
     errors: Linear
+    mean: np.ndarray
     limits: Linear
 
 
@@ -64,7 +73,9 @@ def linearised(search: Search, candidate: Candidate) -> Linearised:
     """Errors and limits about a candidate."""
     recordings = [*search.known, *(motion.evidence for motion in candidate)]
     fit = equations(recordings)
-    gradient = search.errors.slopes(fit)
+    errors = search.errors(fit)
+    near = np.exp(errors - errors.max()) > NEAR
+    gradient = search.errors.slopes(fit, near)
     slopes, limits = [], []
     for number, motion in enumerate(candidate):
         sizes = coefficient_sizes(search.room, motion.trajectory)
@@ -74,20 +85,30 @@ def linearised(search: Search, candidate: Candidate) -> Linearised:
             _error_slopes(search, told, basis, sizes, gradient, recordings, len(search.known) + number)
         )
         limits.append(_limits(search, motion, told, basis, sizes))
-    return Linearised(Linear(search.errors(fit), np.hstack(slopes)), _beside_each_other(limits))
+    *each, mean = np.hstack(slopes)
+    return Linearised(
+        Linear(errors[near], np.array(each) if each else mean[None]), mean, _beside_each_other(limits)
+    )
 
 
 @dataclass(frozen=True)
 class _Perturbed:
-    """A motion and what it shows, and both with a step in position, velocity or acceleration (the first index) of
-    each motor (the second), at all samples; steps (3, n) that were made.
+    """A motion and what it shows; what it shows with a step in position, velocity or acceleration (the first index) of
+    each motor (the second), at all samples; steps (3, n) that were made; moved: with a step in position of each motor,
+    one after the other.
     """
 
     motion: Motion
     shown: SeenMotion
-    motions: list[list[Motion]]
+    moved: Motion
     showing: list[list[SeenMotion]]
     steps: np.ndarray
+
+    def moved_at(self, samples: np.ndarray) -> Motion:
+        """Some of the samples with a step in position of each motor, one after the other."""
+        count = len(self.motion.time)
+        starts = count * np.arange(self.steps.shape[1])
+        return self.moved.at((starts[:, None] + samples).ravel())
 
 
 def _perturbed(search: Search, tried: Tried, load: str | None) -> _Perturbed:
@@ -95,22 +116,23 @@ def _perturbed(search: Search, tried: Tried, load: str | None) -> _Perturbed:
     states = tried.trajectory.evaluate(times)
     n, count = len(room.home), len(times)
     steps = STEP * np.array([room.joint.high - room.joint.low, room.velocity, room.acceleration])
-    moved_states = [np.tile(state, (3 * n, 1)) for state in states]
-    for order in range(3):
+    moved_states = [np.tile(state, (2 * n, 1)) for state in states]
+    for order in range(2):
         for j in range(n):
             at = (order * n + j) * count
             moved_states[order][at : at + count, j] += steps[order, j]
-    every = np.tile(np.arange(count), 3 * n)
-    whole = motion_beside(geometry, tried.motion.at(every), *moved_states)
-    motions = [
-        [
-            replace(whole.at(slice((order * n + j) * count, (order * n + j + 1) * count)), time=times)
-            for j in range(n)
-        ]
-        for order in range(3)
-    ]
-    showing = [[seen(search.nominal, motion, load) for motion in of_order] for of_order in motions]
-    return _Perturbed(tried.motion, seen(search.nominal, tried.motion, load), motions, showing, steps)
+    every = np.tile(np.arange(count), 2 * n)
+    moved_motions = motion_beside(geometry, tried.motion.at(every), *moved_states)
+    whole = joined((moved_motions, *(_accelerated(tried.motion, j, steps[2, j]) for j in range(n))))
+    each = seen_each(search.nominal, whole, count, load)
+    showing = [each[order * n : (order + 1) * n] for order in range(3)]
+    shown = seen(search.nominal, tried.motion, load)
+    return _Perturbed(tried.motion, shown, moved_motions.at(slice(n * count)), showing, steps)
+
+
+def _accelerated(motion: Motion, j: int, step: float) -> Motion:
+    """The motion with another acceleration of a motor at all samples: poses and velocities stay."""
+    return replace(motion, a=motion.a + step * motion.jacobian[:, :, j])
 
 
 def _basis(trajectory: FourierTrajectory, times: np.ndarray) -> np.ndarray:
@@ -135,19 +157,23 @@ def _error_slopes(
     recordings: list[Evidence],
     number: int,
 ) -> np.ndarray:
-    """Derivatives (k, 2 n H) of the errors by the coefficients of the recording of that number.
+    """Derivatives (m + 1, 2 n H) of the errors, and of their mean, by the coefficients of the recording of that number.
 
     Its derivatives of the currents change at every sample, and with them the grams; the variance of its currents
     changes, and with it the weights of the motors. Columns of `gradient` meet the regressor first: nothing has the size
     of a gram for each coefficient.
     """
-    own, n = recordings[number], sizes.shape[1]
+    own, n, m = recordings[number], sizes.shape[1], gradient.left.shape[1]
     weight = 1.0 / pooled_variance(recordings)
-    sides = np.hstack((gradient.left, gradient.by_normal, gradient.by_score))
-    left, by_normal, by_score = np.split(told.shown.jacobian @ sides, 3, axis=2)  # (N, n, m) each
     scale = own.samples / len(told.shown.current)
     of_normal, of_score = scale * weight[:, None], scale * (weight**2 * own.variance)[:, None]
-    slopes = np.zeros((gradient.left.shape[1], *sizes.shape))
+    sides = np.hstack((gradient.left, gradient.by_normal, gradient.by_score))
+    left, by_normal, by_score = np.split(told.shown.jacobian @ sides, 3, axis=2)  # (N, n, m) each
+    of_mean = 2.0 * (
+        of_normal * (told.shown.jacobian @ gradient.mean_by_normal)
+        + of_score * (told.shown.jacobian @ gradient.mean_by_score)
+    )
+    slopes = np.zeros((m + 1, *sizes.shape))
     variances = _variance_slopes(search.nominal.noise, told, basis, sizes)
     for order in range(3):
         for j in range(n):
@@ -157,10 +183,10 @@ def _error_slopes(
                 of_normal * (left * to_normal + to_left * by_normal)
                 + of_score * (left * to_score + to_left * by_score)
             ).sum(axis=1)
-            slopes[:, :, j] += np.einsum("tm,twk->mwk", at_samples, basis[order]) * sizes[:, j]
+            of_all = np.hstack((at_samples, np.einsum("tip,tip->t", of_mean, change)[:, None]))
+            slopes[:, :, j] += np.einsum("tm,twk->mwk", of_all, basis[order]) * sizes[:, j]
     slopes += np.tensordot(_by_variances(gradient, recordings, number, weight), variances, axes=1)
-    flat = slopes.reshape(len(slopes), sizes.size)
-    return flat.sum(axis=0, keepdims=True) if gradient.summed else flat
+    return slopes.reshape(len(slopes), sizes.size)
 
 
 def _variance_slopes(noise: Noise, told: _Perturbed, basis: np.ndarray, sizes: np.ndarray) -> np.ndarray:
@@ -180,21 +206,25 @@ def _variance_slopes(noise: Noise, told: _Perturbed, basis: np.ndarray, sizes: n
 def _by_variances(
     gradient: ErrorSlopes, recordings: list[Evidence], number: int, weight: np.ndarray
 ) -> np.ndarray:
-    """Derivatives (m, n) of the errors by the variance of each motor's currents in one recording."""
+    """Derivatives (m + 1, n) of the errors, and of their mean, by the variance of each motor's currents in one
+    recording.
+    """
     own = recordings[number]
     share = own.samples / sum(recording.samples for recording in recordings)
 
-    def between(grams: np.ndarray, right: np.ndarray) -> np.ndarray:
-        return np.einsum("pm,npm->mn", gradient.left, grams @ right)
+    def between(grams: np.ndarray, right: np.ndarray, mean: np.ndarray) -> np.ndarray:
+        each = np.einsum("pm,npm->mn", gradient.left, grams @ right)
+        return np.vstack((each, np.einsum("pq,nqp->n", mean, grams)))
 
     whole = sum(recording.grams for recording in recordings)
     noisy = sum(recording.grams * recording.variance[:, None, None] for recording in recordings)
+    by_normal, by_score = gradient.by_normal, gradient.by_score
     return np.asarray(
         weight**2
         * (
-            between(own.grams, gradient.by_score)
-            - share * between(np.asarray(whole), gradient.by_normal)
-            - 2.0 * share * weight * between(np.asarray(noisy), gradient.by_score)
+            between(own.grams, by_score, gradient.mean_by_score)
+            - share * between(np.asarray(whole), by_normal, gradient.mean_by_normal)
+            - 2.0 * share * weight * between(np.asarray(noisy), by_score, gradient.mean_by_score)
         )
     )
 
@@ -248,39 +278,43 @@ class _OfPoses:
 def _whole_robot(search: Search, told: _Perturbed) -> list[_OfPoses]:
     """Loop amplification, hold of the closures and boxes."""
     geometry, room = search.nominal.model.geometry, search.room
-    moved_poses, steps, found = told.motions[0], told.steps[0], []
-    n = len(room.home)
+    found = []
 
-    def of(values: Callable[[Motion], np.ndarray], samples: np.ndarray) -> None:
-        here = values(told.motion)
-        slopes = np.stack([(values(moved_poses[j]) - here) / steps[j] for j in range(n)], axis=1)
-        near = here > NEAR
-        found.append(_OfPoses(samples[near], here[near], slopes[near]))
+    def of(
+        values: Callable[[Motion, np.ndarray], np.ndarray], samples: np.ndarray, whole: np.ndarray
+    ) -> None:
+        """Of values, `whole` at some samples: those that are near."""
+        near, here = samples[whole > NEAR], whole[whole > NEAR]
+        if len(near):
+            moved_values = values(told.moved_at(near), np.tile(near, len(room.home)))
+            slopes = (moved_values.reshape(-1, len(near)) - here) / told.steps[0][:, None]
+            found.append(_OfPoses(near, here, slopes.T))
 
     every = np.arange(len(told.motion.time))
     if geometry.closed:
-        worst = np.sort(least_held(geometry, told.motion.q, LOOKED_AT))
-        of(lambda motion: room.joint.held / smallest_singular_values(geometry, motion.q[worst]), worst)
-        flat = np.abs(told.motion.jacobian).reshape(len(every), -1)
-        largest = flat.argmax(axis=1)
-        signs = np.sign(
-            np.take_along_axis(told.motion.jacobian.reshape(len(every), -1), largest[:, None], 1)[:, 0]
-        )
-        of(
-            lambda motion: (
-                signs
-                * np.take_along_axis(motion.jacobian.reshape(len(every), -1), largest[:, None], 1)[:, 0]
-                / room.joint.amplification
-            ),
-            every,
-        )
+        flat = told.motion.jacobian.reshape(len(every), -1)
+        largest = np.abs(flat).argmax(axis=1)
+        signs = np.sign(flat[every, largest])
+
+        def not_held(motion: Motion, _: np.ndarray) -> np.ndarray:
+            return np.asarray(room.joint.held / smallest_singular_values(geometry, motion.q))
+
+        def amplified(motion: Motion, samples: np.ndarray) -> np.ndarray:
+            which = largest[samples]
+            entries = motion.jacobian.reshape(len(which), -1)[np.arange(len(which)), which]
+            return np.asarray(signs[samples] * entries / room.joint.amplification)
+
+        worst, held = least_held(geometry, told.motion.q, LOOKED_AT)
+        of(not_held, worst, room.joint.held / held)
+        of(amplified, every, amplified(told.motion, every))
     for box in room.boxes:
-        of(partial(_out_of, geometry, box), every)
+        out_of = partial(_out_of, geometry, box)
+        of(out_of, every, out_of(told.motion, every))
     return found
 
 
-def _out_of(geometry: Geometry, box: Box, motion: Motion) -> np.ndarray:
-    """The share (N,) of a box's room that is left behind: 1 at its walls."""
+def _out_of(geometry: Geometry, box: Box, motion: Motion, _: np.ndarray) -> np.ndarray:
+    """The share (m,) of a box's room that is left behind: 1 at its walls."""
     width = max(high - low for low, high in zip(box.low, box.high, strict=True))
     return 1.0 + outside(box, tool_positions(geometry, motion)) / width
 

@@ -80,11 +80,16 @@ class SeenMotion:
 
 def seen(nominal: Nominal, motion: Motion, payload: str | None) -> SeenMotion:
     """Currents along a motion, and how they change with every unknown."""
+    return seen_each(nominal, motion, len(motion.time), payload)[0]
+
+
+def seen_each(nominal: Nominal, motions: Motion, samples: int, payload: str | None) -> list[SeenMotion]:
+    """The same of motions behind one another, each of so many samples."""
     model, layout = nominal.model, nominal.layout
     columns = model.base.columns
     if payload is not None:
         columns = np.concatenate((columns, model.payload_columns))
-    regressor = projected_regressor(model.geometry, motion, columns)
+    regressor = projected_regressor(model.geometry, motions, columns)
     nb, n = layout.base, regressor.shape[1]
     rigid = regressor[:, :, :nb]
     torque = rigid @ nominal.base
@@ -97,14 +102,16 @@ def seen(nominal: Nominal, motion: Motion, payload: str | None) -> SeenMotion:
         torque = torque + loads @ payload_columns(nominal.payloads[payload]).known
         if payload in layout.payloads:
             jacobian[:, :, layout.payload_slice(payload)] = loads[:, :, layout.payloads[payload]]
+    each = [slice(at, at + samples) for at in range(0, len(torque), samples)]
     if nominal.effects:
         first = layout.size - layout.effects
-        jacobian[:, :, first : layout.size] = _effects(nominal, motion, payload)
+        for motion in each:  # an effect may have a memory
+            jacobian[motion, :, first : layout.size] = _effects(nominal, motions.at(motion), payload)
     current = torque / nominal.gains
     jacobian[:, :, : layout.size] /= nominal.gains[:, None]
     if nominal.gains_fitted:
         jacobian[:, np.arange(n), layout.size + np.arange(n)] = -current / nominal.gains
-    return SeenMotion(jacobian, current)
+    return [SeenMotion(jacobian[motion], current[motion]) for motion in each]
 
 
 def _effects(nominal: Nominal, motion: Motion, payload: str | None) -> np.ndarray:

@@ -17,7 +17,7 @@ from bench.excitation.experiment.nominal import Nominal
 from bench.excitation.experiment.open_limits import Kept, Limit, margins
 from bench.excitation.experiment.room import Room
 from bench.model.geometry import Geometry
-from bench.model.motion import Motion, blocks_of, motion_beside, motion_of
+from bench.model.motion import Motion, blocks_of, joined, motion_beside, motion_of
 from bench.scenario.trajectory import FourierTrajectory
 
 RATE = 1000.0  # intervals a second, before any is cut
@@ -88,6 +88,9 @@ def prove(promise: Promise) -> Proof | Unproven:
         motion = motion_of(geometry, intervals.middle, *trajectory.evaluate(intervals.middle))
     except BenchError as error:  # out of reach, or through a singular pose
         return Unproven(*LOOPS, None, exceeded=True, why=str(error))
+    amplified = np.abs(motion.jacobian).max(axis=(1, 2)) > promise.room.joint.amplification
+    if geometry.closed and amplified.any():  # before any time is spent on what lies between
+        return _amplified(geometry, motion, int(np.argmax(amplified)))
     known = _looked(promise, intervals, motion)
     while True:
         known = _followed(geometry, known)
@@ -163,13 +166,7 @@ def _followed(geometry: Geometry, known: _Looked) -> _Looked:
 def _joined(parts: list[_Looked]) -> _Looked:
     """Parts behind one another."""
     motions = [part.motion for part in parts]
-    motion = Motion(
-        np.concatenate([motion.time for motion in motions]),
-        np.concatenate([motion.q for motion in motions]),
-        np.concatenate([motion.v for motion in motions]),
-        np.concatenate([motion.a for motion in motions]),
-        np.concatenate([motion.jacobian for motion in motions]),
-    )
+    motion = joined(motions)
     intervals = Intervals(
         np.concatenate([part.intervals.middle for part in parts]),
         np.concatenate([part.intervals.half for part in parts]),
@@ -206,12 +203,18 @@ def _at(known: _Looked, chosen: np.ndarray) -> _Looked:
 
 
 def _first(geometry: Geometry, known: _Looked) -> Unproven:
-    """The first limit that is exceeded, or else that stays open; of amplification, the joint that is fastest there."""
+    """The first limit that is exceeded, or else that stays open; see `_amplified`."""
     exceeded = bool(known.exceeded.any())
     which = known.exceeded if exceeded else known.open
     interval = int(np.argmax(which.any(axis=1)))
     limit, where = known.limits[int(np.argmax(which[interval]))]
     if limit is Kept.AMPLIFICATION:
-        fastest = int(np.abs(known.motion.jacobian[interval]).max(axis=1).argmax())
-        where = next(joint.name for joint in geometry.joints if joint.v.start <= fastest < joint.v.stop)
+        return replace(_amplified(geometry, known.motion, interval), exceeded=exceeded)
     return Unproven(limit, where, float(known.intervals.middle[interval]), exceeded)
+
+
+def _amplified(geometry: Geometry, motion: Motion, sample: int) -> Unproven:
+    """That a joint, the fastest at a sample, moves too fast for the motors' speed there."""
+    fastest = int(np.abs(motion.jacobian[sample]).max(axis=1).argmax())
+    where = next(joint.name for joint in geometry.joints if joint.v.start <= fastest < joint.v.stop)
+    return Unproven(Kept.AMPLIFICATION, where, float(motion.time[sample]), exceeded=True)

@@ -10,7 +10,7 @@ from bench.excitation.experiment.request import Box, ExperimentTable, check_join
 from bench.excitation.limits import Limits, limits_of
 from bench.model.geometry import Geometry
 from bench.model.kinematics import ancestors, end_of, end_point, frames_of, link_of
-from bench.model.mobility import least_held, smallest_singular_values
+from bench.model.mobility import least_held
 from bench.model.motion import Motion, motion_of
 from bench.model.passive_ranges import passive_ranges
 from bench.scenario.trajectory import FourierTrajectory
@@ -177,8 +177,8 @@ def robot_motion(
     if geometry.closed:
         if np.abs(motion.jacobian).max() > room.joint.amplification:
             return None
-        worst = motion.q[least_held(geometry, motion.q, LOOKED_AT)]
-        if smallest_singular_values(geometry, worst).min() <= room.joint.held:
+        _, held = least_held(geometry, motion.q, LOOKED_AT)
+        if held.min() <= room.joint.held:
             return None
     for limit in passive_ranges(geometry):
         at = limit.at(motion.q)
