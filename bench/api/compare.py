@@ -9,11 +9,11 @@ from typing import TYPE_CHECKING
 
 from bench.api.sources import Data, Model, as_dataset, as_model, dataset_behind
 from bench.dataset.dataset import Dataset
+from bench.identification.chosen_band import prepare_checked
 from bench.identification.frame import data_frame, html_table
 from bench.identification.identify import identify
 from bench.identification.mistaken import heavy_payloads
 from bench.identification.model_file import Comparison, apply_model
-from bench.identification.prepare import prepare
 from bench.identification.problem import Filters, problem_of
 from bench.identification.result import CurrentSeries, ErrorSummary, Identification
 from bench.residuals.look_alikes import possible_effects
@@ -93,7 +93,7 @@ def compare(
     problem = problem_of(dataset, effects, filters, effect_files=effect_files)
     result: Identification | None = None
     if model is None:
-        result = identify(prepare(problem))
+        result = identify(prepare_checked(problem))
         name = f"identified here, {', '.join(effects) or 'rigid bodies only'}"
         findings = (*heavy_payloads(dataset), *result.findings)
         comparison = Comparison(result.robot, name, result.recordings, result.error, findings)

@@ -6,10 +6,10 @@ from pathlib import Path
 
 from bench.api.sources import Data, as_dataset
 from bench.diagnosis.mounting import mounted_otherwise
+from bench.identification.chosen_band import prepare_checked
 from bench.identification.estimators import DEFAULT_METHOD
 from bench.identification.identify import identify as fitted
 from bench.identification.mistaken import mistaken
-from bench.identification.prepare import prepare
 from bench.identification.problem import Filters, problem_of
 from bench.identification.result import Identification
 from bench.identification.shortness import short_recordings
@@ -40,7 +40,7 @@ def identify(
     """
     dataset = as_dataset(data)
     problem = problem_of(dataset, effects, filters, effect_files=effect_files, fit_gains=fit_gains)
-    prepared = prepare(problem)
+    prepared = prepare_checked(problem)
     result = fitted(prepared, method, deviations=deviations, essential=essential)
     causes = mistaken(problem, result, prepared)
     mounted = mounted_otherwise(prepared)

@@ -14,6 +14,7 @@ from bench.dataset.names import DATASET_FILE
 from bench.diagnosis.result import Diagnosis, LadderStep
 from bench.document.diagnosis import step_labels
 from bench.document.markdown.diagnosis import diagnosis_markdown
+from bench.identification.chosen_band import prepare_checked
 from bench.identification.effect_torques import effect_torques
 from bench.identification.identify import fit, identify
 from bench.identification.model_file import load_model, read_identification
@@ -87,7 +88,7 @@ def answer_of(source: Path, asked: ViewRequest) -> tuple[Dataset, Identification
     if not (source / DATASET_FILE).is_file():
         raise BenchError(f"{source}: neither a dataset ({DATASET_FILE}) nor a result ({RUN_FILE})")
     problem = asked.of(load_dataset(source))
-    return problem.dataset, identify(prepare(problem)), None
+    return problem.dataset, identify(prepare_checked(problem)), None
 
 
 def _read(folder: Path) -> SavedRun:
@@ -102,7 +103,9 @@ def _of_dataset(folder: Path, asked: ViewRequest) -> ViewedRun:
     problem = asked.of(load_dataset(folder))
     dataset = problem.dataset
     rungs = [asked.effects[:count] for count in range(len(asked.effects) + 1)]
-    models = [identify(prepare(replace(problem, effects=rung))) for rung in rungs]
+    prepared = prepare_checked(problem)
+    with_same = replace(problem, filters=prepared.settings)
+    models = [fit(prepare(replace(with_same, effects=rung))) for rung in rungs[:-1]] + [identify(prepared)]
     steps = tuple(
         LadderModel(word, model.recordings)
         for word, model in zip(step_labels(rungs), models[:-1], strict=False)
@@ -140,7 +143,7 @@ def _of_result(saved: SavedRun, asked: ViewRequest) -> ViewedRun:
     for word, rung, step in zip(words[:-1], rungs[:-1], diagnosis.ladder[:-1], strict=True):
         recordings = step.recordings
         if not recordings:
-            recordings = identify(prepare(replace(problem, effects=rung))).recordings
+            recordings = fit(prepare(replace(problem, effects=rung))).recordings
         steps.append(LadderModel(word, recordings))
     text = diagnosis_markdown(diagnosis)
     context = _context(judged, after, tuple(steps), text, truth=asked.truth, logged=dataset)

@@ -57,12 +57,14 @@ from bench.diagnosis.starting import given_wholly, kept_and_new, leaving, origin
 from bench.diagnosis.unexplained import unexplained
 from bench.diagnosis.verdicts import judged_error, undecided, verdicts
 from bench.effects import EffectInstance
+from bench.identification.bandwidth import with_band_checked
+from bench.identification.chosen_band import prepare_checked
 from bench.identification.findings import with_other_values
 from bench.identification.identify import fit
 from bench.identification.impossible_payload import with_possible_payloads
 from bench.identification.noise_let_through import with_noise_heard
 from bench.identification.nonlinear import converged
-from bench.identification.prepare import Prepared, prepare
+from bench.identification.prepare import Prepared
 from bench.identification.problem import Problem
 from bench.identification.result import Identification, relative_error
 from bench.identification.widened import gains_widened
@@ -118,7 +120,8 @@ def diagnose_with_catalogue(problem: Problem, progress: Progress = SILENT) -> Di
     compete; each must earn its place.
     """
     case = split_and_fitted(problem, progress)
-    return answered(case, search_catalogue(case, progress), progress)
+    finding = search_catalogue(case, progress)
+    return band_checked(finding, answered(case, finding, progress))
 
 
 def split_and_fitted(
@@ -128,7 +131,7 @@ def split_and_fitted(
     progress.phase("preparing the recordings")
     dataset, held_out = with_held_out_parts(problem.dataset)
     problem = replace(problem, dataset=dataset)
-    start = prepare(problem)
+    start = prepare_checked(problem)
     progress.phase("fitting the model as it is")
     start = converged(start)
     return SplitProblem(problem, held_out, start, fit(start), deadline)
@@ -308,6 +311,11 @@ def answered(case: SplitProblem, finding: SearchResult, progress: Progress = SIL
         superfluous=finding.superfluous,
         unfinished=tuple(unfinished),
     )
+
+
+def band_checked(finding: SearchResult, diagnosis: Diagnosis) -> Diagnosis:
+    """The answer with standard errors that hold what it is in half of the band."""
+    return replace(diagnosis, after=with_band_checked(finding.model, diagnosis.after, fit))
 
 
 def _where_possible(

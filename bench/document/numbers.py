@@ -22,6 +22,7 @@ STD_FROM: dict[StdFrom, str] = {
     "periods": "errors that return with the motion: the model's own outweighs noise, however often the motion is made",
     "models": "how the estimate differs between models that explain the data as well",
     "instruments": "how the estimate differs from that of instrumental variables: the filters let noise through",
+    "bandwidth": "how the estimate differs from that in another band of frequencies",
     "payload": "how the estimate differs from that with the payload as a point, which real bodies allow",
 }
 

@@ -37,6 +37,8 @@ class Code(StrEnum):
     HARDLY_APART = auto()
     NOT_SETTLED = auto()
     PERIODS_NOT_WHOLE = auto()
+    BAND_NARROWED = auto()
+    BAND_MATTERS = auto()
     # what cannot be so
     GAINS_A_THOUSAND = auto()
     GAINS_A_THOUSANDTH = auto()

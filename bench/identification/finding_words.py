@@ -339,6 +339,16 @@ WORDS: Mapping[Code, Callable[[Finding], str]] = {
     Code.LOCKED: _locked,
     **dict.fromkeys(CODES.values(), scale_sentence),
     Code.PERIODS_NOT_WHOLE: _not_whole,
+    Code.BAND_NARROWED: lambda finding: (
+        f"The fit uses {finding.numbers['band']:.3g} Hz of the {finding.numbers['rejected']:.3g} Hz that the spectra "
+        "suggest: in a wider band the parameters of rigid bodies and friction move by more than their standard errors, "
+        "since the accelerations hold noise. Standard errors include what still moves."
+    ),
+    Code.BAND_MATTERS: lambda finding: (
+        f"In half of the {finding.numbers['band']:.3g} Hz of the fit the parameters differ by more than their standard "
+        "errors; these include the difference. The accelerations hold noise there, or the model lacks something: "
+        "compare `--filter decimation=N` with a larger N."
+    ),
     Code.RANK_DEFICIENT: _rank,
     Code.ILL_CONDITIONED: _ill_conditioned,
     Code.TAKEN_UP: _taken_up,

@@ -9,6 +9,7 @@ from bench.basics.threads import on_one_thread
 from bench.dataset.recording import Recording
 from bench.effects import EffectInstance
 from bench.identification.bad_stretches import bad_stretches
+from bench.identification.bandwidth import with_band_checked
 from bench.identification.bounds import columns_of, within_bounds
 from bench.identification.closed_loop import commanded_currents
 from bench.identification.column_errors import column_errors
@@ -39,13 +40,14 @@ def identify(
 
     method: one of bench.identification.estimators. deviations: how standard errors are computed. essential: leave out
     base parameters that the data do not need. A payload whose inertia no body can have is held against one that can be,
-    and the answer against what the noise that filters let through does to it.
+    and the answer against what the noise that filters let through does to it, and against that in half of the band.
     """
 
     def fitted(problem: Prepared, by: str = method) -> Identification:
         return fit(problem, by, deviations=deviations, essential=essential)
 
-    return with_noise_heard(prepared, with_possible_payloads(prepared, fitted(prepared), fitted), fitted)
+    answer = with_noise_heard(prepared, with_possible_payloads(prepared, fitted(prepared), fitted), fitted)
+    return with_band_checked(prepared, answer, lambda problem: fitted(problem, DEFAULT_METHOD))
 
 
 @on_one_thread

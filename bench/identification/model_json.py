@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Sequence
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from typing import Any
 
 import numpy as np
@@ -11,6 +11,7 @@ from bench.basics.plain_data import finite
 from bench.dataset.robot_locked import locked_as_data, locked_from_data
 from bench.identification.finding import Code, Finding, Unknown
 from bench.identification.result import (
+    BandPoint,
     CurrentSeries,
     DriveGain,
     ErrorSummary,
@@ -76,6 +77,7 @@ def to_json(
         "deviations": result.deviations,
         "std_from": result.std_from,
         "settings": asdict(result.settings),
+        "bandwidths": [_band_point(point) for point in result.bandwidths],
         "covariance": result.covariance.tolist(),
         "covariance_rows": [asdict(unknown) for unknown in result.covariance_rows],
         "recordings": [
@@ -129,7 +131,23 @@ def from_json(content: dict[str, Any]) -> Identification:
         std_from=content.get("std_from", "noise"),
         redundant=tuple(content.get("redundant", ())),
         locked=locked_from_data(content.get("locked", {})),
+        bandwidths=tuple(map(_band_point_from, content.get("bandwidths", ()))),
     )
+
+
+def _band_point(point: BandPoint) -> dict[str, Any]:
+    values = [
+        {**asdict(unknown), "value": value, "std": std} for unknown, (value, std) in point.values.items()
+    ]
+    return {**asdict(replace(point, values={})), "values": values}
+
+
+def _band_point_from(content: dict[str, Any]) -> BandPoint:
+    values = {
+        Unknown(row["kind"], row["name"], row["place"], row["effect"]): (row["value"], row["std"])
+        for row in content["values"]
+    }
+    return BandPoint(**{**content, "values": values})
 
 
 def _finding(finding: Finding) -> dict[str, Any]:

@@ -77,6 +77,19 @@ class ErrorSummary:
     by_recording: Mapping[str, float]
 
 
+@dataclass(frozen=True)
+class BandPoint:
+    """The same model in one band, Hz, with the cut-off of positions, Hz: its errors, and values with their standard
+    errors.
+    """
+
+    band: float
+    position_cutoff: float
+    error_identify: float | None
+    error_validate: float | None
+    values: Mapping[Unknown, tuple[float, float]]
+
+
 @dataclass(frozen=True, repr=False)
 class CurrentSeries:
     """Measured and modelled currents of one recording at the fit's rate: time (M,) s, others (M, n).
@@ -131,6 +144,7 @@ class Identification:
     findings: what limits the answer.
     std_from: what standard deviations stand for. redundant: the motors, last of the drive gains, whose currents are
     given and not modelled, since the motion tells the sum of the powers alone. locked: joints that robot.toml holds.
+    bandwidths: the same model in other bands, where that was looked at, the widest first, this one included.
     """
 
     robot: str
@@ -156,6 +170,7 @@ class Identification:
     std_from: StdFrom = "noise"
     redundant: tuple[str, ...] = ()
     locked: tuple[LockedJoint, ...] = ()
+    bandwidths: tuple[BandPoint, ...] = ()
 
     @property
     def joints(self) -> tuple[str, ...]:

@@ -23,10 +23,10 @@ MOST_LAGS = 64  # rows: 25 periods of the fit's highest frequency, and more than
 MATERIAL = 1.2  # rows of different periods that count as one: more are worth a word
 
 Deviations = Literal["autocorrelated", "independent"]
-StdFrom = Literal["noise", "blocks", "periods", "models", "instruments", "payload"]
+StdFrom = Literal["noise", "blocks", "periods", "models", "instruments", "payload", "bandwidth"]
 """What standard errors stand for: the error as a noise, the scatter of the estimate between parts of the recordings,
 the error as one that returns with the motion, the spread over models that explain the data as well, the distance from
-instrumental variables, or that from a payload that can be."""
+instrumental variables, that from a payload that can be, or that from the estimate in another band."""
 
 
 @dataclass(frozen=True)

@@ -14,6 +14,7 @@ from bench.diagnosis.catalogue_search import (
     SearchResult,
     SplitProblem,
     answered,
+    band_checked,
     search_catalogue,
     search_from,
     split_and_fitted,
@@ -105,13 +106,14 @@ def _found(case: SplitProblem, discover: bool | None, believed: bool, progress: 
     plain = answered(case, finding, progress)
     if finding.unfinished:
         return _without_laws(plain, discover)
-    best = plain
+    best = _Answer(finding, (), plain)
     try:
-        for better in _with_more(case, _Answer(finding, (), plain), discover, believed, progress):
-            best = better.diagnosis
+        for better in _with_more(case, best, discover, believed, progress):
+            best = better
     except TimeUpError:
-        return _without_laws(best, discover)
-    return best
+        return _without_laws(best.diagnosis, discover)
+    progress.phase("looking at half of the band")
+    return band_checked(best.finding, best.diagnosis)
 
 
 def _without_laws(diagnosis: Diagnosis, discover: bool | None) -> Diagnosis:

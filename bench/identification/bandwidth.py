@@ -1,0 +1,123 @@
+"""Is the answer the same in half of the band? The choice of the filters is checked by its own result.
+
+Noise of positions that is not white, a jitter of the clock or rows that are repeated hide in the motion's spectrum, and
+bias an observation matrix in all of the band that was read off it. An estimate from half of the band has other errors,
+and the difference of the two shows it (Hausman, "Specification tests in econometrics", 1978).
+"""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
+from math import hypot, isfinite
+
+import numpy as np
+
+from bench.basics.chi_squared import exceeded_with
+from bench.identification.blocks import SHORTEST, SURPRISING
+from bench.identification.by_unknown import Estimate, estimates
+from bench.identification.estimators import DEFAULT_METHOD
+from bench.identification.finding import Code, Finding, Unknown
+from bench.identification.nonlinear import converged
+from bench.identification.prepare import Prepared, prepare, with_effects
+from bench.identification.problem import Problem
+from bench.identification.result import BandPoint, Identification
+from bench.identification.widened import widened
+from bench.signals.settings import FEWEST_SAMPLES, FilterSettings, settled_border
+
+Fit = Callable[[Prepared], Identification]
+
+
+def with_band_checked(prepared: Prepared, result: Identification, fitted: Fit) -> Identification:
+    """The answer with standard errors that hold by how much its values move in half of the band, beyond what noise
+    makes of it; where filters were rejected for it, all of that, and the distance from the narrowest of these.
+
+    fitted: makes an answer of the same model in another band. The answer has the points of the curve.
+    """
+    here = result if result.method == DEFAULT_METHOD else fitted(prepared)
+    half = narrower(prepared)
+    lower = None if half is None else fitted(half)
+    wider = [fitted(_with_settings(prepared, settings)) for settings in prepared.rejected[-1:]]
+    others = [*wider, *([] if lower is None else [lower])]
+    if not others:
+        return result
+    points = tuple(
+        sorted((_point(prepared, answer) for answer in (here, *others)), key=lambda point: -point.band)
+    )
+    apart = _apart(here, others, all_of_it=bool(prepared.rejected))
+    answer = replace(widened(result, apart, "bandwidth"), bandwidths=points)
+    rate = prepared.dataset.recordings[0].rate
+    numbers = {"band": prepared.settings.band(rate)}
+    if prepared.rejected:
+        numbers["rejected"] = prepared.rejected[0].band(rate)
+        return replace(answer, findings=(*answer.findings, Finding(Code.BAND_NARROWED, numbers=numbers)))
+    if lower is not None and moved(here, lower):
+        return replace(answer, findings=(*answer.findings, Finding(Code.BAND_MATTERS, numbers=numbers)))
+    return answer
+
+
+def narrower(prepared: Prepared) -> Prepared | None:
+    """The same model in half of the band; None where that leaves too few samples, of a recording or of a motor."""
+    settings = prepared.settings
+    fitted = [recording for recording in prepared.dataset.recordings if recording.use == "identify"]
+    shortest = min(len(recording.time) for recording in fitted)
+    decimation = 2 * settings.decimation
+    if shortest // decimation < FEWEST_SAMPLES:
+        return None
+    cutoff = 0.5 * settings.position_cutoff
+    border = settled_border(cutoff, fitted[0].rate, shortest)
+    half = _with_settings(
+        prepared,
+        replace(settings, position_cutoff=cutoff, decimation=decimation, border=(border, border)),
+    )
+    rows = np.sum([observation.moving.sum(axis=0) for observation in half.fitted], axis=0)
+    unknowns = half.layout.size + int(half.gains.is_fitted.sum())
+    if np.any((rows > 0) & (rows < SHORTEST)) or rows.sum() < 2 * unknowns:
+        return None
+    return half
+
+
+def _with_settings(prepared: Prepared, settings: FilterSettings) -> Prepared:
+    """The same model by other filters."""
+    plain = prepare(Problem(prepared.dataset, {}, (), settings, fit_gains=False))
+    model = with_effects(replace(plain, scale=prepared.scale), prepared.effects, prepared.present)
+    return converged(model, nearly=True)
+
+
+def moved(here: Identification, there: Identification) -> bool:
+    """Whether values move by more than their errors, all together, than chance would make them."""
+    squares = [(a.value - b.value) ** 2 / (a.std**2 + b.std**2) for a, b in _both(here, there).values()]
+    return bool(squares) and sum(squares) > exceeded_with(SURPRISING, len(squares))
+
+
+def _apart(
+    here: Identification, others: Sequence[Identification], *, all_of_it: bool
+) -> Mapping[Unknown, float]:
+    """Standard errors that hold how far values are from others, beyond their errors or all of it, by unknown."""
+    found: dict[Unknown, float] = {}
+    for there in others:
+        for unknown, (a, b) in _both(here, there).items():
+            noise = 0.0 if all_of_it else a.std**2 + b.std**2
+            beyond = max((a.value - b.value) ** 2 - noise, 0.0)
+            found[unknown] = max(found.get(unknown, 0.0), hypot(a.std, beyond**0.5))
+    return found
+
+
+def _both(here: Identification, there: Identification) -> dict[Unknown, tuple[Estimate, Estimate]]:
+    """Values with a standard error in both answers, by unknown."""
+    first, second = estimates(here), estimates(there)
+    return {
+        unknown: (value, second[unknown])
+        for unknown, value in first.items()
+        if unknown in second
+        and all(each.std > 0.0 and isfinite(each.std) for each in (value, second[unknown]))
+    }
+
+
+def _point(prepared: Prepared, answer: Identification) -> BandPoint:
+    rate = prepared.dataset.recordings[0].rate
+    return BandPoint(
+        answer.settings.band(rate),
+        answer.settings.position_cutoff,
+        answer.error.identify,
+        answer.error.validate,
+        {unknown: (each.value, each.std) for unknown, each in estimates(answer).items() if each.std > 0.0},
+    )
