@@ -1,6 +1,7 @@
 """Rows that were computed before, kept for when they are asked for again."""
 
 from collections.abc import Hashable
+from math import prod
 from typing import Generic, TypeVar
 
 import numpy as np
@@ -49,7 +50,7 @@ class LeastAsked(Generic[Value]):
 
 
 class KeptRows:
-    """Arrays (M, n, k) as `LeastAsked` has them.
+    """Arrays (M, ...) as `LeastAsked` has them.
 
     Where most columns are zero, as those of an effect at one motor are, only the others take memory.
     """
@@ -70,12 +71,12 @@ class KeptRows:
         shape, filled, values = part
         if filled is None:
             return values
-        rows = np.zeros((shape[0], shape[1] * shape[2]))
+        rows = np.zeros((shape[0], prod(shape[1:])))
         rows[:, filled] = values
         return rows.reshape(shape)
 
     def keep(self, key: Hashable, rows: np.ndarray) -> None:
-        """Keep an array (M, n, k), which nobody may change from now on."""
+        """Keep an array (M, ...), which nobody may change from now on."""
         flat = rows.reshape(len(rows), -1)
         filled = np.flatnonzero(flat.any(axis=0))
         sparse = 2 * len(filled) < flat.shape[1]

@@ -2,7 +2,7 @@
 
 from dataclasses import replace
 
-from bench.identification.bandwidth import moved, narrower
+from bench.identification.bandwidth import moved, narrower, sharper
 from bench.identification.identify import fit
 from bench.identification.prepare import Prepared, prepare
 from bench.identification.problem import Problem
@@ -14,7 +14,8 @@ FRICTION = ("viscous_friction", "coulomb_friction", "constant_offset")
 
 def prepare_checked(problem: Problem) -> Prepared:
     """As `prepare`, with filters that are chosen narrower until the parameters of rigid bodies and friction no longer
-    move by more than their errors where the band is halved. Filters that are given, in part too, stay.
+    move by more than their errors where the band is halved, nor have clearly smaller ones. Filters that are given, in
+    part too, stay.
     """
     prepared = prepare(problem)
     if problem.filters:
@@ -25,7 +26,7 @@ def prepare_checked(problem: Problem) -> Prepared:
     here, rejected = fit(model), list[FilterSettings]()
     while (half := narrower(model)) is not None:
         there = fit(half)
-        if not moved(here, there):
+        if not (moved(here, there) or sharper(here, there)):
             break
         rejected.append(model.settings)
         model, here = half, there
