@@ -115,6 +115,8 @@ _CARRIES = {  # names, numbers, whether it is of unknowns
     Code.HARDLY_APART: (_NONE, "wider", True),
     Code.NOT_SETTLED: (_NONE, "", True),
     Code.PERIODS_NOT_WHOLE: (st.tuples(effects, names), "periods std", False),
+    Code.BAND_NARROWED: (_NONE, "band rejected decimation", False),
+    Code.BAND_MATTERS: (_NONE, "band decimation", False),
     Code.GAINS_A_THOUSAND: (_NONE, "", False),
     Code.GAINS_A_THOUSANDTH: (_NONE, "", False),
     Code.NO_MODEL_IS_BETTER: (_NONE, "error", False),
@@ -165,7 +167,11 @@ findings = st.sampled_from(list(Code)).flatmap(findings_of)
 
 # --- diagnoses ----------------------------------------------------------------------------------------------
 
-_REASON_NAMES = {Because.TAKEN_UP: some(names, 0, 1), Because.IMPOSSIBLE: some(names, 1, 2)}
+_REASON_NAMES = {
+    Because.TAKEN_UP: some(names, 0, 1),
+    Because.IMPOSSIBLE: some(names, 1, 2),
+    Because.CANCELS: some(names, 1, 1),
+}
 
 
 def reasons_of(because: Because):

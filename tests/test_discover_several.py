@@ -9,7 +9,7 @@ from bench.diagnosis.discovery import find
 from bench.diagnosis.reason import Because, Reason
 from bench.effects import CATALOGUE, EffectInstance
 
-ONE = SimpleNamespace(laws=("law",), diagnosis="one law")
+ONE = SimpleNamespace(laws=("law",), diagnosis="one law", finding=None)
 
 
 @pytest.mark.parametrize(
@@ -37,9 +37,12 @@ def test_one_law_is_tried_for_several_frictions(
     monkeypatch.setattr(find, "answered", lambda *_: plain)
     monkeypatch.setattr(find, "something_left", lambda _: left)
     monkeypatch.setattr(find, "search_laws", lambda *_: laws)
-    monkeypatch.setattr(find, "_with_laws", lambda *_: SimpleNamespace(laws=("term",), diagnosis="laws"))
+    monkeypatch.setattr(
+        find, "_with_laws", lambda *_: SimpleNamespace(laws=("term",), diagnosis="laws", finding=None)
+    )
     monkeypatch.setattr(find, "_with_one_for_several", lambda *_: ONE)
     monkeypatch.setattr(find, "_with_tables", lambda _, answer, __: answer)
+    monkeypatch.setattr(find, "band_checked", lambda _, diagnosis: diagnosis)
     case: Any = None
     found = find._found(case, discover, True, find.SILENT)
     assert ("frictions" if found is plain else found) == told
@@ -60,6 +63,7 @@ def test_an_effect_that_was_not_needed_may_be_found_beside_a_law(monkeypatch: py
     monkeypatch.setattr(find, "search_laws", lambda _, __, never, ___: asked.append(never))
     monkeypatch.setattr(find, "_with_one_for_several", lambda *_: ONE)
     monkeypatch.setattr(find, "_with_tables", lambda _, answer, __: answer)
+    monkeypatch.setattr(find, "band_checked", lambda _, diagnosis: diagnosis)
     case: Any = None
     find._found(case, None, True, find.SILENT)
     assert [list(never) for never in asked] == [["stribeck_friction"]]

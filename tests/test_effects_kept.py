@@ -29,13 +29,14 @@ def test_rows_come_back_as_they_were_and_the_oldest_go_first() -> None:
         np.testing.assert_array_equal(found[:, 1, 2], i + 1.0)
         assert found.shape == rows.shape
 
+        assert np.count_nonzero(found) == 100
+
 
 def test_rows_without_motors_come_back_too() -> None:
     kept, rows = KeptRows(), np.zeros((5, 8))
     rows[:, 3] = 2.0
     kept.keep("bearing", rows)
     np.testing.assert_array_equal(kept.get("bearing"), rows)
-        assert np.count_nonzero(found) == 100
 
 
 def test_effects_are_computed_once_for_a_model_and_again_for_another(

@@ -35,6 +35,7 @@ from bench.diagnosis.own_values import (
     with_own_values,
 )
 from bench.diagnosis.pruning import (
+    cancelling_effect,
     impossible_but_needed,
     impossible_effects,
     refused,
@@ -327,7 +328,8 @@ def _where_possible(
     stayed = {(instance.effect.name, instance.place) for instance in kept.effects}
     dropped = [instance for instance in model.effects if (instance.effect.name, instance.place) not in stayed]
     found = kept.effects[len(origin.start.effects) :]
-    return kept, after, impossible_effects(after, found) | impossible_but_needed(whole, after, dropped)
+    out = impossible_effects(after, found) | impossible_but_needed(whole, after, dropped)
+    return kept, after, out or cancelling_effect(after, found)
 
 
 def _where_it_shows(

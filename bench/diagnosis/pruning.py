@@ -3,12 +3,17 @@
 from collections.abc import Sequence
 from dataclasses import replace
 
+import numpy as np
+
 from bench.diagnosis.reason import Because, Reason
 from bench.diagnosis.result import EffectVerdict, LadderStep
 from bench.diagnosis.search import MATERIAL
 from bench.effects import EffectInstance
 from bench.identification.result import Identification
 
+CANCELS = (
+    5.0  # times a motor's torque: a spring that balances 80 % of a weight has four times what the motor gives
+)
 SHOWS = 3.0  # deviations by which a parameter must differ from zero for its effect to show at a joint
 
 
@@ -45,6 +50,20 @@ def impossible_but_needed(
             if parameter.positive and value.value < -SHOWS * value.std:
                 reasons[instance.effect.name] = Reason(Because.IMPOSSIBLE, (parameter.name, instance.place))
     return reasons
+
+
+def cancelling_effect(result: Identification, added: Sequence[EffectInstance]) -> dict[str, Reason]:
+    """The effect added last, of those with a torque many times all that a motor gives: it cancels another, or the
+    model's own parameters, and has no size by itself.
+    """
+    fitted = [trace for trace in result.recordings if trace.use == "identify"]
+    for name in reversed(list(dict.fromkeys(instance.effect.name for instance in added))):
+        for j, (joint, gain) in enumerate((joint, result.drive_gains[joint]) for joint in result.joints):
+            torque = sum(np.nansum(trace.by_effect[name][:, j] ** 2) for trace in fitted)
+            whole = sum(np.sum((gain.value * trace.measured * trace.moving)[:, j] ** 2) for trace in fitted)
+            if torque > CANCELS**2 * whole:
+                return {name: Reason(Because.CANCELS, (joint,))}
+    return {}
 
 
 def superfluous_effect(ladder: Sequence[LadderStep]) -> dict[str, Reason]:

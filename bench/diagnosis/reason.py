@@ -16,6 +16,7 @@ class Because(StrEnum):
     IMPOSSIBLE = (
         "impossible"  # a parameter is negative that cannot be [parameter, its place if not everywhere]
     )
+    CANCELS = "cancels"  # its torque is many times all that a motor gives [the motor]
     NOT_NEEDED = "not needed"  # the other found effects do as well without it
 
 

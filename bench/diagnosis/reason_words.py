@@ -112,6 +112,10 @@ WORDS: Mapping[Because, Callable[[EffectVerdict], str]] = {
     Because.GAINS_LITTLE: lambda verdict: _adding(verdict, "gains too little to be sure"),
     Because.TAKEN_UP: _taken_up,
     Because.IMPOSSIBLE: _impossible,
+    Because.CANCELS: lambda verdict: (
+        f"{begun(verdict.effect)} would need a torque at {verdict.why.names[0]} many times all that the motor gives, "
+        "which other terms of the model would have to cancel"
+    ),
     Because.NOT_NEEDED: lambda verdict: (
         f"{begun(verdict.effect)} is not needed where the other found effects are fitted anew without it"
     ),

@@ -5,6 +5,7 @@ from collections.abc import Callable, Mapping
 from bench.dataset.heavy_payload import HeavyPayload
 from bench.effects.display_names import begun, spoken
 from bench.effects.select import ROBOT, TAG
+from bench.identification.band_words import BAND_WORDS
 from bench.identification.finding import UNBELIEVABLE, Code, Finding, Unknown
 from bench.identification.scale_words import CODES, scale_sentence
 from bench.identification.wording import and_list, in_percent, with_error
@@ -339,16 +340,7 @@ WORDS: Mapping[Code, Callable[[Finding], str]] = {
     Code.LOCKED: _locked,
     **dict.fromkeys(CODES.values(), scale_sentence),
     Code.PERIODS_NOT_WHOLE: _not_whole,
-    Code.BAND_NARROWED: lambda finding: (
-        f"The fit uses {finding.numbers['band']:.3g} Hz of the {finding.numbers['rejected']:.3g} Hz that the spectra "
-        "suggest: in a wider band the parameters of rigid bodies and friction move by more than their standard errors, "
-        "since the accelerations hold noise. Standard errors include what still moves."
-    ),
-    Code.BAND_MATTERS: lambda finding: (
-        f"In half of the {finding.numbers['band']:.3g} Hz of the fit the parameters differ by more than their standard "
-        "errors; these include the difference. The accelerations hold noise there, or the model lacks something: "
-        "compare `--filter decimation=N` with a larger N."
-    ),
+    **BAND_WORDS,
     Code.RANK_DEFICIENT: _rank,
     Code.ILL_CONDITIONED: _ill_conditioned,
     Code.TAKEN_UP: _taken_up,

@@ -21,6 +21,7 @@ from bench.identification.identifiability_of_effects import identifiable_columns
 from bench.identification.impossible_payload import with_possible_payloads
 from bench.identification.newton import with_shape_columns
 from bench.identification.noise_let_through import with_noise_heard
+from bench.identification.nonlinear import converged
 from bench.identification.prepare import Prepared
 from bench.identification.result import CurrentSeries, Identification
 from bench.identification.simulated import columns_at, simulated_columns
@@ -42,6 +43,7 @@ def identify(
     base parameters that the data do not need. A payload whose inertia no body can have is held against one that can be,
     and the answer against what the noise that filters let through does to it, and against that in half of the band.
     """
+    prepared = converged(prepared)
 
     def fitted(problem: Prepared, by: str = method) -> Identification:
         return fit(problem, by, deviations=deviations, essential=essential)

@@ -1,0 +1,28 @@
+"""What the parameters do in half of the band, in words."""
+
+from collections.abc import Callable, Mapping
+
+from bench.identification.finding import Code, Finding
+
+
+def _narrowed(finding: Finding) -> str:
+    band, rejected = finding.numbers["band"], finding.numbers["rejected"]
+    return (
+        f"The fit uses frequencies up to {band:.3g} Hz. The spectra suggest {rejected:.3g} Hz, but there parameters "
+        "of rigid bodies and friction move by more than their standard errors when the band is halved: the "
+        "accelerations hold noise. Standard errors include the difference that remains."
+    )
+
+
+def _matters(finding: Finding) -> str:
+    return (
+        f"With half of the band of {finding.numbers['band']:.3g} Hz the parameters differ by more than their standard "
+        "errors; the stated ones include the difference. Either the accelerations hold noise, or the model lacks an "
+        f"effect: try `--decimation {2 * finding.numbers['decimation']:.0f}`."
+    )
+
+
+BAND_WORDS: Mapping[Code, Callable[[Finding], str]] = {
+    Code.BAND_NARROWED: _narrowed,
+    Code.BAND_MATTERS: _matters,
+}
