@@ -115,6 +115,7 @@ _CARRIES = {  # names, numbers, whether it is of unknowns
     Code.HARDLY_APART: (_NONE, "wider", True),
     Code.NOT_SETTLED: (_NONE, "", True),
     Code.PERIODS_NOT_WHOLE: (st.tuples(effects, names), "periods std", False),
+    Code.ROWS_REPEATED: (_SOME, "share", False),
     Code.BAND_NARROWED: (_NONE, "band rejected decimation", False),
     Code.BAND_MATTERS: (_NONE, "band decimation", False),
     Code.GAINS_A_THOUSAND: (_NONE, "", False),

@@ -1,11 +1,14 @@
 """What is said of a time column: its unit, its rate, and the stretches between its gaps."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 
 from bench.basics.files.recording_fault import Remedy
 from bench.dataset.recording_faults import _between_gaps
-from bench.dataset.sampling import time_fault
+from bench.dataset.logs.segments import UNCUT, cut
+from bench.dataset.sampling import on_uniform_grid, repeated_rows, time_fault
 
 
 @pytest.mark.parametrize(
@@ -30,3 +33,39 @@ def test_windows_are_offered_that_have_enough_samples():
     assert _between_gaps(lost).startswith("window = [[0.004, 0.398], [0.408, 1.198]] beside its file name")
     short = np.delete(0.002 * np.arange(300), [80, 81, 82, 160, 161, 162, 240, 241, 242])
     assert _between_gaps(short) == "no stretch between gaps has the 100 samples that are needed"
+
+
+def test_rows_that_a_fast_logger_repeats_are_not_measurements():
+    time = 0.005 * np.arange(400)
+    smooth = np.stack([np.sin(3.0 * time), np.cos(2.0 * time)], axis=1)
+    source = np.maximum.accumulate(np.where(np.arange(400) % 7 == 3, 0, np.arange(400)))
+    held = repeated_rows(smooth[source], smooth[source])
+    np.testing.assert_array_equal(np.flatnonzero(held), np.arange(3, 400, 7))
+    grid, position, current, extra = on_uniform_grid(
+        time, smooth[source], smooth[source], {"more": np.arange(400.0)}
+    )
+    assert np.abs(position - smooth).max() < 1e-6
+    assert np.abs(smooth[source] - smooth).max() > 1e-2
+    np.testing.assert_array_equal(extra["more"], np.arange(400.0))
+
+
+def test_a_robot_that_stands_still_repeats_nothing():
+    values = np.zeros((400, 2))
+    values[200:] = np.sin(0.01 * np.arange(200))[:, None]
+    assert not repeated_rows(values, values).any()
+
+
+@pytest.mark.parametrize(
+    ("late", "parts"),
+    [([0], 1), ([10_000], 2), (list(range(200, 20_000, 200)), 1)],
+    ids=["first", "one", "many"],
+)
+def test_a_gap_costs_that_place_and_not_the_log(late, parts):
+    """20 ms in 40 s; where so many are lost that no piece is long enough, the log stays whole, and is refused."""
+    steps = np.full(20_000, 0.002)
+    steps[late] = 0.02
+    time = np.concatenate(([0.0], np.cumsum(steps)))
+    segments, notes = cut(Path("log.csv"), {"time": time}, "identify", "log.csv", UNCUT)
+    assert len(segments) == parts
+    assert sum(segment.rows for segment in segments) >= 0.99 * time.size
+    assert bool(notes) == (len(late) == 1)

@@ -32,6 +32,7 @@ class Recording:
       logged velocities
     - `part_of`: the log that this is a part of, by name; empty: a log by itself
     - `started`: when that log begins, s; None: with the first sample
+    - `held`: share of the log's rows that repeated the one before, and were taken as if they were not there
     - `redundant`: (N, r) current references of the robot's redundant motors, in their order; None: it has none
     """
 
@@ -45,6 +46,7 @@ class Recording:
     part_of: str = ""
     started: float | None = None
     redundant: Array | None = None
+    held: float = 0.0
 
     def __repr__(self) -> str:
         carried = f", payload {self.payload}" if self.payload is not None else ""

@@ -16,7 +16,7 @@ from bench.dataset.names import Use
 from bench.dataset.recording import Recording, position_column
 from bench.dataset.recording_faults import faults_of, listed
 from bench.dataset.recording_window import WHOLE, Window
-from bench.dataset.sampling import on_uniform_grid
+from bench.dataset.sampling import on_uniform_grid, repeated_rows
 
 
 def load_recordings(
@@ -80,13 +80,14 @@ def recording_from_table(
         c: table.numbers(c) for c in table.columns if c and c not in ("time", *columns) and table.is_plain(c)
     }
     n = len(joints)
+    held = float(repeated_rows(signals[:, :n], signals[:, n:]).mean())
     time, position, current, extra = on_uniform_grid(time, signals[:, :n], signals[:, n:], extra)
     first = n - sum(joint.redundant for joint in joints)
     if first == n:
-        return Recording(name, use, payload, time, position, current, extra)
+        return Recording(name, use, payload, time, position, current, extra, held=held)
     extra |= {position_column(joints[j].name): position[:, j] for j in range(first, n)}
     own, theirs = (np.ascontiguousarray(values[:, :first]) for values in (position, current))
-    return Recording(name, use, payload, time, own, theirs, extra, redundant=current[:, first:])
+    return Recording(name, use, payload, time, own, theirs, extra, redundant=current[:, first:], held=held)
 
 
 def _check_columns(table: FileTable, needed: Sequence[str]) -> None:

@@ -30,6 +30,8 @@ FASTEST_USUAL = 0.25e-3  # s: stamps of 0.1 are 10 Hz in seconds rather than 10 
 FASTEST_STEP = 5e-6  # s: and slower than 200 kHz
 UNIFORM = 1e-3  # of a step: stamps this near to a uniform grid are on it
 SMOOTHER = 0.9  # a spline smooths a little noise by itself; less than this is the stamps' merit
+HELD = 1e-2  # of the rows: fewer that repeat the one before are chance, of coarse encoders and currents
+LONGEST_HELD = 10  # rows in a row: one in eight by chance are never so many; a robot that rests repeats more
 TINY = 1e-300
 GAP = 1.5  # steps: a longer one is a gap, unless a neighbouring step makes good for it
 LIKE = {
@@ -141,11 +143,32 @@ def _more(count: int) -> str:
     return f" (and {count - 1} more)" if count > 1 else ""
 
 
+def repeated_rows(position: Array, current: Array) -> npt.NDArray[np.bool_]:
+    """Which rows (N,) of a moving robot repeat the one before, in all positions (N, n) and currents (N, n): the logger
+    wrote them though nothing new was there. None where hardly any does.
+    """
+    values = np.hstack([position, current])
+    repeated = np.append(False, np.all(values[1:] == values[:-1], axis=1))
+    repeated[-1] = False  # the grid ends with a measurement
+    fresh = np.flatnonzero(~repeated)
+    following = np.diff(fresh, append=len(values)) - 1  # rows that repeat each fresh one
+    moves = np.append(np.any(np.diff(position[fresh], axis=0) != 0.0, axis=1), False)
+    held = repeated & np.repeat(moves & (following <= LONGEST_HELD), following + 1)
+    return held if held.mean() > HELD else np.zeros_like(held)
+
+
 def on_uniform_grid(
     time: Array, position: Array, current: Array, extra: Mapping[str, Array]
 ) -> tuple[Array, Array, Array, dict[str, Array]]:
-    """A recording's time (N,), position (N, n), current (N, n) and other columns (N,) on a uniform grid."""
+    """A recording's time (N,), position (N, n), current (N, n) and other columns (N,) on a uniform grid, without
+    rows that repeat the one before.
+    """
     grid = np.linspace(time[0], time[-1], time.size)
+    fresh = ~repeated_rows(position, current)
+    if not fresh.all():
+        read = cubic_spline(time[fresh], np.hstack([position, current])[fresh])(grid)
+        n, chosen = position.shape[1], nearest(time, grid)
+        return grid, read[:, :n], read[:, n:], {name: values[chosen] for name, values in extra.items()}
     away = np.abs(time - grid).max() / (grid[1] - grid[0])
     if away <= UNIFORM:
         return time, position, current, dict(extra)

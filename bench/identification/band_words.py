@@ -1,8 +1,9 @@
-"""What the parameters do in half of the band, in words."""
+"""What logs hold beside the motion, and what the parameters do in half of the band, in words."""
 
 from collections.abc import Callable, Mapping
 
 from bench.identification.finding import Code, Finding
+from bench.identification.wording import and_list, in_percent
 
 
 def _narrowed(finding: Finding) -> str:
@@ -22,7 +23,15 @@ def _matters(finding: Finding) -> str:
     )
 
 
+def _repeated(finding: Finding) -> str:
+    return (
+        f"Of {and_list(finding.names)} up to {in_percent(finding.numbers['share'])} of the rows repeat the row before, "
+        "while the robot moves: the logger ran faster than the controller. They are not used; check the time base, too."
+    )
+
+
 BAND_WORDS: Mapping[Code, Callable[[Finding], str]] = {
+    Code.ROWS_REPEATED: _repeated,
     Code.BAND_NARROWED: _narrowed,
     Code.BAND_MATTERS: _matters,
 }

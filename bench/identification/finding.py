@@ -37,6 +37,7 @@ class Code(StrEnum):
     HARDLY_APART = auto()
     NOT_SETTLED = auto()
     PERIODS_NOT_WHOLE = auto()
+    ROWS_REPEATED = auto()
     BAND_NARROWED = auto()
     BAND_MATTERS = auto()
     # what cannot be so

@@ -100,12 +100,21 @@ def summarise(
         [
             *prepared.contradicted,
             *velocity_findings([(seen.recording.name, seen.logged) for seen in prepared.measured]),
+            *_repeated_rows(prepared),
             *without_own_values(prepared),
             *([Finding(Code.NOT_SETTLED, of=tuple(unknown for _, unknown in loose))] if loose else []),
             *hardly_apart(prepared.effects, spread.covariance, rows),
         ],
         scale_findings(prepared.scale),
     )
+
+
+def _repeated_rows(prepared: Prepared) -> list[Finding]:
+    """The logs with rows that repeat the one before."""
+    held = {
+        seen.recording.log: seen.recording.held for seen in prepared.measured if seen.recording.held > 0.0
+    }
+    return [Finding(Code.ROWS_REPEATED, tuple(held), (), {"share": max(held.values())})] if held else []
 
 
 def redundant_gains(prepared: Prepared, solution: Solution, std: np.ndarray) -> dict[str, DriveGain]:

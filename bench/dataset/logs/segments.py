@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 from pathlib import Path
 
@@ -15,10 +15,11 @@ from bench.basics.errors import BenchError
 from bench.basics.files.table import HUGE, SUFFIXES
 from bench.basics.plural import plural
 from bench.dataset.names import Use
-from bench.dataset.sampling import FEWEST, cut_rows
+from bench.dataset.sampling import FEWEST, cut_rows, gap_rows
 
 Array = npt.NDArray[np.float64]
 MOST = 5  # cuts of a kind that are told one by one
+LITTLE = 0.05  # of a log's rows: what gaps may cost without being asked
 SHORTEST = 2.0  # s: a piece between gaps that is worth a recording; filters take their share at both ends
 
 
@@ -45,7 +46,8 @@ class Segment:
 @dataclass(frozen=True)
 class Cutting:
     """How a log is cut. validate_fraction: the share at its end that is kept apart; shortest: s, of a piece between
-    cuts that is kept, None: a log with gaps, or time that goes back, is not cut (and refused when it is checked).
+    cuts that is kept, None: a log with gaps is cut where that costs little, else, or where time goes back, it is not
+    cut (and refused when it is checked).
     """
 
     validate_fraction: float = 0.0
@@ -67,6 +69,8 @@ def cut(
         raise BenchError(f"{name}: a recording's name is a file name that ends in {' or '.join(SUFFIXES)}")
     if not 0.0 <= fraction < 1.0 or (fraction and use != "identify"):
         raise BenchError(f"{file}: a part of 0 to 1 of a log to identify can be kept apart, not {fraction:g}")
+    if cutting.shortest is None and _costs_little(columns["time"]):
+        cutting = replace(cutting, shortest=SHORTEST)
     rows, lost = _measured(columns) if cutting.shortest is not None else (np.arange(columns["time"].size), 0)
     columns = {key: column[rows] for key, column in columns.items()} if lost else columns
     time = columns["time"]
@@ -109,6 +113,18 @@ def _measured(columns: Mapping[str, Array]) -> tuple[npt.NDArray[np.intp], int]:
 def _unmeasured(lost: int) -> tuple[str, ...]:
     rows = "1 row" if lost == 1 else f"{lost} rows"
     return (f"{rows} without a measurement left out",) if lost else ()
+
+
+def _costs_little(time: Array) -> bool:
+    """Whether a log has gaps, and the pieces between them that are long enough hold nearly all of it."""
+    if np.any(np.diff(time) <= 0.0) or not (gaps := gap_rows(time).tolist()):
+        return False
+    kept = [
+        end - first
+        for first, end in pairwise([0, *gaps, time.size])
+        if _long_enough(time, first, end, SHORTEST)
+    ]
+    return sum(kept) >= (1.0 - LITTLE) * time.size
 
 
 def _long_enough(time: Array, first: int, end: int, shortest: float) -> bool:
