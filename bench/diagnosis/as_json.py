@@ -52,6 +52,7 @@ def diagnosis_json(diagnosis: Diagnosis, *, words: bool = True) -> dict[str, Any
             for step in diagnosis.ladder
         ],
         "ranking": [_verdict(diagnosis, verdict, words) for verdict in diagnosis.ranking],
+        "sets": [asdict(probable) for probable in diagnosis.sets],
         "unexplained": _left(diagnosis, words),
         "differs_by_recording": [
             {**asdict(differing), "request": differing.request} for differing in diagnosis.differs
@@ -80,6 +81,7 @@ def _verdict(diagnosis: Diagnosis, verdict: EffectVerdict, words: bool) -> dict[
         "error_before": verdict.error_before,
         "error_after": verdict.error_after,
         "evidence": verdict.evidence,
+        "probability": verdict.probability,
         "verdict": verdict.verdict,
         "actuators": list(verdict.actuators),
         "alternatives": list(verdict.alternatives),

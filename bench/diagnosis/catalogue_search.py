@@ -34,6 +34,7 @@ from bench.diagnosis.own_values import (
     with_common_values,
     with_own_values,
 )
+from bench.diagnosis.posterior import posterior_of, with_probability
 from bench.diagnosis.pruning import (
     cancelling_effect,
     impossible_but_needed,
@@ -51,12 +52,12 @@ from bench.diagnosis.result import (
     Unfinished,
 )
 from bench.diagnosis.rounds import Round, first_round, searched, staying
-from bench.diagnosis.search import Found
+from bench.diagnosis.search import Found, judged_error
 from bench.diagnosis.showing import shows
 from bench.diagnosis.split import with_held_out_parts
 from bench.diagnosis.starting import given_wholly, kept_and_new, leaving, origins_of, worse
 from bench.diagnosis.unexplained import unexplained
-from bench.diagnosis.verdicts import judged_error, undecided, verdicts
+from bench.diagnosis.verdicts import undecided, verdicts
 from bench.effects import EffectInstance
 from bench.identification.bandwidth import with_band_checked
 from bench.identification.chosen_band import prepare_checked
@@ -297,7 +298,17 @@ def answered(case: SplitProblem, finding: SearchResult, progress: Progress = SIL
         for verdict in ranking
         if verdict.effect not in known and not (Unfinished.SETS in unfinished and undecided(verdict))
     )
-    ranking = tuple(replace(verdict, size=_sizes(model, after, verdict.effect)) for verdict in ranking)
+    posterior = posterior_of(system, best, proposals, scale)
+    probability = {proposals[i].name: float(posterior.probability[i]) for i in best.singles}
+    ranking = tuple(
+        with_probability(
+            replace(verdict, size=_sizes(model, after, verdict.effect)),
+            probability.get(verdict.effect),
+            posterior.sets,
+            finding.names,
+        )
+        for verdict in ranking
+    )
     missing = tuple(verdict.effect for verdict in _by_strength(ranking) if verdict.effect in places)
     return Diagnosis(
         robot=dataset.robot.name,
@@ -311,6 +322,7 @@ def answered(case: SplitProblem, finding: SearchResult, progress: Progress = SIL
         differs=finding.differs,
         superfluous=finding.superfluous,
         unfinished=tuple(unfinished),
+        sets=posterior.sets,
     )
 
 

@@ -8,7 +8,7 @@ from bench.diagnosis.normal_equations import solve_set
 from bench.diagnosis.origin import Origin
 from bench.diagnosis.result import LadderStep
 from bench.diagnosis.rounds import Round
-from bench.diagnosis.verdicts import judged_error
+from bench.diagnosis.search import judged_error
 from bench.effects import EffectInstance
 from bench.identification.identify import fitted_currents
 from bench.identification.result import CurrentSeries, Identification, relative_error

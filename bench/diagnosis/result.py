@@ -62,7 +62,8 @@ class EffectVerdict:
     that no effect explains, or does as well as a discovered law.
     error_before, error_after: relative error on recordings that were not fitted, without and with it. evidence:
     log-likelihood ratio on those recordings, nats. actuators: where it shows. alternatives: effects that the data
-    cannot tell from it. size: RMS of its torque at each actuator, N*m or N.
+    cannot tell from it. size: RMS of its torque at each actuator, N*m or N. probability: that it is there, given that
+    the catalogue holds what is there; None where these data cannot show it, or nothing was asked.
     """
 
     effect: str
@@ -74,6 +75,16 @@ class EffectVerdict:
     alternatives: tuple[str, ...]
     size: Mapping[str, float]
     why: Reason
+    probability: float | None = None
+
+
+@dataclass(frozen=True)
+class ProbableSet:
+    """Effects that explain the data together: their probability, and the relative error on recordings not fitted."""
+
+    effects: tuple[str, ...]
+    probability: float
+    error: float
 
 
 @dataclass(frozen=True)
@@ -202,7 +213,7 @@ class Diagnosis:
     which `after` has these values, with one for all of the others.
     superfluous: effects of the starting model that `after` does without.
     discovered: laws that are in no catalogue, motor by motor; `after` and the ladder have them, too. unfinished: what
-    was not looked at, since the time was up.
+    was not looked at, since the time was up. sets: of effects, the most probable first.
     """
 
     robot: str
@@ -217,6 +228,7 @@ class Diagnosis:
     superfluous: tuple[Superfluous, ...] = ()
     discovered: tuple[Discovered, ...] = ()
     unfinished: tuple[Unfinished, ...] = ()
+    sets: tuple[ProbableSet, ...] = ()
 
     @property
     def finished(self) -> bool:

@@ -8,7 +8,7 @@ import numpy as np
 
 from bench.basics.deadline import NEVER, Deadline
 from bench.diagnosis.batched_sets import enlarged, reduced, solve_sets, swapped
-from bench.diagnosis.normal_equations import Candidate, SetFit, System, solve_set
+from bench.diagnosis.normal_equations import Candidate, SetFit, System, solve_set, squared_errors
 
 EXHAUSTIVE = 3  # up to this size all sets of the shortlist compete; larger ones grow by one effect at a time
 LARGEST_SET = 6
@@ -145,6 +145,13 @@ def earned(system: System, scored: Scored, empty: SetFit) -> bool:
         if not (material(fewer, scored.fit) or little_left_at_a_motor(fewer, scored.fit)):
             return False
     return True
+
+
+def judged_error(system: System, fit: SetFit) -> float:
+    """Relative error of a set on the recordings that were not fitted: RMS(error) / RMS(measured), all motors."""
+    measured = system.judged.measured
+    error = squared_errors(system.judged, fit, system.start)
+    return float(np.sqrt(error.sum() / measured)) if measured else 0.0
 
 
 def little_left_at_a_motor(before: SetFit, after: SetFit) -> bool:

@@ -2,14 +2,12 @@
 
 from collections.abc import Mapping, Sequence
 
-import numpy as np
-
 from bench.diagnosis.batched_sets import solve_sets, swapped
 from bench.diagnosis.candidates import Proposal
-from bench.diagnosis.normal_equations import SetFit, System, solve_set, squared_errors
+from bench.diagnosis.normal_equations import System, solve_set
 from bench.diagnosis.reason import Because, Doubt, Reason
 from bench.diagnosis.result import EffectVerdict, Unexplained, Verdict
-from bench.diagnosis.search import NEEDED, Found, Scored, close, contains, material, score
+from bench.diagnosis.search import NEEDED, Found, Scored, close, contains, judged_error, material, score
 
 DOMINANT = 3.0
 DOMINANT_BESIDE = 10.0  # so many times what is left, an effect must explain where much is left
@@ -72,13 +70,6 @@ def verdicts(
 def undecided(verdict: EffectVerdict) -> bool:
     """Whether an effect explains so much beside what was found that a search to its end would have to decide on it."""
     return verdict.why.because is Because.GAINS_LITTLE and verdict.evidence > NEEDED
-
-
-def judged_error(system: System, fit: SetFit) -> float:
-    """Relative error of a set on the recordings that were not fitted: RMS(error) / RMS(measured), all motors."""
-    measured = system.judged.measured
-    error = squared_errors(system.judged, fit, system.start)
-    return float(np.sqrt(error.sum() / measured)) if measured else 0.0
 
 
 def _error(system: System, scored: Scored, scale: float) -> float:

@@ -11,6 +11,7 @@ from bench.effects.select import TAG
 from bench.identification.result import Identification, Quantity
 
 FEW = 4  # alternatives named in a cell
+PROBABLE = 0.01  # nearer to 0 or 1 than that no digits are shown
 ROUNDING = 1e-6  # of an evidence in nats, of a share
 
 
@@ -59,6 +60,7 @@ def ranking_table(diagnosis: Diagnosis, verdicts: Sequence[EffectVerdict] | None
     columns = (
         Column("effect", [verdict.effect for verdict in rows], "effect"),
         Column("verdict", [verdict.verdict for verdict in rows], "verdict"),
+        Column("probability", [_probability(verdict) for verdict in rows]),
         Column(
             "evidence",
             _unless(absorbed, [_not_rounding(verdict.evidence) for verdict in rows]),
@@ -82,6 +84,27 @@ def ranking_table(diagnosis: Diagnosis, verdicts: Sequence[EffectVerdict] | None
         "strong" if verdict.effect in diagnosis.missing else "" for verdict in rows
     )
     return Table(tuple(column for column in columns if any(cell != "" for cell in column.cells)), marks)
+
+
+def _probability(verdict: EffectVerdict) -> str:
+    """Two digits, without saying 0 or 1 of what is not certain."""
+    if verdict.probability is None:
+        return ""
+    if verdict.probability < PROBABLE:
+        return f"< {PROBABLE:g}"
+    return f"> {1.0 - PROBABLE:g}" if verdict.probability > 1.0 - PROBABLE else f"{verdict.probability:.2f}"
+
+
+def sets_table(diagnosis: Diagnosis) -> Table:
+    """A row for each of the leading sets of effects: its probability, and the error on recordings not fitted."""
+    rows = diagnosis.sets
+    names = [" + ".join(effect_name(name) for name in row.effects) or "nothing" for row in rows]
+    columns = (
+        Column("effects together", names),
+        Column("probability", [row.probability for row in rows], "number", 0, ".2f"),
+        Column("not fitted", [row.error for row in rows], "share"),
+    )
+    return Table(columns)
 
 
 def gains_before_after(before: Identification, after: Identification) -> Table:

@@ -27,6 +27,7 @@ from bench.diagnosis.result import (
     Discovered,
     EffectVerdict,
     LadderStep,
+    ProbableSet,
     Remainder,
     Superfluous,
     Unexplained,
@@ -132,6 +133,7 @@ def _told(diagnosis: Diagnosis) -> dict[str, Any]:
         "ranking": [asdict(verdict) for verdict in diagnosis.ranking],
         "unexplained": asdict(diagnosis.unexplained),
         "differs": [asdict(differing) for differing in diagnosis.differs],
+        "sets": [asdict(probable) for probable in diagnosis.sets],
         "superfluous": [asdict(effect) for effect in diagnosis.superfluous],
         "discovered": [asdict(law) for law in diagnosis.discovered],
         "unfinished": diagnosis.unfinished,
@@ -255,6 +257,10 @@ def _diagnosis(
             before=before,
             after=after,
             differs=tuple(_differing(entry) for entry in told.get("differs", ())),
+            sets=tuple(
+                ProbableSet(tuple(entry["effects"]), float(entry["probability"]), float(entry["error"]))
+                for entry in told.get("sets", ())
+            ),
             superfluous=tuple(Superfluous(**effect) for effect in told.get("superfluous", ())),
             discovered=_discovered(told),
             unfinished=tuple(Unfinished(code) for code in told.get("unfinished", ())),
@@ -294,7 +300,9 @@ def _versions(content: dict[str, Any] | None) -> Versions | None:
 def _verdict(entry: dict[str, Any]) -> EffectVerdict:
     numbers = {name: _number(entry[name]) for name in ("error_before", "error_after", "evidence")}
     lists = {name: tuple(entry[name]) for name in ("actuators", "alternatives")}
-    return EffectVerdict(**{**entry, **numbers, **lists, "why": _reason(entry["why"])})
+    probability = entry.get("probability")
+    known = {"probability": None if probability is None else float(probability)}
+    return EffectVerdict(**{**entry, **numbers, **lists, **known, "why": _reason(entry["why"])})
 
 
 def _reason(entry: dict[str, Any]) -> Reason:

@@ -7,7 +7,7 @@ from bench.diagnosis.discovery.term import Term
 from bench.diagnosis.discovery.variables import Place
 from bench.diagnosis.normal_equations import solve_set
 from bench.diagnosis.result import Discovered, LawTerm, LooksAt
-from bench.diagnosis.verdicts import judged_error
+from bench.diagnosis.search import judged_error
 
 HELPS = 0.9  # of the error without a law: what an effect in its place must reach to be told as near
 

@@ -13,6 +13,7 @@ from bench.document.diagnosis import (
     ladder_table,
     parameters_before_after,
     ranking_table,
+    sets_table,
 )
 from bench.document.identification import effects_table
 from bench.document.numbers import STD_FROM, effect_name
@@ -44,11 +45,16 @@ def diagnosis_report(diagnosis: Diagnosis, console: Console | None = None, *, ve
     console.print(
         Text("evidence: nats on recordings that were not fitted; 10, odds of 20,000 to 1, are strong", "dim")
     )
+    console.print(
+        Text("probability: that the effect is there, given that the catalogue holds what is there", "dim")
+    )
     if diagnosis.missing:
         console.print(Text("size: RMS torque of the effect, in brackets as a share of the motor's", "dim"))
     if left_out:
         names = ", ".join(effect_name(verdict.effect) for verdict in left_out)
         console.print(Text(f"not supported, too: {names}", "dim"))
+    if len(diagnosis.sets) > 1:
+        section(console, "Sets of effects, by probability", printed(sets_table(diagnosis), width))
     explained = [
         verdict
         for verdict in ranked

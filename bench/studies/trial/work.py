@@ -205,6 +205,7 @@ def _answer(case: Case, diagnosis: Diagnosis) -> Row:
             "effect": verdict.effect,
             "verdict": verdict.verdict,
             "evidence": round(verdict.evidence, 3),
+            "probability": verdict.probability,
             "actuators": list(verdict.actuators),
             "alternatives": list(verdict.alternatives),
         }
