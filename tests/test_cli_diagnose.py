@@ -152,7 +152,10 @@ def test_alternatives_are_said_to_be_beyond_these_recordings(found):
     assert "current delay or quadratic drag" in line
     assert "these recordings cannot tell" in line
     assert "To tell them apart: move fast and slowly; reverse fast; move as fast as allowed." in line
-    assert "`bench discriminate DATASET viscous_friction current_delay -o DIR` designs the motion." in line
+    assert (
+        "The motion is designed by `bench discriminate DATASET viscous_friction current_delay -o DIR`."
+        in line
+    )
 
 
 def test_nominal_gains_hold_the_verdict_back(found):

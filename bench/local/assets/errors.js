@@ -14,7 +14,7 @@ const Errors = (() => {
 
   async function render() {
     const mine = ++round;
-    if (!app.described) return body.replaceChildren(el("p", {class: "aid"}, "First a dataset is needed."));
+    if (!app.described) return Dom.later(body, true, "First a dataset is needed.");
     const asked = {step: "compare", dataset: app.dataset};
     const {line, fault} = await Server.offer("", () => asked);
     const run = app.latest("compare", (job) => !job.applied);
@@ -28,6 +28,7 @@ const Errors = (() => {
       lacks: fault,
       done: () => app.refresh(),
     };
+    Dom.later(body, false);
     body.replaceChildren(...Step.create(step), answer);
     return run ? show(answer, run, "the model without effects") : undefined; // a chart needs its place in the page
   }
@@ -137,14 +138,11 @@ const Errors = (() => {
         type: "button",
         class: "export",
         click: async () => {
-          button.disabled = true;
-          const job = await Server.run({step: "export", dataset: app.dataset, model, form});
-          button.disabled = false;
+          const job = await Step.run(button, {step: "export", dataset: app.dataset, model, form});
+          if (job.state !== "done") return;
           said.replaceChildren(
-            job.state === "done"
-              ? el("p", {class: "row"}, ...Object.values(job.files).map(download))
-              : Dom.outcome(job),
-            job.state === "done" ? el("pre", {tabindex: "0", class: "exported"}, job.output.trim()) : "",
+            el("p", {class: "row"}, ...Object.values(job.files).map(download)),
+            el("pre", {tabindex: "0", class: "exported"}, job.output.trim()),
             Dom.command(job.line),
           );
         },
