@@ -62,6 +62,7 @@ def import_by_mouse(page, log, payload, *, again=False):
     if page.locator("#robot").input_value() == "":
         page.locator("#robot").select_option("five_bar")
     if again:
+        expect(page.locator("#layout")).to_contain_text("those of free.csv, which has the same headers")
         expect(page.locator(".targets .said.fine").nth(1)).to_contain_text("in deg, as you told before")
     else:
         page.get_by_role("button", name="It is in deg").first.click()
@@ -278,9 +279,12 @@ def test_the_same_by_keyboard_and_on_a_phone(look, logs, tmp_path):
 
 def test_a_payload_in_grams_is_asked_about_and_a_wrong_import_replaced(look, logs, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    with opened(tmp_path, cwd=tmp_path) as site:
+    own = tmp_path / "elsewhere" / "my_five_bar"
+    shutil.copytree(built_in_robots()["five_bar"], own)
+    with opened(tmp_path, "--robot", own, cwd=tmp_path) as site:
         page = look(site)
         page.locator("#files").set_input_files(logs / "held.csv")
+        expect(page.locator("#robot")).to_have_value(str(own))  # the one that the command named
         page.locator("#robot").select_option("five_bar")
         page.get_by_role("radio", name="none").check()
         mend = "Mend first what stands at position.left, position.right."
