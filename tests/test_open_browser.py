@@ -100,6 +100,33 @@ def models_have_names_of_their_own(page):
     assert len(models) == len(set(models)) == 4
 
 
+def curves_go_where_one_clicks_and_share_a_cursor(page):
+    """The error of a motor in a recording shows its curves; those of all motors have one time axis and one cursor."""
+    motor, recording = page.locator("#errors select").nth(0), page.locator("#errors select").nth(1)
+    for joint, name, numbers in (("right", "held.csv", ("1", "1")), ("left", "free.csv", ("0", "0"))):
+        page.get_by_label(f"Show {joint} in {name}").click()
+        expect(motor).to_have_value(numbers[0])
+        expect(recording).to_have_value(numbers[1])
+        expect(page.locator("#errors .screen .notes")).to_contain_text(f"{joint} in {name}")
+        expect(page.locator("#errors .charts svg[role=img]")).to_be_in_viewport()
+    motor.select_option("all side by side")
+    curves = page.locator("#errors .charts svg[role=img]")
+    expect(curves).to_have_count(2)
+    curves.nth(0).hover()
+    expect(page.locator("#errors .values:visible")).to_have_count(2)
+    times = page.locator("#errors .values p:first-child").all_inner_texts()
+    first, second = (float(re.search(r"[\d.]+", time).group()) for time in times)
+    assert abs(first - second) < 0.2  # the nearest sample that is not in a gap
+    box = curves.nth(1).bounding_box()
+    page.mouse.move(box["x"] + 0.4 * box["width"], box["y"] + 60)
+    page.mouse.down()
+    page.mouse.move(box["x"] + 0.6 * box["width"], box["y"] + 60)
+    page.mouse.up()
+    expect(page.get_by_role("button", name="Show all of it")).to_have_count(2)
+    motor.select_option("left")
+    expect(curves).to_have_count(1)
+
+
 def the_diagnosis_has_a_card_for_its_effect(page):
     """Name, motor, size and what it saves; the gains of both motors."""
     expect(page.locator("#missing .verdict")).to_contain_text("Viscous friction at left is missing")
@@ -178,6 +205,7 @@ def test_from_an_empty_folder_to_the_applied_model_by_mouse(look, logs, tmp_path
         page.locator("#compare").click()
         expect(page.locator("#errors .said").first).to_contain_text("motor left: error")
         expect(page.locator("#errors .charts svg[role=img]")).to_have_count(1)
+        curves_go_where_one_clicks_and_share_a_cursor(page)
         page.locator("#diagnose").click()
         expect(page.locator("#job progress")).to_be_visible()
         the_diagnosis_has_a_card_for_its_effect(page)

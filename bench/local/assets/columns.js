@@ -34,7 +34,7 @@ const Columns = (() => {
     const previous = last ? undefined : layouts.get(layout);
     for (const [target, chosen] of Object.entries((last || previous)?.mapping || {}))
       if (look.columns.some((column) => column.name === chosen.column))
-        mapping[target] = {...chosen, before: chosen.unit === own(target, chosen.column) ? "" : chosen.unit};
+        mapping[target] = {...chosen, before: told.has(kind(target)) ? remembered(target, chosen.column) : ""};
     const state = {
       active: look.needs.find((need) => !mapping[need].column) || look.needs[0],
       accept: last?.accept || [],
