@@ -22,6 +22,7 @@ CHARTS = (
     "chart_series.js",
     "chart_zoom.js",
     "chart_cursor.js",
+    "chart_several.js",
     "charts.js",
 )
 RUNS, MACHINE = "runs.js", "machine.js"

@@ -1,16 +1,13 @@
 "use strict";
-/* A report's figure with its choices, drawn from data that the server gives; all motors can be seen side by side. */
+/* A report's figure with its choices, drawn from data that the server gives. */
 const Figures = (() => {
   const {el, select} = Dom;
-  const MOTOR = "Motor"; // the choice of which all options can be seen at once
-  const ALL = "all";
-  const LOWER = 0.75; // of its height, of a chart among several
 
-  /* remembered: choices by name, kept by the caller; chose: called after each one. go: shows other choices by name. */
+  /* remembered: choices by name, kept by the caller; chose: called after each one. */
   function show(holder, figure, remembered = {}, chose = () => undefined) {
     const optionsOf = (choice) => [
       ...choice.options.map((option, k) => [String(k), option]),
-      ...(choice.name === MOTOR && choice.options.length > 1 ? [[ALL, "all side by side"]] : []),
+      ...(choice.together ? [[ChartSeveral.ALL, choice.together]] : []),
     ];
     const numberOf = (choice, text) => optionsOf(choice).find(([, option]) => option === text)?.[0];
     const chosen = figure.choices.map((choice) => numberOf(choice, remembered[choice.name]) ?? String(choice.first));
@@ -18,8 +15,7 @@ const Figures = (() => {
     let charts = [];
     const draw = () => {
       charts.forEach((chart) => chart.destroy());
-      const every = chosen.indexOf(ALL);
-      charts = every < 0 ? one(screen, figure.variants[chosen.join("|")]) : all(screen, figure, chosen, every);
+      charts = fill(screen, ChartSeveral.variant(figure, chosen));
     };
     const set = (i, value) => {
       chosen[i] = value;
@@ -39,7 +35,7 @@ const Figures = (() => {
       screen,
     );
     draw();
-    /* wanted: for a choice's name, whether an option is meant. */
+    /* Show other options and go there; wanted: by a choice's name, whether an option is meant. */
     const go = (wanted) => {
       figure.choices.forEach((choice, i) => {
         const number = choice.options.findIndex(wanted[choice.name]);
@@ -54,32 +50,21 @@ const Figures = (() => {
     return {go};
   }
 
-  const notesOf = (variant) => el("ul", {class: "notes"}, ...variant.notes.map((note) => el("li", {}, note)));
-
-  function one(screen, variant) {
+  /* Notes and charts of a variant; the charts come back. */
+  function fill(screen, variant) {
     const frames = variant.charts.map(() => el("div", {class: "chart"}));
-    screen.replaceChildren(notesOf(variant), el("div", {class: "charts"}, ...frames));
-    return variant.charts.map((chart, i) => Charts.create(frames[i], chart.spec));
-  }
-
-  /* The charts of every option of a choice, over one time axis, with one cursor. */
-  function all(screen, figure, chosen, every) {
-    const variants = figure.choices[every].options.map(
-      (_, k) => figure.variants[chosen.map((number, i) => (i === every ? String(k) : number)).join("|")],
+    const titled = variant.charts.map(({title, aid}, i) =>
+      el("div", {}, title ? el("h4", {}, title) : null, aid ? el("p", {class: "aid"}, aid) : null, frames[i]),
     );
-    const drawn = variants.flatMap((variant) => variant.charts.map((chart) => chart.spec));
-    if (!drawn.length) return one(screen, {charts: [], notes: variants.flatMap((variant) => variant.notes)});
-    const specs = ChartCursor.together(drawn);
-    const frames = specs.map(() => el("div", {class: "chart"}));
-    let k = 0;
-    const cells = variants.map((variant) => el("div", {}, notesOf(variant), ...variant.charts.map(() => frames[k++])));
     const legend = el("div");
-    Charts.legend(specs[0], legend);
-    screen.replaceChildren(legend, el("div", {class: "charts several"}, ...cells));
-    const charts = specs.map((spec, i) =>
-      Charts.create(frames[i], {...spec, legend: false, height: LOWER * spec.height}),
+    screen.replaceChildren(
+      el("ul", {class: "notes"}, ...variant.notes.map((note) => el("li", {}, note))),
+      legend,
+      el("div", {class: variant.several ? "charts several" : "charts"}, ...titled),
     );
-    ChartCursor.link(charts);
+    if (variant.several && variant.charts.length) Charts.legend({...variant.charts[0].spec, legend: true}, legend);
+    const charts = variant.charts.map((chart, i) => Charts.create(frames[i], chart.spec));
+    if (variant.several) ChartSeveral.link(charts);
     return charts;
   }
 

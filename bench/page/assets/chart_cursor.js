@@ -1,5 +1,5 @@
 "use strict";
-/* The values under the pointer, and one cursor and one stretch of x for charts over the same axis. */
+/* A cursor at the pointer, or where another chart has it, and the values there. */
 const ChartCursor = (() => {
   const {node, block, formatNumber, valueAt, known} = ChartBasics;
 
@@ -73,31 +73,5 @@ const ChartCursor = (() => {
     });
   }
 
-  /* Specs of charts with one x for all: from the first value of any to the last. */
-  function together(specs) {
-    const series = specs.flatMap((spec) => spec.panels.flatMap((panel) => panel.series));
-    const lines = series.filter((entry) => entry.kind === "line" && entry.y.length);
-    const domain = [
-      Math.min(...lines.map((entry) => valueAt(entry.x, 0))),
-      Math.max(...lines.map((entry) => valueAt(entry.x, entry.y.length - 1))),
-    ];
-    return specs.map((spec) => ({...spec, x: {...spec.x, domain}}));
-  }
-
-  /* Where one chart is pointed at or enlarged, so are the others. */
-  function link(charts) {
-    for (const chart of charts) {
-      const others = charts.filter((other) => other !== chart);
-      chart.element.addEventListener("cursor", ({detail}) => others.forEach((other) => other.point(detail)));
-      chart.element.addEventListener("uncursor", () => others.forEach((other) => other.unpoint()));
-      chart.element.addEventListener("stretch", ({detail}) =>
-        others.forEach((other) => {
-          other.stretch = detail;
-          other.draw();
-        }),
-      );
-    }
-  }
-
-  return {watch, together, link};
+  return {watch};
 })();
