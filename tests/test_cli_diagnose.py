@@ -152,7 +152,10 @@ def test_alternatives_are_said_to_be_beyond_these_recordings(found):
     assert "current delay or quadratic drag" in line
     assert "these recordings cannot tell" in line
     assert "To tell them apart: move fast and slowly; reverse fast; move as fast as allowed." in line
-    assert "`bench discriminate DATASET viscous_friction current_delay -o DIR` designs the motion." in line
+    assert (
+        "The motion is designed by `bench discriminate DATASET viscous_friction current_delay -o DIR`."
+        in line
+    )
 
 
 def test_nominal_gains_hold_the_verdict_back(found):
@@ -199,6 +202,11 @@ def test_a_reason_carries_its_size_in_torque_and_in_percent(found):
     assert text.endswith("takes 99 % of the squared error away.")
     assert error_share(VISCOUS) == pytest.approx(0.99)
     assert size_words(found, VISCOUS) == f"0.33 N·m ({100 * 0.33 / torque:.2g} %)"
+    gains = dict(found.after.drive_gains)
+    gains["right"] = replace(gains["right"], unit="N/A")
+    slides = replace(found, after=replace(found.after, drive_gains=gains, recordings=()))
+    both = replace(VISCOUS, size={"left": 0.33, "right": 12.0})
+    assert size_words(slides, both) == "12 N, 0.33 N·m"  # never 0.33 to 12 of one of them
     assert reason(found, OTHERS[0]) == reason_sentence(OTHERS[0])
 
 

@@ -231,3 +231,21 @@ def test_a_cell_that_is_no_number_hides_nothing_else(log, tmp_path, capsys):
     text, hole = capsys.readouterr().err.splitlines()
     assert "column current.right, line 502: 'ERR' is not a number" in text
     assert "column position.right, line 702: is 'nan', which is no measurement; add --split-gaps" in hole
+
+
+def test_logs_of_one_layout_say_it_once(log, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    rows = np.column_stack([1e3 * log["t"], *(log[name] for name in ("q1", "q2", "i1", "i2"))])
+    names = ["time", "position.left", "position.right", "current.left", "current.right"]
+    lines = [",".join(names), "ms,rad,rad,A,A", *(",".join(map(repr, row)) for row in rows.tolist())]
+    for name in ("a", "b", "c"):
+        (tmp_path / f"{name}.csv").write_text("\n".join(lines))
+    (tmp_path / "map.toml").write_text('robot = "five_bar"\n[[logs]]\nfiles = ["a.csv", "b.csv", "c.csv"]\n')
+    assert main(["import", "--mapping", "map.toml", "-o", "data"]) == 0
+    told = [
+        line for line in capsys.readouterr().out.splitlines() if ": " in line and ".csv" in line.split(":")[0]
+    ]
+    assert told == [
+        "a.csv and 2 more: line 2 is taken as units",
+        "a.csv and 2 more: time: in ms, as the log says",
+    ]

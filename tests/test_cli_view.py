@@ -2,11 +2,16 @@
 
 import json
 import shutil
+import sys
 
 import numpy as np
 import pytest
 
 from bench.cli import main, open_viewer
+from bench.dataset.dataset import load_dataset
+from bench.identification.identify import identify
+from bench.identification.prepare import prepare
+from bench.identification.problem import problem_of
 from bench.studies.sweep.rerun_runs import run_again, telling_runs
 from tests.rrd_reader import numbers, origins, static_value, verified
 
@@ -156,3 +161,54 @@ def test_it_opens_in_a_window_of_its_own_where_there_is_a_screen(data, tmp_path,
     viewed(tmp_path / "arm")
     assert len(started) == 1
     assert f"rerun --web-viewer {tmp_path / 'arm.rrd'}" in capsys.readouterr().out
+
+
+def by_topic(path):
+    """Log times [s] and messages of every topic, by MCAP's own reader; the unit of a field by topic."""
+    from mcap.reader import make_reader
+
+    messages, schemas = {}, {}
+    with path.open("rb") as file:
+        for schema, channel, message in make_reader(file).iter_messages():
+            messages.setdefault(channel.topic, []).append((1e-9 * message.log_time, json.loads(message.data)))
+            schemas[channel.topic] = json.loads(schema.data)["properties"]
+    return messages, schemas
+
+
+def test_an_mcap_file_has_currents_errors_torques_and_joint_states(data, tmp_path, capsys):
+    path = tmp_path / "arm.mcap"
+    viewed(data, "--with", "viscous_friction:shoulder", "--save", path)
+    assert f"wrote {path} (recording: open it in Foxglove or PlotJuggler)\n" in capsys.readouterr().out
+    messages, schemas = by_topic(path)
+    kinds = ["log", "currents", "joint_states", "torque/viscous_friction", "torque/hidden"]
+    assert set(messages) == {f"/{name}/{kind}" for name in ("free", "held") for kind in kinds}
+    problem = problem_of(load_dataset(data), ("viscous_friction:shoulder",))
+    result = identify(prepare(problem))
+    series = next(series for series in result.recordings if series.name == "free.csv")
+    rows = messages["/free/currents"]
+    logged = next(one for one in problem.dataset.recordings if one.name == "free.csv")
+    assert messages["/free/log"][0][0] == 0.0
+    np.testing.assert_allclose([time for time, _ in rows], series.time - logged.time[0], atol=1e-9)
+    for j, joint in enumerate(result.joints):
+        for name in ("measured", "modelled"):
+            found = [row[joint][name] for _, row in rows]
+            np.testing.assert_array_equal(found, getattr(series, name)[:, j])
+        known = [(row[joint]["error"], k) for k, (_, row) in enumerate(rows) if "error" in row[joint]]
+        assert [k for _, k in known] == np.flatnonzero(series.moving[:, j]).tolist()
+        np.testing.assert_array_equal([error for error, _ in known], series.error[series.moving[:, j], j])
+    torque = [row["shoulder"].get("torque") for _, row in messages["/free/torque/viscous_friction"]]
+    velocity = [row["shoulder"]["velocity"] for _, row in messages["/free/joint_states"]]
+    (value,) = result.effect_parameters["viscous_friction"]["shoulder"].values()
+    there = np.array([entry is not None for entry in torque])
+    np.testing.assert_allclose(
+        np.array(torque)[there].astype(float), value.value * np.array(velocity)[there], rtol=0.05, atol=0.02
+    )
+    assert schemas["/free/joint_states"]["elbow"]["properties"]["velocity"]["description"] == "rad/s"
+
+
+def test_without_the_package_an_mcap_file_is_refused_at_once(data, tmp_path, monkeypatch, capsys):
+    monkeypatch.setitem(sys.modules, "mcap.writer", None)
+    capsys.readouterr()
+    assert main(["view", str(data), "--save", str(tmp_path / "arm.mcap")]) == 2
+    assert capsys.readouterr().err.endswith("an MCAP file needs mcap: pip install 'parabench[mcap]'\n")
+    assert not list(tmp_path.iterdir())

@@ -16,7 +16,7 @@ from bench.excitation.experiment.between_samples import derivative_bound, extrem
 from bench.excitation.experiment.files import scenario_text
 from bench.excitation.experiment.forecast import forecast
 from bench.excitation.experiment.plan import Aim, plan_experiment
-from bench.excitation.experiment.request import ExperimentTable
+from bench.excitation.experiment.request import ExperimentTable, by_unit, rates
 from bench.excitation.experiment.room import outside, tool_positions
 from bench.excitation.experiment.sentences import note_sentence
 from bench.identification.prepare import prepare
@@ -315,3 +315,35 @@ def test_a_folder_with_something_else_is_left_alone(tmp_path):
         from bench.excitation.experiment.files import check_folder
 
         check_folder(tmp_path)
+
+
+@pytest.mark.parametrize(
+    ("robot", "given", "said"),
+    [
+        (
+            "crank_slide",
+            ["3"],
+            "velocity: 3 of what? The robot 'crank_slide' has hinges and slides (crank in rad/s",
+        ),
+        ("crank_slide", ["3rad/s"], "velocity: joint 'carriage' is in m/s: add --velocity NUMBERm/s"),
+        ("crank_slide", ["3rad/s", "0.3"], "velocity: 0.3 without a unit beside others"),
+        ("emps", ["3rad/s"], "velocity: 3 in rad/s: no joint of 'emps' takes it"),
+        ("emps", ["3m/s2"], "'3m/s2' is no positive number, alone or in rad/s or m/s"),
+    ],
+)
+def test_a_speed_of_hinges_and_slides_has_its_unit(robot, given, said, tmp_path, capsys):
+    words = [word for speed in given for word in ("--velocity", speed)]
+    assert main(["excite", robot, *words, "-o", str(tmp_path / "plan")]) == 2
+    err = capsys.readouterr().err
+    assert said in err
+    assert err.count("\n") == 1
+    assert not (tmp_path / "plan").exists()
+
+
+def test_speeds_are_given_by_unit_or_as_one_number():
+    both = load_robot("crank_slide")
+    assert by_unit("velocity", [], both) is None
+    assert by_unit("velocity", [(0.3, "m/s"), (3.0, "rad/s")], both) == {"crank": 3.0, "carriage": 0.3}
+    assert by_unit("velocity", [(0.3, "")], load_robot("emps")) == 0.3
+    assert rates("velocity", 0.3, load_robot("emps")).tolist() == [0.3]
+    assert rates("acceleration", {"crank": 3.0, "carriage": 0.3}, both).tolist() == [3.0, 0.3]

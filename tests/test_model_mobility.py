@@ -110,7 +110,7 @@ def test_singular_home(tmp_path):
 
 def test_open_home(tmp_path):
     body = BALL.replace('name="grip" pos="-0.1 0 0"', 'name="grip" pos="-0.18 0.05 0"')
-    assert "loop 'grip' is open by 0.08" in refusal(tmp_path, body, ("crank",))
+    assert "loop 'grip' is open by 0.08 m in" in refusal(tmp_path, body, ("crank",))
 
 
 @pytest.mark.parametrize(
@@ -138,7 +138,7 @@ def test_cables_are_refused(tmp_path):
 def test_coupling_that_is_open_at_home(tmp_path):
     equality = '<equality><joint name="gear" joint1="a" joint2="b" polycoef="0.1 1 0 0 0"/></equality>'
     said = refusal(tmp_path, COUPLED + equality, ("a",))
-    assert "equality 'gear' of joint 'a' and 'b' is open by 0.1" in said
+    assert "equality 'gear' of joint 'a' and 'b' is open by 0.1 rad in" in said
 
 
 def test_equality_that_is_switched_off_is_none(tmp_path):

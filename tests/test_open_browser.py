@@ -62,6 +62,7 @@ def import_by_mouse(page, log, payload, *, again=False):
     if page.locator("#robot").input_value() == "":
         page.locator("#robot").select_option("five_bar")
     if again:
+        expect(page.locator("#layout")).to_contain_text("those of free.csv, which has the same headers")
         expect(page.locator(".targets .said.fine").nth(1)).to_contain_text("in deg, as you told before")
     else:
         page.get_by_role("button", name="It is in deg").first.click()
@@ -99,6 +100,91 @@ def models_have_names_of_their_own(page):
     assert len(models) == len(set(models)) == 4
 
 
+def curves_go_where_one_clicks_and_share_a_cursor(page):
+    """The error of a motor in a recording shows its curves; those of all motors have one time axis and one cursor."""
+    motor, recording = page.locator("#errors select").nth(0), page.locator("#errors select").nth(1)
+    for joint, name, numbers in (("right", "held.csv", ("1", "1")), ("left", "free.csv", ("0", "0"))):
+        page.get_by_label(f"Show {joint} in {name}").click()
+        expect(motor).to_have_value(numbers[0])
+        expect(recording).to_have_value(numbers[1])
+        expect(page.locator("#errors .screen .notes")).to_contain_text(f"{joint} in {name}")
+        expect(page.locator("#errors .charts svg[role=img]")).to_be_in_viewport()
+    motor.select_option("all side by side")
+    curves = page.locator("#errors .charts svg[role=img]")
+    expect(curves).to_have_count(2)
+    curves.nth(0).hover()
+    expect(page.locator("#errors .values:visible")).to_have_count(2)
+    times = page.locator("#errors .values p:first-child").all_inner_texts()
+    first, second = (float(re.search(r"[\d.]+", time).group()) for time in times)
+    assert abs(first - second) < 0.2  # the nearest sample that is not in a gap
+    box = curves.nth(1).bounding_box()
+    page.mouse.move(box["x"] + 0.4 * box["width"], box["y"] + 60)
+    page.mouse.down()
+    page.mouse.move(box["x"] + 0.6 * box["width"], box["y"] + 60)
+    page.mouse.up()
+    expect(page.get_by_role("button", name="Show all of it")).to_have_count(2)
+    motor.select_option("left")
+    expect(curves).to_have_count(1)
+
+
+def the_diagnosis_has_a_card_for_its_effect(page):
+    """Name, motor, size and what it saves; the gains of both motors."""
+    expect(page.locator("#missing .verdict")).to_contain_text("Viscous friction at left is missing")
+    expect(page.locator("#missing .verdict")).to_contain_text("the drive gain of right is")
+    expect(page.locator("#missing .gains tbody tr")).to_have_count(2)
+    card = page.locator("#missing .card")
+    expect(card).to_have_count(1)
+    expect(card).to_contain_text(re.compile(r"Viscous friction at left missing.*Fv = 0\.3.* ± .*N·m·s/rad"))
+    expect(card).to_contain_text(
+        re.compile(r"error \d.* % → 0\.\d* %With viscous friction at left the error")
+    )
+
+
+def effects_are_in_groups(page):
+    """What the diagnosis established is first and open; a search opens the group of what it looks for."""
+    groups = page.locator("#effects .effects details")
+    expect(groups.first.locator("summary")).to_have_text("Established by the diagnosis 1")
+    expect(page.locator("#effects .effects fieldset:visible")).to_have_count(1)
+    expect(page.locator("#effects input:checked")).to_have_count(1)
+    page.get_by_label("Search effects").fill("backlash")
+    expect(page.locator("#effects .effects fieldset:visible")).to_have_text(re.compile("^Backlash"))
+    page.get_by_label("Search effects").fill("nonsense")
+    expect(page.locator("#effects .effects")).to_contain_text("No effect is called so.")
+    page.get_by_label("Search effects").fill("")
+    expect(page.locator("#effects .effects fieldset:visible")).to_have_count(1)
+
+
+def what_is_found_is_applied_where_one_clicks(page):
+    """How far it is stands below the button, and so does what came of it."""
+    expect(page.locator("#apply-found")).to_be_enabled()
+    page.locator("#apply-found").click()
+    expect(page.locator("#missing .row:has(> #apply-found) + .running progress")).to_be_visible()
+    expect(page.locator("#applied-found h3").first).to_have_text("Applied: viscous friction at left")
+    expect(page.locator("#applied-found .charts svg[role=img]")).to_have_count(1)
+    expect(page.locator("#applied-found h3").first).to_be_in_viewport()
+    expect(page.locator("#missing .running")).to_have_count(0)
+
+
+def a_doubtful_card_has_its_probability_and_the_command_that_decides(page):
+    """An answer as of a dataset that cannot tell two effects apart: its command is a line that can be copied."""
+
+    def doubtful(route):
+        answer = route.fetch().json()
+        answer["ranking"][0] |= {"verdict": "indistinguishable", "probability": 0.93}
+        command = "bench discriminate DATASET viscous_friction quadratic_drag -o DIR"
+        answer["summary"].append(
+            f"It could as well be quadratic drag. The motion is designed by `{command}`."
+        )
+        route.fulfill(json=answer)
+
+    page.route("**/*-diagnosis.json", doubtful)
+    page.reload()
+    expect(page.locator("#missing .card")).to_contain_text("probability 93 %")
+    line = "bench discriminate my_data viscous_friction quadratic_drag -o my_data.motion"
+    expect(page.locator("#missing .verdict .command pre")).to_have_text(line)
+    expect(page.locator("#missing .verdict .command").get_by_role("button", name="Copy")).to_be_visible()
+
+
 @pytest.mark.slow
 def test_from_an_empty_folder_to_the_applied_model_by_mouse(look, logs, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
@@ -119,17 +205,13 @@ def test_from_an_empty_folder_to_the_applied_model_by_mouse(look, logs, tmp_path
         page.locator("#compare").click()
         expect(page.locator("#errors .said").first).to_contain_text("motor left: error")
         expect(page.locator("#errors .charts svg[role=img]")).to_have_count(1)
+        curves_go_where_one_clicks_and_share_a_cursor(page)
         page.locator("#diagnose").click()
         expect(page.locator("#job progress")).to_be_visible()
-        expect(page.locator("#missing .verdict")).to_contain_text("Viscous friction at left is missing")
-        expect(page.locator("#missing .verdict")).to_contain_text("the drive gain of right is")
-        expect(page.locator("#missing .gains tbody tr")).to_have_count(2)
-        expect(page.locator("#missing table").first).to_contain_text(
-            re.compile(r"left: Fv = 0\.3.* ± .*N·m·s/rad")
-        )
+        the_diagnosis_has_a_card_for_its_effect(page)
         expect(page.locator("#job")).to_be_hidden()
-        expect(page.locator("#effects input:checked")).to_have_count(1)
-        expect(page.locator("#apply-found")).to_be_enabled()
+        effects_are_in_groups(page)
+        what_is_found_is_applied_where_one_clicks(page)
         page.locator("#identify").click()
         export_by_mouse(page)
         page.locator("#apply").click()
@@ -150,6 +232,7 @@ def test_from_an_empty_folder_to_the_applied_model_by_mouse(look, logs, tmp_path
             page.get_by_role("link", name="Download this dataset").click()
         assert kept.value.suggested_filename == "my_data.zip"
         models_have_names_of_their_own(page)
+        a_doubtful_card_has_its_probability_and_the_command_that_decides(page)
         assert page.heard == []
     ours = json.loads((tmp_path / "my_data.results" / "2-diagnosis.json").read_text())
     words = shlex.split(command)[1:]  # the command of the next diagnosis, given in the shell
@@ -177,6 +260,11 @@ def test_the_same_by_keyboard_and_on_a_phone(look, logs, tmp_path):
     with opened(tmp_path, cwd=tmp_path) as site:
         page = look(site, width=PHONE, dark=True)
         expect(page.locator("#compare")).to_be_visible()
+        expect(page.locator("#effects summary").first).to_have_text(
+            "After a diagnosis, or from the whole list"
+        )
+        for step in ("effects", "history"):  # what has nothing to show yet is one line
+            assert page.locator(f"#{step}").evaluate("(part) => part.offsetHeight") < 60
         press_until(page, "Tab", "#add-log .logs button")
         page.keyboard.press("Enter")
         expect(page.locator("#robot")).to_have_value("five_bar")
@@ -200,6 +288,10 @@ def test_the_same_by_keyboard_and_on_a_phone(look, logs, tmp_path):
         row = page.locator("#errors .gains tr", has_text="left")
         expect(row).to_contain_text(f"{gain['value']:.4f}"[:4])
         expect(row).to_contain_text("±")
+        press_until(page, "Tab", "#effects summary")
+        page.keyboard.press("Enter")
+        press_until(page, "Tab", "#effects input[type=search]")
+        page.keyboard.type("viscous")
         press_until(page, "Tab", "#effects [id='viscous_friction:left']")
         page.keyboard.press("Space")
         expect(page.locator("#apply")).to_be_visible()
@@ -215,9 +307,12 @@ def test_the_same_by_keyboard_and_on_a_phone(look, logs, tmp_path):
 
 def test_a_payload_in_grams_is_asked_about_and_a_wrong_import_replaced(look, logs, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    with opened(tmp_path, cwd=tmp_path) as site:
+    own = tmp_path / "elsewhere" / "my_five_bar"
+    shutil.copytree(built_in_robots()["five_bar"], own)
+    with opened(tmp_path, "--robot", own, cwd=tmp_path) as site:
         page = look(site)
         page.locator("#files").set_input_files(logs / "held.csv")
+        expect(page.locator("#robot")).to_have_value(str(own))  # the one that the command named
         page.locator("#robot").select_option("five_bar")
         page.get_by_role("radio", name="none").check()
         mend = "Mend first what stands at position.left, position.right."

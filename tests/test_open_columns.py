@@ -81,6 +81,27 @@ def test_what_is_ambiguous_is_left_open(robot):
     assert guessed(["q_left", "q_left_filtered", "volts", "left", "right"], robot) == {}
 
 
+def test_a_path_is_of_the_slide_by_its_unit_and_range():
+    slide = load_robot("crank_slide")  # a hinge, and a carriage between 0.3 m and 0.6 m
+    path, height = np.linspace(350.0, 550.0, 9), np.linspace(10.0, 20.0, 9)
+    names = ["Zeit [ms]", "Winkel [deg]", "Weg [mm]", "Strom 1 [A]", "Strom 2 [A]"]
+    found = guesses(names, slide)
+    assert found["position.crank"] == {"column": "Winkel [deg]", "unit": "deg", "why": "unit"}
+    assert found["position.carriage"] == {"column": "Weg [mm]", "unit": "mm", "why": "unit"}
+    lengths = {"Weg [mm]": path, "Abstand [mm]": height}
+    assert "position.carriage" not in guesses([*names, "Abstand [mm]"], slide)
+    found = guesses([*names, "Abstand [mm]"], slide, values=lengths)
+    assert found["position.carriage"]["column"] == "Weg [mm]"
+    plain = ["Zeit [ms]", "Winkel [deg]", "Weg", "Strom 1 [A]", "Strom 2 [A]"]
+    assert guesses(plain, slide)["position.carriage"] == {"column": "Weg", "unit": "", "why": "rest"}
+    found = guesses(plain, slide, values={"Weg": path})
+    assert found["position.carriage"] == {"column": "Weg", "unit": "mm", "why": "range"}
+    axis = load_robot("emps")  # a slide between -0.02 m and 0.28 m
+    for factor, unit, why in ((1e3, "mm", "range"), (1.0, "", "order")):
+        found = guesses(["t", "Weg", "Strom"], axis, values={"Weg": factor * np.linspace(0.0, 0.25, 9)})
+        assert found["position.axis"] == {"column": "Weg", "unit": unit, "why": why}
+
+
 def test_the_unit_that_a_log_states_is_told_and_kept(tmp_path, robot):
     log = tmp_path / "log.txt"
     time = np.arange(2000) / 1e3

@@ -87,6 +87,24 @@ def test_choosing_a_motor_shows_its_curves(look):
     assert other in page.locator("#currents .notes").inner_text()
 
 
+def test_where_it_fails_leads_to_the_curves_and_those_of_all_motors_share_a_cursor(look):
+    page = scrolled(look())
+    joints = page.locator("#currents .segments label").all_inner_texts()
+    assert joints[-1] == "all side by side"
+    for joint in joints[:-1]:
+        page.locator("#where .segments label", has_text=joint).first.click()
+        page.locator("#where").get_by_role("link", name=f"curves of {joint}").click()
+        expect(page.locator("#currents .segments label:has(:checked)")).to_have_text(joint)
+        assert joint in page.locator("#currents .notes").inner_text()
+    page.locator("#currents .segments label", has_text="all side by side").click()
+    curves = page.locator("#currents svg[role=img]")
+    expect(curves).to_have_count(len(joints) - 1)
+    assert page.locator("#currents .charts h4").all_inner_texts() == joints[:-1]
+    curves.first.hover()
+    expect(page.locator("#currents .values:visible")).to_have_count(len(joints) - 1)
+    assert page.heard == []
+
+
 def landed(page, name):
     """How far the heading of a section stands from where a link should bring it, px, once the page is still."""
     page.evaluate("""async () => {
@@ -176,7 +194,9 @@ def test_the_keyboard_reaches_theme_choices_and_details(look):
         if wanted <= reached:
             break
     assert wanted <= reached
-    assert {motor, page.locator("#currents input:checked").first.get_attribute("value")} == {"0", "1"}
+    now = page.locator("#currents input:checked").first.get_attribute("value")
+    assert now != motor
+    assert {motor, now} < {"0", "1", "all"}
     assert page.locator("#ranking details").first.get_attribute("open") is not None
     assert page.heard == []
 

@@ -7,8 +7,10 @@ import pytest
 
 from bench.basics.errors import BenchError
 from bench.cli import main
-from bench.studies.sweep.results import write_plots, write_summary
+from bench.studies.sweep.plan import make_plan
+from bench.studies.sweep.results import default_plots, write_plots, write_summary
 from bench.studies.sweep.summary import share_interval, summarise, summarise_in_parts
+from bench.studies.sweep.sweep_file import load_sweep
 from tests.sweep_stand_in import Accidents, StandIn, plan_of, run
 
 pytestmark = pytest.mark.pictures
@@ -60,6 +62,22 @@ def test_a_sweep_writes_summary_and_figures(folder):
     before = [path.read_bytes() for path in paths]
     write_plots(plan, folder)
     assert [path.read_bytes() for path in paths] == before
+
+
+@pytest.mark.parametrize(
+    ("text", "against"),
+    [
+        ("seeds = 1", []),
+        ("seeds = 1\n[axes]\nmethod = ['ls']", []),
+        ("seeds = 3", ["seed", "seed"]),
+        ("seeds = 3\n[axes]\nmethod = ['ls']", ["seed", "seed"]),
+        ("seeds = 1\n[axes]\nmethod = ['ls', 'current']", ["method", "method"]),
+    ],
+)
+def test_nothing_is_drawn_against_what_does_not_vary(text, against, tmp_path):
+    (tmp_path / "one.toml").write_text(f"base = 'five_bar'\n{text}\n")
+    plan = make_plan(load_sweep(tmp_path / "one.toml"))
+    assert [plot.x for plot in default_plots(plan)] == against
 
 
 @pytest.mark.parametrize("suffix", ["svg", "png", "pdf"])

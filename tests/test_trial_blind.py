@@ -136,3 +136,31 @@ def test_a_wrong_request_is_one_line(tmp_path: Path, capsys: pytest.CaptureFixtu
         assert culprit in error
         assert error.count("\n") == 1
     assert not (tmp_path / "x").exists()
+
+
+@pytest.mark.parametrize("quiet", [[], ["-q"]])
+def test_a_scenario_that_no_case_can_use_is_refused_once_and_at_once(
+    quiet: list[str], tmp_path: Path, project_root: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    scenario = tmp_path / "coarse.toml"
+    text = (project_root / "scenarios" / "emps.toml").read_text(encoding="utf-8")
+    scenario.write_text(text.replace("encoder_resolution = 1e-6\n", ""), encoding="utf-8")
+    words = ["trial", "emps", "--scenario", str(scenario), "--kinds", "nothing", "-o", str(tmp_path / "out")]
+    assert main([*words, *quiet]) == 2
+    out, err = capsys.readouterr()
+    assert out == ""
+    assert err.count("\n") == 1
+    assert "'axis' is a slide joint: give encoder_resolution in m" in err
+    assert not (tmp_path / "out").exists()
+
+
+def test_that_all_came_to_nothing_is_said_where_all_else_is_quiet(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    failed = [{"kind": "nothing", "run": k, "status": "failed", "reason": "it diverges"} for k in range(3)]
+    monkeypatch.setattr("bench.studies.trial.command.run_trial", lambda *_: failed)
+    monkeypatch.setattr("bench.page.write_studies.write_trial_report", lambda _, page: page)
+    words = ["trial", "five_bar", "--kinds", "nothing", "-q", "-o", str(tmp_path)]
+    assert main(words) == 1
+    out, err = capsys.readouterr()
+    assert (out, err) == ("", "bench: all 3 datasets came to nothing: it diverges\n")

@@ -11,7 +11,7 @@ from rich.console import Console
 from bench.basics.errors import BenchError
 from bench.studies.trial.command import show, write_results
 from bench.studies.trial.figures import write_figures
-from bench.studies.trial.markdown import parts, trial_markdown
+from bench.studies.trial.markdown import deviation_text, parts, trial_markdown
 from bench.studies.trial.name_list import cell_of, names_in
 from bench.studies.trial.numbers import check_numbers
 from bench.studies.trial.summary import TrialSummary, summarised
@@ -99,6 +99,11 @@ def test_every_table_has_a_title_and_rows_with_cases() -> None:
     assert sizes.table.columns[0].texts == ["0 to 1.5", "3 to 6"]
     assert "three" not in text
     assert "lost" in text
+
+
+def test_what_is_another_value_altogether_has_no_number_of_standard_errors() -> None:
+    assert deviation_text(0.674) == "0.67"
+    assert deviation_text(10904.78) == "over 100"
 
 
 def test_a_row_of_names_and_numbers_keeps_to_one_line(nothing: TrialSummary) -> None:

@@ -9,6 +9,7 @@ from bench.cli.completion import effects as effect_names
 from bench.cli.completion import robots as robot_names
 from bench.cli.last_lines import next_line, say, wrote
 from bench.cli.options import effect_file_option, in_existing_folder, with_option
+from bench.cli.parameters import Rate
 from bench.cli.progress import quiet_option, shown_progress
 
 POSITIVE = click.FloatRange(min=0.0, min_open=True)
@@ -53,8 +54,20 @@ def _share(_context: click.Context, option: click.Parameter, text: str | None) -
     callback=in_existing_folder,
     help="TOML with limits by joint, workspace boxes, payload and sensors.",
 )
-@click.option("--velocity", type=POSITIVE, metavar="V", help="Largest speed of every joint, rad/s or m/s.")
-@click.option("--acceleration", type=POSITIVE, metavar="A", help="Largest acceleration, rad/s2 or m/s2.")
+@click.option(
+    "--velocity",
+    type=Rate("s"),
+    multiple=True,
+    metavar="V",
+    help="Largest speed of every joint, or of hinges and slides apart: 3rad/s and 0.5m/s. Repeat for each.",
+)
+@click.option(
+    "--acceleration",
+    type=Rate("s2"),
+    multiple=True,
+    metavar="A",
+    help="Largest acceleration, likewise: 30rad/s2, 5m/s2.",
+)
 @click.option("--current", type=POSITIVE, metavar="I", help="Largest current, drive unit.")
 @click.option("--duration", type=POSITIVE, metavar="S", help="Of each motion.  [default: 20]")
 @click.option("--payload-mass", type=POSITIVE, metavar="KG", help="Weighed; its centre is then estimated.")
@@ -121,7 +134,8 @@ def excite(
         check_folder(output)
         stop_step_timers()
         aim = Aim(wanted or WHOLE.wanted, **search)
-        table, described = asked_table(limits, options), load_robot(robot)
+        described = load_robot(robot)
+        table = asked_table(limits, options, described)
         if after is None:
             catalogue = catalogue_for(effect_files)
             plan = plan_experiment(described, table, aim, effects, catalogue=catalogue, progress=progress)

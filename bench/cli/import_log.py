@@ -1,6 +1,6 @@
 """`bench import`: a controller's log becomes a recording of a dataset."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -154,11 +154,22 @@ def import_log(
             imported = import_log(
                 options["robot"], request, folder, payload, replace=options["replace"], progress=progress
             )
-    for path, note in imported.notes:
-        click.echo(f"{path}: {note}")
+    for line in _said_once(imported.notes):
+        click.echo(line)
     for entry in imported.entries:
         say([wrote(folder / entry.file, entry.use)])
     say([next_line(["identify", folder])])
+
+
+def _said_once(notes: Sequence[tuple[Path, str]]) -> list[str]:
+    """A line for each note; one that several logs have in common names the first of them."""
+    files: dict[str, list[Path]] = {}
+    for path, note in notes:
+        files.setdefault(note, []).append(path)
+    return [
+        f"{paths[0]}{f' and {len(paths) - 1} more' if len(paths) > 1 else ''}: {note}"
+        for note, paths in files.items()
+    ]
 
 
 def _refuse_beside_mapping(context: click.Context) -> None:

@@ -68,3 +68,28 @@ def unique(pairs: tuple[tuple[str, Any], ...], option: str) -> dict[str, Any]:
         if keys.count(key) > 1:
             raise click.UsageError(f"{option}: {key!r} is given twice")
     return dict(pairs)
+
+
+class Rate(click.ParamType[tuple[float, str]]):
+    """A positive number with a unit, as 3rad/s or 0.5m/s, or with none: (number, unit). per: s, or s2."""
+
+    name = "rate"
+
+    def __init__(self, per: str) -> None:
+        self.units = (f"rad/{per}", f"m/{per}")
+
+    def convert(
+        self, value: Any, param: click.Parameter | None, ctx: click.Context | None
+    ) -> tuple[float, str]:
+        """Raise click.BadParameter for anything else."""
+        if isinstance(value, tuple):  # a default that is split already
+            return value
+        text = str(value).replace(" ", "")
+        unit = next((unit for unit in self.units if text.endswith(unit)), "")
+        try:
+            number = float(text.removesuffix(unit))
+        except ValueError:
+            number = 0.0
+        if not 0.0 < number < float("inf"):
+            self.fail(f"{value!r} is no positive number, alone or in {' or '.join(self.units)}", param, ctx)
+        return number, unit

@@ -1,4 +1,4 @@
-"""`bench view`: a dataset, a model or results in the Rerun viewer."""
+"""`bench view`: a dataset, a model or results in the Rerun viewer, or as a file for Foxglove and PlotJuggler."""
 
 from pathlib import Path
 from typing import Any
@@ -23,7 +23,10 @@ from bench.cli.options import effect_file_option, filter_options, given_filters,
 @click.option("--no-truth", is_flag=True, help="Leave out what a simulation knows of its hidden effects.")
 @filter_options
 @click.option(
-    "--save", type=click.Path(path_type=Path), metavar="FILE.rrd", help="Only write the recording, here."
+    "--save",
+    type=click.Path(path_type=Path),
+    metavar="FILE",
+    help="Only write: FILE.rrd for Rerun, FILE.mcap for Foxglove and PlotJuggler.",
 )
 def view(
     source: Path,
@@ -41,22 +44,31 @@ def view(
     `bench identify --json`; a folder that `bench identify`, `compare` or `diagnose` wrote with -o; or the folder of
     a sweep, of which a good, a middling and a bad run are simulated again and shown side by side.
 
-    The recording goes to SOURCE.rrd, beside SOURCE, and opens; with --save it is only written.
+    The recording goes to SOURCE.rrd, beside SOURCE, and opens; with --save it is only written. An .mcap file has, of
+    every recording, positions and currents as logged, measured and modelled currents, errors, joint states and the
+    torque of each effect.
     """
     from bench.cli.named_sources import ViewRequest, viewed_runs
     from bench.cli.next_steps import Source, after_looking
+    from bench.viewer.mcap_file import SUFFIX, need_mcap, write_mcap
     from bench.viewer.recording import write_rrd, write_side_by_side
 
     given = given_filters(**filters)
     asked = ViewRequest(effects, effect_files, given, data, runs, not no_truth)
-    viewed = viewed_runs(source, asked)
     resolved = source.resolve()
     path = resolved.with_name(f"{resolved.name.removesuffix('.json')}.rrd") if save is None else save
-    if len(viewed) == 1:
+    is_mcap = path.suffix.lower() == SUFFIX
+    if is_mcap:
+        need_mcap(path)
+    viewed = viewed_runs(source, asked)
+    if is_mcap:
+        write_mcap(path, viewed)
+    elif len(viewed) == 1:
         write_rrd(path, viewed[0].result, viewed[0].dataset, context=viewed[0].context)
     else:
         write_side_by_side(path, viewed)
-    written = [wrote(path, "recording" if save is None else f"recording: open it with rerun {path}")]
+    how = "open it in Foxglove or PlotJuggler" if is_mcap else f"open it with rerun {path}"
+    written = [wrote(path, "recording" if save is None else f"recording: {how}")]
     if save is None:
         from bench.cli.open_viewer import open_viewer
 

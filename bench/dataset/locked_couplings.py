@@ -61,10 +61,13 @@ def drop_equalities(spec: mujoco.MjSpec, plain: mujoco.MjModel, values: Mapping[
             first, second = (_moved_with(plain, body, held) for body in _bodies(plain, index))
             if first != second:
                 continue
-            gap = np.abs(at.efc_pos[of_equality & (at.efc_id == index)]).max(initial=0.0)
-            if gap > DIGITS:
+            gaps = np.abs(
+                at.efc_pos[of_equality & (at.efc_id == index)]
+            )  # three of position, of a weld three of turn
+            if gaps.max(initial=0.0) > DIGITS:
+                gap = f"{gaps.max():.3g} {'m' if gaps.argmax() < 3 else 'rad'}"
                 raise BenchError(
-                    f"loop {label!r} between locked joints is open by {gap:.3g} (m or rad): lock them where it closes"
+                    f"loop {label!r} between locked joints is open by {gap}: lock them where it closes"
                 )
         elif equality.type == mujoco.mjtEq.mjEQ_JOINT:
             ends = [name for name in (equality.name1, equality.name2) if name]

@@ -229,8 +229,8 @@ def _cannot_tell(verdict: EffectVerdict, found: Sequence[EffectVerdict]) -> str:
     return (
         f"Instead of {spoken(verdict.effect)} it could as well be "
         f"{or_list([spoken(name) for name in verdict.alternatives])}: "
-        f"these recordings cannot tell. To tell them apart: {motions}. "
-        f"`bench discriminate DATASET {verdict.effect} {verdict.alternatives[0]}{beside} -o DIR` designs the motion."
+        f"these recordings cannot tell. To tell them apart: {motions}. The motion is designed by "
+        f"`bench discriminate DATASET {verdict.effect} {verdict.alternatives[0]}{beside} -o DIR`."
     )
 
 

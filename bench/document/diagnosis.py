@@ -140,12 +140,20 @@ def parameters_before_after(diagnosis: Diagnosis, most: int | None = None) -> tu
 
 
 def size_words(diagnosis: Diagnosis, verdict: EffectVerdict) -> str:
-    """RMS torque of an effect, the smallest and largest of its motors, and its share of the motor's own torque."""
-    if not verdict.size:
-        return ""
-    torque = motor_torques(diagnosis.after)
-    largest = max(verdict.size, key=lambda joint: verdict.size[joint])
-    low, high = f"{min(verdict.size.values()):.2g}", f"{verdict.size[largest]:.2g}"
+    """RMS torque of an effect, the smallest and largest of its motors, and its share of the motor's own torque.
+
+    Torques of hinges and forces of slides stand apart.
+    """
+    joints = sorted(verdict.size, key=lambda joint: verdict.size[joint])
+    units = {joint: effort_unit(diagnosis.after, joint) for joint in joints}
+    alike = [[joint for joint in joints if units[joint] == unit] for unit in sorted(set(units.values()))]
+    return ", ".join(_span(diagnosis, verdict, several) for several in alike)
+
+
+def _span(diagnosis: Diagnosis, verdict: EffectVerdict, joints: Sequence[str]) -> str:
+    """Sizes of joints with one unit, in rising order, and the share of the last."""
+    largest, torque = joints[-1], motor_torques(diagnosis.after)
+    low, high = (f"{verdict.size[joint]:.2g}" for joint in (joints[0], largest))
     text = high if low == high else f"{low}–{high}"
     share = f" ({100.0 * verdict.size[largest] / torque[largest]:.2g} %)" if torque.get(largest) else ""
     return f"{text} {effort_unit(diagnosis.after, largest)}{share}"

@@ -91,6 +91,7 @@ class Pages:
         in_time = sorted(written, key=lambda path: (written[path].stat().st_mtime, path))
         answer["runs"] = [{"path": path, "time": said_time(written[path])} for path in in_time]
         answer |= {"root": str(self.folder.root), "name": self.folder.root.name, "start": self.start}
+        answer["named_robots"] = [str(path) for path in self.folder.robots]
         answer["free"] = self.folder.free(NEW_DATASET)
         return JSONResponse(answer | {"command": self.command, "largest": LARGEST})
 

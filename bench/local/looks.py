@@ -18,6 +18,7 @@ from bench.dataset.payload import Payload
 from bench.dataset.robot import load_robot
 from bench.dataset.robot_toml import mjcf_parts
 from bench.effects.display_names import begun, spoken
+from bench.effects.effect import Seen
 from bench.identification.model_file import apply_model, load_model
 from bench.identification.model_json import to_json
 from bench.identification.problem import places_of, problem_of
@@ -29,6 +30,18 @@ from bench.page.run_file import RUN_FILE
 from bench.page.section_errors import currents_section
 from bench.page.section_run import CommandRun
 
+GROUPS: Mapping[Seen | None, str] = {
+    "opposes": "Error jumps at a reversal",
+    "load": "Error grows with the load",
+    "fades": "Error changes with time",
+    "velocity": "Error follows the velocity",
+    "repeats": "Error repeats over the position",
+    "position": "Error follows the position",
+    "current": "Error follows the current",
+    "acceleration": "Error follows the acceleration",
+    None: "Effects of your own",
+}
+"""What effects have in common that show first in the same way; those that do not say are not of the catalogue."""
 MAPPED = ("columns", "scale", "rate", "split_gaps", "accept", "topic", "skip_rows")
 
 
@@ -81,6 +94,7 @@ def dataset(arguments: Mapping[str, Any], _progress: Progress) -> dict[str, Any]
             for recording in data.recordings
         ],
         "effects": _effects(data),
+        "groups": list(GROUPS.values()),
     }
 
 
@@ -119,7 +133,13 @@ def _effects(data: Dataset) -> list[dict[str, Any]]:
     problem = problem_of(data)
     places = places_of(problem)
     return [
-        {"name": name, "words": begun(name), "spoken": spoken(name), "places": [name for name in at if name]}
+        {
+            "name": name,
+            "words": begun(name),
+            "spoken": spoken(name),
+            "group": GROUPS[next(iter(effect.seen), None)],
+            "places": [name for name in at if name],
+        }
         for name, effect in problem.catalogue.items()
         if (at := places.where(effect))
     ]

@@ -3,6 +3,7 @@
 import numpy as np
 
 from bench.basics.errors import BenchError
+from bench.basics.joint_units import joint_units
 from bench.model.closure import loop_jacobian, loop_residual
 from bench.model.configuration import integrate, normalised
 from bench.model.cures import joints_to_lock, welds_as_connects
@@ -35,10 +36,13 @@ def check_assembled(geometry: Geometry) -> None:
     if residual[widest] <= allowed:
         return
     cure = welds_as_connects(geometry, residual, allowed)
-    owners = [f"loop {loop.name!r}" for loop in geometry.loops for _ in range(loop.size)]
-    owners += [_named(geometry, coupling) for coupling in geometry.couplings]
+    rows = [
+        (f"loop {loop.name!r}", "m" if k < 3 else "rad") for loop in geometry.loops for k in range(loop.size)
+    ]
+    rows += [(_named(geometry, coupling), _unit(geometry, coupling)) for coupling in geometry.couplings]
+    owner, unit = rows[widest]
     raise BenchError(
-        f"robot {geometry.robot.name}: {owners[widest]} is open by {residual[widest]:.3g} (m or rad) in the "
+        f"robot {geometry.robot.name}: {owner} is open by {residual[widest]:.3g} {unit} in the "
         f"home pose{cure_in_words(cure) or '; bench robot check tells the assembled one'}"
     )
 
@@ -47,6 +51,12 @@ def _named(geometry: Geometry, coupling: Coupling) -> str:
     """An equality with the joints that it couples or holds."""
     joints = tuple(geometry.joints[joint].name for joint, _ in (*coupling.first, *coupling.second))
     return f"equality {coupling.name!r} of joint {_quoted(joints)}"
+
+
+def _unit(geometry: Geometry, coupling: Coupling) -> str:
+    """That of the first joint's position."""
+    joint, _ = coupling.first[0]
+    return joint_units(geometry.joints[joint].kind != "slide").position
 
 
 def check_mobility(geometry: Geometry) -> None:

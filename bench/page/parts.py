@@ -104,11 +104,15 @@ class PageChart:
 
 @dataclass(frozen=True)
 class Linked:
-    """A sentence with a link behind it to a part of the page, by the part's id; "" where there is none."""
+    """A sentence with a link behind it to a part of the page, by the part's id; "" where there is none.
+
+    choose: options that a click chooses there, by the name of their choice.
+    """
 
     text: str
     link: str
     to: str
+    choose: Mapping[str, str] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -121,11 +125,15 @@ class Variant:
 
 @dataclass(frozen=True)
 class Choice:
-    """A question that a figure's reader may answer, such as which motor. first: the option at the start."""
+    """A question that a figure's reader may answer, such as which motor. first: the option at the start.
+
+    together: the words for all options side by side, over one axis; "" where they are not shown so.
+    """
 
     name: str
     options: tuple[str, ...]
     first: int = 0
+    together: str = ""
 
 
 @dataclass(frozen=True)

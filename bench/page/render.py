@@ -16,7 +16,15 @@ from bench.basics.plain_data import finite
 from bench.page.parts import Figure, Mechanism, Page, Runs
 
 ASSETS = Path(__file__).with_name("assets")
-CHARTS = ("chart_basics.js", "elements.js", "chart_series.js", "chart_zoom.js", "charts.js")
+CHARTS = (
+    "chart_basics.js",
+    "elements.js",
+    "chart_series.js",
+    "chart_zoom.js",
+    "chart_cursor.js",
+    "chart_several.js",
+    "charts.js",
+)
 RUNS, MACHINE = "runs.js", "machine.js"
 
 

@@ -29,6 +29,7 @@ from bench.page.tables import on_page
 MOST_NUMBERS = 45_000  # of all curves of the currents together: about 0.4 MB
 MOST_POINTS, FEWEST_POINTS = 1200, 120  # of one curve
 MOST_FIGURES = 240  # motors times recordings
+CURRENTS, MOTOR = "currents", "Motor"  # the section of the curves, and its choice
 ON_PAPER = 8  # currents that are printed
 ERROR_AID = "Error: RMS(measured − modelled current) over RMS(measured current), where the joint moves."
 
@@ -113,13 +114,16 @@ def currents_section(
         "Current and error over time",
         aid,
         True,
-        (Choice("Motor", joints, _loudest(last)), Choice("Recording", options, first)),
+        (
+            Choice(MOTOR, joints, _loudest(last), "all side by side" if len(joints) > 1 else ""),
+            Choice("Recording", options, first),
+        ),
         variants,
         tuple(f"{j}|{k}" for j, k in enumerate(worst))[:ON_PAPER],
     )
     lead = "Every motor in every recording, at the rate and bandwidth of the fit."
     robot = () if moving is None else (moving(names[first], options[first]),)
-    return Section("currents", "Measured against modelled", lead, (figure, *robot), "Measured, modelled")
+    return Section(CURRENTS, "Measured against modelled", lead, (figure, *robot), "Measured, modelled")
 
 
 def _facts(joint: str, curves: Sequence[Curve]) -> str:

@@ -8,6 +8,7 @@ from bench.effects import CATALOGUE
 from bench.page.chart_spec import beside
 from bench.page.model_errors import ModelBeside
 from bench.page.parts import Choice, Figure, Linked, PageColumn, PageTable, Section, Variant, row
+from bench.page.section_errors import CURRENTS, MOTOR
 from bench.residuals.error_breakdown import error_breakdown
 from bench.residuals.words import MOST_LOOKS, overlapping, whole_alike, whole_sentences
 
@@ -32,7 +33,8 @@ def where_section(models: Sequence[ModelBeside]) -> Section:
             )
             charts = tuple(map(beside, motor_charts(error_breakdown(model.what, joint)).values()))
             key = f"{j}|{m}" if len(models) > 1 else f"{j}"
-            variants[key] = Variant(charts, (*found, *alike))
+            curves = Linked("Over time:", f"curves of {joint}", CURRENTS, {MOTOR: joint})
+            variants[key] = Variant(charts, (*found, *alike, curves))
     loud = [
         m
         for m, model in enumerate(models)

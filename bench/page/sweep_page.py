@@ -185,7 +185,8 @@ def _plots_section(found: SweepResult) -> Section:
         for plot in plots
         if {plot.x, plot.y, *([plot.lines] if plot.lines else [])} <= set(known)
     ]
-    none: tuple[Part, ...] = (Items("", "", ("None of the metrics asked for was recorded.",)),)
+    why = "None of the metrics asked for was recorded." if plots else "Nothing was varied: one run."
+    none: tuple[Part, ...] = (Items("", "", (why,)),)
     lead = "As the sweep's file asks for it; the first metrics against the first axis where it does not."
     return Section("plots", "Metrics against what was varied", lead, tuple(parts) or none, "Metrics")
 

@@ -272,7 +272,7 @@ def _coverage_section(summary: TrialSummary) -> Section:
             Items("", "", ("No set that counts was found exactly: no interval to judge.",)),
         )
         return Section("coverage", "Intervals of the effects' parameters", "", none, "Intervals")
-    aid = "Where the standard errors are right, the median is 0.67."
+    aid = "Error: of an estimate, in its standard errors. Where these are right, the median is 0.67."
     parts = (coverage_figure(summary), on_page(coverage_table(summary), "The same in numbers", aid))
     lead = "Do the 95 % intervals hold the truth 95 % of the time? Of cases whose set was found exactly."
     return Section("coverage", "Intervals of the effects' parameters", typeset(lead), parts, "Intervals")

@@ -133,7 +133,9 @@ def entity_roots(names: Sequence[str]) -> Mapping[str, str]:
 
 def _check_suffix(path: str | Path) -> None:
     if Path(path).suffix.lower() != ".rrd":
-        raise BenchError(f"{path}: a Rerun recording is an .rrd file")
+        raise BenchError(
+            f"{path}: a Rerun recording is an .rrd file; one for Foxglove or PlotJuggler an .mcap file"
+        )
 
 
 @contextmanager

@@ -13,17 +13,27 @@ import subprocess
 import sys
 import time
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from rerun.experimental import ViewerClient
 
+from bench.basics.errors import BenchError
+
 STARTING = 60.0  # s to wait for the viewer
 SETTLING = 60.0  # s to wait for a picture that stays the same
+ENDING = 5.0  # s in which a viewer that does not answer any more ends, where it had to
+NO_DRIVER = (
+    "the Rerun viewer ended: it draws with a Vulkan driver "
+    "(Debian: apt-get install mesa-vulkan-drivers libvulkan1)"
+)
 
 
 def screenshot(recording: Path, picture: Path, at: float, size: str) -> None:
-    """Open a recording in a viewer without a window, and save the picture once nothing changes any more."""
+    """Open a recording in a viewer without a window, and save the picture once nothing changes any more.
+
+    Raises BenchError where the viewer ends, as it does without a Vulkan driver.
+    """
     with _viewer(size) as client:
         client.open(str(recording.resolve()))
         _set_time(client, at)
@@ -50,14 +60,23 @@ def _viewer(size: str) -> Iterator[ViewerClient]:
         command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, start_new_session=True
     ) as process:
         try:
-            yield _connected(port)
+            yield _connected(port, process)
+        except ConnectionError as error:
+            with suppress(subprocess.TimeoutExpired):
+                process.wait(ENDING)
+            if process.poll() is None:
+                raise
+            raise BenchError(NO_DRIVER) from error
         finally:
-            os.killpg(process.pid, signal.SIGTERM)
+            with suppress(ProcessLookupError):
+                os.killpg(process.pid, signal.SIGTERM)
 
 
-def _connected(port: int) -> ViewerClient:
+def _connected(port: int, process: subprocess.Popen[bytes]) -> ViewerClient:
     end = time.monotonic() + STARTING
     while True:
+        if process.poll() is not None:
+            raise ConnectionError("the viewer has ended")
         try:
             client = ViewerClient.connect(f"rerun+http://127.0.0.1:{port}/proxy")
             client.get_state()
@@ -105,7 +124,10 @@ def main() -> None:
     parser.add_argument("--time", type=float, default=5.0, help="seconds into the recording")
     parser.add_argument("--size", default="1600x1000", help="width x height in points")
     given = parser.parse_args()
-    screenshot(given.recording, given.picture, given.time, given.size)
+    try:
+        screenshot(given.recording, given.picture, given.time, given.size)
+    except BenchError as error:
+        parser.exit(2, f"{error}\n")
 
 
 if __name__ == "__main__":

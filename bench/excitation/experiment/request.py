@@ -8,6 +8,7 @@ from pydantic import Field
 
 from bench.basics.errors import BenchError, meant
 from bench.basics.files.toml_input import UserTable
+from bench.basics.joint_units import joint_units, units_of_gain
 from bench.dataset.payload import Payload, payload_fault
 from bench.dataset.robot import Robot
 from bench.scenario.tables import (
@@ -20,6 +21,8 @@ from bench.scenario.tables import (
 )
 
 PAYLOAD = "payload"  # its name in what is written
+PER: Mapping[str, str] = {"velocity": "s", "acceleration": "s2"}
+"""What a rad or m is divided by in the unit of each."""
 
 
 class Box(UserTable):
@@ -75,6 +78,49 @@ def joint_values(key: str, value: float | Mapping[str, float], joints: Sequence[
         if joint not in value:
             raise BenchError(f"{key}: joint {joint!r} is missing")
     return np.array([value[joint] for joint in joints], dtype=float)
+
+
+def rates(key: str, value: float | Mapping[str, float], robot: Robot) -> np.ndarray:
+    """Speeds or accelerations of the joints (n,), as `joint_values`.
+
+    Raises BenchError for one number for hinges and slides alike, of which nobody knows the unit.
+    """
+    turns = [units_of_gain(actuator.gain_unit).rotates for actuator in robot.actuators]
+    if isinstance(value, Mapping) or all(turns) or not any(turns):
+        return joint_values(key, value, robot.joints)
+    per = PER[key]
+    told = ", ".join(
+        f"{joint} in {joint_units(turn).position}/{per}"
+        for joint, turn in zip(robot.joints, turns, strict=True)
+    )
+    raise BenchError(
+        f"{key}: {value:g} of what? The robot {robot.name!r} has hinges and slides ({told}): give both, as in "
+        f"--{key} {value:g}rad/{per} --{key} 0.5m/{per}, or a table [{key}] by joint in the file of --limits"
+    )
+
+
+def by_unit(key: str, given: Sequence[tuple[float, str]], robot: Robot) -> float | dict[str, float] | None:
+    """What the command line says of speeds or accelerations: None, a number, or one for each joint by its unit.
+
+    given: numbers with their units, "" for none. Raises BenchError for numbers without a joint, and the reverse.
+    """
+    if not given:
+        return None
+    numbers = {unit: value for value, unit in given}
+    if set(numbers) == {""}:
+        return numbers[""]
+    units = {
+        actuator.joint: f"{units_of_gain(actuator.gain_unit).position}/{PER[key]}"
+        for actuator in robot.actuators
+    }
+    for unit, value in numbers.items():
+        if unit not in units.values():
+            what = f"in {unit}" if unit else "without a unit beside others"
+            raise BenchError(f"{key}: {value:g} {what}: no joint of {robot.name!r} takes it")
+    for joint, unit in units.items():
+        if unit not in numbers:
+            raise BenchError(f"{key}: joint {joint!r} is in {unit}: add --{key} NUMBER{unit}")
+    return {joint: numbers[unit] for joint, unit in units.items()}
 
 
 def check_joint(key: str, name: str, joints: Sequence[str]) -> None:

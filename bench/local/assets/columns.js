@@ -3,8 +3,15 @@
 const Columns = (() => {
   const {el, field, select, spark} = Dom;
   const PAUSE = 150; // ms without a change after which the columns are checked
+  const GUESSED = {
+    order: () => "taken in the order of their numbers",
+    unit: () => "taken for its unit",
+    rest: () => "taken as the last one",
+    range: (unit) => `taken to be in ${Dom.unit(unit)} for its range`,
+  };
   const told = new Map(); // what is measured -> the unit that somebody chose for it, in this log or one before
   const kept = new Map(); // a log and how it is read -> how its columns were mapped when it was looked at last
+  const layouts = new Map(); // robot, headers and stated units -> the log that had them last, and its mapping
 
   /* look: what the server says of the log; asked: log and robot; changed: called with the mapping after each change. */
   function create(look, asked, changed) {
@@ -21,10 +28,13 @@ const Columns = (() => {
       mapping[target] = {...guess, unit: guess.unit || before || own(target, guess.column), before};
     }
     const key = JSON.stringify([asked.log, asked.robot, asked.skip_rows, asked.topic]);
+    const headers = look.columns.map((column) => column.name);
+    const layout = JSON.stringify([asked.robot, headers, look.stated]);
     const last = kept.get(key);
-    for (const [target, chosen] of Object.entries(last?.mapping || {}))
+    const previous = last ? undefined : layouts.get(layout);
+    for (const [target, chosen] of Object.entries((last || previous)?.mapping || {}))
       if (look.columns.some((column) => column.name === chosen.column))
-        mapping[target] = {...chosen, before: chosen.unit === own(target, chosen.column) ? "" : chosen.unit};
+        mapping[target] = {...chosen, before: told.has(kind(target)) ? remembered(target, chosen.column) : ""};
     const state = {
       active: look.needs.find((need) => !mapping[need].column) || look.needs[0],
       accept: last?.accept || [],
@@ -35,10 +45,17 @@ const Columns = (() => {
     };
     const targets = el("ul", {class: "targets"});
     const chips = el("div", {class: "chips", role: "group", "aria-label": "Columns of the log"});
+    const as = previous ? `Columns and units are those of ${previous.log}, which has the same headers.` : "";
     const root = el(
       "div",
       {class: "mapping"},
-      el("div", {}, el("h4", {}, "What a recording needs"), targets),
+      el(
+        "div",
+        {},
+        el("h4", {}, "What a recording needs"),
+        as ? el("p", {class: "aid", id: "layout"}, as) : null,
+        targets,
+      ),
       el("div", {}, el("h4", {}, `Columns of the log (${look.columns.length})`), chips),
     );
     const needs = () => look.needs.filter((need) => need !== "time" || state.rate === null);
@@ -90,6 +107,7 @@ const Columns = (() => {
 
     function tell() {
       kept.set(key, {mapping, accept: state.accept, split_gaps: state.split_gaps});
+      layouts.set(layout, {log: asked.log, mapping});
       const given = needs().filter((need) => mapping[need].column);
       changed({
         lack: lack(),
@@ -176,7 +194,7 @@ const Columns = (() => {
       if (!chosen.column) return [el("p", {class: "said"}, "choose a column")];
       const found = state.found[target];
       if (!found) return [el("p", {class: "said"}, "checking")];
-      const guess = chosen.why === "order" ? " · taken in the order of their numbers: look whether it is right" : "";
+      const guess = GUESSED[chosen.why] ? ` · ${GUESSED[chosen.why](chosen.unit)}: look whether it is right` : "";
       const unit = chosen.before ? ` · in ${Dom.unit(chosen.before)}, as you told before` : "";
       if (found.ok) return [el("p", {class: guess ? "said poor" : "said fine"}, `✓ checked${guess}${unit}`)];
       return found.problems.map((problem) => {

@@ -62,10 +62,16 @@ const Dom = (() => {
     return svg;
   }
 
-  /* A sentence as a program says it: true minus signs, and what is to be typed, between backticks, set so. */
+  /* A sentence as a program says it: true minus signs, no line ends before a %, and what is to be typed, between backticks, set so. */
   function sentence(text) {
-    const minus = text.replace(/(?<![\w.])-(?=\d)/g, "−");
+    const minus = text.replace(/(?<![\w.])-(?=\d)/g, "−").replace(/(?<=\d) (?=%)/g, "\u00a0");
     return minus.split("`").map((part, i) => (i % 2 ? el("code", {}, part) : part));
+  }
+
+  /* A step with nothing to show yet is one line: its heading, and what it waits for. */
+  function later(body, waits, text = "") {
+    body.closest("section").classList.toggle("later", waits);
+    if (text) body.replaceChildren(el("p", {class: "aid"}, text));
   }
 
   const VAST = 1e6; // in SI units: no parameter of a robot is known as badly as that
@@ -87,5 +93,20 @@ const Dom = (() => {
 
   const percent = (share) => (share === null || share === undefined ? "–" : ChartBasics.formatPercent(share));
 
-  return {el, field, select, radios, table, command, outcome, spark, sentence, determined, quantity, unit, percent};
+  return {
+    el,
+    field,
+    select,
+    radios,
+    table,
+    command,
+    outcome,
+    spark,
+    sentence,
+    later,
+    determined,
+    quantity,
+    unit,
+    percent,
+  };
 })();

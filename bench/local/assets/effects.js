@@ -1,7 +1,8 @@
 "use strict";
 /* The third and the fourth step: which effect is missing, and effects that are tried by ticking them. */
 const Effects = (() => {
-  const {el, percent, quantity, unit} = Dom;
+  const {el, quantity, unit} = Dom;
+  const [FOUND, TRIED] = ["applied-found", "applied"]; // where the result of an applied model stands
   let app,
     missing,
     body,
@@ -23,7 +24,7 @@ const Effects = (() => {
   async function render() {
     const mine = ++round;
     if (!app.described) {
-      for (const part of [missing, body]) part.replaceChildren(el("p", {class: "aid"}, "First a dataset is needed."));
+      for (const part of [missing, body]) Dom.later(part, true, "First a dataset is needed.");
       return;
     }
     const run = app.latest("diagnosis", () => true);
@@ -47,72 +48,9 @@ const Effects = (() => {
     const asked = () => ({step: "diagnose", dataset: app.dataset});
     const label = run ? "Diagnose again" : "Diagnose";
     const step = Step.create({label, id: "diagnose", asked, line, lacks, done: () => app.refresh()});
-    missing.replaceChildren(...step, ...(diagnosis ? verdict(run) : []));
-  }
-
-  /* What a diagnosis says: the error as effects are added, and the verdict on each. */
-  function verdict(run) {
-    const words = (names) =>
-      names
-        .map((name) => spoken(name))
-        .join(", ")
-        .replace(/, ([^,]*)$/, " and $1");
-    const steps = diagnosis.ladder.map((step, i) => {
-      const before = i ? diagnosis.ladder[i - 1].effects : [];
-      return [
-        i ? `+ ${words(step.effects.filter((name) => !before.includes(name)))}` : "the model as it is",
-        step.error.validate ?? step.error.identify,
-        i ? "" : "before",
-      ];
-    });
-    steps.push(["noise of the currents", diagnosis.unexplained.noise_floor, "noise"]);
-    const most = Math.max(...steps.map(([, share]) => share || 0));
-    const changed = diagnosis.ladder.length > 1 || diagnosis.discovered.length > 0;
-    const shown = diagnosis.ranking.filter((told) => told.verdict !== "not supported" && told.verdict !== "absorbed");
-    const table = (list, sized = false) =>
-      Dom.table(
-        ["effect", "verdict", "at", ...(sized ? ["value ± standard error"] : []), "why"],
-        list.map((told) => [
-          spoken(told.effect),
-          el("span", {class: `badge ${told.verdict.replace(/ .*/, "")}`}, told.verdict),
-          told.actuators.join(", "),
-          ...(sized ? [el("span", {}, ...sizes(told.effect))] : []),
-          el("span", {}, ...Dom.sentence(told.why)),
-        ]),
-        ["keep", "keep", "", ...(sized ? ["keep"] : []), "words"],
-      );
-    const dataset = /\bdiagnose ('[^']+'|\S+)/.exec(run.line); // as a command is given it
-    const real = (text) => (dataset ? text.replace(" DATASET ", () => ` ${dataset[1]} `) : text);
-    return [
-      el("div", {class: "verdict"}, ...diagnosis.summary.map((text) => el("p", {}, ...Dom.sentence(real(text))))),
-      el("p", {class: "aid"}, "Error on recordings that were not fitted, as effects are added:"),
-      bars(steps, most),
-      shown.length ? table(shown, true) : null,
-      ...(diagnosis.discovered.length ? laws() : []),
-      Gains.part(diagnosis.after, changed ? diagnosis.before : null),
-      diagnosis.missing.length || diagnosis.discovered.length ? applying(run) : null,
-      el("details", {}, el("summary", {}, `All ${diagnosis.ranking.length} verdicts`), table(diagnosis.ranking)),
-      Errors.links(run, "the model that was found"),
-    ].filter((part) => part !== null);
-  }
-
-  /* How large an effect is in the model that was found, a line for each of its values. */
-  function sizes(effect) {
-    return Object.entries(diagnosis.after.effect_parameters[effect] || {}).flatMap(([joint, values]) =>
-      Object.entries(values).map(([name, found]) =>
-        el("div", {}, `${joint === "robot" ? "" : `${joint}: `}${name} = ${quantity(found)} ${unit(found.unit)}`),
-      ),
-    );
-  }
-
-  function bars(steps, most) {
-    const made = el("div", {class: "bars"});
-    for (const [name, share, kind] of steps) {
-      const bar = el("div", {class: `bar ${kind}`});
-      bar.style.width = `${(100 * (share || 0)) / (most || 1)}%`;
-      made.append(el("span", {}, name), el("span", {class: "number"}, percent(share)), el("div", {}, bar));
-    }
-    return made;
+    const applies = diagnosis && (diagnosis.missing.length || diagnosis.discovered.length) ? applying(run) : null;
+    Dom.later(missing, false);
+    missing.replaceChildren(...step, ...(diagnosis ? Answer.create({diagnosis, run, spoken, applying: applies}) : []));
   }
 
   function spoken(name) {
@@ -120,62 +58,19 @@ const Effects = (() => {
     return known ? known.spoken : name.replace(/_/g, " ");
   }
 
-  const verdictOf = (name) => (diagnosis ? diagnosis.ranking.find((told) => told.effect === name) : undefined);
   const effects = () => [...chosen].sort();
 
-  /* The list of effects with their places, and the answer beside it. */
+  /* The effects with their places, and the answer to those that are ticked; folded away before a diagnosis. */
   async function drawChoice() {
-    const order = (effect) => {
-      const at = diagnosis ? diagnosis.ranking.findIndex((two) => two.effect === effect.name) : -1;
-      return at < 0 ? 1000 : at;
-    };
-    const list = [...app.described.effects].sort((a, b) => order(a) - order(b) || a.name.localeCompare(b.name));
     const answer = el("div", {class: "answer"});
-    const boxes = list.map((effect) => {
-      const said = verdictOf(effect.name);
-      const legend = el(
-        "legend",
-        {},
-        effect.words,
-        said && said.verdict !== "not supported"
-          ? el("span", {class: `badge ${said.verdict.replace(/ .*/, "")}`}, said.verdict)
-          : null,
-      );
-      const places = effect.places.length
-        ? effect.places.map((place) => [`${effect.name}:${place}`, place])
-        : [[effect.name, "the whole robot"]];
-      return el(
-        "fieldset",
-        {},
-        legend,
-        el(
-          "div",
-          {class: "places"},
-          ...places.map(([name, words]) => {
-            const input = el("input", {
-              type: "checkbox",
-              id: name,
-              checked: chosen.has(name),
-              change: () => {
-                if (input.checked) chosen.add(name);
-                else chosen.delete(name);
-                drawAnswer(answer, true);
-              },
-            });
-            return el("label", {}, input, words);
-          }),
-        ),
-      );
-    });
-    body.replaceChildren(
-      el(
-        "div",
-        {class: "choose"},
-        el("div", {class: "effects", tabindex: "0", role: "group", "aria-label": "Effects"}, ...boxes),
-        answer,
-      ),
-      el("div", {id: "applied"}),
-    );
+    const {effects: known, groups} = app.described;
+    const {ranking, missing: established} = diagnosis || {ranking: [], missing: []};
+    const changed = () => drawAnswer(answer, true);
+    const list = Choosing.create({effects: known, groups, ranking, missing: established, chosen, changed});
+    const choose = el("div", {class: "choose"}, list, answer);
+    const folded = () => el("details", {}, el("summary", {}, "After a diagnosis, or from the whole list"), choose);
+    Dom.later(body, !diagnosis);
+    body.replaceChildren(diagnosis ? choose : folded(), el("div", {id: TRIED}));
     await drawAnswer(answer, false);
     await drawApplied();
   }
@@ -189,7 +84,9 @@ const Effects = (() => {
     let job = models.get(key),
       fault = null;
     if (!job && now) {
-      job = await Server.run(asked);
+      const running = el("div", {class: "running"}, ...Step.progress(null));
+      holder.prepend(running);
+      job = await Server.run(asked, (heard) => running.replaceChildren(...Step.progress(heard)));
       if (job.state === "done") models.set(key, job);
       else [fault, job] = [job, null];
     }
@@ -233,7 +130,6 @@ const Effects = (() => {
       ["identify", "fitted"],
       ["validate", "not fitted"],
     ].filter(([use]) => found.error[use] !== null);
-    const most = Math.max(...uses.flatMap(([use]) => [found.error[use], base ? base.error[use] || 0 : 0]));
     const steps = uses.flatMap(([use, words]) => [
       ...(base ? [[`${words}, before`, base.error[use], "before"]] : []),
       [base ? `${words}, now` : words, found.error[use], ""],
@@ -249,22 +145,20 @@ const Effects = (() => {
       ),
     );
     return [
-      bars(steps, most),
+      Bars.create(steps),
       Gains.part(found, base),
       values.length ? Dom.table(["effect", "", "value", "unit"], values, ["", "", "right", "keep"]) : null,
     ].filter((part) => part !== null);
   }
 
-  /* Compare a model, and go to what came of it once everything above it is drawn. */
-  async function applyModel(button, model) {
-    button.disabled = true;
-    const job = await Server.run({step: "compare", dataset: app.dataset, models: [model]});
-    button.disabled = false;
-    if (job.state !== "done") return button.after(Dom.outcome(job));
-    applied = job.files.run;
+  /* Compare a model, and go to what came of it, below its button, once everything above it is drawn. */
+  async function applyModel(button, model, place) {
+    const job = await Step.run(button, {step: "compare", dataset: app.dataset, models: [model]});
+    if (job.state !== "done") return;
+    applied = {run: job.files.run, place};
     await app.refresh();
     await app.drawn;
-    return document.getElementById("applied").scrollIntoView({block: "start"});
+    document.getElementById(place).scrollIntoView({block: "start", behavior: "instant"}); // as of a figure
   }
 
   function apply() {
@@ -274,7 +168,7 @@ const Effects = (() => {
         type: "button",
         class: "main",
         id: "apply",
-        click: () => applyModel(button, tried.model),
+        click: () => applyModel(button, tried.model, TRIED),
       },
       "Apply and compare",
     );
@@ -287,20 +181,6 @@ const Effects = (() => {
     );
   }
 
-  /* Laws that no catalogue has, as a diagnosis found them; they are applied with its model, which names their files. */
-  function laws() {
-    const rows = diagnosis.discovered.map((law) => [
-      law.place || "the robot",
-      law.formula,
-      law.terms.map((term) => `${quantity(term)} ${unit(term.unit)}`).join("; "),
-      percent(law.error.validate ?? law.error.identify),
-    ]);
-    return [
-      el("h4", {}, "Laws that no catalogue has"),
-      Dom.table(["at", "law", "values", "error with it"], rows, ["keep", "words", "keep", "right"]),
-    ];
-  }
-
   /* The model that a diagnosis found, compared: what its ticks give, and its laws as well. */
   function applying(run) {
     const model = `${run.path}-model.json`;
@@ -310,18 +190,20 @@ const Effects = (() => {
         type: "button",
         class: "main",
         id: "apply-found",
-        click: () => applyModel(button, model),
+        click: () => applyModel(button, model, FOUND),
       },
       "Apply what was found",
     );
-    return el("div", {class: "row"}, button, Errors.exporting(model));
+    return el("div", {}, el("div", {class: "row"}, button, Errors.exporting(model)), el("div", {id: FOUND}));
   }
 
   /* The comparison with the model that was applied, beside the one before. */
   async function drawApplied() {
-    const holder = document.getElementById("applied");
-    const run = app.latest("compare", (job) => job.applied && (applied === null || job.path === applied));
+    const run = app.latest("compare", (job) => job.applied && (applied === null || job.path === applied.run));
     if (!run) return;
+    const same = (names) => names.toSorted().join() === run.effects.toSorted().join();
+    const place = applied?.place ?? (diagnosis && same(diagnosis.after.effects) ? FOUND : TRIED);
+    const holder = document.getElementById(place) || document.getElementById(TRIED);
     const answer = el("div", {class: "part"});
     holder.replaceChildren(
       el(

@@ -14,7 +14,7 @@ const Errors = (() => {
 
   async function render() {
     const mine = ++round;
-    if (!app.described) return body.replaceChildren(el("p", {class: "aid"}, "First a dataset is needed."));
+    if (!app.described) return Dom.later(body, true, "First a dataset is needed.");
     const asked = {step: "compare", dataset: app.dataset};
     const {line, fault} = await Server.offer("", () => asked);
     const run = app.latest("compare", (job) => !job.applied);
@@ -28,6 +28,7 @@ const Errors = (() => {
       lacks: fault,
       done: () => app.refresh(),
     };
+    Dom.later(body, false);
     body.replaceChildren(...Step.create(step), answer);
     return run ? show(answer, run, "the model without effects") : undefined; // a chart needs its place in the page
   }
@@ -52,7 +53,15 @@ const Errors = (() => {
       const said = [text, ...follows.map((finding) => finding.text)].map(Dom.sentence);
       return [...said, ...alike.map((finding) => [...Dom.sentence(finding.text), " ", laws(run)])];
     });
-    const rows = joints.map((joint) => [joint, percent(found.where[joint].error), percent(found.where[joint].noise)]);
+    let figures = null; // once they are drawn
+    const goTo = (joint, recording) => figures?.go({Motor: is(joint), Recording: begins(recording)});
+    const recordings = Object.keys(found.where[joints[0]]?.by_recording || {});
+    const rows = joints.map((joint) => [
+      joint,
+      percent(found.where[joint].error),
+      percent(found.where[joint].noise),
+      ...recordings.map((name) => place(joint, name, found.where[joint].by_recording[name], goTo)),
+    ]);
     const models = before
       ? [
           {path: before.model, name: "before", role: "before"},
@@ -63,19 +72,38 @@ const Errors = (() => {
     holder.replaceChildren(
       el("ul", {class: "said"}, ...sentences.map((said) => el("li", {}, ...said))),
       found.shares ? el("p", {class: "aid"}, found.shares) : "",
-      el("div", {class: "part"}, Dom.table(["motor", "error", "noise of the current"], rows, ["", "right", "right"])),
+      el(
+        "div",
+        {class: "part"},
+        Dom.table(["motor", "error", "noise of the current", ...recordings], rows, [
+          "",
+          ...Array.from({length: 2 + recordings.length}, () => "right"),
+        ]),
+        recordings.length ? el("p", {class: "aid"}, "An error that is clicked is shown by the curves below.") : "",
+      ),
       Gains.part(...gains),
       figure,
       links(run, called),
     );
-    await curves(figure, models);
+    figures = await curves(figure, models);
     return undefined;
+  }
+
+  const is = (wanted) => (option) => option === wanted;
+  const begins = (wanted) => (option) => option === wanted || option.startsWith(`${wanted} (`);
+
+  /* The error of a motor in a recording: clicked, the curves show it. */
+  function place(joint, recording, errors, goTo) {
+    if (!errors) return "–";
+    const named = `Show ${joint} in ${recording}`;
+    const click = () => goTo(joint, recording);
+    return el("button", {type: "button", class: "place", "aria-label": named, click}, percent(errors.error));
   }
 
   async function curves(holder, models) {
     try {
       const found = await Server.look("curves", {dataset: app.dataset, models});
-      if (found.type !== "figure") return;
+      if (found.type !== "figure") return null;
       const [figure, robot] = [el("div"), el("div", {class: "part"})];
       holder.replaceChildren(figure, robot);
       const recording = found.choices.find((choice) => choice.name === "Recording");
@@ -89,11 +117,13 @@ const Errors = (() => {
           robot.replaceChildren(el("p", {class: "fault"}, error.message));
         }
       };
-      Figures.show(figure, found, remembered, () => machine && open());
+      const figures = Figures.show(figure, found, remembered, () => machine && open());
       figure.addEventListener("cursor", (event) => machine && machine.at(event.detail));
       robot.append(el("button", {type: "button", class: "robot", click: open}, "Show the robot in motion"));
+      return figures;
     } catch (error) {
       holder.replaceChildren(el("p", {class: "fault"}, error.message));
+      return null;
     }
   }
 
@@ -137,14 +167,11 @@ const Errors = (() => {
         type: "button",
         class: "export",
         click: async () => {
-          button.disabled = true;
-          const job = await Server.run({step: "export", dataset: app.dataset, model, form});
-          button.disabled = false;
+          const job = await Step.run(button, {step: "export", dataset: app.dataset, model, form});
+          if (job.state !== "done") return;
           said.replaceChildren(
-            job.state === "done"
-              ? el("p", {class: "row"}, ...Object.values(job.files).map(download))
-              : Dom.outcome(job),
-            job.state === "done" ? el("pre", {tabindex: "0", class: "exported"}, job.output.trim()) : "",
+            el("p", {class: "row"}, ...Object.values(job.files).map(download)),
+            el("pre", {tabindex: "0", class: "exported"}, job.output.trim()),
             Dom.command(job.line),
           );
         },

@@ -3,29 +3,30 @@
 const Gains = (() => {
   const {el, quantity, unit} = Dom;
 
-  /* found, base: models as JSON; base: the model before, or null. */
-  function part(found, base = null) {
+  /* found, base: models as JSON; base: the model before, or null. brief: a table for a narrow place. */
+  function part(found, base = null, brief = false) {
     const both = base && base !== found && base.gains_fitted;
+    const units = new Set(Object.values(found.drive_gains).map((gain) => unit(gain.unit)));
+    const one = brief && units.size === 1 ? [...units][0] : null; // the unit of all, said once
     const rows = Object.entries(found.drive_gains).map(([joint, gain]) => [
       joint,
       ...(both ? [quantity(base.drive_gains[joint])] : []),
       quantity(gain),
-      unit(gain.unit),
-      ...(found.gains_fitted ? [ChartBasics.formatNumber(gain.nominal, 5), change(gain)] : []),
+      ...(one === null ? [unit(gain.unit)] : []),
+      ...(found.gains_fitted && !brief ? [ChartBasics.formatNumber(gain.nominal, 5)] : []),
+      ...(found.gains_fitted ? [change(gain)] : []),
     ]);
+    const error = brief ? "" : " ± standard error";
     const columns = [
       ["motor", ""],
       ...(both ? [["before", "right"]] : []),
-      [both ? "now ± standard error" : found.gains_fitted ? "gain ± standard error" : "gain", "right"],
-      ["unit", "keep"],
-      ...(found.gains_fitted
-        ? [
-            ["nominal", "right"],
-            ["from nominal", "right"],
-          ]
-        : []),
+      [both ? `now${error}` : found.gains_fitted ? `gain${error}` : "gain", "right"],
+      ...(one === null ? [["unit", "keep"]] : []),
+      ...(found.gains_fitted && !brief ? [["nominal", "right"]] : []),
+      ...(found.gains_fitted ? [["from nominal", "right"]] : []),
     ];
-    const title = found.gains_fitted ? "Drive gains" : "Drive gains, nominal";
+    const kind = found.gains_fitted ? (brief ? " ± standard error" : "") : ", nominal";
+    const title = `Drive gains${kind}${one ? `, ${one}` : ""}`;
     return el(
       "div",
       {class: "part gains"},
@@ -33,7 +34,7 @@ const Gains = (() => {
       Dom.table(
         columns.map(([name]) => name),
         rows,
-        columns.map(([, kind]) => kind),
+        columns.map(([, alignment]) => alignment),
       ),
       found.notes.length
         ? el("ul", {class: "notes"}, ...found.notes.map((text) => el("li", {}, ...Dom.sentence(text))))

@@ -91,16 +91,14 @@
     document.body.classList.toggle("working", Boolean(job));
     if (job) {
       const waiting = jobs.filter((entry) => entry.state === "waiting").length;
-      const steps = job.total ? ` ${job.done} of ${job.total}` : "";
-      const words = `${job.line.split(" ").slice(0, 2).join(" ")}: ${job.phase || "starting"}${steps}${waiting ? `, ${waiting} more waiting` : ""}`;
-      const bar = job.total
-        ? el("progress", {value: job.done, max: job.total, "aria-label": job.phase})
-        : el("progress", {"aria-label": job.phase || "starting"});
+      const [words, bar] = Step.progress(job);
+      words.prepend(`${job.line.split(" ").slice(0, 2).join(" ")}: `);
+      if (waiting) words.append(`, ${waiting} more waiting`);
       holder.replaceChildren(
         el(
           "div",
           {class: "row"},
-          el("span", {class: "words"}, words),
+          words,
           el(
             "button",
             {

@@ -139,6 +139,7 @@ const Recordings = (() => {
     faults = notes = [];
     form.dataset = app.dataset === null ? NEW : app.dataset;
     if (app.described && !form.robot) form.robot = robotOf(app.described.robot);
+    if (!form.robot && app.folder.named_robots.length === 1) [form.robot] = app.folder.named_robots;
     render();
     await draw();
   }

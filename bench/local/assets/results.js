@@ -13,7 +13,8 @@ const Results = (() => {
   }
 
   function render() {
-    if (!app.runs.length) return body.replaceChildren(el("p", {class: "aid"}, "No result in this folder yet."));
+    if (!app.runs.length) return Dom.later(body, true, "No result in this folder yet.");
+    Dom.later(body, false);
     const answer = el("div");
     const button = el(
       "button",

@@ -3,6 +3,7 @@
 const Server = (() => {
   const OVER = ["done", "refused", "cancelled", "ended"];
   const waiting = new Map(); // number of a job -> who waits for it
+  const hearing = new Map(); // number of a job -> what hears how far it is
   const own = new Set(); // numbers of the jobs that this page has asked for
   let jobs = [];
 
@@ -43,10 +44,11 @@ const Server = (() => {
 
   const upload = (log) => ask(`api/logs/${encodeURIComponent(log.name)}`, {method: "PUT", body: log});
 
-  /* Run a step's command; the job once it is over, however it ended. */
-  async function run(asked) {
+  /* Run a step's command; the job once it is over, however it ended. heard: called with the job as it goes on. */
+  async function run(asked, heard = () => undefined) {
     const job = await post("api/run", asked);
     own.add(job.number);
+    hearing.set(job.number, heard);
     const known = jobs.find((entry) => entry.number === job.number);
     if (known && OVER.includes(known.state)) return known;
     return new Promise((done) => waiting.set(job.number, done));
@@ -60,6 +62,8 @@ const Server = (() => {
     events.addEventListener("message", (event) => {
       jobs = JSON.parse(event.data);
       for (const job of jobs) {
+        if (OVER.includes(job.state)) hearing.delete(job.number);
+        else if (hearing.has(job.number)) hearing.get(job.number)(job);
         if (!OVER.includes(job.state) || !waiting.has(job.number)) continue;
         waiting.get(job.number)(job);
         waiting.delete(job.number);

@@ -38,6 +38,7 @@ const ChartZoom = (() => {
     const to = (stretch) => {
       chart.stretch = stretch;
       chart.draw();
+      chart.element.dispatchEvent(new CustomEvent("stretch", {detail: stretch, bubbles: true}));
     };
     const mark = node("rect", {class: "stretch", y: top, height: bottom - top, width: 0}, svg);
     let from = null;

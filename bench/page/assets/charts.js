@@ -5,6 +5,7 @@ Charts: small figures in SVG, drawn from plain data; colours come from the style
   const chart = Charts.create(element, figure);   // element: an empty block; it decides the width
   chart.update({panels: [...]});                  // keys that are given replace those of the figure
   chart.draw(width);                              // again, at a width of one's own (print)
+  chart.point(x); chart.unpoint();                // the cursor at a value of x, and away
   chart.destroy();
   Charts.legend(figure, element);                 // a legend apart from its chart
 
@@ -31,7 +32,7 @@ cells and bins with `pick`, an object for each, can be clicked: a "pick" event w
   rule       at, axis: "x" | "y"; a straight line across
 */
 const Charts = (() => {
-  const {CHARACTER, node, block, formatNumber, formatPercent, valueAt, known} = ChartBasics;
+  const {CHARACTER, node, block, formatNumber, formatPercent, known} = ChartBasics;
   const {DRAW, dot, rectangle} = ChartSeries;
   let number = 0;
 
@@ -298,7 +299,7 @@ const Charts = (() => {
       node("text", {...place, class: "label", "text-anchor": "middle"}, svg, text);
     });
     const box = {xs, left, right, top: boxes[0].top, bottom, width};
-    if (!xs.band) watch(chart, svg, holder, box);
+    if (!xs.band) ChartCursor.watch(chart, svg, holder, box);
     if (ChartZoom.possible(figure)) ChartZoom.watch(chart, svg, holder, box);
   }
 
@@ -307,56 +308,9 @@ const Charts = (() => {
     return figure.panels.some((panel) => panel.series.some((entry) => entry.pick));
   }
 
-  /* Values under the pointer. */
-  function watch(chart, svg, holder, box) {
-    const unitIn = (label) => ((label || "").match(/\[([^\]]*)\]/) || ["", ""])[1];
-    const told = new Map(); // a series that stands in two panels is told once
-    for (const panel of chart.figure.panels) {
-      for (const entry of panel.series) {
-        if (entry.name && !told.has(entry.name) && ["line", "bins", "stems"].includes(entry.kind))
-          told.set(entry.name, [entry, panel.y]);
-      }
-    }
-    const readable = [...told.values()];
-    if (!readable.length) return;
-    const cursor = node("path", {class: "cursor"}, svg);
-    const note = block("div", "values", holder);
-    note.hidden = true;
-    const leave = () => {
-      note.hidden = true;
-      cursor.setAttribute("d", "");
-    };
-    svg.addEventListener("pointerleave", leave);
-    svg.addEventListener("pointermove", (event) => {
-      const frame = svg.getBoundingClientRect();
-      const px = ((event.clientX - frame.left) * box.width) / frame.width;
-      if (px < box.left || px > box.right) return leave();
-      cursor.setAttribute("d", `M${px.toFixed(1)} ${box.top}V${box.bottom}`);
-      note.replaceChildren();
-      readable.forEach(([entry, y], k) => {
-        const values = entry.y || entry.mean;
-        let best = -1;
-        let gap = Infinity;
-        for (let i = 0; i < values.length; i++) {
-          if (!known(values[i])) continue;
-          const distance = Math.abs(box.xs.at(valueAt(entry.x, i)) - px);
-          if (distance < gap) [gap, best] = [distance, i];
-        }
-        if (best < 0) return;
-        if (k === 0) svg.dispatchEvent(new CustomEvent("cursor", {detail: valueAt(entry.x, best), bubbles: true}));
-        if (k === 0)
-          block("p", "", note, `at ${formatNumber(valueAt(entry.x, best))} ${unitIn(chart.figure.x.label)}`.trim());
-        const value = formatNumber(values[best] * (y.percent ? 100 : 1), 3);
-        block("p", `key ${entry.role}`, note, `${entry.name} ${value} ${unitIn(y.label)}`.trim());
-      });
-      note.hidden = false;
-      const beside = px / box.width > 0.6 ? px - note.offsetWidth - 12 : px + 12;
-      note.style.left = `${Math.max(0, Math.min(beside, box.width - note.offsetWidth))}px`;
-    });
-  }
-
   function create(element, figure) {
-    const chart = {element, figure, width: 0, stretch: null};
+    const nothing = () => undefined; // to be pointed at, until the chart is drawn
+    const chart = {element, figure, width: 0, stretch: null, point: nothing, unpoint: nothing};
     chart.draw = (width) => {
       const room = width || element.clientWidth;
       if (room < 40) return;

@@ -52,13 +52,15 @@
         const item = element("li", "", list, note.text || note);
         if (!note.to) continue;
         item.append(" ");
-        element("a", "", item, note.link).href = `#${note.to}`;
+        const link = element("a", "", item, note.link);
+        link.href = `#${note.to}`;
+        link.addEventListener("click", () => choose(document.getElementById(note.to), note.choose));
       }
     }
     const shared = variant.charts.find((chart) => chart.spec.shared);
     if (shared) Charts.legend({...shared.spec, legend: true}, holder);
-    const grid = element("div", figure.wide ? "charts" : "charts grid", holder);
-    return variant.charts.map((described) => {
+    const grid = element("div", variant.several ? "charts several" : figure.wide ? "charts" : "charts grid", holder);
+    const charts = variant.charts.map((described) => {
       const frame = element("figure", "", grid);
       const title = described.title ? element("figcaption", "", frame) : null;
       if (title) element("h4", "", title, described.title);
@@ -68,6 +70,21 @@
       if (width) chart.draw(width);
       return chart;
     });
+    if (variant.several) ChartSeveral.link(charts);
+    return charts;
+  }
+
+  /* Choose options of a figure in a part of the page; wanted: by the name of their choice. */
+  function choose(part, wanted) {
+    for (const field of part ? part.querySelectorAll(".choices fieldset") : []) {
+      const select = field.querySelector("select");
+      const options = [...(select ? select.options : field.querySelectorAll("label"))];
+      const found = options.find((option) => option.textContent === wanted[field.querySelector("legend").textContent]);
+      if (!found) continue;
+      if (select) select.value = found.value;
+      else found.querySelector("input").checked = true;
+      field.dispatchEvent(new Event("change", {bubbles: true}));
+    }
   }
 
   function startFigure(holder) {
@@ -78,11 +95,10 @@
     const chosen = () =>
       inputs
         .filter((field) => field.tagName === "SELECT" || !field.querySelector("select"))
-        .map((field) => (field.tagName === "SELECT" ? field.value : field.querySelector(":checked").value))
-        .join("|");
+        .map((field) => (field.tagName === "SELECT" ? field.value : field.querySelector(":checked").value));
     state.show = () => {
       state.charts.forEach((chart) => chart.destroy());
-      state.charts = fill(holder, figure, figure.variants[chosen()]);
+      state.charts = fill(holder, figure, ChartSeveral.variant(figure, chosen()));
       state.shown = true;
     };
     state.paper = () => {

@@ -76,13 +76,22 @@ def write_plots(plan: Plan, folder: Path) -> list[Path]:
 
 
 def default_plots(plan: Plan) -> Sequence[PlotTable]:
-    """The first two metrics against the axis with the most values, a line for each value of the next."""
-    axes = sorted(plan.sweep.grid, key=lambda axis: -len(axis.points))
-    if not axes:
-        names = plan.axis_names or ("seed",)
-        return [PlotTable(x=names[0], y=metric) for metric in plan.sweep.table.show[:2]]
-    lines = axes[1].name if len(axes) > 1 else None
-    return [PlotTable(x=axes[0].name, y=metric, lines=lines) for metric in plan.sweep.table.show[:2]]
+    """The first two metrics against the axis with the most values, a line for each value of the next.
+
+    Against what was drawn, or the seed, where nothing else varies; none where there is one run.
+    """
+    axes = sorted(
+        (axis for axis in plan.sweep.grid if len(axis.points) > 1), key=lambda axis: -len(axis.points)
+    )
+    shown = plan.sweep.table.show[:2]
+    if axes:
+        lines = axes[1].name if len(axes) > 1 else None
+        return [PlotTable(x=axes[0].name, y=metric, lines=lines) for metric in shown]
+    if len(plan.sweep.seeds) < 2:
+        return []
+    grid = {axis.name for axis in plan.sweep.grid}
+    drawn = [name for name in plan.axis_names if name not in grid]
+    return [PlotTable(x=(*drawn, "seed")[0], y=metric) for metric in shown]
 
 
 def plot_name(x: str, y: str, lines: str | None = None) -> str:

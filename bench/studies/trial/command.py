@@ -28,6 +28,7 @@ from bench.studies.trial.figures import write_figures
 from bench.studies.trial.markdown import parts, trial_markdown
 from bench.studies.trial.numbers import check_numbers
 from bench.studies.trial.plan import TrialPlan
+from bench.studies.trial.realise import check_scenario
 from bench.studies.trial.run_trial import TrialRequest, run_trial
 from bench.studies.trial.setup import Setup, make_setup
 from bench.studies.trial.summary import TrialSummary, summarised
@@ -101,7 +102,12 @@ def run_command(
     )
     for path in paths:
         console.print(str(path), highlight=False, soft_wrap=True)
-    return 1 if rows and all(row["status"] != "ok" for row in rows) else 0
+    if not rows or any(row["status"] == "ok" for row in rows):
+        return 0
+    reason = max(summary.failed, key=lambda text: summary.failed[text])
+    said = f"bench: all {plural(len(rows), 'dataset')} came to nothing: {reason}"
+    Console(stderr=True).print(said, markup=False, highlight=False, soft_wrap=True)
+    return 1
 
 
 def write_results(
@@ -160,7 +166,7 @@ def _check(setup: Setup, request: TrialRequest) -> None:
     if not request.plans:
         raise BenchError("trial: none of these effects is of the kinds asked for")
     for plan in request.plans:
-        plan.case(plan.first)
+        check_scenario(setup, plan.case(plan.first))
 
 
 def _write_rows(path: Path, rows: Sequence[Row]) -> None:

@@ -65,6 +65,8 @@ MAIN = frozenset(
 )
 """The other figures stand below one of these, and say more of it."""
 
+ANOTHER = 100.0  # standard errors from the truth: the fit ended at another value, and how far says no more
+
 FOLDED = frozenset({"figure", "must be", "kept"})  # columns that may wrap
 
 
@@ -161,13 +163,18 @@ def coverage_table(summary: TrialSummary) -> Table:
                 format="s",
             ),
             Column(
-                "median deviation / std",
-                [coverage.deviation for coverage in summary.coverage],
+                "median error / std (right: 0.67)",
+                [deviation_text(coverage.deviation) for coverage in summary.coverage],
                 "number",
-                format=".2f",
+                format="s",
             ),
         )
     )
+
+
+def deviation_text(deviation: float) -> str:
+    """How far estimates are from the truth, in standard errors; of what is another value altogether, no number."""
+    return f"over {ANOTHER:g}" if deviation > ANOTHER else f"{deviation:.2f}"
 
 
 def failures_table(summary: TrialSummary) -> Table:

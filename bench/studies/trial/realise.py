@@ -47,6 +47,15 @@ def realised(
 
 def case_scenario(setup: Setup, case: Case, reference: Reference) -> Scenario:
     """The scenario of a case: hidden effects, noise, gains and seed."""
+    return _scenario(setup, case, [entry for hide in case.hides for entry in entries(hide, reference)])
+
+
+def check_scenario(setup: Setup, case: Case) -> None:
+    """Raise BenchError where the movements and sensors of all cases, of which this is one, do not suit the robot."""
+    _scenario(setup, case, [])
+
+
+def _scenario(setup: Setup, case: Case, hidden: Sequence[Entry]) -> Scenario:
     content = dict(setup.content)
     sensors = {
         key: value
@@ -60,7 +69,7 @@ def case_scenario(setup: Setup, case: Case, reference: Reference) -> Scenario:
         "seed": case.seed,
         "sensors": sensors,
         "gains": {"error_within": GAIN_ERROR},
-        "hidden": [entry for hide in case.hides for entry in entries(hide, reference)],
+        "hidden": list(hidden),
     }
     return scenario_from_dict(content, setup.name)
 

@@ -70,7 +70,7 @@ def make_setup(robot: str, scenario: str | None = None, duration: float | None =
         scenario = robot
     content = _plain_content(found) if scenario is None else read_with_bases(find_scenario(scenario))
     content = {key: value for key, value in content.items() if key not in ("hidden", "tolerances")}
-    content["robot"] = robot if scenario is None or "robot" not in content else content["robot"]
+    content["robot"] = robot
     if duration is not None:
         content["design"] = {**content.get("design", {}), "duration": duration}
     weighed = [
