@@ -94,7 +94,7 @@ def compare(
     result: Identification | None = None
     if model is None:
         result = identify(prepare(problem))
-        name = f"identified here, {', '.join(effects) or 'rigid bodies only'}"
+        name = f"identified now, {', '.join(effects) or 'rigid bodies only'}"
         findings = (*heavy_payloads(dataset), *result.findings)
         comparison = Comparison(result.robot, name, result.recordings, result.error, findings)
         has, settings = result.effects, result.settings

@@ -16,7 +16,7 @@ def open_viewer(path: Path) -> str:
     if sys.platform.startswith("linux") and not (
         os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY")
     ):
-        return f"No screen here; open it on another machine, or in a browser with: rerun --web-viewer {path}"
+        return f"No screen; open it on another machine, or in a browser with: rerun --web-viewer {path}"
     subprocess.Popen(
         [program, str(path)],
         stdin=subprocess.DEVNULL,

@@ -139,8 +139,8 @@ def refuse_redundant(robot: Robot, what: str) -> None:
     if robot.redundant:
         extra = ", ".join(actuator.joint for actuator in robot.redundant)
         raise BenchError(
-            f"robot {robot.name}: {what} is not for redundant motors ({extra}): a motion does not tell what each of "
-            "them gives"
+            f"robot {robot.name}: {what} does not support redundant motors ({extra}): a motion does not determine the "
+            "torque of each of them"
         )
 
 

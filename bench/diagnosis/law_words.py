@@ -41,8 +41,12 @@ def _told(some: Sequence[Discovered]) -> str:
         near = f" That is {spoken(first.named)}."
     elif first.nearest is not None:
         effect, error = first.nearest
-        near = f" The closest effect of the catalogue, {spoken(effect)}, leaves an error of {in_percent(error)}."
-    return f"At {place} there is {', and '.join(kinds)}, which is not in the catalogue: {values}{falls}.{near}"
+        near = (
+            f" The closest effect of the catalogue, {spoken(effect)}, leaves an error of {in_percent(error)}."
+        )
+    return (
+        f"At {place} there is {', and '.join(kinds)}, which is not in the catalogue: {values}{falls}.{near}"
+    )
 
 
 def _tabled(law: Discovered) -> str:

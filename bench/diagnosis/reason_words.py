@@ -8,8 +8,8 @@ from bench.effects.display_names import begun, spoken
 from bench.identification.wording import and_list, in_percent, or_list
 
 DOUBTS: Mapping[Doubt, str] = {
-    Doubt.MUCH_LEFT: "a large error remains that no effect of the catalogue explains, and this effect may only imitate its "
-    "cause",
+    Doubt.MUCH_LEFT: "a large error remains that no effect of the catalogue explains, and this effect may only "
+    "imitate its cause",
     Doubt.BESIDE_A_LAW: "a law at the same motor explains far more, and this effect may only compensate for an "
     "inexact form of the law",
 }
@@ -60,7 +60,9 @@ def _explains(verdict: EffectVerdict) -> str:
         f"from {in_percent(verdict.error_before)} to {in_percent(verdict.error_after)} of the current"
     )
     return (
-        f"{said}; these data cannot distinguish it from {_alternatives(verdict)}" if verdict.alternatives else said
+        f"{said}; these data cannot distinguish it from {_alternatives(verdict)}"
+        if verdict.alternatives
+        else said
     )
 
 

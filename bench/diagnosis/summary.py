@@ -107,8 +107,9 @@ def _summary(diagnosis: Diagnosis) -> DiagnosisSummary:
             )
         elif not differs and _explains_nothing(diagnosis, before):
             nothing = (
-                f"No model of this program explains these currents: judged on {judged}, the error is {in_percent(before)} of "
-                f"the current; the noise floor is {in_percent(floor)}. No effect of the catalogue reduces it clearly."
+                f"No model of this program explains these currents: judged on {judged}, the error is "
+                f"{in_percent(before)} of the current; the noise floor is {in_percent(floor)}. No effect of the "
+                "catalogue reduces it clearly."
             )
         causes = [expected for expected in diagnosis.after.findings if expected.code in CAUSES]
         if causes and searched:
@@ -192,8 +193,8 @@ def _nominal(result: Identification) -> str:
     gains = nominal_gains(why)
     are = "is" if gains.startswith("the drive gain ") else "are"
     return (
-        f"T{gains[1:]} {are} nominal, because {why_in_words(why)}: gains that are wrong by a tenth look like other effects, so the "
-        f"named effects may be wrong. {cure(why)}"
+        f"T{gains[1:]} {are} nominal, because {why_in_words(why)}: gains that are wrong by a tenth look like other "
+        f"effects, so the named effects may be wrong. {cure(why)}"
     ).rstrip()
 
 

@@ -17,9 +17,9 @@ UNDETERMINED = "not determined"  # a value whose deviation is so large that it s
 USES = {"identify": "fitted", "validate": "not fitted"}
 
 STD_FROM: dict[StdFrom, str] = {
-    "noise": "the error taken as noise",
-    "blocks": "how the estimate differs between parts of the recordings: the model's own error outweighs noise",
-    "periods": "errors that return with the motion: the model's own outweighs noise, however often the motion is made",
+    "noise": "the error as noise",
+    "blocks": "differences of the estimate between parts of the recordings: model errors exceed noise",
+    "periods": "errors that return with the motion: model errors exceed noise, however often the motion is repeated",
     "models": "how the estimate differs between models that explain the data as well",
     "instruments": "how the estimate differs from that of instrumental variables: the filters let noise through",
     "payload": "how the estimate differs from that with the payload as a point, which real bodies allow",
@@ -178,7 +178,7 @@ def settings_lines(result: Identification) -> list[str]:
     if rate is not None:
         filters += f", fit at {rate:.4g} Hz (one sample in {result.settings.decimation})"
     still = (
-        [f"{all_rows - rows} more equations excluded, of joints that stand still"] if rows < all_rows else []
+        [f"{all_rows - rows} more equations excluded because a joint stands still"] if rows < all_rows else []
     )
     equations = f"{rows} equations, " if result.recordings else ""  # a saved model has no rows to count
     spread = [] if result.std_from == "noise" else [f"± from {STD_FROM[result.std_from]}"]

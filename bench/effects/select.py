@@ -125,7 +125,7 @@ def _parts(request: str, places: Places) -> tuple[str, str, bool]:
     if "@" in told and joint not in places.names:
         tag = told[told.rindex("@") :]
         raise BenchError(
-            f"effect {request!r}: {tag!r} says nothing; {TAG} gives each fitted recording values of its own, and "
+            f"effect {request!r}: {tag!r} has no meaning; {TAG} estimates values for each fitted recording; "
             "without it one value holds for all"
         )
     return name, joint, named != request

@@ -140,7 +140,7 @@ def _set_bodies(
         if body.name in physical.bodies:
             _set_inertia(body, physical.bodies[body.name], place.inverse(), exact)
         elif joint in carried:
-            changed.append(f"body {body.name} has no mass of its own: it is part of the body that carries it")
+            changed.append(f"body {body.name} has no mass: it is part of its parent body")
             _set_inertia(body, np.zeros(10), place, exact)
 
 

@@ -215,7 +215,7 @@ class Programs:
             failed = self._tried(problem, settings)
             if not failed:
                 return
-        left_out = " (base parameters were left out as not needed: identify without --essential)"
+        left_out = " (the model omits base parameters: identify without --essential)"
         raise BenchError(
             f"the search for real bodies failed: {failed}{left_out if self.equations.fixed.any() else ''}"
         )

@@ -31,8 +31,8 @@ def _gain_not_determined(finding: Finding) -> str:
 
 def _gain_runaway(finding: Finding) -> str:
     return (
-        f"{_gain_came_out(finding)}; its nominal value is {finding.numbers['nominal']:.3g}. If the nominal value is right, "
-        "no drive differs that much from its data sheet."
+        f"{_gain_came_out(finding)}; its nominal value is {finding.numbers['nominal']:.3g}. If the nominal value is "
+        "right, no drive differs that much from its data sheet."
     )
 
 
@@ -129,8 +129,8 @@ def _not_from_gain(finding: Finding) -> str:
     return (
         f"These data cannot distinguish {spoken(finding.of[0].effect)} at "
         f"{', '.join(at.place for at in finding.of)} from the drive "
-        "gain of that joint: the model omits the effect, and the gain is the one without it. Record a payload that loads "
-        "the joint more."
+        "gain of that joint: the model omits the effect, and the gain is the one without it. Record a payload that "
+        "loads the joint more."
     )
 
 
@@ -174,9 +174,9 @@ def _sign(finding: Finding) -> str:
 def _negative(finding: Finding) -> str:
     joint = finding.names[0]
     return (
-        f"The estimated drive gain of {joint} is negative, which is impossible: reversing the sign of current.{joint} does "
-        "not explain the current either. The payload probably differs from its declaration or is mounted differently, an "
-        "effect is missing, or the column belongs to another motor."
+        f"The estimated drive gain of {joint} is negative, which is impossible: reversing the sign of current.{joint} "
+        "does not explain the current either. The payload probably differs from its declaration or is mounted "
+        "differently, an effect is missing, or the column belongs to another motor."
     )
 
 
@@ -184,9 +184,9 @@ def _contradicted(finding: Finding) -> str:
     joint, recording = finding.names
     n, unit = finding.numbers, finding.unit
     return (
-        f"The position of {joint} from the loop closures differs from its encoder by {n['difference']:.2g} {unit} RMS in "
-        f"{recording}, {n['mean']:+.2g} {unit} on average, for a travel of {n['travel']:.2g} {unit}. The zero or the "
-        "sign of an encoder, a column or a length is wrong."
+        f"The position of {joint} from the loop closures differs from its encoder by {n['difference']:.2g} {unit} RMS "
+        f"in {recording}, {n['mean']:+.2g} {unit} on average, for a travel of {n['travel']:.2g} {unit}. The zero or "
+        "the sign of an encoder, a column or a length is wrong."
     )
 
 
@@ -229,9 +229,7 @@ def _other_values(finding: Finding) -> str:
 
 def _far_worse(finding: Finding) -> str:
     checked, fitted = (in_percent(finding.numbers[name]) for name in ("checked", "fitted"))
-    return (
-        f"The error of recordings that were not fitted ({checked}) is far larger than that of fitted ones ({fitted})"
-    )
+    return f"The error of recordings that were not fitted ({checked}) is far larger than that of fitted ones ({fitted})"
 
 
 def _poorly(finding: Finding) -> str:
@@ -276,8 +274,9 @@ def _mounted_otherwise(finding: Finding) -> str:
 def _impossible_inertia(finding: Finding) -> str:
     unit, n = finding.unit.replace("*", "·").replace("^2", "²"), finding.numbers
     return (
-        f"The estimated inertia of the payload {finding.names[0]} is physically impossible: one second moment of mass is "
-        f"{n['least']:.2g} ± {n['std']:.1g} {unit}. It absorbs modelling errors, or the declared centre of mass is wrong."
+        f"The estimated inertia of the payload {finding.names[0]} is physically impossible: one second moment of mass "
+        f"is {n['least']:.2g} ± {n['std']:.1g} {unit}. It absorbs modelling errors, or the declared centre of mass is "
+        "wrong."
     )
 
 
@@ -293,8 +292,8 @@ def _not_whole(told: Finding) -> str:
     periods = with_error(told.numbers["periods"], told.numbers["std"])
     return (
         f"{begun(effect)} at {place} repeats {periods} times per turn. Poles and teeth of a motor that turns with its "
-        "joint would give a whole number, so the cause may be a gear, a belt's teeth or an eccentric part between motor "
-        "and joint."
+        "joint would give a whole number, so the cause may be a gear, a belt's teeth or an eccentric part between "
+        "motor and joint."
     )
 
 
@@ -302,8 +301,8 @@ def _noise_through(finding: Finding) -> str:
     unit, n = finding.unit.replace("*", "·"), finding.numbers
     return (
         "The filters pass encoder noise: within the band of the fit it has "
-        f"{in_percent(n['share'])} of an acceleration's power. With instrumental variables, which it does not bias, the "
-        f"drive gain of {finding.names[0]} is {n['other']:.4g} {unit} instead of {n['value']:.4g}. Let "
+        f"{in_percent(n['share'])} of an acceleration's power. With instrumental variables, which it does not bias, "
+        f"the drive gain of {finding.names[0]} is {n['other']:.4g} {unit} instead of {n['value']:.4g}. Let "
         "the program choose the filters, or use `--method iv`."
     )
 
@@ -348,8 +347,8 @@ WORDS: Mapping[Code, Callable[[Finding], str]] = {
         "They probably have the same effect on these data: omit one, or measure it another way."
     ),
     Code.GAINS_A_THOUSAND: lambda _: (
-        "The estimated drive gains are about a thousand times the nominal ones: is the payload's mass in grams? It must "
-        "be in kg."
+        "The estimated drive gains are about a thousand times the nominal ones: is the payload's mass in grams? It "
+        "must be in kg."
     ),
     Code.GAINS_A_THOUSANDTH: lambda _: (
         "The estimated drive gains are about a thousandth of the nominal ones: is the payload's mass in tonnes, or are "
@@ -363,8 +362,8 @@ WORDS: Mapping[Code, Callable[[Finding], str]] = {
     Code.GAIN_NEGATIVE: _negative,
     Code.GAIN_FAR: _gain_far,
     Code.GAINS_NEGATIVE: lambda _: (
-        "All estimated drive gains are negative, which is impossible: the recordings with and without payload are probably "
-        "swapped in dataset.toml, or the sign of the currents is reversed."
+        "All estimated drive gains are negative, which is impossible: the recordings with and without payload are "
+        "probably swapped in dataset.toml, or the sign of the currents is reversed."
     ),
     Code.CLOSURE_CONTRADICTED: _contradicted,
     Code.VELOCITY_UNLIKE: _velocity_unlike,
@@ -373,8 +372,8 @@ WORDS: Mapping[Code, Callable[[Finding], str]] = {
     Code.CHECKED_HAS_OTHER_VALUES: _other_values,
     Code.PHYSICAL: _physical,
     Code.BAD_STRETCH: lambda finding: (
-        f"The current of {finding.names[0]} in {finding.names[1]} has little weight from {finding.numbers['start']:.4g} to "
-        f"{finding.numbers['end']:.4g} s, where it is far from the model. Check that interval, or `exclude` it."
+        f"The current of {finding.names[0]} in {finding.names[1]} has little weight from "
+        f"{finding.numbers['start']:.4g} to {finding.numbers['end']:.4g} s, where it is far from the model. Check that interval, or `exclude` it."
     ),
     Code.STANDS_STILL: lambda finding: (
         f"Joint {finding.names[0]} stands still in all fitted recordings: they do not determine its drive gain, which "

@@ -91,9 +91,7 @@ def scale_sentence(finding: Finding) -> str:
         if finding.code is Code.GAINS_FIXED_FOR_SOME
         else "every parameter has the same relative error as the gain that scales it"
     )
-    said = (
-        f"T{gains[1:]} {stay} at {their} nominal value{'s' * (not single)}, because {reason(finding)}: {wrong}."
-    )
+    said = f"T{gains[1:]} {stay} at {their} nominal value{'s' * (not single)}, because {reason(finding)}: {wrong}."
     return f"{said} {cure(finding)}".rstrip()
 
 

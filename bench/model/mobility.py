@@ -39,7 +39,7 @@ def check_assembled(geometry: Geometry) -> None:
     owners += [_named(geometry, coupling) for coupling in geometry.couplings]
     raise BenchError(
         f"robot {geometry.robot.name}: {owners[widest]} is open by {residual[widest]:.3g} (m or rad) in the "
-        f"home pose{cure_in_words(cure) or '; bench robot check tells the assembled one'}"
+        f"home pose{cure_in_words(cure) or '; bench robot check prints the assembled one'}"
     )
 
 
@@ -81,7 +81,7 @@ def check_mobility(geometry: Geometry) -> None:
         raise BenchError(
             f"robot {name}: the loop closures leave {left} degrees of freedom for {len(geometry.active)} "
             f"motors; those of joint {_quoted(_bound_motors(geometry, jacobian))} are not independent "
-            "beside the home pose, although they are at home"
+            "near the home pose, although they are at home"
         )
 
 

@@ -15,8 +15,8 @@ from bench.residuals.residuals import MotorErrors, WhereItFails
 MOST_LOOKS, MOST_NAMES = 2, 4
 TURN = 2.0 * math.pi  # rad
 OVERLAPPING = (
-    "Shares of one motor's squared error overlap: each describes the same error in another way, so they do not add up to "
-    "100 %."
+    "Shares of one motor's squared error overlap: each describes the same error in another way, so they do not add up "
+    "to 100 %."
 )
 CHANGES = {
     "warm-up": "friction changes while it moves, as during warm-up",

@@ -87,7 +87,9 @@ def _motor_forces_differ(motor: str, difference: float) -> str:
 
 
 def _base_agree(parameters: int, difference: float, states: int, neglected: float) -> str:
-    slack = f"; closure errors of the drawing, {neglected:.0e} of the largest, are neglected" if neglected else ""
+    slack = (
+        f"; closure errors of the drawing, {neglected:.0e} of the largest, are neglected" if neglected else ""
+    )
     return (
         f"{parameters} reproduce MuJoCo's motor torques at {states} closed states, for every body's mass, to "
         f"{difference:.0e} of the largest{slack}"

@@ -94,8 +94,8 @@ def _lengths_large(length: float) -> str:
 def _masses_large(masses: Mapping[str, float]) -> str:
     heavy = ", ".join(f"body {body!r} {mass:.3g} kg" for body, mass in masses.items())
     return (
-        f"{heavy}: MuJoCo assumes 1000 kg/m³ for bodies without a mass, and an MJCF is in metres and kg. Identification "
-        "does not read masses, but simulations and the predicted currents of a plan depend on them"
+        f"{heavy}: MuJoCo assumes 1000 kg/m³ for bodies without a mass, and an MJCF is in metres and kg. "
+        "Identification does not read masses, but simulations and the predicted currents of a plan depend on them"
     )
 
 
@@ -173,8 +173,8 @@ def _closed(gap: float, unit: str, given: int | None, positions: int) -> str:
 
 def _rounded(gap: float) -> str:
     return (
-        f"as drawn, home is open by {gap:.1e} m or rad, a rounding error that is corrected when the robot is read; the loops "
-        "of the model and of the simulated machine close"
+        f"as drawn, home is open by {gap:.1e} m or rad, a rounding error that is corrected when the robot is read; "
+        "the loops of the model and of the simulated machine close"
     )
 
 
@@ -258,7 +258,9 @@ def _rotors(identified: Sequence[str], within_bodies: Sequence[str]) -> str:
 
 
 def _singularity(positions: Mapping[str, float]) -> str:
-    return f"the joint ranges contain a singularity, at {_positions(positions)}: keep trajectories away from it"
+    return (
+        f"the joint ranges contain a singularity, at {_positions(positions)}: keep trajectories away from it"
+    )
 
 
 def _passive_range(joint: str, lowest: float, highest: float, lower: float, upper: float) -> str:

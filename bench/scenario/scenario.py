@@ -131,8 +131,8 @@ def resolve_trajectories(
     to_design = [r for r in scenario.settings.recordings if r.design is not None and r.design.optimise]
     if to_design and designer is None:
         raise BenchError(
-            f"scenario {scenario.name}: recording {to_design[0].name!r} asks for an optimised trajectory,"
-            " and nothing here designs one: give the trajectory, or set optimise = false"
+            f"scenario {scenario.name}: recording {to_design[0].name!r} requests an optimised trajectory,"
+            " but no designer is available: give the trajectory, or set optimise = false"
         )
     designed = dict(designer(scenario, to_design)) if to_design and designer is not None else {}
     home = home_position(scenario.robot)

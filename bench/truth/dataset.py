@@ -84,8 +84,8 @@ def write_simulation(simulation: Simulation, folder: str | Path) -> Path:
         raise BenchError(f"{folder}: is there already and holds no dataset: name another folder")
     if not empty and not truth_path(target).is_file():
         raise BenchError(
-            f"{folder}: holds a dataset that was not simulated (there is no {truth_path(target).name} beside it): "
-            "name another folder"
+            f"{folder}: holds a dataset that was not simulated (without {truth_path(target).name}): "
+            "give another folder"
         )
     with whole_folder(folder) as partial:
         _write_folder(simulation, partial)

@@ -38,7 +38,7 @@ def load_twin_file(mjcf: Path) -> TwinFile:
         content = json.loads(path.read_text(encoding="utf-8"))
     except OSError as error:
         raise BenchError(
-            f"{path}: {error.strerror or error}: it lies beside what `bench export` wrote"
+            f"{path}: {error.strerror or error}: `bench export` writes it next to the MJCF"
         ) from None
     except (json.JSONDecodeError, UnicodeDecodeError) as error:
         raise BenchError(f"{path}: not a twin file ({error})") from None

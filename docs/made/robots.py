@@ -51,8 +51,8 @@ def shown() -> str:
         "## How accurate, and what its data can show\n\n"
         "Gains from 20-bit encoders and 1 % current noise "
         "([how far to trust it](trust.md#are-gains-and-intervals-right)). "
-        "Effects of [the atlas](atlas/index.md) that its scenario's motions and payloads can show: `make atlas`, commit "
-        f"`{effects['about']['commit'][:7]}`; {without} have no scenario.\n\n"
+        "Effects of [the atlas](atlas/index.md) that its scenario's motions and payloads can show: `make atlas`, "
+        f"commit `{effects['about']['commit'][:7]}`; {without} have no scenario.\n\n"
         f"{rows_in_markdown(heads, rows)}\n\n"
     )
 

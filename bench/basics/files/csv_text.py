@@ -130,7 +130,7 @@ class CsvText:
                     yield start, cells
                 start = self.first_line + reader.line_num
         except csv.Error as error:
-            raise BenchError(f"{self.path}: line {start}: {error} (a quotation mark left open?)") from error
+            raise BenchError(f"{self.path}: line {start}: {error} (an unclosed quotation mark?)") from error
 
 
 def decoded(path: Path, content: bytes) -> str:

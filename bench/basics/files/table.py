@@ -150,7 +150,7 @@ def _checked(table: FileTable) -> FileTable:
     path = table.path
     for name, count in Counter(table.columns).items():
         if name and count > 1:
-            raise BenchError(f"{path}: column {name}: stands there {count} times")
+            raise BenchError(f"{path}: column {name}: occurs {count} times")
     if table.data.num_rows == 0:
         raise BenchError(f"{path}: has a header but no rows")
     return table

@@ -82,7 +82,7 @@ def first_mistake(error: ValidationError) -> str:
     if first["type"] not in ("missing", "extra_forbidden"):
         text += f", got {_shorten(first['input'])}"
     if len(mistakes) > 1:
-        text += f"; and {len(mistakes) - 1} more, such as {key_name(mistakes[1]['loc'])}"
+        text += f"; and {len(mistakes) - 1} more, for example {key_name(mistakes[1]['loc'])}"
     return one_line(text)
 
 

@@ -109,7 +109,7 @@ def _name_notes(sources: Mapping[str, str], factors: Mapping[str, float], robot:
         unit = unit_in(source, units)
         if unit and UNITS[unit].factor != 1.0:
             notes.append(
-                f"{source} for {column}: taken as {units[0]}; if it is in {unit}, add --scale {column}={unit}"
+                f"{source} for {column}: assumed to be in {units[0]}; if it is in {unit}, add --scale {column}={unit}"
             )
     return tuple(notes)
 
@@ -233,7 +233,7 @@ def _skipping(log: LogFile, sources: Mapping[str, str]) -> str:
     there = [*log.vectors, *log.texts]
     if log.lines is None or any(source in there for source in sources.values()):
         return ""
-    return ": if the names of its columns stand below a preamble, leave that out with --skip-rows N"
+    return ": if a preamble precedes the column names, skip it with --skip-rows N"
 
 
 def _inventory(log: LogFile, most: int = 30) -> str:

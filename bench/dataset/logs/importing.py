@@ -216,8 +216,8 @@ def _left_pieces(folder: Path, requests: Sequence[LogRequest], names: Sequence[s
         left = [file for file in files if piece.fullmatch(file) and file not in names]
         if left:
             said.append(
-                f"{listed(left)} {'stays as it was' if len(left) == 1 else 'stay as they were'}: what is a piece of "
-                f"{request.file.name} from an earlier import is to be deleted, with its [[recordings]] table"
+                f"{listed(left)} {'stays as it was' if len(left) == 1 else 'stay as they were'}: delete pieces of "
+                f"{request.file.name} from an earlier import, with their [[recordings]] tables"
             )
     return said
 

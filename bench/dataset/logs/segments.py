@@ -80,7 +80,7 @@ def cut(
         whole = [piece for piece in pieces if _long_enough(time, *piece, cutting.shortest)]
         said = _told(time, cuts, pieces, whole, cutting.shortest)
         if not whole:
-            raise BenchError(f"{file}: {said}: nothing is left")
+            raise BenchError(f"{file}: {said}: nothing remains")
         notes = (*notes, said)
         pieces = whole
     parts = []
@@ -108,7 +108,7 @@ def _measured(columns: Mapping[str, Array]) -> tuple[npt.NDArray[np.intp], int]:
 
 def _unmeasured(lost: int) -> tuple[str, ...]:
     rows = "1 row" if lost == 1 else f"{lost} rows"
-    return (f"{rows} without a measurement left out",) if lost else ()
+    return (f"{rows} without a measurement omitted",) if lost else ()
 
 
 def _long_enough(time: Array, first: int, end: int, shortest: float) -> bool:
@@ -127,7 +127,7 @@ def _told(
     lost = [f"{time[row] - time[row - 1]:.3g} s at {time[row - 1]:.12g} s" for row in gaps]
     turned = [f"{time[row - 1]:.12g} s to {time[row]:.12g} s" for row in back]
     parts = [f"at {plural(len(gaps), 'gap')} ({_listed(lost)})"] if gaps else []
-    parts += [f"where time goes back or stands ({_listed(turned)})"] if back else []
+    parts += [f"where time runs backwards or stops ({_listed(turned)})"] if back else []
     said = f"cut {' and '.join(parts)}"
     dropped = [piece for piece in pieces if piece not in whole]
     if not dropped:

@@ -57,7 +57,7 @@ def before_after_chart(
     before: CurrentSeries | None, after: CurrentSeries, motor: int, unit: str, title: str
 ) -> Chart:
     """Errors of one motor by the models without and with what is missing, or of one model where nothing is."""
-    named = "the model as it is: nothing is missing" if before is None else "with what is missing"
+    named = "the model as it is: nothing is missing" if before is None else "with the missing effects"
     models: list[tuple[str, Role, CurrentSeries]] = [(named, "after", after)]
     if before is not None:
         models.insert(0, ("the model as it is", "before", before))

@@ -97,7 +97,7 @@ def recordings_chart(errors: ErrorBreakdown) -> Chart:
                 ("noise of the current", np.array([recording.noise for recording in recordings])),
             ),
         ),
-        aid="A recording or payload that stands out is unlike the others.",
+        aid="A prominent recording or payload differs from the others.",
         key="grey: noise of the current",
     )
 

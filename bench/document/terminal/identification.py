@@ -52,7 +52,7 @@ def identification_report(
     section(console, "Dynamic parameters", printed(parameters_table(result, truth), width))
     _poor_line(console, list(result.parameters))
     if result.left_out:
-        console.print(Text(f"left out, as the data do not need them: {', '.join(result.left_out)}", "dim"))
+        console.print(Text(f"omitted because the data do not need them: {', '.join(result.left_out)}", "dim"))
     if result.effect_parameters:
         section(console, "Effects", printed(effects_table(result, truth), width))
     if result.recordings:
@@ -60,7 +60,7 @@ def identification_report(
     else:
         section(console, ERRORS, printed(kept_errors_table(result.error, without_currents), width))
     if verbose:
-        section(console, "What the parameters stand for", _groupings(result))
+        section(console, "Groupings of the parameters", _groupings(result))
     console.print()
     console.print(Group(*(Text(line, "dim") for line in settings_lines(result))))
     if result.notes:

@@ -14,17 +14,15 @@ def replay_sentences(result: Replay) -> tuple[str, ...]:
         return shortcomings(result)
     count = len(result.twin.recordings)
     said = (
-        f"Simulated by MuJoCo along {count} recorded motion{'s' if count > 1 else ''}, the twin's currents differ from the "
-        f"measured ones by {in_percent(twin)}; those of the exported model by {in_percent(model)}."
+        f"Simulated by MuJoCo along {count} recorded motion{'s' if count > 1 else ''}, the twin's currents differ "
+        f"from the measured ones by {in_percent(twin)}; those of the exported model by {in_percent(model)}."
     )
     return (said, *shortcomings(result))
 
 
 def shortcomings(result: Replay) -> tuple[str, ...]:
     """What the twin leaves out, and loops that open."""
-    found = [
-        f"Not simulated, so its part of the current is missing: {name}." for name in result.left_out
-    ]
+    found = [f"Not simulated, so its part of the current is missing: {name}." for name in result.left_out]
     if result.opened > OPEN:
         found.append(
             f"Loops open by up to {1e3 * result.opened:.2g} mm or mrad: solref and solimp of the MJCF's equalities are "

@@ -167,7 +167,7 @@ def make_plan(sweep: Sweep) -> Plan:
     for axis in sweep.axes:
         for path in axis.paths if isinstance(axis, GridAxis) else (axis.name,):
             if path == "seed":
-                raise BenchError(f"{sweep.path}: axes.{axis.name}: seeds have a key of their own, `seeds`")
+                raise BenchError(f"{sweep.path}: axes.{axis.name}: seeds have their key, `seeds`")
             for other, name in owner.items():
                 if name != axis.name and (
                     f"{path}.".startswith(f"{other}.") or f"{other}.".startswith(f"{path}.")

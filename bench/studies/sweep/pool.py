@@ -193,7 +193,7 @@ class LocalPool:
         job, code = worker.job, worker.process.exitcode
         self._stillborn += not worker.ready
         if self._stillborn >= ATTEMPTS:
-            raise BenchError("a worker process cannot start; what it says stands above")
+            raise BenchError("a worker process cannot start; its output is printed above")
         self._workers[index] = self._start()
         if job is None:
             return

@@ -62,7 +62,7 @@ def reference_folder() -> Path:
     """Where the project keeps its references; BenchError where only the package is installed."""
     folder = Path(__file__).resolve().parents[3] / "results" / "reference"
     if not folder.is_dir():
-        raise BenchError("no results/reference beside the package: name the folder with --reference")
+        raise BenchError("no results/reference next to the package: give the folder with --reference")
     return folder
 
 

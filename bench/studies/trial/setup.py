@@ -136,7 +136,7 @@ def _plain_content(robot: Robot) -> dict[str, Any]:
     slides = [not units_of_gain(a.gain_unit).rotates for a in robot.actuators]
     if any(slides):
         raise BenchError(
-            f"trial: robot {robot.name!r} has slide joints: give its movements with --scenario FILE"
+            f"trial: robot {robot.name!r} has slide joints: give its motions with --scenario FILE"
         )
     design = {
         "optimise": True,

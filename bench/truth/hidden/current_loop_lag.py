@@ -48,5 +48,5 @@ class CurrentLoopLag(JointEffect):
     def sized(j: JointMovement, share: float) -> Sizes:
         lag = share * rms(j.current) / rms(j.current_rate)
         if lag > 0.3 * j.damping / j.stiffness:
-            raise too_large("current_loop_lag", j, share, "the controller would not stand it")
+            raise too_large("current_loop_lag", j, share, "the controller would become unstable")
         return {"T": lag}
