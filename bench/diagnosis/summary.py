@@ -95,9 +95,9 @@ def _summary(diagnosis: Diagnosis) -> DiagnosisSummary:
     differs = from_run_to_run(diagnosis.differs, each, clear=not diagnosis.unexplained.significant)
     laws = law_sentences(diagnosis.discovered)
     if not found:
-        what = "No effect with one value for all recordings" if differs else "No effect"
+        what = f"No effect of the catalogue{' with one value for all recordings' if differs else ''}"
         nothing = (
-            f"{what} of the catalogue is missing: judged on {judged}, no effect reduces the "
+            f"{what} is missing: judged on {judged}, no effect reduces the "
             f"error clearly below {in_percent(after if each else before)} of the current."
         )
         if not searched:

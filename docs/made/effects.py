@@ -161,9 +161,7 @@ def confused(effect: Effect, trials: Mapping[str, Sequence[Numbers]]) -> str:
     if not rows:
         text = "No trial hid it alone with an error of three times the noise floor or more."
         return f"## With what it is confused\n\n{text}\n\nTo see it, {effect.shown_by}."
-    table = rows_in_markdown(
-        ("robot", "named first", "named instead", "undecided between it and"), rows
-    )
+    table = rows_in_markdown(("robot", "named first", "named instead", "undecided between it and"), rows)
     motions = "\n".join(
         f"- from [{spoken(name)}]({name}.md): {effect.shown_by}; {CATALOGUE[name].shown_by}"
         for name, _ in others.most_common(4)
@@ -235,9 +233,7 @@ def measured(name: str) -> str:
             for one in run["found"]:
                 if one["effect"] != name:
                     continue
-                line = (
-                    f"- `bench {run['command']}` reports it as {one['verdict']}, at {', '.join(one['places'])}"
-                )
+                line = f"- `bench {run['command']}` reports it as {one['verdict']}, at {', '.join(one['places'])}"
                 verdicts.append(f"{line}{sizes_of(one, units_at)}")
     published = [
         f"- {one['machine']}: {one['size']} ([{one['source']}]({one['address']}))."

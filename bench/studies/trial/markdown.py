@@ -26,11 +26,11 @@ COUNTED = (
 
 WORDS = {
     TargetFigure.ONE_FIRST: "one hidden effect: named first",
-    TargetFigure.ONE_UNDECIDED: "or undecided",
+    TargetFigure.ONE_UNDECIDED: "or openly undecided",
     TargetFigure.TWO_EXACT: "two hidden effects: the set exactly",
-    TargetFigure.TWO_UNDECIDED: "or undecided",
+    TargetFigure.TWO_UNDECIDED: "or openly undecided",
     TargetFigure.THREE_EXACT: "three: the set exactly",
-    TargetFigure.THREE_UNDECIDED: "or undecided",
+    TargetFigure.THREE_UNDECIDED: "or openly undecided",
     TargetFigure.PLACES: "named effects at motors: at exactly the motors that have them",
     TargetFigure.ALARM: "nothing hidden: any alarm",
     TargetFigure.ALARM_NAMED: "an effect named",
