@@ -67,7 +67,9 @@ def test_what_is_declared_wrongly_is_to_be_mended_first(data, tmp_path, capsys):
     asked = f"The payload disc of 500 kg is far heavier than the robot ({OWN:.3g} kg in its MJCF): is that in grams"
     assert asked in " ".join(out.split())
     assert "is the payload's mass in grams?" in " ".join(out.split())
-    again = f"next: bench identify {wrong} --with viscous_friction:left    again, after correcting what the first note says"
+    again = (
+        f"next: bench identify {wrong} --with viscous_friction:left    again, after correcting what the first"
+    )
     assert out.splitlines()[-1].startswith(again)
     model = tmp_path / "model.json"
     assert main(["identify", str(data), "--json", str(model), "-q"]) == 0

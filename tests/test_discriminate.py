@@ -144,9 +144,9 @@ def test_the_words_say_what_is_different(found):
     assert "motor shoulder moves slowly, at most 0.01 rad/s" in words
     assert "it reverses slowly at shoulder" in words
     loaded = replace(found, motion=replace(found.motion, payload="disc"))
-    assert "rad/s was recorded" in words
+    assert "rad/s (recorded: " in words
     slides = replace(found, planned=slow, joints=dict.fromkeys(found.joints, "N/A"))
-    assert "motor shoulder moves slowly, at 0.01 m/s" in motion_words(slides)[0]
+    assert "motor shoulder moves slowly, at most 0.01 m/s" in motion_words(slides)[0]
     assert "it carries the payload disc" in motion_words(loaded)[0]
     still = {**found.planned, "elbow": replace(found.planned["elbow"], low=0.1, high=0.1)}
     assert "motor shoulder moves alone" in motion_words(replace(found, planned=still))[0]

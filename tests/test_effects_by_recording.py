@@ -74,7 +74,7 @@ def test_a_recording_that_was_not_fitted_has_the_value_that_suits_it(result: Ide
     assert check.error[check.moving[:, 0], 0].mean() == pytest.approx(0.0, abs=1e-9)
     (note,) = [note for note in result.notes if "constant offset" in note]
     assert note.startswith("check.csv has no estimated constant offset")
-    assert "their best-fitting value among theirs is used" in note
+    assert "its best-fitting value among theirs is used" in note
 
 
 def test_parts_of_a_recording_share_its_value(dataset: Dataset) -> None:

@@ -68,7 +68,8 @@ def _explains(verdict: EffectVerdict) -> str:
 
 def _as_good(verdict: EffectVerdict) -> str:
     others = _alternatives(verdict) if verdict.alternatives else "the chosen effects"
-    return f"{begun(verdict.effect)} would explain the data as well as {others}: these recordings cannot distinguish them"
+    said = f"{begun(verdict.effect)} would explain the data as well as {others}"
+    return f"{said}: these recordings cannot distinguish them"
 
 
 def _as_good_as_a_law(verdict: EffectVerdict) -> str:

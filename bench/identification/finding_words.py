@@ -373,7 +373,8 @@ WORDS: Mapping[Code, Callable[[Finding], str]] = {
     Code.PHYSICAL: _physical,
     Code.BAD_STRETCH: lambda finding: (
         f"The current of {finding.names[0]} in {finding.names[1]} has little weight from "
-        f"{finding.numbers['start']:.4g} to {finding.numbers['end']:.4g} s, where it is far from the model. Check that interval, or `exclude` it."
+        f"{finding.numbers['start']:.4g} to {finding.numbers['end']:.4g} s, where it is far from the model. "
+        "Check that interval, or `exclude` it."
     ),
     Code.STANDS_STILL: lambda finding: (
         f"Joint {finding.names[0]} stands still in all fitted recordings: they do not determine its drive gain, which "

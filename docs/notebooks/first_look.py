@@ -39,7 +39,8 @@ print(diagnosis.missing)
 
 # %% [markdown]
 # ## With it
-# A missing effect distorts the other parameters: the gain of the left motor was 6 % off, and its large standard error showed it.
+# A missing effect distorts the other parameters: the gain of the left motor was 6 % off, and its large standard error
+# showed it.
 
 # %%
 better = diagnosis.after

@@ -81,7 +81,7 @@ def parts(summary: TrialSummary) -> list[MarkdownPart]:
     """What there are cases of, as tables; what was not tried is left out."""
     found = [
         MarkdownPart("Figures, and what they must reach", targets_table(summary)),
-        MarkdownPart("Named first, with one hidden effect or none", confusion_table(summary)),
+        MarkdownPart("Named first, one effect hidden or none", confusion_table(summary)),
         MarkdownPart(
             "Absorbed: no data of this robot can show it, and the diagnosis says so", absorbed_table(summary)
         ),
