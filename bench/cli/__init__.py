@@ -1,6 +1,6 @@
 """The command `bench`.
 
-Each command stands in a file of its own and is imported when it is asked for; `bench --help` reads
+Each command is in a separate file and is imported when it is asked for; `bench --help` reads
 the table below and imports none of them. To add a command: write `bench/cli/NAME.py` with a click
 command, and give it a line in `COMMANDS` with the first sentence of its docstring as its help.
 """
@@ -121,7 +121,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command `bench` and return its exit code.
 
     `arguments` are the words after `bench`; the process's own if None.
-    0: done. 2: a mistake in what the user gave, told in one line on standard error.
+    0: done. 2: a mistake in what the user gave, reported in one line on standard error.
     130 and 143: interrupted or terminated; files that were being written are left as they were.
     A reader of standard output who leaves early changes nothing of this.
     """

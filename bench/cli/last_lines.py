@@ -32,7 +32,7 @@ def next_line(words: Sequence[str | Path], why: str = "") -> str:
 
 
 def say(lines: Sequence[str]) -> None:
-    """Print the last lines, what stands on standard output itself aside; a next command as it is typed here."""
+    """Print the last lines, except those about standard output; a next command as it is typed here."""
     for line in lines:
         if not line.startswith(f"wrote {STANDARD_OUTPUT} "):
             click.echo(_as_typed(line))
@@ -98,9 +98,9 @@ def write_answer(path: Path, answer: Mapping[str, Any]) -> None:
 def after_diagnosis(
     diagnosis: "Diagnosis", dataset: Path, again: str, model: Path | None, effect_files: Sequence[Path] = ()
 ) -> str:
-    """The step after a diagnosis. again: its own command line; model: the file of `--apply`.
+    """The step after a diagnosis. again: its command line; model: the file of `--apply`.
 
-    effect_files: what the model needs beside the catalogue.
+    effect_files: what the model needs in addition to the catalogue.
     """
     from bench.identification.finding import MEND_FIRST
 

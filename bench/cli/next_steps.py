@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Source:
-    """What a command was called with: a path, and what was named beside it."""
+    """What a command was called with: a path and its options."""
 
     path: Path
     effects: tuple[str, ...] = ()
@@ -33,7 +33,7 @@ class Source:
 
     @property
     def dataset(self) -> Path | None:
-        """Its own folder, where it is a dataset; of a model, the recordings that it is shown beside."""
+        """Its own folder, where it is a dataset; of a model, the recordings that it is shown with."""
         from bench.dataset.names import DATASET_FILE
 
         if self.path.name == DATASET_FILE or (self.path / DATASET_FILE).is_file():
@@ -119,7 +119,7 @@ def after_trial(table: Path) -> str:
 
 
 def after_export(model: Path, form: str, output: Path, effect_files: Sequence[Path]) -> list[str]:
-    """After an export: the bodies that were written, beside the recordings; a feed-forward, compiled.
+    """After an export: the written bodies along the recordings; a feed-forward, compiled.
 
     A model whose recordings are not known, or not there any more, has no next step.
     """

@@ -8,7 +8,7 @@ from pathlib import Path
 
 
 def open_viewer(path: Path) -> str:
-    """Open a recording in a window of its own that outlives the command; says what was done, or what to do."""
+    """Open a recording in a separate window that outlives the command; says what was done, or what to do."""
     beside = Path(sys.executable).with_name("rerun")
     program = str(beside) if beside.is_file() else shutil.which("rerun")
     if program is None:

@@ -1,4 +1,4 @@
-"""`bench replay`: the exported twin beside a dataset."""
+"""`bench replay`: the exported twin compared with a dataset."""
 
 from pathlib import Path
 

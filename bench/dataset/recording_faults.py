@@ -16,7 +16,7 @@ from bench.dataset.joint_facts import JointFacts
 from bench.dataset.recording_checks import Channel, Fault, find
 from bench.dataset.sampling import FEWEST, LIKE, TimeFault, cut_rows, gap_rows, time_fault
 
-MOST_SPANS = 3  # that are told
+MOST_SPANS = 3  # that are reported
 SECONDS = {remedy: 1.0 / factor for factor, (_, remedy) in LIKE.items()}
 """What mends a time in another unit -> its unit in seconds."""
 

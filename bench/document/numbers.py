@@ -118,7 +118,7 @@ def is_poor(quantity: Quantity) -> bool:
 
 
 def other_terms(name: str, grouping: str) -> list[str]:
-    """The standard parameters that a base parameter takes up beside its own, each with sign and factor."""
+    """The further standard parameters in the grouping of a base parameter, each with sign and factor."""
     terms = re.split(r" (?=[+-] )", grouping)
     return terms[1:] if terms[0] == name else terms
 

@@ -1,4 +1,4 @@
-"""A user's own effects: classes in a Python file, treated like built-in ones."""
+"""A user's effects: classes in a Python file, treated like built-in ones."""
 
 import inspect
 import sys

@@ -238,7 +238,7 @@ class Programs:
 
 
 def _pressures(dual: np.ndarray) -> tuple[np.ndarray, bool]:
-    """How hard a condition presses in its own directions, and whether it is one on a matrix."""
+    """How hard a condition presses in its directions, and whether it is one on a matrix."""
     if dual.ndim == 2:
         return np.linalg.eigvalsh(0.5 * (dual + dual.T)), True
     return np.atleast_1d(dual), False

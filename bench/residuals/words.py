@@ -25,7 +25,7 @@ CHANGES = {
 
 
 def where_sentences(where: WhereItFails) -> list[str]:
-    """One sentence for every motor, and one for all that was found of its error."""
+    """One sentence for every motor, and one for each finding about its error."""
     return [line for motor in where.motors for line in (level_sentence(motor), *finding_sentences(motor))]
 
 
@@ -44,17 +44,17 @@ def whole_sentences(motor: MotorErrors) -> list[str]:
 
 
 def whole_alike(motor: MotorErrors) -> list[str]:
-    """The effects that leave such errors, likewise, without where they are told."""
+    """The effects that leave such errors, likewise, without their places."""
     return [_whole(motor.joint, _alike(motor.joint, rival)) for rival in motor.alike[:MOST_LOOKS]]
 
 
 def _whole(joint: str, line: str) -> str:
-    """A joint that begins a sentence keeps its own name."""
+    """A joint that begins a sentence keeps its name."""
     return f"{line}." if motor_words(joint) == joint else f"{line[0].upper()}{line[1:]}."
 
 
 def level_sentence(motor: MotorErrors) -> str:
-    """How large a motor's error is beside the noise of its current."""
+    """How large a motor's error is relative to the noise of its current."""
     size = f"{motor_words(motor.joint)}: error {in_percent(motor.error)}"
     noise = f"the noise of the current ({in_percent(motor.noise)})"
     if not motor.above_noise:
@@ -65,7 +65,7 @@ def level_sentence(motor: MotorErrors) -> str:
 
 
 def finding_sentences(motor: MotorErrors) -> list[str]:
-    """All that was found of one motor's error, the strongest of each kind first."""
+    """All findings about one motor's error, the strongest of each kind first."""
     return [*_followed(motor), *(alike_words(motor.joint, rival) for rival in motor.alike[:MOST_LOOKS])]
 
 

@@ -1,4 +1,4 @@
-"""The estimators beside each other: `python -m bench.studies.estimators -o results/estimators`.
+"""The estimators side by side: `python -m bench.studies.estimators -o results/estimators`.
 
 Robots, noise of currents and encoders, filters that were given wrongly, bad seconds in the currents, controllers: bias,
 spread, coverage and time of each estimator, over seeds: other noise of the currents, and encoders whose steps lie

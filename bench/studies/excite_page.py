@@ -44,7 +44,7 @@ def kept_figures(folder: Path, robots: Sequence[str]) -> list[Figures]:
 
 
 def write_page(folder: Path, robots: Sequence[str]) -> None:
-    """Write the page beside the figures of which it is made."""
+    """Write the page next to the figures of which it is made."""
     write_text_atomically(folder / PAGE, page(kept_figures(folder, robots)))
 
 

@@ -1,4 +1,4 @@
-"""NAME.twin.json beside an exported MJCF: motors, and the effects that the MJCF does not hold."""
+"""NAME.twin.json next to an exported MJCF: motors, and the effects that the MJCF does not hold."""
 
 import json
 from collections.abc import Mapping
@@ -32,7 +32,7 @@ class TwinFile:
 
 
 def load_twin_file(mjcf: Path) -> TwinFile:
-    """Read the file beside an exported MJCF. Raises BenchError that names it and what is wrong with it."""
+    """Read the file next to an exported MJCF. Raises BenchError that names it and what is wrong with it."""
     path = sidecar_path(mjcf)
     try:
         content = json.loads(path.read_text(encoding="utf-8"))

@@ -44,7 +44,7 @@ def read_toml(path: Path, table: type[Table]) -> Table:
 
 
 def line_of(text: str, location: tuple[int | str, ...]) -> int | None:
-    """The line of TOML, counted from one, on which a key of this location stands, or its table; None if unsure."""
+    """The line of TOML, counted from one, on which a key of this location is, or its table; None if unsure."""
     wanted = [str(part) for part in location]
     here: list[str] = []
     counts: dict[str, int] = {}

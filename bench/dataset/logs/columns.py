@@ -31,7 +31,7 @@ class LogMap:
              name for a column to keep for plots. A column that the log itself calls so needs no entry, and neither
              does one called `velocity.JOINT`.
     scale    column -> factor that turns the log's unit into SI, such as 1e-3 for millimetres, or the unit's name
-             (see UNITS); `position` and `current` stand for those of all joints. It goes before a unit that the log
+             (see UNITS); `position` and `current` represent those of all joints. It goes before a unit that the log
              itself states.
     rate     Hz, for a log without a time column; its time then starts at zero
     """

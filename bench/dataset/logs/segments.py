@@ -18,7 +18,7 @@ from bench.dataset.names import Use
 from bench.dataset.sampling import FEWEST, cut_rows
 
 Array = npt.NDArray[np.float64]
-MOST = 5  # cuts of a kind that are told one by one
+MOST = 5  # cuts of a kind that are reported one by one
 SHORTEST = 2.0  # s: a piece between gaps that is worth a recording; filters take their share at both ends
 
 

@@ -33,7 +33,7 @@ CONTROL = re.compile(rb"[\x00-\x08\x0e-\x1f]")  # in no text
 
 @dataclass(frozen=True)
 class TextLog:
-    """The text of the table, units by column, and what was found on the way, in words."""
+    """The text of the table, units by column, and findings, in words."""
 
     text: CsvText
     units: dict[str, str]

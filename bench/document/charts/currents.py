@@ -18,7 +18,7 @@ Curve = tuple[Role, str, MotorSeries]
 def currents_chart(curves: Sequence[Curve], unit: str, title: str) -> Chart:
     """Currents above, errors below. curves: the errors to show, that of the model whose current is drawn last.
 
-    With several models the last one's error stands once more in a panel of its own, at its own scale.
+    With several models the last one's error appears once more in a separate panel, at its scale.
     """
     *_, (role, name, last) = curves
     time = _with_gaps(last, last.time)

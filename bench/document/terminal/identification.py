@@ -33,7 +33,7 @@ def identification_report(
     """Print gains, parameters, errors, settings and notes, to fit the console's width.
 
     verbose: every grouping in full. truth: true values to compare with, see `Truth`; what it does not name
-    is left blank. without_currents: the recordings of a saved model, which keeps their errors alone.
+    stays blank. without_currents: the recordings of a saved model, which keeps their errors alone.
     """
     console = console or Console()
     width = console.width
@@ -101,7 +101,7 @@ def sentences_list(sentences: Sequence[str], style: str = "") -> Grid:
 
 
 def _groupings(result: Identification) -> Grid:
-    """What every base and payload parameter stands for, in full."""
+    """The grouping of every base and payload parameter, in full."""
     grid = Grid.grid(padding=(0, 2, 0, 0))
     grid.add_column(no_wrap=True)
     grid.add_column(overflow="fold", style="dim")
@@ -111,7 +111,7 @@ def _groupings(result: Identification) -> Grid:
 
 
 def _errors_section(console: Console, series: Sequence[CurrentSeries], joints: Sequence[str]) -> None:
-    """Motors that do not fit into the width are left out all together, and get a table of their own."""
+    """Motors that do not fit into the width are omitted together, and get a separate table."""
     table = printed(errors_table(series, joints), console.width)
     section(console, ERRORS, table)
     if len(joints) > 1 and len(table.columns) <= 4:

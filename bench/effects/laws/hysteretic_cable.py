@@ -14,7 +14,7 @@ STEPS = 2000  # entries of it, either side of zero
 
 @dataclass(frozen=True)
 class HystereticCable(ActuatorEffect):
-    """The hysteretic part of Bouc and Wen's model; a `joint_spring` beside it is the elastic one.
+    """The hysteretic part of Bouc and Wen's model; a `joint_spring` next to it is the elastic one.
 
     Valid for loops that do not depend on the speed. Source: Wen, "Method for random vibration of hysteretic systems",
     Journal of the Engineering Mechanics Division 102 (1976), equation 3 with A = β = 1 and γ = 0.

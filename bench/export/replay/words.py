@@ -8,7 +8,7 @@ OPEN = 1e-4  # m or rad: a loop that opens farther moves the motors
 
 
 def replay_sentences(result: Replay) -> tuple[str, ...]:
-    """How near the twin comes to what was measured, beside the model, and what it does not hold."""
+    """How near the twin comes to the measurements, compared with the model, and what it does not hold."""
     twin, model = relative_error(result.twin.recordings), relative_error(result.model.recordings)
     if twin is None or model is None:
         return shortcomings(result)

@@ -50,13 +50,13 @@ class Run:
 
 @dataclass(frozen=True)
 class Plan:
-    """The runs of a sweep, ordered so that those that share work stand side by side."""
+    """The runs of a sweep, ordered so that those that share work are side by side."""
 
     sweep: Sweep
 
     @cached_property
     def axes(self) -> tuple[GridAxis | None, ...]:
-        """The grid's axes, slowest first; None stands for the seeds."""
+        """The grid's axes, slowest first; None represents the seeds."""
         ordered = sorted(self.sweep.grid, key=level)
         slow = sum(level(axis) <= MACHINE for axis in ordered)
         return (*ordered[:slow], None, *ordered[slow:])

@@ -234,7 +234,7 @@ def _work(connection: Connection) -> None:
 
 
 def start_server() -> None:
-    """Begin to import what workers need, beside whatever this process does meanwhile.
+    """Begin to import what workers need, in addition to whatever this process does meanwhile.
 
     Workers are forked from a server that has imported everything once; where there is none, they are spawned.
     """

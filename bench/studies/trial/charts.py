@@ -45,7 +45,7 @@ def confusion_chart(summary: TrialSummary) -> Chart:
 
 
 def misses_chart(summary: TrialSummary) -> Chart:
-    """Share of effects that are not named first, by their own error over the noise floor."""
+    """Share of effects that are not named first, by their error over the noise floor."""
     classes = [miss for miss in summary.misses if miss.first.of]
     series = (
         _missed("not named first", "before", -0.1, [miss.first for miss in classes]),

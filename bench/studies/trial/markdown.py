@@ -78,7 +78,7 @@ class MarkdownPart:
 
 
 def parts(summary: TrialSummary) -> list[MarkdownPart]:
-    """What there are cases of, as tables; what was not tried is left out."""
+    """What there are cases of, as tables; what was not tried is omitted."""
     found = [
         MarkdownPart("Figures, and what they must reach", targets_table(summary)),
         MarkdownPart("Named first, one effect hidden or none", confusion_table(summary)),
@@ -93,7 +93,7 @@ def parts(summary: TrialSummary) -> list[MarkdownPart]:
 
 
 def targets_table(summary: TrialSummary) -> Table:
-    """Every figure that was tried beside its bound; in bold what is surely not kept."""
+    """Every figure that was tried next to its bound; in bold what is surely not kept."""
     tried = [target for target in summary.targets if target.reached is not None]
     heads = ("figure", "reached", "must be", "kept", "cases", "95 % interval")
     cells = zip(*map(target_cells, tried), strict=True) if tried else [()] * len(heads)
@@ -125,7 +125,7 @@ def confusion_table(summary: TrialSummary) -> Table:
 
 
 def absorbed_table(summary: TrialSummary) -> Table:
-    """Effects that no data can show, and in how many cases nothing was named beside."""
+    """Effects that no data can show, and in how many cases nothing else was named."""
     return Table(
         (
             Column("hidden", list(summary.absorbed), "effect"),
@@ -136,7 +136,7 @@ def absorbed_table(summary: TrialSummary) -> Table:
 
 
 def misses_table(summary: TrialSummary) -> Table:
-    """How many effects were named first, by their own error; classes without a case are left out."""
+    """How many effects were named first, by their error; classes without a case are omitted."""
     tried = [miss for miss in summary.misses if miss.first.of]
     return Table(
         (
@@ -183,7 +183,7 @@ def failures_table(summary: TrialSummary) -> Table:
 
 
 def trial_markdown(summary: TrialSummary, notes: Mapping[str, str], pictures: Sequence[str] = ()) -> str:
-    """Markdown tables; notes: how the trial was run. pictures: files beside the page."""
+    """Markdown tables; notes: how the trial was run. pictures: files next to the page."""
     blocks = [
         f"# Blind trial of the diagnosis: {summary.robot}",
         "\n".join(f"- {name}: {value}" for name, value in notes.items()),

@@ -1,4 +1,4 @@
-"""Laws that no catalogue has, in a trial: what was found of them, as a table and a page."""
+"""Laws outside the catalogue, in a trial: the results as a table and a page."""
 
 from __future__ import annotations
 
@@ -62,7 +62,7 @@ def _told(nothing: Sequence[Row]) -> list[Row]:
 
 
 def cases_table(rows: Sequence[Row]) -> Table:
-    """Every case: what was hidden, and what was found."""
+    """Every case: the hidden effects and the result."""
     before, after = ([row.get(f"error_over_floor.{name}") for row in rows] for name in ("before", "after"))
     return Table(
         (

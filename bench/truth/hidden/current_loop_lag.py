@@ -31,7 +31,7 @@ class CurrentLoopLag(JointEffect):
     def current(p: Parameters, s: Signals) -> Law:
         passed = s.step / p["T"]
         left = np.exp(-passed)
-        mean = -np.expm1(-passed) / passed  # of what is left, over a step
+        mean = -np.expm1(-passed) / passed  # of what remains, over a step
         flowing: list[Array] = []
 
         def law() -> Array:

@@ -67,7 +67,7 @@ def encoder_offset_size(reference: Reference, _effect: str, joint: str | None, s
 
 
 def drive_flexibility_size(reference: Reference, _effect: str, joint: str | None, share: float) -> Sizes:
-    """As if the joint moved as far from its motor as the spring gives way; the rotor's own inertia aside."""
+    """As if the joint moved as far from its motor as the spring gives way; the rotor's inertia aside."""
     j = _movement(reference, joint)
 
     def felt(stiffness: float) -> float:
@@ -79,7 +79,7 @@ def drive_flexibility_size(reference: Reference, _effect: str, joint: str | None
 
 
 def backlash_size(reference: Reference, effect: str, joint: str | None, share: float) -> Sizes:
-    """From simulations, beside a rotor without play: how the joint changes flanks has no simpler rule.
+    """From simulations, compared with a rotor without play: how the joint changes flanks has no simpler rule.
 
     Flanks that give way by a tenth of the play, or less stiff ones if the step asks for it.
     """
