@@ -23,7 +23,7 @@ class EncoderOffset(Effect):
     """
 
     name = "encoder_offset"
-    law = "A joint that stands at q − offset where q was logged: τ = τ(q − offset) − τ(q), loops closed."
+    law = "A joint at q − offset where q was logged: τ = τ(q − offset) − τ(q), loops closed."
     symbols = "offset: rad or m, of either sign, constant."
     shown_by = "move slowly over the whole range"
     seen = ("position",)

@@ -27,8 +27,8 @@ class HystereticCable(ActuatorEffect):
     )
     symbols = (
         "F: largest torque or force, positive, N·m or N; z: state between −1 and 1, zero at the start; x0: way after "
-        "which it yields, rad or m, and n: how sharply, both found from the data. n = 1 is presliding hysteresis, and "
-        "x0 = 0 Coulomb friction."
+        "which it yields, rad or m, and n: how sharply, both estimated from the data. n = 1 is presliding hysteresis, "
+        "and x0 = 0 Coulomb friction."
     )
     shown_by = "reverse slowly, in strokes of all sizes"
     seen = ("opposes",)

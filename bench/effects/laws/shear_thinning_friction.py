@@ -23,9 +23,9 @@ class ShearThinningFriction(ActuatorEffect):
         "τ = Fa asinh(q̇/va): viscous friction that grows less than the velocity does, as of a gear's grease."
     )
     symbols = (
-        "Fa: positive, N·m or N; va: velocity from which on the grease thins, rad/s or m/s, found from the data. Far "
-        "below va it is viscous friction with the coefficient Fa/va, far above it the friction grows by Fa wherever "
-        "the velocity grows by the factor e."
+        "Fa: positive, N·m or N; va: velocity from which on the grease thins, rad/s or m/s, estimated from the data. "
+        "Far below va it is viscous friction with the coefficient Fa/va, far above it the friction grows by Fa "
+        "wherever the velocity grows by the factor e."
     )
     shown_by = "move fast and slowly"
     seen = ("velocity",)

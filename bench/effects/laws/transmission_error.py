@@ -29,11 +29,11 @@ class TransmissionError(Effect):
     """
 
     name = "transmission_error"
-    law = "τ = τ(p) − τ(q), q = p + a cos(N p) + b sin(N p): a joint that stands at p where q was logged, loops closed."
+    law = "τ = τ(p) − τ(q), q = p + a cos(N p) + b sin(N p): a joint at p where q was logged, loops closed."
     symbols = (
         "a, b: rad or m, of either sign; N: periods in a turn of what the encoder measures (of a slide: in a metre, "
-        "and the phase is 2 pi N p), found from the data: once a turn for a disc or gear off its centre, once a tooth "
-        "for teeth."
+        "and the phase is 2 pi N p), estimated from the data: once a turn for a disc or gear off its centre, once a "
+        "tooth for teeth."
     )
     shown_by = "move fast over the whole range"
     seen = ("repeats",)

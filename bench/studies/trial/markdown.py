@@ -20,8 +20,8 @@ from bench.studies.trial.summary import (
 from bench.studies.trial.target import Attained, Share, Target, TargetFigure
 
 COUNTED = (
-    f"We count only cases where leaving out any one hidden effect raises the error of recordings that were not fitted "
-    f"to at least {LARGE:g} × the noise floor."
+    f"We count only cases where leaving out any single hidden effect raises the error of recordings that were not "
+    f"fitted to at least {LARGE:g} × the noise floor."
 )
 
 WORDS = {
