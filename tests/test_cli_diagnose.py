@@ -78,9 +78,9 @@ def test_the_report_fits_and_says_what_counts(found, width):
     assert (
         "judged on recordings that were not fitted, the error falls from 12 % to 1 % of the current" in said
     )
-    assert "where noise leaves 0.98 %" in said
+    assert "the noise floor is 0.98 %" in said
     assert "the drive gain of left is 3.63" in said
-    assert "The error left (1 %) is about what the noise of the currents leaves (0.98 %)." in said
+    assert "The remaining error (1 %) is at the noise floor of the currents (0.98 %)." in said
     for word in (
         "812.4",
         "indistinguishable",
@@ -140,7 +140,7 @@ def test_columns_with_nothing_in_them_are_left_out(nothing):
 
 def test_nothing_missing_is_said_first_and_nothing_moves(nothing):
     text = printed(nothing)
-    assert "Nothing is missing that the catalogue knows" in text
+    assert "No effect of the catalogue is missing" in text
     assert "before and after" not in text
     assert json.loads(json.dumps(diagnosis_json(nothing), allow_nan=False))["missing"] == []
 
@@ -148,10 +148,10 @@ def test_nothing_missing_is_said_first_and_nothing_moves(nothing):
 def test_alternatives_are_said_to_be_beyond_these_recordings(found):
     doubtful = replace(VISCOUS, verdict="indistinguishable", alternatives=("current_delay", "quadratic_drag"))
     said = summary_sentences(replace(found, ranking=(doubtful, *OTHERS)))
-    (line,) = [one for one in said if "could as well be" in one]
+    (line,) = [one for one in said if "could equally be" in one]
     assert "current delay or quadratic drag" in line
-    assert "these recordings cannot tell" in line
-    assert "To tell them apart: move fast and slowly; reverse fast; move as fast as allowed." in line
+    assert "these recordings cannot distinguish them" in line
+    assert "To distinguish them: move fast and slowly; reverse fast; move as fast as allowed." in line
     assert (
         "The motion is designed by `bench discriminate DATASET viscous_friction current_delay -o DIR`."
         in line
@@ -162,11 +162,11 @@ def test_nominal_gains_hold_the_verdict_back(found):
     nominal = replace(found, after=replace(found.after, gains_fitted=False))
     said = " ".join(summary_sentences(nominal))
     assert said.startswith("Viscous friction at left seems to be missing")
-    assert "the names may be false" in said
+    assert "the named effects may be wrong" in said
     assert "weighed payload" in said
     gain = {"left": found.after.drive_gains["left"]}
     alone = replace(nominal, after=replace(nominal.after, drive_gains=gain))
-    assert "the names may be false" not in " ".join(
+    assert "the named effects may be wrong" not in " ".join(
         doubts(alone)
     )  # one motor: a gain scales everything alike
 
@@ -177,7 +177,7 @@ def test_recordings_that_do_not_belong_are_said_at_once(found):
     said = summary_sentences(swapped)
     assert "seems to be missing" in said[0]
     assert said[1].startswith(
-        "These names may be false. Recordings that were not fitted are modelled far worse (20 %)"
+        "The named effects may be wrong. The error of recordings that were not fitted (20 %)"
     )
     assert "is declared to carry" in said[1]
     none = replace(swapped, missing=(), ladder=found.ladder[:1], ranking=OTHERS)
@@ -199,7 +199,7 @@ def test_a_reason_carries_its_size_in_torque_and_in_percent(found):
     text = reason(found, VISCOUS)
     assert text.startswith(reason_sentence(VISCOUS).rstrip("."))
     assert f"0.33 N·m at left ({100 * 0.33 / torque:.2g} % of its torque)" in text
-    assert text.endswith("takes 99 % of the squared error away.")
+    assert text.endswith("removes 99 % of the squared error.")
     assert error_share(VISCOUS) == pytest.approx(0.99)
     assert size_words(found, VISCOUS) == f"0.33 N·m ({100 * 0.33 / torque:.2g} %)"
     gains = dict(found.after.drive_gains)

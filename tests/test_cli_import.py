@@ -181,7 +181,7 @@ def test_a_mapping_says_what_goes_beside_it(log, tmp_path, monkeypatch, capsys):
     assert capsys.readouterr().out == ""
     assert main(["import", "--mapping", "map.toml", "-o", "data", "--replace"]) == 0
     assert main(["import", "--mapping", "map.toml", "-o", "data", "--rate", "5"]) == 2
-    assert "--rate goes into the mapping file" in capsys.readouterr().err
+    assert "--rate belongs in the mapping file" in capsys.readouterr().err
 
 
 def test_all_that_is_wrong_with_many_logs_is_told_at_once_with_what_mends_it(log, tmp_path, capsys):

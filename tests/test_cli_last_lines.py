@@ -35,9 +35,9 @@ def last_line(capsys):
 
 def test_the_last_line_is_the_next_command_with_all_that_was_given(data, tmp_path, capsys):
     assert main(["identify", str(data)]) == 0
-    assert last_line(capsys).startswith(f"next: bench diagnose {data}    tells which")
+    assert last_line(capsys).startswith(f"next: bench diagnose {data}    names the")
     assert main(["identify", str(data), "--with", "coulomb_friction:left", "--decimation", "25"]) == 0
-    with_options = f"next: bench diagnose {data} --with coulomb_friction:left --decimation 25    tells which"
+    with_options = f"next: bench diagnose {data} --with coulomb_friction:left --decimation 25    names the"
     assert last_line(capsys).startswith(with_options)
     model = tmp_path / "model.json"
     right = ["--with", "viscous_friction:left"]
@@ -68,7 +68,7 @@ def test_what_is_declared_wrongly_is_to_be_mended_first(data, tmp_path, capsys):
     assert asked in " ".join(out.split())
     assert "is the payload's mass in grams?" in " ".join(out.split())
     again = (
-        f"next: bench identify {wrong} --with viscous_friction:left    again, once what the first note says"
+        f"next: bench identify {wrong} --with viscous_friction:left    again, after correcting what the first"
     )
     assert out.splitlines()[-1].startswith(again)
     model = tmp_path / "model.json"
@@ -118,7 +118,7 @@ def test_after_a_diagnosis_comes_what_it_calls_for(tmp_path):
     step = after_diagnosis(
         replace(found, after=replace(found.after, findings=(heavy,))), folder, "bench d", model
     )
-    assert step == "next: bench d    again, once what the first note says is mended"
+    assert step == "next: bench d    again, after correcting what the first note says"
     nothing = replace(found, missing=(), ranking=())
     assert after_diagnosis(nothing, folder, "", None).startswith(
         f"next: bench identify {folder} --json model.json "
@@ -128,7 +128,7 @@ def test_after_a_diagnosis_comes_what_it_calls_for(tmp_path):
 def test_a_model_and_a_twin_go_on(tmp_path):
     model = tmp_path / "model.json"
     assert after_export(model, "c", tmp_path / "arm.c", ()) == [
-        f"next: cc -O2 -c {tmp_path / 'arm.c'}    compiles it, to be linked with a controller"
+        f"next: cc -O2 -c {tmp_path / 'arm.c'}    compiles it for linking with a controller"
     ]
     step = after_replay(tmp_path, model, None, ["--no-cad"])
     assert step.startswith(

@@ -86,8 +86,8 @@ def test_a_recording_that_is_short_beside_its_filter_is_noted():
         == []
     )
     (note,) = short_recordings([recording("long.csv", 5.0), recording("short.csv", 0.8)], settings)
-    assert sentence(note).startswith("short.csv lasts 0.8 s, 48 periods of the filter")
-    assert "Record 1.9 s at least" in sentence(note)
+    assert sentence(note).startswith("short.csv lasts 0.8 s, 48 periods of the position filter")
+    assert "Record at least 1.9 s" in sentence(note)
 
 
 def test_the_note_stands_in_the_answers(tmp_path, capsys):
@@ -97,8 +97,8 @@ def test_the_note_stands_in_the_answers(tmp_path, capsys):
     write_simulation(machine(recordings), tmp_path / "data")
     answer = tmp_path / "model.json"
     assert main(["identify", str(tmp_path / "data"), "--json", str(answer)]) == 0
-    assert "periods of the filter" in " ".join(capsys.readouterr().out.split())
-    assert any("periods of the filter" in note for note in json.loads(answer.read_text())["notes"])
+    assert "periods of the position filter" in " ".join(capsys.readouterr().out.split())
+    assert any("periods of the position filter" in note for note in json.loads(answer.read_text())["notes"])
 
 
 @pytest.fixture

@@ -123,7 +123,7 @@ def test_an_error_as_small_as_the_noise_is_not_looked_into():
     ) == pytest.approx(floor, rel=0.05)
     assert not motor.above_noise
     assert not motor.dependences
-    assert where_sentences(errors_by_motor(what))[0].endswith("nothing to find")
+    assert where_sentences(errors_by_motor(what))[0].endswith("nothing to explain")
 
 
 DEPENDENCES = {
@@ -180,10 +180,10 @@ def test_what_repeats_over_position_is_found_with_its_period():
     assert 2.0 * np.pi * one.frequency == pytest.approx(40.0, rel=0.02)
     assert one.amplitude == pytest.approx(0.06, rel=0.15)
     assert one.error_share == pytest.approx(0.06**2 / 2 / (0.06**2 / 2 + 0.02**2), rel=0.15)
-    (said,) = [line for line in where_sentences(errors_by_motor(what)) if "times a turn" in line]
+    (said,) = [line for line in where_sentences(errors_by_motor(what)) if "times per turn" in line]
     turn = 2.0 * np.pi * one.resolution
     assert (
-        f"{with_error(2.0 * np.pi * one.frequency, turn)} times a turn as far as the travelled range tells"
+        f"{with_error(2.0 * np.pi * one.frequency, turn)} times per turn, as far as the travelled range shows"
         in said
     )
 
@@ -225,7 +225,7 @@ def test_friction_that_warms_up_and_friction_that_grows_with_the_load():
         0.2 * 5.0 * (1 - np.exp(-20 / 15)) / (20 / 3), rel=0.05
     )  # of a third of 20 s
     assert one.second.mean < 0.01
-    assert any("warming up" in line for line in where_sentences(errors_by_motor(what)))
+    assert any("during warm-up" in line for line in where_sentences(errors_by_motor(what)))
     what = made(
         lambda row, random: (0.1 if row["payload"] else 0.0) * friction(row) + white(random),
         payloads=(None, "disc"),
@@ -377,7 +377,7 @@ def test_candidates_are_named_in_words_with_the_question_of_the_atlas():
     where = errors_by_motor(made(lambda row, random: 0.1 * friction(row) + white(random)), ARM)
     (said,) = [one for one in where_sentences(where) if "question 1" in one]
     assert said.startswith("motor left: Coulomb friction, ")
-    assert said.endswith(" more would leave such an error (atlas of effects, question 1)")
+    assert said.endswith(" more would cause such an error (atlas of effects, question 1)")
     (told,) = [one for one in where_json(where)["where"]["left"]["looks_like"] if one["question"] == 1]
     assert told["text"] == said
     assert "coulomb_friction" in told["effects"]

@@ -127,7 +127,7 @@ def test_the_command_says_so_everywhere(arm, tmp_path, capsys):
     assert content["finished"] is False
     assert "laws" in content["not_looked_at"]
     assert content["missing"] == ["viscous_friction"]
-    said = "The time was up before the search had ended."
+    said = "The time limit ended the search."
     assert said in " ".join(capsys.readouterr().out.split())
     assert said in (folder / "report.html").read_text()
     kept = read_run(folder)

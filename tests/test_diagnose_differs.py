@@ -111,10 +111,10 @@ def test_the_diagnosis_tells_it(told: Diagnosis) -> None:
     assert values[0] - values[1] == pytest.approx(2 * STEP * 3.3, rel=0.03)
     assert told.missing == ()
     sentences = summary_sentences(told)
-    assert sentences[0].startswith("No effect with one value for all recordings is missing")
+    assert sentences[0].startswith("No effect of the catalogue with one value for all recordings is missing")
     (said,) = [sentence for sentence in sentences if "run to run" in sentence]
     assert said.startswith("The constant offset at left differs from run to run: -0.3")
-    assert "`--with constant_offset:left@recording` gives them" in said
+    assert "`--with constant_offset:left@recording` estimates these values" in said
 
 
 def test_the_answer_has_the_values_and_the_gains_that_go_with_them(told: Diagnosis) -> None:
@@ -127,7 +127,7 @@ def test_the_answer_has_the_values_and_the_gains_that_go_with_them(told: Diagnos
     assert abs(after.value - 3.3) < 3.0 * after.std < 0.03
     assert abs(before.value - 3.3) > 0.3
     (moved,) = [sentence for sentence in summary_sentences(told) if "drive gain" in sentence]
-    assert moved.startswith("With a value for each recording the drive gain of left is 3.3")
+    assert moved.startswith("With one value per recording the drive gain of left is 3.3")
 
 
 def test_a_gain_holds_what_values_for_each_recording_make_of_it(unlike: Dataset, monkeypatch) -> None:
@@ -138,7 +138,7 @@ def test_a_gain_holds_what_values_for_each_recording_make_of_it(unlike: Dataset,
     assert told.after.std_from == "models"
     assert 0.3 < abs(gain.value - 3.3) < 1.02 * gain.std
     (said,) = [sentence for sentence in summary_sentences(told) if "run to run" in sentence]
-    assert said.endswith("not fitted; `--with constant_offset:left@recording` gives them.")
+    assert said.endswith("not fitted; `--with constant_offset:left@recording` estimates these values.")
 
 
 def test_both_are_found_where_coulomb_friction_is_missing_too(tmp_path) -> None:

@@ -33,13 +33,13 @@ def test_a_gain_far_from_nominal_is_doubted_whatever_the_error(found, ratio):
     far = with_gain(found, ratio)
     said = summary_sentences(far)
     assert "seems to be missing" in said[0]
-    assert said[1].startswith("These names may be false. The drive gain of left came out at")
+    assert said[1].startswith("The named effects may be wrong. The estimated drive gain of left is")
     none = summary_sentences(replace(far, missing=(), ladder=found.ladder[:1], ranking=OTHERS))
-    assert none[1].startswith("The drive gain of left came out at")
+    assert none[1].startswith("The estimated drive gain of left is")
     assert (
         with_findings(far.after, ())
         .notes[0]
-        .startswith("This answer is not to be believed. The drive gain of left")
+        .startswith("Do not use this answer. The estimated drive gain of left")
     )
 
 
@@ -51,11 +51,13 @@ def test_gains_that_are_all_a_thousand_times_off_are_asked_about_in_every_answer
         name: replace(gain, value=ratio * gain.nominal) for name, gain in found.after.drive_gains.items()
     }
     off = replace(found, after=replace(found.after, drive_gains=gains))
-    assert summary_sentences(off)[1].startswith("These names may be false. The drive gains came out at about")
+    assert summary_sentences(off)[1].startswith(
+        "The named effects may be wrong. The estimated drive gains are about"
+    )
     assert asked in summary_sentences(off)[1]
     notes = with_findings(off.after, ()).notes
     assert [asked in text for text in notes] == [True, *[False] * (len(notes) - 1)]
-    assert not any("no drive is that far" in text for text in notes)
+    assert not any("no drive differs that much" in text for text in notes)
 
 
 def test_a_payload_in_grams_makes_names_doubtful_by_the_import_s_question(found):
@@ -63,7 +65,7 @@ def test_a_payload_in_grams_makes_names_doubtful_by_the_import_s_question(found)
     asked = replace(found, after=replace(found.after, findings=(heavy, *found.after.findings)))
     said = summary_sentences(asked)[1]
     question = HeavyPayload("disc", 500.0, 4.21).words
-    assert said.startswith(f"These names may be false. T{question[1:]} Correct it")
+    assert said.startswith(f"The named effects may be wrong. T{question[1:]} Correct it")
 
 
 @pytest.mark.parametrize("ratio", [0.6, 1.0, 1.21, 1.9])
@@ -77,9 +79,9 @@ def test_parameters_without_a_deviation_are_doubted(found):
     bad = replace(
         found, after=replace(found.after, parameters=(replace(first, value=-1.5e8, std=0.0), *others))
     )
-    assert "no standard error that is known" in " ".join(doubts(bad))
+    assert "without a known standard error" in " ".join(doubts(bad))
     decided = replace(found, after=replace(found.after, scaled_condition=2.7e8))
-    assert "rounding decides" in " ".join(doubts(decided))
+    assert "rounding errors determine" in " ".join(doubts(decided))
 
 
 def test_what_only_resembles_says_so_in_headline_row_and_json(found):
@@ -110,12 +112,12 @@ def test_where_most_of_the_current_is_left_no_model_explains_it(found):
     left = replace(found.unexplained, what=Remainder.PATTERN, error=0.9)
     ladder = (LadderStep((), 1.4, 1.3), LadderStep(("viscous_friction",), 0.8, 0.9))
     said = summary_sentences(replace(found, unexplained=left, ladder=ladder))[0]
-    assert said.startswith("No model here explains these currents: ")
-    assert "the best one leaves 90 % of the current" in said
+    assert said.startswith("No model of this program explains these currents: ")
+    assert "the best one has an error of 90 % of the current" in said
     assert "It adds viscous friction at left" in said
     nothing = replace(found, unexplained=left, ladder=ladder[:1], missing=(), ranking=OTHERS)
     said = summary_sentences(nothing)[0]
-    assert said.startswith("No model here explains these currents: ")
-    assert "130 % of the current is left" in said
+    assert said.startswith("No model of this program explains these currents: ")
+    assert "the error is 130 % of the current" in said
     noise = replace(nothing, unexplained=replace(left, what=Remainder.NOISE))
-    assert summary_sentences(noise)[0].startswith("Nothing is missing")
+    assert summary_sentences(noise)[0].startswith("No effect of the catalogue is missing")

@@ -57,7 +57,7 @@ def test_only_what_the_model_may_lack_is_ranked(burdened: Diagnosis) -> None:
 
 def test_it_is_said(burdened: Diagnosis) -> None:
     said = (
-        "Of the effects that the model had, constant offset is superfluous: the error is no larger without."
+        "Of the effects in the given model, constant offset is superfluous: the error is no larger without."
     )
     assert said in summary_sentences(burdened)
     content = json.loads(json.dumps(diagnosis_json(burdened)))

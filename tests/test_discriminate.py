@@ -141,12 +141,12 @@ def test_the_words_say_what_is_different(found):
     assert "shoulder" in words
     slow = {joint: replace(facts, speed=0.01, turning=0.001) for joint, facts in found.planned.items()}
     (words,) = motion_words(replace(found, planned=slow))
-    assert "motor shoulder moves slowly, at 0.01 rad/s" in words
+    assert "motor shoulder moves slowly, at most 0.01 rad/s" in words
     assert "it reverses slowly at shoulder" in words
     loaded = replace(found, motion=replace(found.motion, payload="disc"))
-    assert "rad/s was recorded" in words
+    assert "rad/s (recorded: " in words
     slides = replace(found, planned=slow, joints=dict.fromkeys(found.joints, "N/A"))
-    assert "motor shoulder moves slowly, at 0.01 m/s" in motion_words(slides)[0]
+    assert "motor shoulder moves slowly, at most 0.01 m/s" in motion_words(slides)[0]
     assert "it carries the payload disc" in motion_words(loaded)[0]
     still = {**found.planned, "elbow": replace(found.planned["elbow"], low=0.1, high=0.1)}
     assert "motor shoulder moves alone" in motion_words(replace(found, planned=still))[0]
@@ -177,7 +177,7 @@ def test_a_model_that_is_known_to_be_wrong_is_told(given, tmp_path, capsys):
     out = " ".join(capsys.readouterr().out.split())
     answer = json.loads((tmp_path / "out" / "answer.json").read_text())
     assert answer["error_over_noise"] > 5.0
-    assert "something else is missing. Run bench diagnose first" in out
+    assert "the model lacks another effect. Run bench diagnose first" in out
     assert f"next: bench diagnose {tmp_path / 'data'}" in out
     readme = (tmp_path / "out" / "README.md").read_text()
     asked = f"current_delay current_loop_lag --duration 5.0 -o {tmp_path / 'out'}"
@@ -203,7 +203,7 @@ def test_where_neither_effect_shows_there_is_nothing_to_tell_apart(tmp_path):
     assert found.nothing
     assert max(found.shown.values()) < 1.0
     assert not found.model_is_wrong
-    assert "There is nothing to tell apart" in " ".join(sentences(found))
+    assert "there is nothing to distinguish" in " ".join(sentences(found))
     paths = write_discrimination(tmp_path / "out", found, write_discrimination_figure)
     assert [path.name for path in paths] == ["README.md", "answer.json"]
 
@@ -212,7 +212,7 @@ def test_what_shows_in_the_given_data_is_told_from_noise(found):
     assert min(found.shown.values()) > 1000.0
     assert "Neither effect shows" not in " ".join(sentences(found))
     small = replace(found, shown=dict.fromkeys(found.shown, 3.0))
-    assert "Neither effect shows for sure" in " ".join(sentences(small))
+    assert "Neither effect is certain" in " ".join(sentences(small))
 
 
 def test_given_data_that_are_enough_need_no_motion(found):
@@ -220,7 +220,7 @@ def test_given_data_that_are_enough_need_no_motion(found):
     asked = tuple(replace(one, given=100.0 * one.given) for one in found.questions)
     enough = replace(found, questions=asked)
     assert enough.given_tells
-    assert "That is enough: bench diagnose can tell them apart" in " ".join(sentences(enough))
+    assert "That is enough: bench diagnose can distinguish them" in " ".join(sentences(enough))
     assert next_step(enough, "bench diagnose data", "out") == "next: bench diagnose data"
 
 
@@ -235,7 +235,7 @@ def test_what_the_model_takes_up_cannot_be_told_by_any_motion(given, tmp_path, c
     arguments = ["discriminate", str(tmp_path / "data"), "rotor_inertia:shoulder", "viscous_friction"]
     assert main([*arguments, "-o", str(tmp_path / "out")]) == 0
     out = " ".join(capsys.readouterr().out.split())
-    assert "No motion of this robot can tell rotor inertia at shoulder and viscous friction apart" in out
+    assert "No motion of this robot can distinguish rotor inertia at shoulder and viscous friction" in out
     assert sorted(path.name for path in (tmp_path / "out").iterdir()) == ["README.md", "answer.json"]
     assert main([*arguments, "-o", str(tmp_path / "data")]) == 2
     assert "holds something else" in capsys.readouterr().err

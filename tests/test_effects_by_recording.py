@@ -73,8 +73,8 @@ def test_a_recording_that_was_not_fitted_has_the_value_that_suits_it(result: Ide
     assert torque == pytest.approx(OFFSETS[2], abs=0.02)
     assert check.error[check.moving[:, 0], 0].mean() == pytest.approx(0.0, abs=1e-9)
     (note,) = [note for note in result.notes if "constant offset" in note]
-    assert note.startswith("check.csv has no constant offset of its own")
-    assert "the value that suits each best is taken" in note
+    assert note.startswith("check.csv has no estimated constant offset")
+    assert "its best-fitting value among theirs is used" in note
 
 
 def test_parts_of_a_recording_share_its_value(dataset: Dataset) -> None:
@@ -99,7 +99,7 @@ def test_a_saved_model_gives_its_own_recordings_their_values(
     # Logs of another day may have the same names: of the same currents the same value is found.
     other = apply_model(problem_of(replace(dataset, folder=tmp_path)), load_model(path))
     assert other.recordings[0].error.mean() == pytest.approx(again.recordings[0].error.mean(), abs=1e-3)
-    assert other.notes[0].startswith("free.csv, held.csv, check.csv have no constant offset of their own")
+    assert other.notes[0].startswith("free.csv, held.csv, check.csv have no estimated constant offset")
 
 
 def test_effects_that_depend_on_their_own_value_differ_too(dataset: Dataset) -> None:
@@ -113,8 +113,11 @@ def test_effects_that_depend_on_their_own_value_differ_too(dataset: Dataset) -> 
 @pytest.mark.parametrize(
     ("request_", "said"),
     [
-        ("constant_offset@run", "'@run' says nothing; @recording gives each fitted recording"),
-        ("constant_offset:left@free.csv", "'@free.csv' says nothing; @recording gives"),
+        (
+            "constant_offset@run",
+            "'@run' has no meaning; @recording estimates values for each fitted recording",
+        ),
+        ("constant_offset:left@free.csv", "'@free.csv' has no meaning; @recording estimates"),
         ("constant_offset:middle@recording", "no joint 'middle' where it can sit; there are: left, right@2"),
         ("cogging_torque@recording", "cannot have a value for each recording; those that can: asymmetric"),
         ("payload_mass_error@recording", "payload_mass_error cannot have a value for each recording"),

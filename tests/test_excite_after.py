@@ -49,7 +49,7 @@ def test_the_command_writes_it(recorded, tmp_path, capsys):
     write_simulation(recorded, tmp_path / "data")
     words = ["excite", "two_link", "--after", str(tmp_path / "data"), "-o", str(tmp_path / "next")]
     assert main([*words, "--duration", "6", "--steps", "5"]) == 0
-    assert "The recordings that are there give" in capsys.readouterr().out
+    assert "The existing recordings give" in capsys.readouterr().out
     answer = json.loads((tmp_path / "next" / "answer.json").read_text())
     assert list(answer["recordings"]) == ["next", "next_check"]
     assert answer["value"] < answer["before"]
@@ -58,9 +58,9 @@ def test_the_command_writes_it(recorded, tmp_path, capsys):
 @pytest.mark.parametrize(
     ("robot", "words", "said"),
     [
-        ("five_bar", [], "its robot is 'two_link'"),
+        ("five_bar", [], "the dataset's robot is 'two_link'"),
         ("two_link", ["--payload-mass", "1"], "carries what the dataset declares"),
-        ("two_link", ["--gain-accuracy", "1%"], "leave it out with --after"),
+        ("two_link", ["--gain-accuracy", "1%"], "omit it with --after"),
     ],
 )
 def test_what_does_not_go_together_is_refused(recorded, tmp_path, capsys, robot, words, said):

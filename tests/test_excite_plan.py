@@ -298,7 +298,7 @@ def test_where_limits_leave_no_room_the_one_in_the_way_is_named(tmp_path, capsys
         (["--for", "viscos_friction"], "did you mean 'viscous_friction'?"),
         (["--for", "gains"], "payload of known mass"),
         (["--for", "stribeck_friction"], "not linear"),
-        (["--gain-accuracy", "half"], "is no share"),
+        (["--gain-accuracy", "half"], "is not a share"),
     ],
 )
 def test_bad_words_are_refused_in_one_line(tmp_path, capsys, words, said):

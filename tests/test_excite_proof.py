@@ -308,6 +308,6 @@ def test_a_limit_that_stays_open_is_told_in_words():
 @pytest.mark.parametrize("limit", Kept)
 def test_a_motion_that_was_made_smaller_says_where_and_what_relaxes_it(limit):
     said = made_smaller("unloaded", Unproven(limit, "elbow", 2.25, True))
-    assert said.startswith("The motion 'unloaded' was made smaller, since at t = 2.25 s ")
+    assert said.startswith("The motion 'unloaded' was reduced, because at t = 2.25 s ")
     assert "--limits" in said or "MJCF" in said
     assert "{" not in said

@@ -265,7 +265,7 @@ def arm_of(model, dataset):
         (["--to", "urdf"], "no loops"),
         (["--to", "mjcf", "--robot", "two_link"], "motors"),
         (["--to", "mjcf", "--payload", "brick"], "payload 'brick'"),
-        (["--to", "csv", "--payload", "disc"], "--payload goes with"),
+        (["--to", "csv", "--payload", "disc"], "--payload needs"),
         (["--to", "stl"], "stl"),
     ],
 )

@@ -33,10 +33,7 @@ def test_a_finding_names_what_it_is_of_with_its_numbers(result):
     assert found[Code.PAYLOAD_NOT_DECLARED].names == ("strange.csv",)
     assert found[Code.POORLY_DETERMINED].numbers["count"] == 1
     assert runaway(far) == found[Code.GAIN_RUNAWAY]
-    assert (
-        note(found[Code.GAIN_RUNAWAY])
-        == f"This answer is not to be believed. {sentence(found[Code.GAIN_RUNAWAY])}"
-    )
+    assert note(found[Code.GAIN_RUNAWAY]) == f"Do not use this answer. {sentence(found[Code.GAIN_RUNAWAY])}"
     assert all(note(one) == sentence(one) for code, one in found.items() if code not in UNBELIEVABLE)
 
 
@@ -53,7 +50,7 @@ def test_the_worst_recording_that_was_not_fitted_is_named_with_its_payload(resul
         (found.names[0], "constant_offset:left"),
     )
     assert sentence(own).endswith(
-        "`--with constant_offset:left@recording` takes a value from each recording."
+        "`--with constant_offset:left@recording` estimates one value per recording."
     )
 
 
@@ -75,7 +72,7 @@ def test_periods_that_are_certainly_no_whole_number_are_told(result, periods, st
     assert [each.names for each in found] == [("cogging_torque", "left")] * told
     if told:
         assert found[0].numbers == {"periods": periods, "std": std}
-        said = f"Cogging torque at left repeats {periods:.3f} ± 0.010 times a turn: no whole number"
+        said = f"Cogging torque at left repeats {periods:.3f} ± 0.010 times per turn."
         assert sentence(found[0]).startswith(said)
 
 

@@ -117,7 +117,7 @@ def test_a_loaded_recording_alone_gives_no_scale(noisy: Simulation) -> None:
     (found,) = [told for told in result.findings if told.code is Code.GAINS_NOT_FIXED]
     assert [unknown.place for unknown in found.of] == ["left", "right"]
     assert found.numbers == {"unloaded": 2.0}
-    with pytest.raises(BenchError, match=r"cannot be fitted.* Record a motion without it, too\."):
+    with pytest.raises(BenchError, match=r"cannot be fitted.* Also record a motion without it\."):
         prepare(problem_of(alone, fit_gains=True))
 
 
@@ -222,6 +222,6 @@ def test_a_payload_in_grams_is_asked_for(noisy: Simulation, factor: float, asked
         for name, one in dataset.payloads.items()
     }
     result = identify(prepare(problem_of(replace(dataset, payloads=payloads))))
-    (note,) = [one for one in result.notes if "The drive gains came out at about" in one]
+    (note,) = [one for one in result.notes if "The estimated drive gains are about" in one]
     assert asked in note
     assert not any("far from its nominal" in one for one in result.notes)

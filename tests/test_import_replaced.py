@@ -114,9 +114,7 @@ def test_pieces_of_an_earlier_import_are_told_and_stay(folder: Path, capsys) -> 
     capsys.readouterr()
     assert command(folder, "--payload", "disc", "--split-gaps", "--replace", gap=1.0) == 0
     said = capsys.readouterr().out
-    assert (
-        "dataset.toml: held.csv stays as it was: what is a piece of held.npz from an earlier import" in said
-    )
+    assert "dataset.toml: held.csv stays as it was: delete pieces of held.npz from an earlier import" in said
     assert command(folder, "--payload", "disc", "--split-gaps", "--replace", gap=2.0) == 0
     assert "held.csv stays as it was" in capsys.readouterr().out
     assert command(folder, "--payload", "disc", "--replace") == 0

@@ -63,7 +63,7 @@ def test_a_log_is_cut_where_its_time_goes_back(tmp_path: Path, robot: str) -> No
     found = told(file, robot, LogMap(), tmp_path / "out", shortest=0.5)
     (note,) = [note for _, note in found.notes]
     assert note.startswith(
-        "cut at 2 gaps (0.004 s at 1.198 s, 0.004 s at 1.2 s) and where time goes back or stands (0.998 s to 0 s, "
+        "cut at 2 gaps (0.004 s at 1.198 s, 0.004 s at 1.2 s) and where time runs backwards or stops (0.998 s to 0 s, "
     )
     first, second, third = load_dataset(tmp_path / "out").recordings
     assert [one.time.size for one in (first, second, third)] == [500, 600, 898]
@@ -79,7 +79,7 @@ def test_pieces_that_are_too_short_are_dropped_and_told(tmp_path: Path, robot: s
         " 198 of 1995 samples, 0.394 s"
     )
     assert [entry.file for entry in found.entries] == ["log-1.csv", "log-2.csv"]
-    with pytest.raises(BenchError, match="nothing is left"):
+    with pytest.raises(BenchError, match="nothing remains"):
         told(file, robot, LogMap(), tmp_path / "other", shortest=3.0)
     assert not (tmp_path / "other").exists()
 
@@ -139,7 +139,7 @@ def test_rows_without_a_measurement_are_left_out_where_the_log_may_be_cut(tmp_pa
     file = with_unmeasured(tmp_path, 0, 800, 801)
     found = told(file, robot, LogMap(), tmp_path / "out", shortest=1.0)
     assert [note for _, note in found.notes] == [
-        "3 rows without a measurement left out",
+        "3 rows without a measurement omitted",
         "cut at 1 gap (0.006 s at 1.598 s); no sample is dropped",
     ]
     first, second = load_dataset(tmp_path / "out").recordings
@@ -168,13 +168,13 @@ def test_what_is_advised_for_a_dataset_mends_it(tmp_path: Path, robot: str) -> N
     lines = with_unmeasured(tmp_path, 800, 801, 1000).read_text().splitlines()
     said = refused(tmp_path, lines, robot)
     advised = "exclude = [[1.599, 1.603], [1.999, 2.001]]"
-    assert said.endswith(f"; {advised} beside its file name in dataset.toml leaves it out")
+    assert said.endswith(f"; {advised} under its file name in dataset.toml excludes it")
     assert len(mended(tmp_path, advised)) == 3
     lines = with_lost(tmp_path, 800, 801).read_text().splitlines()
     said = refused(tmp_path, lines, robot)
     advised = "window = [[0, 1.598], [1.604, 3.998]]"
     assert "a gap of 0.006 s" in said
-    assert f"; {advised} beside its file name" in said
+    assert f"; {advised} under its file name" in said
     assert len(mended(tmp_path, advised)) == 2
 
 

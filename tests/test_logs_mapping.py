@@ -125,7 +125,7 @@ def test_nothing_stands_beside_a_mapping(
     words: list[str], mapping: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert main(["import", "--mapping", str(mapping), "-o", str(tmp_path / "data"), *words]) == 2
-    assert "goes into the mapping file" in capsys.readouterr().err
+    assert "belongs in the mapping file" in capsys.readouterr().err
     assert not (tmp_path / "data").exists()
 
 

@@ -56,7 +56,7 @@ LOGS: dict[str, tuple[Callable[[], str], str, LogMap, list[str]]] = {
         lambda: "Controller 4.2\nDate: Monday, cell 3\n\n" + HEAD + text(rows()),
         "log.csv",
         BY_NAME,
-        ["a preamble on top, up to line 2, is left out"],
+        ["the preamble up to line 2 is skipped"],
     ),
     "a preamble with separators up to the width of the table": (
         lambda: (
@@ -66,32 +66,32 @@ LOGS: dict[str, tuple[Callable[[], str], str, LogMap, list[str]]] = {
         ),
         "log.csv",
         BY_NAME,
-        ["a preamble on top, up to line 3, is left out"],
+        ["the preamble up to line 3 is skipped"],
     ),
     "such a preamble above samples without names": (
         lambda: "Axis logger v2.1,,,,,,\n" + text(rows()),
         "log.csv",
         BY_NUMBER,
-        ["a preamble on top, up to line 1, is left out", NUMBERED],
+        ["the preamble up to line 1 is skipped", NUMBERED],
     ),
     "a header in a comment": (
         lambda: "# made by np.savetxt\n# " + HEAD.replace(",", " ") + text(rows(), " "),
         "log.txt",
         BY_NAME,
-        ["a preamble on top, up to line 2, is left out"],
+        ["the preamble up to line 2 is skipped"],
     ),
     "comments above a header": (
         lambda: "% run 7\n% cold\n" + HEAD + text(rows()),
         "log.log",
         BY_NAME,
-        ["a preamble on top, up to line 2, is left out"],
+        ["the preamble up to line 2 is skipped"],
     ),
     "a line of units": (
         lambda: HEAD + "ms,deg,mm,rad,mA,V,A\n" + text(rows(t=1e-3, qa=np.pi / 180, qr=1e-3, ia=1e-3)),
         "log.csv",
         BY_NAME,
         [
-            "line 2 is taken as units",
+            "line 2 is read as units",
             "time: in ms, as the log says",
             "position.arm: in deg, as the log says",
             "position.rail: in mm, as the log says",
@@ -108,7 +108,7 @@ LOGS: dict[str, tuple[Callable[[], str], str, LogMap, list[str]]] = {
         lambda: HEAD + "s,deg,m,rad,A,V,A\n" + text(rows()),
         "log.csv",
         LogMap(BY_NAME.columns, {"position.arm": 1.0}),
-        ["line 2 is taken as units"],
+        ["line 2 is read as units"],
     ),
 }
 
@@ -146,7 +146,7 @@ def test_rows_are_skipped_and_a_header_denied_on_request(tmp_path: Path, robot: 
     file = tmp_path / "log.csv"
     file.write_text("1,2,3,4,5,6,7\n" + text(rows()), encoding="utf-8")
     found = told(file, robot, BY_NUMBER, tmp_path / "out", reading=Reading(skip_rows=1))
-    assert found.notes[0][1] == "the first 1 lines are left out, as asked for"
+    assert found.notes[0][1] == "the first 1 lines are skipped, as requested"
     assert load_dataset(tmp_path / "out").recordings[0].time.size == COUNT
     file.write_text("nan" + text(rows())[3:], encoding="utf-8")
     with pytest.raises(BenchError, match=r"line 1: is 'nan'"):
@@ -162,7 +162,7 @@ FAULTS: dict[str, tuple[str, LogMap, str]] = {
     "an unknown unit": (
         HEAD + "s,furlong,m,rad,A,V,A\n",
         BY_NAME,
-        "'qa' is in 'furlong', which is no unit known here",
+        "'qa' is in 'furlong', which is not a known unit",
     ),
     "torques for currents": (HEAD + "s,rad,m,rad,Nm,V,A\n", BY_NAME, 'gain_unit = "1" in robot.toml'),
     "a header with too few names": (
@@ -192,7 +192,7 @@ def test_what_cannot_be_told_is_refused(name: str, tmp_path: Path, robot: str) -
 def test_where_no_column_fits_it_says_how_a_preamble_is_left_out(tmp_path: Path, robot: str) -> None:
     log = tmp_path / "log.csv"
     log.write_text("Axis,logger,of,cell,3,on,Monday\n" + HEAD + text(rows()), encoding="utf-8")
-    with pytest.raises(BenchError, match="leave that out with --skip-rows N"):
+    with pytest.raises(BenchError, match="skip it with --skip-rows N"):
         told(log, robot, BY_NAME, tmp_path / "out")
     told(log, robot, BY_NAME, tmp_path / "out", reading=Reading(skip_rows=1))
     with pytest.raises(BenchError, match="there is no 'qx'") as caught:

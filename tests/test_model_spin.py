@@ -102,8 +102,8 @@ def test_the_check_passes_and_says_it(spun):
     (spins,) = [check for check in report.checks if check.code is CheckCode.ROD_SPINS]
     assert spins == Check(CheckCode.ROD_SPINS, "note", {"bodies": ["rod"]})
     assert detail_of(spins) == (
-        "'rod': free to spin about the line through the joints at both ends, the motors held; "
-        "taken as not spinning, which is exact where a rod's mass lies on that line"
+        "'rod': free to spin about the line through the joints at both ends, the motors held. "
+        "The model assumes no spin, which is exact if a rod's mass lies on that line"
     )
 
 

@@ -40,7 +40,7 @@ def test_one_negative_gain_is_a_sign_or_a_column(identified):
 
 def test_an_error_above_the_current_itself_is_no_fit_at_all(identified):
     hopeless = replace(identified, error=replace(identified.error, identify=1.7))
-    assert any("more than with no model at all" in note for note in with_findings(hopeless, ()).notes)
+    assert any("more than without a model" in note for note in with_findings(hopeless, ()).notes)
 
 
 def test_a_measured_dataset_is_not_replaced_by_a_simulated_one(tmp_path):

@@ -175,7 +175,7 @@ def test_a_log_that_begins_anew_is_cut_there_and_each_piece_checked_by_itself(tm
     (rounded,) = checked(str(log), robot, Mapped(columns, {}))["time"]["problems"]
     assert rounded["remedy"] is None
     (left,) = checked(str(log), robot, Mapped(columns, {}, split_gaps=True))["time"]["problems"]
-    assert "nothing is left" in left["what"]
+    assert "nothing remains" in left["what"]
 
 
 def test_torques_are_not_taken_for_currents(tmp_path):

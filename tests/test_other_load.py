@@ -56,6 +56,6 @@ def test_a_diagnosis_says_so_first_and_looks_for_no_law(lacking):
     diagnosis = diagnose(declared(lacking, loaded.name, None))
     assert diagnosis.discovered == ()
     said = " ".join(summary_sentences(diagnosis)[:2])
-    assert f"{loaded.name} is declared to carry no payload, and probably carries" in said
+    assert f"{loaded.name} is declared to carry no payload but probably carries" in said
     (found,) = [one for one in diagnosis.after.findings if one.code == Code.OTHER_LOAD]
     assert sentence(found) in said

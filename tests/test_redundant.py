@@ -168,7 +168,7 @@ def test_what_needs_every_motors_torque_refuses_the_robot(
     what: str, third_motor: Path, found_by_hand: Identification, tmp_path: Path
 ) -> None:
     save_model(found_by_hand, tmp_path / "model.json")
-    with pytest.raises(BenchError, match=r"is not for redundant motors \(left_elbow\)"):
+    with pytest.raises(BenchError, match=r"does not support redundant motors \(left_elbow\)"):
         if what == "export":
             load_identified(tmp_path / "model.json", third_motor)
         else:
@@ -190,7 +190,9 @@ def test_an_encoder_that_the_loop_closures_deny_is_told(simulated: Simulation, t
     assert found.names[0] == "motor_4"
     assert found.numbers["mean"] == pytest.approx(found.numbers["difference"], rel=0.01)
     assert 0.002 < found.numbers["difference"] < 0.05
-    assert "The loop closures put motor_4 elsewhere" in "\n".join(identify(prepare(problem_of(moved))).notes)
+    assert "The position of motor_4 from the loop closures differs from its encoder" in "\n".join(
+        identify(prepare(problem_of(moved))).notes
+    )
     unlogged = [replace(one, extra={}) for one in moved.recordings]
     assert _denied(replace(moved, recordings=tuple(unlogged))) == []
 

@@ -147,7 +147,7 @@ def test_values_of_single_recordings_are_theirs_in_a_replay_and_a_mean_in_a_file
     assert found.twin.error.identify == pytest.approx(found.model.error.identify, rel=0.05)
     words = ["export", str(tmp_path / "model.json"), "--to", "mjcf", "-o", str(tmp_path / "x.xml")]
     assert main(words) == 0
-    assert "Mean of the recordings' own values: constant_offset:right@recording" in capsys.readouterr().out
+    assert "Mean of the values of the recordings: constant_offset:right@recording" in capsys.readouterr().out
 
 
 def test_a_tilted_base_is_gravity_where_the_data_tell_all_that_it_moves(tmp_path):
@@ -173,7 +173,7 @@ def test_an_effect_that_no_simulation_holds_is_named(recorded, tmp_path, capsys)
     )
     words = ["replay", str(recorded), "--model", str(tmp_path / "model.json")]
     assert main(words) == 0
-    assert "Not simulated, so that its part of the current is missing: encoder_offset at left" in (
+    assert "Not simulated, so its part of the current is missing: encoder_offset at left" in (
         " ".join(capsys.readouterr().out.split())
     )
 

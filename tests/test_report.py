@@ -78,7 +78,7 @@ def test_the_verdict_is_three_sentences(page, read):
     assert "the drive gain of left is 3.63" in page.verdict[1]
     assert (
         page.verdict[2]
-        == "The error left (1\u00a0%) is about what the noise of the currents leaves (0.98\u00a0%)."
+        == "The remaining error (1\u00a0%) is at the noise floor of the currents (0.98\u00a0%)."
     )
     assert all(sentence in " ".join(read.said) for sentence in page.verdict)
 
@@ -102,7 +102,7 @@ def test_nothing_missing_takes_three_sentences_too():
     found = diagnosis()
     nothing = replace(found, missing=(), ladder=found.ladder[:1], after=found.before, ranking=(DOUBTFUL,))
     page = diagnosis_page(nothing, problem_of(dataset()), AGAIN)
-    assert page.verdict[0].startswith("Nothing is missing that the catalogue knows")
+    assert page.verdict[0].startswith("No effect of the catalogue is missing")
     assert len(page.verdict) == 3
     assert "change from the nominal value: left 3.3000 ± 0.0015 N·m/A (+10.00" in page.verdict[1]
     assert " and right 3.3000 ± 0.0015" in page.verdict[1]
@@ -116,8 +116,8 @@ def test_what_was_found_stands_on_the_page(read):
     for words in (
         "812.4",
         "indistinguishable",
-        "Current delay would explain the data as well as viscous friction: these recordings cannot tell.",
-        "Adding backlash gains nothing on recordings that were not fitted",
+        "Current delay would explain the data as well as viscous friction: these recordings cannot distinguish them.",
+        "Adding backlash improves nothing on recordings that were not fitted",
         "no data of this robot could show",
         "mx(left_crank)",
         "+ 0.2 m(left_rod) − 0.667 mx(left_rod)",
@@ -284,8 +284,8 @@ def test_something_left_is_among_the_limits():
     left = Unexplained(Remainder.PATTERN, 0.05, 0.01, ("velocity",))
     page = diagnosis_page(replace(found, unexplained=left), problem_of(dataset()), AGAIN)
     (limits,) = [section for section in page.sections if section.id == "limits"]
-    assert any("varies with velocity" in item for item in limits.parts[0].items)
-    assert page.verdict[2].startswith("5\u00a0% of the current is left")
+    assert any("depends on velocity" in item for item in limits.parts[0].items)
+    assert page.verdict[2].startswith("The remaining error is 5\u00a0% of the current")
 
 
 def test_extremes_lose_no_outlier():

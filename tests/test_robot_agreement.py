@@ -63,7 +63,7 @@ def no_gravity(geometry):
     [
         (renamed, "joint tree", "'sleigh'"),
         (other_kind, "joint tree", "'rail' is a slide"),
-        (other_parent, "joint tree", "'rail' has another parent"),
+        (other_parent, "joint tree", "'rail' has a different parent"),
         (other_axis, "joint places and axes", "'turn'"),
         (other_place, "joint places and axes", "'rail'"),
         (other_offset, "joint places and axes", "'"),

@@ -429,12 +429,12 @@ def test_every_code_has_its_words():
         (
             CheckCode.JOINT_COORDINATES_DIFFER,
             {"joint": "left"},
-            ("joint tree", "joint 'left' has other coordinates in Pinocchio"),
+            ("joint tree", "joint 'left' has different coordinates in Pinocchio"),
         ),
         (
             CheckCode.PLUGINS_NOT_MODELLED,
             {"plugins": 2},
-            ("note", "2 plug-ins of MuJoCo: the model does not know what they do"),
+            ("note", "2 MuJoCo plug-ins: the model does not contain them"),
         ),
     ],
 )

@@ -30,7 +30,7 @@ def test_a_unit_is_guessed_where_a_controller_of_that_rate_is_usual(step, said, 
 
 def test_windows_are_offered_that_have_enough_samples():
     lost = np.delete(0.002 * np.arange(600), [0, 1, 200, 202, 203])  # one sample between two gaps
-    assert _between_gaps(lost).startswith("window = [[0.004, 0.398], [0.408, 1.198]] beside its file name")
+    assert _between_gaps(lost).startswith("window = [[0.004, 0.398], [0.408, 1.198]] under its file name")
     short = np.delete(0.002 * np.arange(300), [80, 81, 82, 160, 161, 162, 240, 241, 242])
     assert _between_gaps(short) == "no stretch between gaps has the 100 samples that are needed"
 

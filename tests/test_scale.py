@@ -257,9 +257,9 @@ def test_a_motor_that_the_load_does_not_reach_stays_nominal_and_the_other_is_fit
     assert (found.code, found.names) == (Code.GAINS_FIXED_FOR_SOME, ("ball",))
     assert [unknown.place for unknown in found.of] == ["spin"]
     assert sentence(found).startswith(
-        "The drive gain of spin stays at its nominal value, since the payload ball"
+        "The drive gain of spin stays at its nominal value, because the payload ball"
     )
-    assert "No declaration of a payload" in sentence(found)
+    assert "Declaring more about a payload" in sentence(found)
     content = to_json(result)["drive_gains"]
     assert {joint: gain["fitted"] for joint, gain in content.items()} == {"lift": True, "spin": False}
     assert "lift" in gains_sentence(result)
@@ -283,7 +283,7 @@ def test_a_diagnosis_holds_the_same_gain(apart: Dataset) -> None:
     assert "viscous_friction" in found.missing
     assert abs(gain_errors(found.after, APART_GAINS)["lift"]) < 0.01
     assert found.after.drive_gains["spin"].std == 0.0
-    assert summary_of(found).nominal.startswith("The drive gain of spin is nominal, since the payload ball")
+    assert summary_of(found).nominal.startswith("The drive gain of spin is nominal, because the payload ball")
 
 
 def test_methods_that_fit_all_gains_are_refused_where_one_is_held(apart: Dataset) -> None:
@@ -379,7 +379,7 @@ def test_an_experiment_with_a_load_that_fixes_nothing_says_so(
     words = ["excite", "wrist", "-o", str(tmp_path / "planned"), "--limits", str(limits), "--steps", "2"]
     assert main([*words, "--duration", "4"]) == 0
     said = " ".join(capsys.readouterr().out.split())
-    assert "The drive gains stay at their nominal values, since the payload payload" in said
+    assert "The drive gains stay at their nominal values, because the payload payload" in said
     assert "Declare its centre of mass." in said
     assert main([*words, "--for", "gains", "-q"]) == 2
     error = capsys.readouterr().err

@@ -108,7 +108,7 @@ def test_designed_trajectories_come_from_the_designer_together(write):
     text = MINIMAL + MINIMAL.split('"five_bar"')[1].replace("one", "two")
     text = text.replace("span = 0.3", "span = 0.3, optimise = true")
     scenario = load_scenario(write(text))
-    with pytest.raises(BenchError, match="'one' asks for an optimised trajectory"):
+    with pytest.raises(BenchError, match="'one' requests an optimised trajectory"):
         resolve_trajectories(scenario)
     asked = []
 

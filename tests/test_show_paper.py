@@ -266,8 +266,8 @@ def test_the_command_draws_what_is_asked_for(arm, tmp_path, capsys):
     [
         (["{arm}", "--only", "nonsense"], "nonsense: no such figure; there are currents_"),
         (["{arm}", "error_by_v", "nonsense"], "nonsense: no such figure"),
-        (["{arm}"], "figures: name those to draw, or --all; there are currents_"),
-        (["{arm}", "--all", "ladder"], "--all goes without names"),
+        (["{arm}"], "figures: give the names of those to draw, or --all; available: currents_"),
+        (["{arm}", "--all", "ladder"], "--all does not accept names"),
         (["{tmp}"], "neither a dataset (dataset.toml) nor a result (report.json)"),
         (["{tmp}/model.json"], "neither a dataset"),
     ],

@@ -229,7 +229,7 @@ def test_settings_say_rank_conditioning_and_rates(result):
     equations, still, condition, filters = settings_lines(result)
     rows = sum(one.measured.size for one in result.recordings if one.use == "identify") - 12
     assert equations == f"{rows} equations, 5 unknowns, rank 5"
-    assert still == "12 more equations excluded, of joints that stand still"
+    assert still == "12 more equations excluded because a joint stands still"
     assert "312.4" in condition
     assert "41.5" in condition
     assert filters == "positions low-passed at 40 Hz, fit at 40 Hz (one sample in 25)"
@@ -238,7 +238,7 @@ def test_settings_say_rank_conditioning_and_rates(result):
 def test_notes_and_what_was_left_out_are_told(result):
     text = " ".join(printed(result).split())
     assert result.notes[0] in text
-    assert "left out, as the data do not need them: mz(right_rod)" in text
+    assert "omitted because the data do not need them: mz(right_rod)" in text
 
 
 def test_a_comparison_is_told_by_recording_and_motor(result):

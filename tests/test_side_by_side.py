@@ -104,4 +104,4 @@ def test_what_does_not_go_together_is_refused(tmp_path, capsys):
         main(["compare", str(tmp_path), "--model", "a.json", "--model", "b.json", "-o", str(tmp_path / "x")])
         == 2
     )
-    assert "-o goes with one model" in capsys.readouterr().err
+    assert "-o needs a single model" in capsys.readouterr().err

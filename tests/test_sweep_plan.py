@@ -118,7 +118,7 @@ def test_content_is_the_base_with_the_settings_of_the_run(tmp_path):
         ('base = "five_bar"\nrecord = ["everything"]', "record"),
         ('base = "five_bar"\nshow = ["gain_eror"]', "gain_eror"),
         ('base = "five_bar"\n[[plots]]\nx = "method"\ny = "gain_error"', "'method' is no axis"),
-        ('base = "five_bar"\n[axes]\nseed = [1, 2]', "seeds have a key of their own"),
+        ('base = "five_bar"\n[axes]\nseed = [1, 2]', "seeds have their key"),
         ('base = "five_bar"\n[axes]\nmethod = ["lss"]', "'lss' is not one of"),
         ('base = "five_bar"\n[axes]\neffects = [["visocus_friction"]]', "visocus_friction"),
         ('base = "five_bar"\n[axes]\neffects = ["viscous_friction"]', "effects"),

@@ -99,9 +99,7 @@ def test_table_prints_and_writes(folder, capsys):
     path = folder / "gain_error_by_method.md"
     assert path.read_text().startswith("| method | runs | failed | gain_error |")
     *_, pooled, wrote, step = out.splitlines()
-    assert pooled.startswith(
-        "all values together of payloads.disc.mass (3 values), sensors.current_noise_ratio"
-    )
+    assert pooled.startswith("values of payloads.disc.mass (3 values), sensors.current_noise_ratio")
     assert wrote == f"wrote {path} (summary)"
     assert step.startswith(f"next: bench plot {folder} --x method --y gain_error    ")
     assert main(["table", str(folder), "--by", "method", "--by", "payloads.disc.mass"]) == 0

@@ -28,7 +28,7 @@ COLUMNS = ("motor", "recording", "use", "error", "noise")
 
 @dataclass(frozen=True, repr=False)
 class ModelErrors:
-    """A model beside recordings: how large its errors are, and where.
+    """A model compared with recordings: how large its errors are, and where.
 
     effects: those of the model. identified: what was fitted here, or given as a result; None where a saved model was
     applied.
@@ -86,7 +86,7 @@ def compare(
     """Where a model fails on a dataset's recordings, motor by motor.
 
     data: a dataset or its folder. model: a result of `identify`, which is of this dataset; a saved model or its file,
-    applied as it is; left out, the model with these effects and filters is identified from the dataset. Raises
+    applied unchanged; if omitted, the model with these effects and filters is identified from the dataset. Raises
     BenchError naming what cannot be used.
     """
     dataset = as_dataset(data)
@@ -94,7 +94,7 @@ def compare(
     result: Identification | None = None
     if model is None:
         result = identify(prepare_checked(problem))
-        name = f"identified here, {', '.join(effects) or 'rigid bodies only'}"
+        name = f"identified now, {', '.join(effects) or 'rigid bodies only'}"
         findings = (*heavy_payloads(dataset), *result.findings)
         comparison = Comparison(result.robot, name, result.recordings, result.error, findings)
         has, settings = result.effects, result.settings

@@ -32,7 +32,7 @@ def identify(
 
     data: a dataset or its folder. effects: names as EFFECT, EFFECT:PLACE or with @recording, added to the rigid-body
     model. method: current, robust, iv, oe, ls, wls, tls or wtls. filters: settings, or some of them by name; the others
-    are chosen from the spectra. effect_files: Python files with effects of your own. deviations: how standard errors
+    are chosen from the spectra. effect_files: Python files with user-defined effects. deviations: how standard errors
     are computed. fit_gains: by default, those that the declared payloads fix; the others
     stay nominal. essential: leave out base parameters that the data do not need. physical: only parameters that real
     bodies can have (needs cvxpy). The result's findings say what limits it.

@@ -19,8 +19,8 @@ def simulate(
 ) -> Dataset:
     """The dataset of a simulated scenario: what a real robot's controller would have logged, and no more.
 
-    scenario: a built-in name, or the path of a scenario file. output: a folder to write it to, with its truth beside
-    it; left out, nothing is written. seed: another one for gains and noise than the scenario's. Raises BenchError
+    scenario: a built-in name, or the path of a scenario file. output: a folder to write it to, with its truth next to
+    it; if omitted, nothing is written. seed: another one for gains and noise than the scenario's. Raises BenchError
     naming what in the scenario cannot be simulated.
     """
     simulation = simulation_of(scenario, seed, progress)

@@ -1,1 +1,1 @@
-"""What every room stands on: errors that users meet, progress, threads, and two pieces of numerics."""
+"""The base of all rooms: errors that users meet, progress, threads, and two pieces of numerics."""

@@ -7,14 +7,14 @@ SHORTENED = 3  # letters that are enough to tell which longer name was begun
 
 
 class BenchError(Exception):
-    """A mistake in what the user gave, told in one line that names the culprit.
+    """A mistake in what the user gave, reported in one line that names the culprit.
 
     The command line prints the line without a traceback and exits with code 2.
     """
 
 
 class FaultsError(BenchError):
-    """Several mistakes in what the user gave, each told in one line."""
+    """Several mistakes in what the user gave, each reported in one line."""
 
     def __init__(self, lines: Iterable[str]) -> None:
         self.lines = tuple(lines)

@@ -48,7 +48,7 @@ def _version(package: str) -> str:
 
 
 def _commit() -> str:
-    """Commit of the checkout that this package stands in, with "+" where files differ from it."""
+    """Commit of the checkout that this package is in, with "+" where files differ from it."""
     root = Path(__file__).resolve().parents[2]
     if not (root / ".git").exists():
         return ""

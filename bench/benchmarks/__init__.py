@@ -1,1 +1,1 @@
-"""What the bench costs and how right it is beside what others know: speed, measured machines, other programs."""
+"""Cost and accuracy of the bench: speed, measured machines, comparison with other programs."""

@@ -1,6 +1,6 @@
 """The command `bench`.
 
-Each command stands in a file of its own and is imported when it is asked for; `bench --help` reads
+Each command is in a separate file and is imported when it is asked for; `bench --help` reads
 the table below and imports none of them. To add a command: write `bench/cli/NAME.py` with a click
 command, and give it a line in `COMMANDS` with the first sentence of its docstring as its help.
 """
@@ -23,7 +23,7 @@ from bench.cli.misspelt import misspelt
 
 MEASUREMENTS, RESULTS, STUDIES = (
     "Your measurements",
-    "Look at it, hand it on",
+    "View and export results",
     "Simulated machines and studies",
 )
 
@@ -46,30 +46,32 @@ COMMANDS = {
     ),
     "compare": LazyCommand(
         "bench.cli.compare:compare",
-        "Tell and draw where a model fails on a dataset's recordings.",
+        "Describe and plot where a model fails on a dataset's recordings.",
         MEASUREMENTS,
     ),
     "diagnose": LazyCommand(
         "bench.cli.diagnose:diagnose",
-        "Find the physical effects that a model lacks, and how sure it is.",
+        "Name the physical effects that a model lacks, with evidence.",
         MEASUREMENTS,
     ),
     "discriminate": LazyCommand(
-        "bench.cli.discriminate:discriminate", "Design the motion that tells two effects apart.", MEASUREMENTS
+        "bench.cli.discriminate:discriminate",
+        "Design the motion that distinguishes two effects.",
+        MEASUREMENTS,
     ),
     "excite": LazyCommand(
         "bench.cli.excite:excite",
-        "Plan the motions to identify a robot with, and what they tell.",
+        "Plan motions to identify a robot, and predict their accuracy.",
         MEASUREMENTS,
     ),
     "report": LazyCommand(
-        "bench.cli.report:report", "Write one page, in one file, that shows what a run found.", RESULTS
+        "bench.cli.report:report", "Write a one-file page with the results of a run.", RESULTS
     ),
     "view": LazyCommand(
         "bench.cli.view:view", "Show the moving robot, currents and errors in the Rerun viewer.", RESULTS
     ),
     "figures": LazyCommand(
-        "bench.cli.figures:figures", "Draw figures for papers, with the numbers behind them.", RESULTS
+        "bench.cli.figures:figures", "Draw figures for papers, with their numbers as CSV.", RESULTS
     ),
     "export": LazyCommand(
         "bench.cli.export:export", "Write an identified model as MJCF, URDF, a table or C.", RESULTS
@@ -92,7 +94,7 @@ COMMANDS = {
         "bench.cli.trial:trial", "Diagnose simulated machines whose hidden effects are known.", STUDIES
     ),
     "check": LazyCommand(
-        "bench.cli.check:check", "Compare the accuracy with the reference; alarm if it is worse.", STUDIES
+        "bench.cli.check:check", "Compare the accuracy with the reference; fail if it is worse.", STUDIES
     ),
 }
 
@@ -110,8 +112,8 @@ TERMINATED = 143  # 128 + SIGTERM
 def cli() -> None:
     """Identify the drive gains and dynamic parameters of a robot from its logs.
 
-    DATASET is a folder with a dataset.toml beside its recordings; ROBOT is a built-in name or the
-    path of a robot folder.
+    DATASET is a folder with a dataset.toml and recordings; ROBOT is a built-in name or the path of a
+    robot folder.
     """
 
 
@@ -119,7 +121,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command `bench` and return its exit code.
 
     `arguments` are the words after `bench`; the process's own if None.
-    0: done. 2: a mistake in what the user gave, told in one line on standard error.
+    0: done. 2: a mistake in what the user gave, reported in one line on standard error.
     130 and 143: interrupted or terminated; files that were being written are left as they were.
     A reader of standard output who leaves early changes nothing of this.
     """

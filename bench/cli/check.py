@@ -6,10 +6,10 @@ import click
 
 
 @click.command("check")
-@click.option("--full", is_flag=True, help="All seeds of all reference scenarios, not the quick set alone.")
-@click.option("--update", is_flag=True, help="Take what comes out as the new reference; runs all seeds.")
-@click.option("--reason", metavar="TEXT", help="Why the reference changes; goes into it.")
-@click.option("--only", multiple=True, metavar="NAME", help="This reference scenario alone. Repeat for more.")
+@click.option("--full", is_flag=True, help="All seeds of all reference scenarios, instead of the quick set.")
+@click.option("--update", is_flag=True, help="Make the results the new reference; runs all seeds.")
+@click.option("--reason", metavar="TEXT", help="Why the reference changes; stored in it.")
+@click.option("--only", multiple=True, metavar="NAME", help="Only this reference scenario. Repeat for more.")
 @click.option("--workers", type=click.IntRange(1, 256), metavar="N", help="Processes. [default: one a core]")
 @click.option(
     "--reference", type=click.Path(path_type=Path), metavar="DIR", help="Folder. [default: results/reference]"
@@ -20,7 +20,7 @@ import click
     metavar="DIR",
     help="Folder. [default: scenarios/reference]",
 )
-@click.option("-v", "--verbose", is_flag=True, help="Print every figure, not the changed ones alone.")
+@click.option("-v", "--verbose", is_flag=True, help="Print every figure, not only the changed ones.")
 def check(
     full: bool,
     update: bool,
@@ -31,15 +31,15 @@ def check(
     scenarios: Path | None,
     verbose: bool,
 ) -> int:
-    """Compare the accuracy with the reference; alarm if it is worse.
+    """Compare the accuracy with the reference; fail if it is worse.
 
-    Runs the reference scenarios and compares gains, parameters, errors, coverage and diagnosis with what is kept
-    in results/reference, seed by seed. The exit code is 1 if anything got worse by more than its tolerance.
+    Runs the reference scenarios and compares gains, parameters, errors, coverage and diagnosis with
+    results/reference, seed by seed. The exit code is 1 if anything got worse by more than its tolerance.
     """
     from bench.basics.errors import BenchError
 
     if update and not (reason or "").strip():
-        raise BenchError("check --update: say why the reference changes, with --reason")
+        raise BenchError("check --update: give the reason for the change with --reason")
 
     from bench.studies.sweep.check import CheckOptions, check_accuracy, identification_work, update_reference
     from bench.studies.sweep.console import table_console

@@ -48,18 +48,18 @@ def compare(
     output: Path | None,
     **filters: Any,
 ) -> None:
-    """Tell and draw where a model fails on a dataset's recordings.
+    """Describe and plot where a model fails on a dataset's recordings.
 
-    A saved model is applied as it is, nothing is fitted. Without one, the model (with the effects named) is
-    identified from the recordings that the dataset gives for it. Several models stand side by side: errors, drive
-    gains with intervals, and what changed.
+    A saved model is applied unchanged, without a fit. Without one, the model (with the named effects) is identified
+    from the recordings that the dataset reserves for it. Several models are compared side by side: errors, drive
+    gains with intervals, and changes.
     """
     given = given_filters(**filters)
     if model_files and (effects or given):
-        raise click.UsageError("--model brings its own effects and filters; leave the others out")
+        raise click.UsageError("--model already contains effects and filters; omit the other options")
     if len(model_files) > 1:
         if output is not None:
-            raise click.UsageError("-o goes with one model: a report is on one")
+            raise click.UsageError("-o needs a single model")
         _side_by_side(dataset, model_files, effect_files, json_file)
     else:
         model_file = model_files[0] if model_files else None
@@ -142,7 +142,7 @@ def _next(
     if model_file is None:
         return f"next: {CommandRun('identify', str(dataset), effects, files, given).line()} --json model.json    {KEEP}"
     target = model_file.with_suffix(".xml")
-    return next_line(["export", model_file, "--to", "mjcf", "-o", target], "gives the machine to a simulator")
+    return next_line(["export", model_file, "--to", "mjcf", "-o", target], "exports the model to a simulator")
 
 
 def _side_by_side(

@@ -47,7 +47,7 @@ def demo(output: Path, scenario: str) -> None:
     console.print(f"Designing exciting trajectories for {scenario} ...")
     loaded, trajectories = load_designed(scenario)
     console.print(
-        "Simulating the machine in MuJoCo, with drive gains and noise that identification does not know ..."
+        "Simulating the machine in MuJoCo, with drive gains and noise unknown to the identification ..."
     )
     stop_step_timers()
     simulation = simulate(loaded, trajectories)
@@ -61,10 +61,10 @@ def demo(output: Path, scenario: str) -> None:
     save_model(result, output / "model.json", dataset.folder)
     write_current_figure(output / "currents.png", result)
     write_rrd(output / "demo.rrd", result, dataset, truth=true)
-    console.print("Looking for physical effects that the model lacks ...")
+    console.print("Searching for physical effects that the model lacks ...")
     run = CommandRun("diagnose", str(output / "dataset"), output=str(output))
     report = write_diagnosis_report(output, diagnose(dataset), dataset, run)
     click.echo(f"Measurements: {output / 'dataset'}, the truth: {output / 'dataset.truth.json'}")
     click.echo(f"Model:        {output / 'model.json'}")
     click.echo(f"Open {report} in a browser, and the robot in motion with: rerun {output / 'demo.rrd'}")
-    say([next_line(["open", output / "dataset"], "goes on with it on a page in the browser")])
+    say([next_line(["open", output / "dataset"], "continues on a page in the browser")])

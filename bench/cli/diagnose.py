@@ -40,18 +40,18 @@ if TYPE_CHECKING:
     type=click.Path(path_type=Path),
     metavar="MODEL.json",
     callback=in_existing_folder,
-    help="Write the model with what is missing, and every law that was discovered as an effect of your own beside it.",
+    help="Write the model with the missing effects, and each discovered law as an effect file next to it.",
 )
 @click.option(
     "--discover/--no-discover",
     default=None,
-    help="Look for laws that are in no catalogue; by default where its effects leave something.",
+    help="Search for laws outside the catalogue. [default: if the catalogue leaves an unexplained error]",
 )
 @click.option(
     "--time-limit",
     type=click.FloatRange(min=0.0, min_open=True),
     metavar="SECONDS",
-    help="Give the best answer by then, which says what was not looked at. [default: 600]",
+    help="Return the best answer after this time, with a list of what was not searched. [default: 600]",
 )
 @output_option("Folder for report and figures.")
 @quiet_option
@@ -69,12 +69,12 @@ def diagnose(  # noqa: PLR0913, PLR0917 - an argument for each option
     time_limit: float | None,
     **filters: Any,
 ) -> None:
-    """Find the physical effects that a model lacks, and how sure it is.
+    """Name the physical effects that a model lacks, with evidence.
 
-    Every effect of the catalogue, and every set of a few, is fitted beside the model and judged on recordings
-    that were not fitted: those that the dataset keeps for validation, or the end of each recording. Where they
-    leave something, laws that are in no catalogue compete beside them: products of what a joint, its neighbours,
-    the tool and the clock offer. What no formula fits is added as it was measured.
+    Every effect of the catalogue, and every small set of effects, is added to the model, fitted, and judged on
+    recordings that were not fitted: those that the dataset reserves for validation, or the end of each recording.
+    If an unexplained error remains, laws outside the catalogue compete with the effects: products of variables of a
+    joint, its neighbours, the tool and the clock. A residual that no formula fits is added as a table.
     """
     given = given_filters(**filters)
     with shown_progress(quiet) as progress:
@@ -117,7 +117,7 @@ class _Outcome:
         self.laws: list[Path] = []
 
     def write_laws(self, model: Path | None) -> None:
-        """Write discovered laws beside the model file; from here on the diagnosis names their files."""
+        """Write discovered laws next to the model file; from here on the diagnosis names their files."""
         if model is None:
             return
         from bench.diagnosis.discovery.written import write_laws
@@ -125,7 +125,7 @@ class _Outcome:
         self.diagnosis = write_laws(self.diagnosis, model.parent)
         names = dict.fromkeys(law.file for law in self.diagnosis.discovered if law.file is not None)
         self.laws = [model.parent / name for name in names]
-        self.written += [wrote(path, "law: name it with --effect-file") for path in self.laws]
+        self.written += [wrote(path, "law: use it with --effect-file") for path in self.laws]
 
     def write_answer(self, file: Path | None) -> None:
         """Write the answer as JSON."""
@@ -142,7 +142,7 @@ class _Outcome:
         from bench.identification.model_file import save_model
 
         save_model(self.diagnosis.after, file, self.data.folder, [*self.effect_files, *self.laws])
-        self.written.append(wrote(file, "model with what is missing"))
+        self.written.append(wrote(file, "model with the missing effects"))
 
     def show(self, *, verbose: bool) -> None:
         """Print the report; the values alone where it cannot be made."""

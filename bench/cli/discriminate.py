@@ -45,7 +45,7 @@ WIDEN, RATE = 1.0, 1000.0
     default=WIDEN,
     show_default=True,
     metavar="FACTOR",
-    help="Largest speeds, accelerations and currents, in those of the recordings.",
+    help="Largest speeds, accelerations and currents, as a multiple of the recorded ones.",
 )
 @click.option(
     "--rate",
@@ -53,9 +53,9 @@ WIDEN, RATE = 1.0, 1000.0
     default=RATE,
     show_default=True,
     metavar="HZ",
-    help="Rows a second of the table.",
+    help="Rows per second in the table.",
 )
-@click.option("--seed", type=click.IntRange(0), default=0, show_default=True, help="Of the search.")
+@click.option("--seed", type=click.IntRange(0), default=0, show_default=True, help="Seed of the search.")
 @filter_options
 @quiet_option
 def discriminate(
@@ -69,12 +69,12 @@ def discriminate(
     quiet: bool,
     **options: Any,
 ) -> None:
-    """Design the motion that tells two effects apart.
+    """Design the motion that distinguishes two effects.
 
-    Where DATASET cannot tell EFFECT_A from EFFECT_B, each as EFFECT or EFFECT:JOINT, another motion may: this
-    command searches for the one on which the two models differ most, inside the robot's joint ranges and the
+    If DATASET cannot distinguish EFFECT_A from EFFECT_B, each as EFFECT or EFFECT:JOINT, another motion may. This
+    command searches for the motion on which the two models differ most, inside the robot's joint ranges and the
     speeds, accelerations and currents of the recordings, and writes it for a controller. If no motion of the
-    robot can tell them apart, it says so.
+    robot can distinguish them, it says so.
     """
     duration, widen, seed = (options.pop(name) for name in ("duration", "widen", "seed"))
     with shown_progress(quiet) as progress:

@@ -24,7 +24,7 @@ def _share(_context: click.Context, option: click.Parameter, text: str | None) -
     except ValueError:
         share = -1.0
     if not 0.0 < share < 1.0:
-        raise click.BadParameter(f"{text!r} is no share such as 0.5%", param=option)
+        raise click.BadParameter(f"{text!r} is not a share; write for example 0.5%", param=option)
     return share
 
 
@@ -69,16 +69,21 @@ def _share(_context: click.Context, option: click.Parameter, text: str | None) -
     help="Largest acceleration, likewise: 30rad/s2, 5m/s2.",
 )
 @click.option("--current", type=POSITIVE, metavar="I", help="Largest current, drive unit.")
-@click.option("--duration", type=POSITIVE, metavar="S", help="Of each motion.  [default: 20]")
-@click.option("--payload-mass", type=POSITIVE, metavar="KG", help="Weighed; its centre is then estimated.")
+@click.option("--duration", type=POSITIVE, metavar="S", help="Duration of each motion.  [default: 20]")
 @click.option(
-    "--gain-accuracy", callback=_share, metavar="SHARE", help="Say what is enough for, such as, 0.5%."
+    "--payload-mass", type=POSITIVE, metavar="KG", help="Weighed mass; the centre is then estimated."
+)
+@click.option(
+    "--gain-accuracy",
+    callback=_share,
+    metavar="SHARE",
+    help="Print the payload and time that suffice, e.g. 0.5%.",
 )
 @click.option(
     "--after",
     type=click.Path(path_type=Path),
     metavar="DATASET",
-    help="Plan the one motion that tells most beside these recordings.",
+    help="Plan the one motion that adds most to these recordings.",
 )
 @with_option
 @effect_file_option
@@ -92,7 +97,7 @@ def _share(_context: click.Context, option: click.Parameter, text: str | None) -
 @click.option(
     "--steps", type=click.IntRange(0), default=90, show_default=True, help="Linear programs of the search."
 )
-@click.option("--seed", type=click.IntRange(0), default=0, show_default=True, help="Of the search.")
+@click.option("--seed", type=click.IntRange(0), default=0, show_default=True, help="Seed of the search.")
 @quiet_option
 def excite(
     robot: str,
@@ -106,11 +111,11 @@ def excite(
     quiet: bool,
     **options: Any,
 ) -> None:
-    """Plan the motions to identify a robot with, and what they tell.
+    """Plan motions to identify a robot, and predict their accuracy.
 
     The motions start and end at rest at home, with and without a payload, and keep all limits: joint ranges, speeds,
     accelerations, currents by nominal gains and the masses of the MJCF, workspace boxes, distance from singular poses.
-    The standard errors to be expected are told before a motor turns.
+    The command predicts the standard errors before a motor turns.
     """
     search = {name: options.pop(name) for name in ("criterion", "steps", "seed")}
     with shown_progress(quiet) as progress:
@@ -142,12 +147,14 @@ def excite(
         else:
             data = load_dataset(after)
             if data.robot.folder != described.folder:
-                raise BenchError(f"--after {after}: its robot is {data.robot.name!r}, not {robot!r}")
+                raise BenchError(
+                    f"--after {after}: the dataset's robot is {data.robot.name!r}, not {robot!r}"
+                )
             if gain_accuracy is not None:
-                raise BenchError("--gain-accuracy: leave it out with --after, where the payloads are given")
+                raise BenchError("--gain-accuracy: omit it with --after, where the payloads are given")
             problem = problem_of(data, effects, effect_files=effect_files)
             plan = plan_after(problem, table, aim, progress=progress)
-        progress.phase("forecasting the standard errors")
+        progress.phase("predicting the standard errors")
         told = forecast(plan, gain_accuracy)
         rehearsal = rehearse(plan, progress=progress)
         progress.phase("writing the motions")

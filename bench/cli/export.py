@@ -16,19 +16,17 @@ FORMATS = ("mjcf", "urdf", "csv", "yaml", "c")
 @click.option(
     "-o", "--output", type=click.Path(path_type=Path), required=True, metavar="PATH", help="File to write."
 )
-@click.option(
-    "--robot", metavar="ROBOT", help="Name or folder. [default: that of the dataset behind the model]"
-)
+@click.option("--robot", metavar="ROBOT", help="Name or folder. [default: that of the model's dataset]")
 @click.option("--payload", metavar="NAME", help="Carried at the tool (mjcf, c).  [default: none]")
 @click.option(
     "--cad/--no-cad",
     default=True,
-    help="Where the data leave masses open, stay near those of the MJCF; or near equal bars. [default: cad]",
+    help="Where the data do not determine masses, stay near those of the MJCF, or near equal bars. [default: cad]",
 )
 @click.option(
     "--nearest",
     is_flag=True,
-    help="Write the nearest real bodies even where the data contradict all of them.",
+    help="Write the nearest physically possible bodies even if the data contradict them.",
 )
 @effect_file_option
 def export(
@@ -43,10 +41,11 @@ def export(
 ) -> None:
     """Write an identified model as MJCF, URDF, a table or C.
 
-    MODEL.json is what `bench identify --json` wrote. Bodies get masses and inertias that can exist and have the
-    identified base parameters; what the data leave open stays near the masses of the MJCF, which only this command
-    reads. The control of an exported motor is its current reference. What a format cannot hold is listed, and for MJCF
-    stands in NAME.twin.json beside it. C is a feed-forward: a function of desired motion to currents, loops closed.
+    MODEL.json is a file from `bench identify --json`. Bodies get physically possible masses and inertias with the
+    identified base parameters; masses that the data do not determine stay near those of the MJCF, which only this
+    command reads. The control input of an exported motor is its current reference. The command lists what the format
+    cannot hold; for MJCF this goes to NAME.twin.json. C is a feed-forward: a function from desired motion to currents,
+    with the loops closed.
     """
     from bench.basics.errors import BenchError
     from bench.cli.next_steps import after_export
@@ -60,7 +59,7 @@ def export(
     from bench.export.urdf import write_urdf
 
     if payload is not None and form not in ("mjcf", "c"):
-        raise click.UsageError("--payload goes with --to mjcf and --to c")
+        raise click.UsageError("--payload needs --to mjcf or --to c")
     identified = load_identified(model, robot, effect_files)
     step = after_export(model, form, output, effect_files)
     told: list[str] = []
@@ -69,12 +68,12 @@ def export(
     else:
         physical = physical_set(identified, use_cad=cad)
         if physical.contradiction is not None and not nearest:
-            raise BenchError(f"{model}: {physical.contradiction.words()}; --nearest writes them all the same")
+            raise BenchError(f"{model}: {physical.contradiction.words()}; --nearest writes them anyway")
         told.append(_bodies_line(physical.distance, physical.prior))
         if physical.guessed:
-            told.append(f"No mass in the MJCF, taken for bars: {', '.join(physical.guessed)}")
+            told.append(f"No mass in the MJCF, treated as bars: {', '.join(physical.guessed)}")
         shared = [effect.instance.request for effect in identified.effects if effect.instance.recording]
-        told += [f"Mean of the recordings' own values: {request}" for request in dict.fromkeys(shared)]
+        told += [f"Mean of the values of the recordings: {request}" for request in dict.fromkeys(shared)]
         lines, written = [], [output]
         if form == "mjcf":
             exported = write_mjcf(output, physical, payload)
@@ -92,7 +91,7 @@ def export(
 
 def _bodies_line(distance: float, prior: str) -> str:
     if distance == 0.0:
-        return f"Real bodies with the identified base parameters, otherwise near {prior}."
+        return f"Physically possible bodies with the identified base parameters, otherwise near {prior}."
     return (
         f"The nearest real bodies, {distance:.2g} standard errors from the identified base parameters, otherwise near "
         f"{prior}."

@@ -12,7 +12,7 @@ from bench.cli.options import effect_file_option, filter_options, given_filters,
 @click.command("figures")
 @click.argument("source", type=click.Path(path_type=Path))
 @click.argument("names", nargs=-1, metavar="[NAME]...")
-@click.option("--all", "every", is_flag=True, help="Every figure that there is.")
+@click.option("--all", "every", is_flag=True, help="Draw every figure.")
 @click.option(
     "-o",
     "--output",
@@ -30,7 +30,7 @@ from bench.cli.options import effect_file_option, filter_options, given_filters,
     "--data",
     type=click.Path(path_type=Path),
     metavar="DATASET",
-    help="The recordings beside which a model file is shown. [default: those that it is from]",
+    help="The recordings to show a model file with. [default: those it was identified from]",
 )
 @with_option
 @effect_file_option
@@ -46,14 +46,14 @@ def figures(
     effect_files: tuple[Path, ...],
     **filters: Any,
 ) -> None:
-    """Draw figures for papers, with the numbers behind them.
+    """Draw figures for papers, with their numbers as CSV.
 
     SOURCE is a dataset, which is identified (with the effects named); a model file of `bench identify --json`; or a
     folder that `bench identify`, `compare` or `diagnose` wrote with -o. Ladder, ranking and gains before and after
     come from a diagnosis.
 
-    NAME is a figure, or how the names of several begin, such as ladder or error_by. Without any, this command lists
-    them. Each figure comes as PDF and PNG for one column (88 mm) and for two (180 mm), with its numbers as CSV.
+    NAME is a figure, or the beginning of several names, for example ladder or error_by. Without a NAME, this command
+    lists them. Each figure comes as PDF and PNG for one column (88 mm) and for two (180 mm), with its numbers as CSV.
     """
     from bench.api.figures import figures_named, figures_of
     from bench.basics.errors import BenchError
@@ -63,9 +63,9 @@ def figures(
 
     wanted = (*names, *only)
     if every and wanted:
-        raise click.UsageError("--all goes without names of figures")
+        raise click.UsageError("--all does not accept names of figures")
     if output is None and (every or wanted):
-        raise click.UsageError("name the folder of the figures with -o DIR")
+        raise click.UsageError("give the folder of the figures with -o DIR")
     given = given_filters(**filters)
     dataset, result, diagnosis = answer_of(source, ViewRequest(effects, effect_files, given, data))
     drawable = figures_of(dataset, result, diagnosis)
@@ -77,7 +77,8 @@ def figures(
         return
     if not every and not wanted:
         raise BenchError(
-            f"figures: name those to draw, or --all; there are {', '.join(each.name for each in drawable)}"
+            f"figures: give the names of those to draw, or --all; available: "
+            f"{', '.join(each.name for each in drawable)}"
         )
     written = [
         wrote(path, "figure" if path.suffix != ".csv" else "numbers")

@@ -41,10 +41,10 @@ if TYPE_CHECKING:
     type=click.Choice(["auto", "fit", "nominal"]),
     default="auto",
     show_default=True,
-    help="Fit the drive gains where a payload of known mass gives their scale, or keep them nominal.",
+    help="Fit the drive gains if a payload of known mass fixes their scale, or keep them nominal.",
 )
-@click.option("--essential", is_flag=True, help="Leave out base parameters that the data do not need.")
-@click.option("--physical", is_flag=True, help="Only parameters that real bodies can have.")
+@click.option("--essential", is_flag=True, help="Omit base parameters that the data do not need.")
+@click.option("--physical", is_flag=True, help="Restrict the fit to physically possible parameters.")
 @click.option(
     "--deviations",
     type=click.Choice(["autocorrelated", "independent"]),
@@ -81,8 +81,8 @@ def identify(  # noqa: PLR0913, PLR0917 - an argument for each option
 ) -> None:
     """Identify drive gains and dynamic parameters from a dataset.
 
-    DATASET is a folder with a dataset.toml. With a recording that carries a payload of known mass beside one
-    without, the drive gains are identified as well.
+    DATASET is a folder with a dataset.toml. If one recording carries a payload of known mass and another none,
+    the drive gains are identified as well.
     """
     from rich.console import Console
 
@@ -189,4 +189,4 @@ def _next(
         return f"next: {CommandRun('diagnose', str(dataset), effects, files, given).line()}    {DIAGNOSE}"
     if json_file is None or json_file == STANDARD_OUTPUT:
         return f"next: {CommandRun('identify', str(dataset), effects, files, given).line()} --json model.json    {KEEP}"
-    return next_line(["compare", dataset, "--model", json_file], "shows its errors motor by motor")
+    return next_line(["compare", dataset, "--model", json_file], "shows its errors by motor")

@@ -37,7 +37,7 @@ BESIDE_MAPPING = ("mapping_file", "output", "replace", "quiet")
     multiple=True,
     metavar="COLUMN=NAME",
     help="The log's NAME becomes COLUMN: time, position.JOINT, current.JOINT, or one to keep for plots."
-    " Repeat for each; a column that the log itself calls so needs none. Where no line names them, columns"
+    " Repeat for each; not needed if the log already uses the name. If no line names them, columns"
     " are called 1, 2, 3 ...",
 )
 @click.option(
@@ -46,11 +46,11 @@ BESIDE_MAPPING = ("mapping_file", "output", "replace", "quiet")
     multiple=True,
     metavar="COLUMN=FACTOR",
     help="Multiply COLUMN to get SI units, or name its unit: time=ms, position.axis=1e-3, position=deg or"
-    " current=mA for all joints. It goes before the units that a log states itself.",
+    " current=mA for all joints. It overrides units that the log states.",
 )
-@click.option("--skip-rows", type=click.IntRange(0), default=0, metavar="N", help="Leave out N lines on top.")
+@click.option("--skip-rows", type=click.IntRange(0), default=0, metavar="N", help="Skip N lines at the top.")
 @click.option("--no-header", is_flag=True, help="No line of the log names its columns.")
-@click.option("--topic", metavar="NAME", help="The topic of a ROS bag, where several hold joint states.")
+@click.option("--topic", metavar="NAME", help="The topic of a ROS bag, if several have joint states.")
 @click.option("--rate", type=float, metavar="HZ", help="Sampling rate of a log without a time column.")
 @click.option(
     "-o",
@@ -73,49 +73,49 @@ BESIDE_MAPPING = ("mapping_file", "output", "replace", "quiet")
     type=float,
     default=0.0,
     metavar="PART",
-    help="Keep the last PART (0 to 1) of the log apart, for validation.",
+    help="Reserve the last PART (0 to 1) of the log for validation.",
 )
 @click.option(
     "--split-gaps",
     is_flag=True,
-    help="Cut the log where samples were lost or time goes back, into several recordings.",
+    help="Split the log into several recordings where samples are missing or time runs backwards.",
 )
 @click.option(
     "--shortest",
     type=click.FloatRange(0, min_open=True),
     metavar="SECONDS",
-    help="Drop pieces between cuts that are shorter. [default: 2]",
+    help="Drop shorter pieces between cuts. [default: 2]",
 )
 @click.option("--payload", metavar="NAME", help="The payload on the tool.")
 @click.option(
     "--payload-mass",
     type=float,
     metavar="KG",
-    help="Define the payload, weighed; what is not told of it is estimated.",
+    help="Define the payload by its weighed mass; unknown values are estimated.",
 )
 @click.option(
     "--payload-center",
     type=Numbers(3),
     metavar="X,Y,Z",
-    help="Its centre of mass, where that is known, in the tool frame, m.",
+    help="Its centre of mass in the tool frame, if known, m.",
 )
 @click.option(
     "--payload-inertia",
     type=Numbers(6),
     metavar="XX,YY,ZZ,XY,XZ,YZ",
-    help="Its inertia about its centre of mass, where that is known, kg*m^2.",
+    help="Its inertia about its centre of mass, if known, kg*m^2.",
 )
 @click.option(
     "--accept",
     type=click.Choice(CHECKS),
     multiple=True,
-    help="Take a recording that fails this check all the same; mass: a payload far heavier than the robot.",
+    help="Accept a recording that fails this check; mass: a payload far heavier than the robot.",
 )
 @click.option(
     "--replace",
     is_flag=True,
-    help="Put the log in the place of a recording that the dataset has under its name, and change a payload that it"
-    " has to what is told here. What is replaced is kept until the new is whole.",
+    help="Replace the recording of the same name, and the numbers of an existing payload. The old file is kept"
+    " until the new one is complete.",
 )
 @quiet_option
 @click.pass_context
@@ -178,7 +178,9 @@ def _refuse_beside_mapping(context: click.Context) -> None:
         given = context.get_parameter_source(option.name or "") is not click.core.ParameterSource.DEFAULT
         if given and option.name not in BESIDE_MAPPING:
             name = option.opts[0] if option.opts[0].startswith("-") else "FILE"
-            raise click.UsageError(f"{name} goes into the mapping file, not beside --mapping")
+            raise click.UsageError(
+                f"{name} belongs in the mapping file, not on the command line with --mapping"
+            )
 
 
 def _payload(options: Mapping[str, Any]) -> "Payload | None":

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from bench.diagnosis.result import Diagnosis
 
 STANDARD_OUTPUT = Path("-")
-AGAIN = "again, once what the first note says is mended"
+AGAIN = "again, after correcting what the first note says"
 _OUTPUT, _QUIET = "bench.standard output", "bench.quiet"
 
 
@@ -32,7 +32,7 @@ def next_line(words: Sequence[str | Path], why: str = "") -> str:
 
 
 def say(lines: Sequence[str]) -> None:
-    """Print the last lines, what stands on standard output itself aside; a next command as it is typed here."""
+    """Print the last lines, except those about standard output; a next command as it is typed here."""
     for line in lines:
         if not line.startswith(f"wrote {STANDARD_OUTPUT} "):
             click.echo(_as_typed(line))
@@ -98,9 +98,9 @@ def write_answer(path: Path, answer: Mapping[str, Any]) -> None:
 def after_diagnosis(
     diagnosis: "Diagnosis", dataset: Path, again: str, model: Path | None, effect_files: Sequence[Path] = ()
 ) -> str:
-    """The step after a diagnosis. again: its own command line; model: the file of `--apply`.
+    """The step after a diagnosis. again: its command line; model: the file of `--apply`.
 
-    effect_files: what the model needs beside the catalogue.
+    effect_files: what the model needs in addition to the catalogue.
     """
     from bench.identification.finding import MEND_FIRST
 
@@ -109,9 +109,9 @@ def after_diagnosis(
     found = diagnosis.missing or diagnosis.discovered
     if found and model is not None:
         files = [word for file in effect_files for word in ("--effect-file", file)]
-        return next_line(["compare", dataset, "--model", model, *files], "shows what is left with them")
+        return next_line(["compare", dataset, "--model", model, *files], "shows the remaining error")
     if found:
-        return f"next: {again} --apply model.json    writes the model with what is missing"
+        return f"next: {again} --apply model.json    writes the model with the missing effects"
     doubtful = [
         verdict
         for verdict in diagnosis.ranking
@@ -126,6 +126,6 @@ def after_diagnosis(
         already = [word for effect in diagnosis.before.effects for word in ("--with", effect)]
         folder = dataset.with_name(f"{dataset.resolve().name}.motion")
         words: list[str | Path] = ["discriminate", dataset, *pair, *already, "-o", folder]
-        return next_line(words, "designs the motion that tells them apart")
+        return next_line(words, "designs the motion that distinguishes them")
     already = [word for effect in diagnosis.before.effects for word in ("--with", effect)]
-    return next_line(["identify", dataset, *already, "--json", "model.json"], "keeps the model as it is")
+    return next_line(["identify", dataset, *already, "--json", "model.json"], "saves the present model")

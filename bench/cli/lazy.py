@@ -19,7 +19,7 @@ class LazyCommand:
     """`package.module:name` of a click command."""
     help: str
     section: str = "Commands"
-    """Under which heading of the group's help it stands."""
+    """Its heading in the group's help."""
 
     def load(self) -> click.Command:
         """Import the command."""

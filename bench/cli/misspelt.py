@@ -6,7 +6,7 @@ from bench.basics.errors import nearest
 
 
 def misspelt(error: click.NoSuchOption | click.NoSuchCommand) -> str:
-    """The message. click's own likeness counts the dashes, and so takes --robots for --verbose."""
+    """The message. The similarity of click counts the dashes, and so takes --robots for --verbose."""
     command = error.ctx.command if error.ctx is not None else None
     if isinstance(error, click.NoSuchCommand):
         name, known = error.command_name, _commands(command, error.ctx)

@@ -34,7 +34,7 @@ from bench.viewer.recording import ViewedRun
 class ViewRequest:
     """What the command line says.
 
-    data: the dataset beside which a model file is shown; runs: of a sweep, by number; truth: whether what a
+    data: the dataset to show a model file with; runs: of a sweep, by number; truth: whether what a
     simulation knows may be shown.
     """
 
@@ -121,7 +121,7 @@ def _of_model(path: Path, asked: ViewRequest) -> ViewedRun:
 
 
 def _applied(path: Path, asked: ViewRequest) -> tuple[Dataset, Identification]:
-    """A model file beside its dataset, or another one."""
+    """A model file next to its dataset, or another one."""
     saved = load_model(path)
     folder = asked.data or saved.dataset
     if folder is None:
@@ -131,7 +131,7 @@ def _applied(path: Path, asked: ViewRequest) -> tuple[Dataset, Identification]:
 
 
 def _of_result(saved: SavedRun, asked: ViewRequest) -> ViewedRun:
-    """The model that was found, and the errors of the models that the ladder leads over."""
+    """The model that was identified, and the errors of the models that the ladder leads over."""
     dataset, after, diagnosis = saved.dataset, saved.after, saved.diagnosis
     if diagnosis is None:
         return ViewedRun(after.robot, after, dataset, _context(dataset, after, (), "", truth=asked.truth))
@@ -151,7 +151,7 @@ def _of_result(saved: SavedRun, asked: ViewRequest) -> ViewedRun:
 
 
 def _requests(diagnosis: Diagnosis, rung: LadderStep) -> tuple[str, ...]:
-    """The effects of a rung's model where the found model has them, beside those that were there before."""
+    """The effects of a rung's model where the identified model has them, and those that the model had before."""
     own = diagnosis.before.effects
     added = [effect for effect in diagnosis.after.effects if effect not in own]
     return (*own, *(name for name in added if {name, name.partition(":")[0]} & {*rung.effects}))
@@ -187,7 +187,7 @@ def _context(
     truth: bool,
     logged: Dataset | None = None,
 ) -> ViewContext:
-    """All that is told beside an answer. logged: the dataset as it was written, where its recordings were parted."""
+    """All that accompanies an answer. logged: the dataset as it was written, where its recordings were parted."""
     torques = (
         {effect_torque.name: effect_torque for effect_torque in effect_torques(result.recordings)}
         if result.effects

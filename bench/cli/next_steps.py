@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Source:
-    """What a command was called with: a path, and what was named beside it."""
+    """What a command was called with: a path and its options."""
 
     path: Path
     effects: tuple[str, ...] = ()
@@ -33,7 +33,7 @@ class Source:
 
     @property
     def dataset(self) -> Path | None:
-        """Its own folder, where it is a dataset; of a model, the recordings that it is shown beside."""
+        """Its own folder, where it is a dataset; of a model, the recordings that it is shown with."""
         from bench.dataset.names import DATASET_FILE
 
         if self.path.name == DATASET_FILE or (self.path / DATASET_FILE).is_file():
@@ -58,8 +58,8 @@ def after_looking(source: Source) -> str:
     if data is not None:
         return _beside(source, data)
     if is_sweep_folder(source.path):
-        return next_line(["table", source.path], "summarises all of its runs by axis")
-    return next_line(["figures", source.path], "lists what there is for a paper")
+        return next_line(["table", source.path], "summarises all runs by axis")
+    return next_line(["figures", source.path], "lists figures for papers")
 
 
 def before_figures(source: Source, name: str) -> str:
@@ -68,17 +68,19 @@ def before_figures(source: Source, name: str) -> str:
     if source.data is not None:
         words += f" --data {quoted(source.data)}"
     folder = source.path.resolve().with_suffix("").name + ".figures"
-    return f"next: {words} {name} -o {quoted(source.path.with_name(folder))}    draws it; --all every one"
+    return (
+        f"next: {words} {name} -o {quoted(source.path.with_name(folder))}    draws it; --all draws every one"
+    )
 
 
 def after_figures(source: Source) -> str:
     """After figures: of recordings, those of a diagnosis; of a model, its errors; of a result, the robot in motion."""
     data = source.dataset
     if data == source.path:
-        return f"next: {source.command('diagnose', data)}    tells which physical effect the model lacks"
+        return f"next: {source.command('diagnose', data)}    names the physical effect that the model lacks"
     if data is not None:
         return _beside(source, data)
-    return next_line(["view", source.path], "shows the robot in motion with them")
+    return next_line(["view", source.path], "shows the robot in motion")
 
 
 def after_page(source: Source, diagnosis: Diagnosis | None) -> str:
@@ -94,17 +96,17 @@ def after_page(source: Source, diagnosis: Diagnosis | None) -> str:
     if data is not None:
         target = source.path.with_suffix(".xml")
         words = ["export", source.path, "--to", "mjcf", "-o", target, *_files(source.effect_files)]
-        return next_line(words, "gives the machine to a simulator")
-    return next_line(["figures", source.path], "lists what there is for a paper")
+        return next_line(words, "exports the model to a simulator")
+    return next_line(["figures", source.path], "lists figures for papers")
 
 
 def after_table(folder: Path, axes: Sequence[str], metrics: Sequence[str], pooled: Sequence[str]) -> str:
     """After a summary: by the axes that it throws together, or its first metric as a figure."""
     if not axes and pooled:
         by = [word for axis in pooled for word in ("--by", axis)]
-        return next_line(["table", folder, *by, *_shown(metrics)], "tells their values apart")
+        return next_line(["table", folder, *by, *_shown(metrics)], "separates their values")
     if not axes:
-        return next_line(["view", folder], "shows a good, a middling and a bad run in motion")
+        return next_line(["view", folder], "shows a good, a median and a bad run in motion")
     lines = ["--lines", axes[1]] if len(axes) > 1 else []
     return next_line(["plot", folder, "--x", axes[0], "--y", metrics[0], *lines], "draws it")
 
@@ -117,12 +119,12 @@ def after_trial(table: Path) -> str:
 
 
 def after_export(model: Path, form: str, output: Path, effect_files: Sequence[Path]) -> list[str]:
-    """After an export: the bodies that were written, beside the recordings; a feed-forward, compiled.
+    """After an export: the written bodies along the recordings; a feed-forward, compiled.
 
     A model whose recordings are not known, or not there any more, has no next step.
     """
     if form == "c":
-        return [f"next: cc -O2 -c {quoted(output)}    compiles it, to be linked with a controller"]
+        return [f"next: cc -O2 -c {quoted(output)}    compiles it for linking with a controller"]
     data = dataset_behind(model)
     if data is None or not data.is_dir():
         return []
@@ -133,10 +135,10 @@ def after_export(model: Path, form: str, output: Path, effect_files: Sequence[Pa
 def after_replay(dataset: Path, model: Path, film: Path | None, options: Sequence[str | Path]) -> str:
     """After a replay: the same as a film, or the film. options: those that it was called with."""
     if film is not None:
-        return f"next: rerun {quoted(film)}    shows the twin in motion beside what was measured"
+        return f"next: rerun {quoted(film)}    shows the twin in motion with the measured robot"
     target = model.with_suffix(".rrd")
     words = ["replay", dataset, "--model", model, *options, "--rrd", target]
-    return next_line(words, "writes it as a film for the viewer")
+    return next_line(words, "writes a recording for the viewer")
 
 
 def _beside(source: Source, data: Path) -> str:

@@ -20,18 +20,18 @@ from bench.basics.progress import Progress
     type=click.Path(path_type=Path),
     multiple=True,
     metavar="FOLDER",
-    help="A robot folder elsewhere, to choose from. Repeat for more.",
+    help="A further robot folder to choose from. Repeat for more.",
 )
 @click.option(
-    "--port", type=click.IntRange(0, 65535), default=0, help="Of the address. [default: a free one]"
+    "--port", type=click.IntRange(0, 65535), default=0, help="Port of the address. [default: a free one]"
 )
 @click.option("--no-browser", is_flag=True, help="Only print the address.")
 def open_page(folder: Path, robots: tuple[Path, ...], port: int, no_browser: bool) -> None:
     """Go from logs to the named effect on a page in the browser.
 
-    The page takes logs, checks and imports them, compares, diagnoses, tries effects and applies them. It does so
-    with the commands, shows each, and works on the same files, in DATASET_OR_FOLDER (by default the folder that one
-    is in) and nowhere else. It is served on this machine alone, until Ctrl+C.
+    The page checks and imports logs, compares, diagnoses, tries effects and applies them. It runs and shows the
+    corresponding commands and works only on the files in DATASET_OR_FOLDER (by default the current folder). The server
+    accepts connections from this machine only, until Ctrl+C.
     """
     from bench.local.server import opened, serve
 
@@ -40,7 +40,7 @@ def open_page(folder: Path, robots: tuple[Path, ...], port: int, no_browser: boo
 
     def ready(address: str) -> None:
         click.echo(f"Open {address}")
-        click.echo("It answers this machine alone, and only at this address. Ctrl+C ends it.")
+        click.echo("It accepts connections from this machine only. Ctrl+C ends it.")
         if not no_browser:
             import webbrowser
 

@@ -8,7 +8,7 @@ from pathlib import Path
 
 
 def open_viewer(path: Path) -> str:
-    """Open a recording in a window of its own that outlives the command; says what was done, or what to do."""
+    """Open a recording in a separate window that outlives the command; says what was done, or what to do."""
     beside = Path(sys.executable).with_name("rerun")
     program = str(beside) if beside.is_file() else shutil.which("rerun")
     if program is None:
@@ -16,7 +16,7 @@ def open_viewer(path: Path) -> str:
     if sys.platform.startswith("linux") and not (
         os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY")
     ):
-        return f"No screen here; open it on another machine, or in a browser with: rerun --web-viewer {path}"
+        return f"No screen; open it on another machine, or in a browser with: rerun --web-viewer {path}"
     subprocess.Popen(
         [program, str(path)],
         stdin=subprocess.DEVNULL,

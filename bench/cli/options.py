@@ -22,8 +22,8 @@ with_option = click.option(
     multiple=True,
     shell_complete=effects,
     metavar="EFFECT[:PLACE][@recording]",
-    help="Add an effect to the model, on every actuator or at one place; with @recording each fitted recording has its "
-    "own value. Repeat for each.",
+    help="Add an effect to the model, on every actuator or at one place; with @recording it has one value "
+    "per fitted recording. Repeat for each.",
 )
 
 effect_file_option = click.option(
@@ -32,7 +32,7 @@ effect_file_option = click.option(
     multiple=True,
     type=click.Path(path_type=Path),
     metavar="FILE",
-    help="Python file with effects of your own. Repeat for each.",
+    help="Python file with your effects. Repeat for each.",
 )
 
 
@@ -120,7 +120,7 @@ def filter_options(command: Command) -> Command:
                 "--keep-standstill",
                 is_flag=True,
                 default=None,
-                help="Fit and judge the rows of joints that stand still, too.",
+                help="Also fit and judge rows in which a joint stands still.",
             ),
             click.option(
                 "--border", metavar="START,END", help="Samples dropped at both ends, after differentiation."
@@ -151,6 +151,6 @@ def given_filters(
         try:
             start, end = (int(part) for part in border.split(","))
         except ValueError:
-            raise BenchError(f"--border {border!r}: give two whole numbers, such as 49,0") from None
+            raise BenchError(f"--border {border!r}: give two whole numbers, for example 49,0") from None
         given["border"] = (start, end)
     return {name: value for name, value in given.items() if value is not None}

@@ -9,8 +9,8 @@ from bench.cli.last_lines import next_line, say, wrote
 
 @click.command("plot")
 @click.argument("folder", metavar="DIR", type=click.Path(path_type=Path))
-@click.option("--x", "x", required=True, metavar="AXIS", help="What varies from left to right.")
-@click.option("--y", "y", required=True, metavar="METRIC", help="What is drawn: median and middle 90 %.")
+@click.option("--x", "x", required=True, metavar="AXIS", help="Axis of the abscissa.")
+@click.option("--y", "y", required=True, metavar="METRIC", help="Metric to plot: median and middle 90 %.")
 @click.option("--lines", metavar="AXIS", help="A line for each value of this axis.")
 @click.option("--log/--linear", "logarithmic", default=None, help="Axis of METRIC. [default: by its range]")
 @click.option(
@@ -34,5 +34,5 @@ def plot(
     table = table_in(folder)
     path = output or table.with_name(plot_name(x, y, lines))
     plot_sweep(table, path, x, y, lines, logarithmic=logarithmic)
-    seen = next_line(["view", folder], "shows a good, a middling and a bad run in motion")
+    seen = next_line(["view", folder], "shows a good, a median and a bad run in motion")
     say([wrote(path, "figure"), *([seen] if is_sweep_folder(folder) else [])])

@@ -1,4 +1,4 @@
-"""The phase, the progress and the time left of long work, on a terminal alone."""
+"""The phase, the progress and the remaining time of long work, on a terminal only."""
 
 import sys
 from collections.abc import Callable, Iterator
@@ -26,7 +26,7 @@ def shown_progress(quiet: bool, phase: str = "starting") -> Iterator[Progress]:
     """Show a bar on standard error while inside, if that is a terminal; it is gone afterwards.
 
     Nothing may be printed inside: it would stand in the middle of the bar. phase: the first one. Who runs a command
-    in `progress_to` is told instead.
+    in `progress_to` is informed instead.
     """
     if (listener := _elsewhere.get()) is not None:
         listener.phase(phase)

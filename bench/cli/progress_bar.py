@@ -1,4 +1,4 @@
-"""A line at the foot of the terminal: phase, bar, steps, time so far and time left."""
+"""A line at the foot of the terminal: phase, bar, steps, elapsed and remaining time."""
 
 from types import TracebackType
 from typing import Self
@@ -25,7 +25,7 @@ class _Steps(ProgressColumn):
 
 class _TimeLeft(TimeRemainingColumn):
     def render(self, task: Task) -> Text:
-        """Time left of the phase, once its steps tell."""
+        """Remaining time of the phase, as far as its steps show."""
         if task.time_remaining is None:
             return Text("")
         return super().render(task).append(" left")

@@ -1,4 +1,4 @@
-"""`bench replay`: the exported twin beside a dataset."""
+"""`bench replay`: the exported twin compared with a dataset."""
 
 from pathlib import Path
 
@@ -23,15 +23,17 @@ from bench.cli.progress import quiet_option
     type=click.Path(path_type=Path),
     required=True,
     metavar="MODEL.json",
-    help="What `bench identify --json` wrote.",
+    help="A file from `bench identify --json`.",
 )
 @click.option(
     "--cad/--no-cad",
     default=True,
-    help="Where the data leave masses open, stay near those of the MJCF; or near equal bars. [default: cad]",
+    help="Where the data do not determine masses, stay near those of the MJCF, or near equal bars. [default: cad]",
 )
 @click.option(
-    "--nearest", is_flag=True, help="Take the nearest real bodies even where the data contradict all of them."
+    "--nearest",
+    is_flag=True,
+    help="Use the nearest physically possible bodies even if the data contradict them.",
 )
 @effect_file_option
 @json_option
@@ -58,9 +60,9 @@ def replay(
 ) -> None:
     """Simulate an exported model in MuJoCo along a dataset's motions.
 
-    The twin that `bench export --to mjcf` writes follows every recording under a stiff controller; its currents stand
-    beside the recorded ones and beside those of the model itself. MuJoCo closes the loops and integrates on its own:
-    where both errors agree, the exported file does what the model says.
+    The twin that `bench export --to mjcf` writes follows every recording under a stiff controller; the
+    command compares its currents with the recorded ones and with those of the model. MuJoCo closes the loops and
+    integrates independently: if both errors agree, the exported file reproduces the model.
     """
     from dataclasses import replace
 
@@ -84,7 +86,7 @@ def replay(
     identified = declaring(identified, data.payloads)
     physical = physical_set(identified, use_cad=cad)
     if physical.contradiction is not None and not nearest:
-        raise BenchError(f"{model_file}: {physical.contradiction.words()}; --nearest takes them all the same")
+        raise BenchError(f"{model_file}: {physical.contradiction.words()}; --nearest uses them anyway")
     problem = problem_of(data, effect_files=effect_files)
     with shown_progress(quiet) as progress:
         result = replayed(problem, physical, progress)

@@ -11,7 +11,7 @@ from bench.identification.result import CurrentSeries, relative_error
 
 
 def replay_table(result: Replay) -> Table:
-    """The errors of the twin by recording and motor, beside those of the model itself; the last row is of all."""
+    """The errors of the twin by recording and motor, and those of the model; the last row is the total."""
     twins, models = result.twin.recordings, result.model.recordings
     joints = tuple(result.twin.error.by_actuator or result.twin.error.by_actuator_validate)
 

@@ -37,7 +37,7 @@ if TYPE_CHECKING:
     "--data",
     type=click.Path(path_type=Path),
     metavar="DATASET",
-    help="The recordings beside which a model is shown. [default: those that it is from]",
+    help="The recordings to show a model with. [default: those it was identified from]",
 )
 @with_option
 @effect_file_option
@@ -52,7 +52,7 @@ def report(
     quiet: bool,
     **filters: Any,
 ) -> None:
-    """Write one page, in one file, that shows what a run found.
+    """Write a one-file page with the results of a run.
 
     DIR_OR_MODEL is a dataset folder, which is diagnosed; or a folder that `bench diagnose -o`, `identify -o`,
     `compare -o`, `sweep -o` or `trial -o` wrote; or a model file. The page opens in any browser, offline.
@@ -119,7 +119,7 @@ def _written(given: "Source", output: Path, progress: Progress) -> tuple[str, st
 def _refuse(options: dict[str, Any], what: str) -> None:
     for name, value in options.items():
         if value:
-            raise click.UsageError(f"{name} does not go with {what}")
+            raise click.UsageError(f"{name} cannot be combined with {what}")
 
 
 def _of_trial(source: Path, output: Path) -> Path:
@@ -131,7 +131,7 @@ def _of_trial(source: Path, output: Path) -> Path:
     table = trial_table(source) if source.exists() else None
     if table is None and source.is_dir():
         raise BenchError(
-            f"{source}: neither a dataset nor a result: it holds no dataset.toml, no {RUN_FILE}, and no sweep or trial"
+            f"{source}: neither a dataset nor a result: it has no dataset.toml, no {RUN_FILE}, and no sweep or trial"
         )
     if table is None:
         raise BenchError(

@@ -22,11 +22,11 @@ def robot() -> None:
 @robot.command("check")
 @click.argument("folder", metavar="FOLDER", shell_complete=robots)
 @json_option
-@click.option("-v", "--verbose", is_flag=True, help="List the base parameters and what they stand for.")
+@click.option("-v", "--verbose", is_flag=True, help="List the base parameters and their groupings.")
 def check(folder: str, json_file: Path | None, verbose: bool) -> None:
     """Check that a robot can be identified, and that Pinocchio and MuJoCo agree on it.
 
-    FOLDER holds a robot.toml beside its MJCF; the name of a built-in robot serves as well.
+    FOLDER holds a robot.toml and its MJCF; the name of a built-in robot works as well.
     """
     from rich.console import Console
 
@@ -46,7 +46,7 @@ def check(folder: str, json_file: Path | None, verbose: bool) -> None:
     if json_file is not None:
         write_answer(json_file, report_json(report))
         say([wrote(json_file, "answer")])
-    say([next_line(["open", "--robot", folder] if Path(folder).is_dir() else ["open"], "takes its logs")])
+    say([next_line(["open", "--robot", folder] if Path(folder).is_dir() else ["open"], "imports its logs")])
 
 
 @robot.command("new")
@@ -58,14 +58,14 @@ def check(folder: str, json_file: Path | None, verbose: bool) -> None:
     multiple=True,
     metavar="NAME=GAIN",
     help="A motor: the joint that it drives (or a fixed tendon, or an actuator of the file with its gear) and its"
-    " nominal drive gain. Repeat for each; their order is that of every table.",
+    " nominal drive gain. Repeat for each, in the order of all tables.",
 )
 @click.option(
     "--unit",
     type=click.Choice(["A", "V", "1"]),
     default="A",
     show_default=True,
-    help="What the drives command: amperes, volts; 1: torques or forces are logged themselves.",
+    help="Unit of the drive commands: amperes or volts; 1: torques or forces are logged.",
 )
 @click.option("--tool", metavar="SITE", help="The site of the file at which a payload is fixed.")
 @click.option(
@@ -74,17 +74,17 @@ def check(folder: str, json_file: Path | None, verbose: bool) -> None:
     type=Assignment(float),
     multiple=True,
     metavar="JOINT=VALUE",
-    help="A joint that is held, such as that of a gripper, and its position in rad or m. Repeat for each.",
+    help="A joint that is held, for example a gripper, and its position in rad or m. Repeat for each.",
 )
-@click.option("--name", help="The robot's name. [default: the file's, without its suffix]")
+@click.option("--name", help="The robot's name. [default: the file name without suffix]")
 @click.option(
     "-o",
     "--output",
     type=click.Path(path_type=Path),
     metavar="FOLDER",
-    help="Where robot.toml goes. [default: beside the MJCF]",
+    help="Folder for robot.toml. [default: that of the MJCF]",
 )
-@click.option("--overwrite", is_flag=True, help="Replace a robot.toml that is there already.")
+@click.option("--overwrite", is_flag=True, help="Replace an existing robot.toml.")
 def new(
     model: Path,
     motors: tuple[tuple[str, float], ...],
@@ -95,9 +95,9 @@ def new(
     output: Path | None,
     overwrite: bool,
 ) -> None:
-    """Write the robot.toml of an MJCF file: its motors, their nominal gains, its tool, what is held.
+    """Write the robot.toml of an MJCF file: its motors, their nominal gains, tool and locked joints.
 
-    Without a --motor, it says what MODEL.xml has.
+    Without --motor, it lists the joints, tendons, actuators and sites of MODEL.xml.
     """
     from bench.cli.parameters import unique
     from bench.dataset.names import ROBOT_FILE

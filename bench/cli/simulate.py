@@ -20,14 +20,14 @@ from bench.cli.progress import quiet_option, shown_progress
     metavar="DIR",
     help="Dataset folder to write.",
 )
-@click.option("--seed", type=int, help="Another seed for gains and noise than the scenario's.")
-@click.option("--overwrite", is_flag=True, help="Replace a dataset that is in DIR already.")
+@click.option("--seed", type=int, help="Seed for gains and noise, instead of the scenario's.")
+@click.option("--overwrite", is_flag=True, help="Replace an existing dataset in DIR.")
 @quiet_option
 def simulate(scenario: str, output: Path, seed: int | None, overwrite: bool, quiet: bool) -> None:
     """Simulate a scenario and write its measurements as a dataset.
 
-    SCENARIO is a built-in name or the path of a scenario file. The truth goes to DIR.truth.json, beside the
-    dataset and out of reach of what reads it.
+    SCENARIO is a built-in name or the path of a scenario file. The truth goes to DIR.truth.json,
+    outside the dataset.
     """
     with shown_progress(quiet) as progress:
         from bench.api.simulate import simulation_of
@@ -37,7 +37,7 @@ def simulate(scenario: str, output: Path, seed: int | None, overwrite: bool, qui
         from bench.truth.timers import stop_step_timers
 
         if (output / DATASET_FILE).exists() and not overwrite:
-            raise BenchError(f"{output}: holds a dataset already; --overwrite replaces it")
+            raise BenchError(f"{output}: already holds a dataset; --overwrite replaces it")
         stop_step_timers()
         simulation = simulation_of(scenario, seed, progress)
         progress.phase("writing the recordings")

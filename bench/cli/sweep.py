@@ -21,10 +21,10 @@ from bench.cli.progress import quiet_option, shown_progress
 @click.option(
     "--scheduler",
     metavar="ADDRESS",
-    help="A Dask scheduler, such as tcp://HOST:8786, instead of processes here.",
+    help="A Dask scheduler, for example tcp://HOST:8786, instead of local processes.",
 )
-@click.option("--retry-failed", is_flag=True, help="Run again what failed before.")
-@click.option("--dry-run", is_flag=True, help="Check the file, say how much work it is, and stop.")
+@click.option("--retry-failed", is_flag=True, help="Repeat failed runs.")
+@click.option("--dry-run", is_flag=True, help="Check the file, estimate the work, and stop.")
 @quiet_option
 def sweep(
     sweep_file: str,
@@ -37,13 +37,13 @@ def sweep(
 ) -> int:
     """Run a sweep of scenarios: noise, gains, payloads, estimators.
 
-    FILE is a sweep file or the name of a built-in sweep. Finished runs are kept in DIR as they come: stopped in
-    whatever way and started again on the same folder, the sweep goes on.
+    FILE is a sweep file or the name of a built-in sweep. Finished runs are kept in DIR: if the sweep is
+    interrupted and started again on the same folder, it resumes.
     """
     from bench.basics.errors import BenchError
 
     if output is None and not dry_run:
-        raise BenchError("sweep: name the folder of the results with -o DIR")
+        raise BenchError("sweep: give the folder of the results with -o DIR")
 
     with shown_progress(quiet):
         from bench.studies.sweep.command import run_command

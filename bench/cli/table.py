@@ -10,20 +10,18 @@ from bench.cli.last_lines import say, wrote
 
 @click.command("table")
 @click.argument("folder", metavar="DIR", type=click.Path(path_type=Path))
-@click.option(
-    "--by", "axes", multiple=True, metavar="AXIS", help="A line for each value. Repeat for more axes."
-)
+@click.option("--by", "axes", multiple=True, metavar="AXIS", help="One row per value. Repeat for more axes.")
 @click.option(
     "--show",
     "metrics",
     multiple=True,
     metavar="METRIC",
-    help="What to summarise. Repeat for more. [default: gain_error]",
+    help="Metric to summarise. Repeat for more. [default: gain_error]",
 )
 def table(folder: Path, axes: tuple[str, ...], metrics: tuple[str, ...]) -> None:
     """Summarise the runs of a sweep by axis.
 
-    DIR is the folder of a sweep. Prints median and spread, and writes them beside the table as Markdown. Every
+    DIR is the folder of a sweep. Prints median and spread, and writes them to the folder as Markdown. Every
     column of the table can be an axis, and every column of numbers a metric.
     """
     from bench.cli.next_steps import after_table
@@ -37,5 +35,5 @@ def table(folder: Path, axes: tuple[str, ...], metrics: tuple[str, ...]) -> None
     print_summary(summary, table_console())
     pooled = pooled_axes(runs, axes)
     values = ", ".join(f"{name} ({plural(count, 'value')})" for name, count in pooled.items())
-    told = [f"all values together of {values}; --by tells them apart"] if pooled else []
+    told = [f"values of {values} are pooled; --by separates them"] if pooled else []
     say([*told, wrote(path, "summary"), after_table(folder, axes, metrics, tuple(pooled))])

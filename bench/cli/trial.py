@@ -13,33 +13,35 @@ from bench.cli.progress import quiet_option, shown_progress
 
 @click.command("trial")
 @click.argument("robot", metavar="ROBOT", shell_complete=robots)
-@click.option("--effects", metavar="A,B,...", default="", help="Hide these only. [default: all]")
+@click.option("--effects", metavar="A,B,...", default="", help="Hide only these. [default: all]")
 @click.option(
     "--kinds",
     metavar="A,B,...",
     default="",
-    help="Of nothing, one, two, three (effects hidden), outside (what no model can be told of), unknown (a law drawn "
-    "at random). [default: all]",
+    help="From nothing, one, two, three (hidden effects), outside (an effect that no model contains), unknown (a "
+    "random law). [default: all]",
 )
 @click.option(
     "--seeds",
     type=click.IntRange(1, 10_000),
     default=3,
     show_default=True,
-    help="Datasets for each effect of `one` and `outside`, and tens of datasets of the other kinds.",
+    help="Datasets per effect of `one` and `outside`; ten times as many of each other kind.",
 )
 @click.option(
     "--first",
     type=click.IntRange(0),
     default=0,
     metavar="N",
-    help="Number of the first dataset of every kind, for a set that has none in common with another. [default: 0]",
+    help="Number of the first dataset of every kind, for a set that shares none with another. [default: 0]",
 )
-@click.option("--discover", is_flag=True, help="Search laws in every dataset, also where nothing is left.")
+@click.option("--discover", is_flag=True, help="Search for laws in every dataset, even if no error remains.")
 @click.option(
-    "--scenario", metavar="NAME", help="Movements, sensors and payload; by default the robot's own."
+    "--scenario", metavar="NAME", help="Motions, sensors and payload. [default: those of the robot]"
 )
-@click.option("--duration", type=click.FloatRange(2.0), metavar="S", help="Of each designed movement, s.")
+@click.option(
+    "--duration", type=click.FloatRange(2.0), metavar="S", help="Duration of each designed motion, s."
+)
 @click.option(
     "-o",
     "--output",
@@ -59,7 +61,7 @@ from bench.cli.progress import quiet_option, shown_progress
 @click.option(
     "--scheduler",
     metavar="ADDRESS",
-    help="A Dask scheduler, such as tcp://HOST:8786, instead of processes here.",
+    help="A Dask scheduler, for example tcp://HOST:8786, instead of local processes.",
 )
 @quiet_option
 def trial(
@@ -77,8 +79,8 @@ def trial(
     """Diagnose simulated machines whose hidden effects are known.
 
     ROBOT is a built-in name or a robot folder. Datasets are drawn from seeds; each is diagnosed without access
-    to the truth. Finished ones are kept in DIR: stopped and started again, or started with more seeds, the trial
-    goes on. The answer does not depend on the number of workers.
+    to the truth. Finished ones are kept in DIR: if the trial is interrupted and started again, or started with
+    more seeds, it resumes. The answer does not depend on the number of workers.
     """
     with shown_progress(running["quiet"]):
         from bench.studies.sweep.workers import Workers

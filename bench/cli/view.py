@@ -17,10 +17,10 @@ from bench.cli.options import effect_file_option, filter_options, given_filters,
     "--data",
     type=click.Path(path_type=Path),
     metavar="DATASET",
-    help="The recordings beside which a model file is shown. [default: those that it is from]",
+    help="The recordings to show a model file with. [default: those it was identified from]",
 )
 @click.option("--run", "runs", type=int, multiple=True, metavar="N", help="Run of a sweep. Repeat for each.")
-@click.option("--no-truth", is_flag=True, help="Leave out what a simulation knows of its hidden effects.")
+@click.option("--no-truth", is_flag=True, help="Omit the true hidden effects of a simulation.")
 @filter_options
 @click.option(
     "--save",
@@ -42,11 +42,11 @@ def view(
 
     SOURCE is a dataset, which is identified (with the effects named, one after the other); a model file of
     `bench identify --json`; a folder that `bench identify`, `compare` or `diagnose` wrote with -o; or the folder of
-    a sweep, of which a good, a middling and a bad run are simulated again and shown side by side.
+    a sweep, of which a good, a median and a bad run are simulated again and shown side by side.
 
-    The recording goes to SOURCE.rrd, beside SOURCE, and opens; with --save it is only written. An .mcap file has, of
-    every recording, positions and currents as logged, measured and modelled currents, errors, joint states and the
-    torque of each effect.
+    The recording is written to SOURCE.rrd, next to SOURCE, and opened; with --save it is only written. An .mcap file has
+    positions and currents as logged, measured and modelled currents, errors, joint states and the torque of each
+    effect, for every recording.
     """
     from bench.cli.named_sources import ViewRequest, viewed_runs
     from bench.cli.next_steps import Source, after_looking

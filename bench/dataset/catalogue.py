@@ -1,6 +1,6 @@
 """Where the built-in robots and scenarios are, from any working folder.
 
-In a checkout they stand beside the package, in ``robots/`` and ``scenarios/``;
+In a checkout they are next to the package, in ``robots/`` and ``scenarios/``;
 a wheel carries the same folders inside the package, in ``bench/_catalogue/``.
 """
 

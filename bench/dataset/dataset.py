@@ -27,7 +27,7 @@ from bench.dataset.robot import Robot, load_robot
 class Dataset:
     """Everything that an identification reads.
 
-    effect_files are the user's own effects, from the optional key `effects`. controller: the law of the joints'
+    effect_files are the user's effects, from the optional key `effects`. controller: the law of the joints'
     controller, where the dataset tells it. doubted: payloads so heavy that their mass is asked about.
     """
 

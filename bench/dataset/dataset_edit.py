@@ -25,7 +25,7 @@ class RecordingEntry:
 
 
 def payload_keys(payload: Payload) -> dict[str, float | list[float]]:
-    """What is told of a payload, under the keys of its table."""
+    """The given values of a payload, under the keys of its table."""
     told: dict[str, float | list[float]] = {} if payload.mass is None else {"mass": float(payload.mass)}
     for key, values in (("center_of_mass", payload.center_of_mass), ("inertia", payload.inertia)):
         if values is not None:

@@ -117,7 +117,7 @@ def extended_toml(
 ) -> str:
     """The dataset.toml of `folder` with recordings added, comments and all; a new one where there is none.
 
-    A payload that is defined already as it is told here is the same one. replace: recordings and payloads that are
+    A payload that is defined already as it is stated here is the same one. replace: recordings and payloads that are
     there already become those that are given.
 
     Errors: BenchError when the dataset is of another robot, lists the recording, lacks the payload, or has another
@@ -181,7 +181,7 @@ def _check_free(folder: Path, entry: RecordingEntry, replaced: set[str], *, list
 
 
 def _told_already(spec: PayloadSpec, payload: Payload) -> bool:
-    """Whether all that is told of a payload is what stands in dataset.toml."""
+    """Whether the given values of a payload are those in dataset.toml."""
     known = spec.model_dump()
     return all(known[key] == value for key, value in payload_keys(payload).items())
 

@@ -15,7 +15,7 @@ class JointFacts:
     """One driven joint. `lower`, `upper` (rad or m) are None where the MJCF sets no range.
 
     `home` is its position (rad or m) in the keyframe `home`, else in qpos0; `in_loop` says whether the robot
-    has closed loops, `geared` whether this is a motor's own position, which runs through many turns, and
+    has closed loops, `geared` whether this is a motor's position, which runs through many turns, and
     `logs_effort` whether its logged currents are torques or forces; `redundant` whether its motor is one more than
     the degrees of freedom.
     """

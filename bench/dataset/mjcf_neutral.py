@@ -12,7 +12,7 @@ if TYPE_CHECKING:
 
 
 def neutral() -> mujoco.MjsDefault:
-    """MuJoCo's own defaults, for `add_joint` and its like: without it, a part takes over the class of its body."""
+    """MuJoCo's defaults, for `add_joint` and its like: without it, a part takes over the class of its body."""
     return _empty().default
 
 

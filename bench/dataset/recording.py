@@ -123,7 +123,7 @@ def write_recording(
 
 
 def write_table(path: Path, columns: Mapping[str, Array], progress: Progress = SILENT) -> None:
-    """Write columns of equal length as CSV or Parquet, by suffix, whole or not at all; progress is told of rows."""
+    """Write columns of equal length as CSV or Parquet, by suffix, whole or not at all; progress counts rows."""
     writer = {".csv": _write_csv, ".parquet": _write_parquet}.get(path.suffix.lower())
     if writer is None:
         raise BenchError(f"{path}: a recording is a .csv or a .parquet file")

@@ -1,7 +1,7 @@
 """What a log's signals say about themselves: wrong units, limits, constant, stuck, spiked, clipped.
 
 Each check looks at one column and returns the first finding or None. They are made to stay silent on clean,
-noisy, quantised and slow data: a signal is compared with itself, and its own resolution (the smallest step
+noisy, quantised and slow data: a signal is compared with itself, and its resolution (the smallest step
 that it makes) is allowed for. What a check takes for a fault can still be right once in a while, so a
 recording may list checks that its user has looked at: accept = ["saturated"].
 """

@@ -16,7 +16,7 @@ from bench.dataset.joint_facts import JointFacts
 from bench.dataset.recording_checks import Channel, Fault, find
 from bench.dataset.sampling import FEWEST, LIKE, TimeFault, cut_rows, gap_rows, time_fault
 
-MOST_SPANS = 3  # that are told
+MOST_SPANS = 3  # that are reported
 SECONDS = {remedy: 1.0 / factor for factor, (_, remedy) in LIKE.items()}
 """What mends a time in another unit -> its unit in seconds."""
 
@@ -114,7 +114,7 @@ def _longest(time: np.ndarray) -> tuple[int, int]:
 
 
 def _told(table: FileTable, column: str, finding: Fault) -> RecordingFaultError:
-    accept = f" (accept = [{finding.check!r}] beside its file name if that is meant)".replace("'", '"')
+    accept = f" (accept = [{finding.check!r}] under its file name if that is intended)".replace("'", '"')
     said = f"{table.place(column, finding.row)}: {finding.what}"
     return RecordingFaultError(
         said, f"{_imported(finding.remedy)}{accept}", finding.remedy, finding.check, column=column
@@ -148,7 +148,7 @@ def _left_out(time: np.ndarray, bad: np.ndarray) -> tuple[str, Remedy]:
     spans = [
         f"[{time[a] - half:.9g}, {time[b] + half:.9g}]" for a, b in zip(bad[first], bad[last], strict=True)
     ]
-    said = f"exclude = [{listed(spans, MOST_SPANS)}] beside its file name in dataset.toml leaves it out"
+    said = f"exclude = [{listed(spans, MOST_SPANS)}] under its file name in dataset.toml excludes it"
     return said, Remedy.LEAVE_ROWS_OUT
 
 
@@ -158,7 +158,7 @@ def _between_gaps(time: np.ndarray) -> str:
     spans = [f"[{time[a]:.9g}, {time[b - 1]:.9g}]" for a, b in pairwise(rows) if b - a >= FEWEST]
     if not spans:
         return f"no stretch between gaps has the {FEWEST} samples that are needed"
-    return f"window = [{listed(spans, MOST_SPANS)}] beside its file name in dataset.toml uses what is between"
+    return f"window = [{listed(spans, MOST_SPANS)}] under its file name in dataset.toml uses the part between them"
 
 
 def listed(names: Sequence[str], most: int = 12) -> str:

@@ -1,4 +1,4 @@
-"""Which parts of a recording are used: what dataset.toml says as `window` and `exclude`, in the log's own time."""
+"""Which parts of a recording are used: what dataset.toml says as `window` and `exclude`, in the log's time."""
 
 from dataclasses import dataclass, replace
 from itertools import pairwise
@@ -43,7 +43,7 @@ Spans = Annotated[tuple[tuple[float, float], ...], BeforeValidator(_spans)]
 
 @dataclass(frozen=True)
 class Window:
-    """The parts that are used, all where none is named, and those that are left out of them, both ends included."""
+    """The parts that are used, all where none is named, and those that are excluded, both ends included."""
 
     used: tuple[tuple[float, float], ...] = ()
     left_out: tuple[tuple[float, float], ...] = ()
@@ -94,7 +94,7 @@ WHOLE = Window()
 
 
 def _part(table: "FileTable", start: float, end: float, chosen: npt.NDArray[np.bool_]) -> "FileTable":
-    """The rows from the first to the last that is chosen (N,): what stands between them is checked, not left out."""
+    """The rows from the first to the last that is chosen (N,): rows between them are checked, not omitted."""
     rows = np.flatnonzero(chosen)
     if len(rows) < FEWEST:
         raise BenchError(

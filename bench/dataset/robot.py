@@ -108,7 +108,7 @@ def load_robot(robot: str | Path, relative_to: Path | None = None) -> Robot:
 
     `robot` is a built-in name, or the path of a robot folder or of its robot.toml; a relative
     path is taken from `relative_to` (the working folder if None). A `Path` is never taken for
-    a built-in name, nor is a text with a separator, so "./delta" is a folder of one's own.
+    a built-in name, nor is a text with a separator, so "./delta" is a folder of the user.
 
     Raises BenchError, one line, if the robot is not found, robot.toml has a wrong or unknown key,
     the MJCF does not compile, or the two do not fit each other.
@@ -139,8 +139,8 @@ def refuse_redundant(robot: Robot, what: str) -> None:
     if robot.redundant:
         extra = ", ".join(actuator.joint for actuator in robot.redundant)
         raise BenchError(
-            f"robot {robot.name}: {what} is not for redundant motors ({extra}): a motion does not tell what each of "
-            "them gives"
+            f"robot {robot.name}: {what} does not support redundant motors ({extra}): a motion does not determine the "
+            "torque of each of them"
         )
 
 
@@ -211,7 +211,7 @@ def _find_description(robot: str | Path, relative_to: Path | None) -> Path:
 
 
 def compiler_message(path: Path, text: str) -> str:
-    """MuJoCo's message on a file in one line that starts with file and line, without the parser's own bookkeeping."""
+    """MuJoCo's message on a file in one line that starts with file and line, without the parser's bookkeeping."""
     text = one_line(text).removeprefix("XML Error: ").removeprefix("Error: ")
     line = re.search(r",? ?[Ll]ine(?: number)? ?[=:]? ?(\d+)", text)
     where = f"{path}, line {line.group(1)}" if line else str(path)

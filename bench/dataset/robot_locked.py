@@ -205,7 +205,7 @@ def _fold(
             continue
         if any(plain.jnt_type[other] == int(mujoco.mjtJoint.mjJNT_BALL) for other in before):
             raise BenchError(
-                f"{name!r} comes after a ball joint of its body: give it a body of its own in the MJCF"
+                f"{name!r} comes after a ball joint of its body: give it a separate body in the MJCF"
             )
         moved, turned = _motion(plain, joint, values[name])
         for other in before:

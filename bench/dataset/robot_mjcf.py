@@ -1,7 +1,7 @@
-"""The MJCF of a robot without its locked joints, and with one for every motor that no single joint stands for.
+"""The MJCF of a robot without its locked joints, and with one for every motor that no single joint represents.
 
 A motor may drive a fixed tendon (a sum of joint positions: a belt, a differential, a coupled wrist), or the actuator
-of the file that has a gear. What it logs is then its own position. The robot gets a rotor for it: a body on the base
+of the file that has a gear. What it logs is then its position. The robot gets a rotor for it: a body on the base
 with a joint of the tendon's or actuator's name, and an equality that holds its position to the sum.
 """
 
@@ -58,7 +58,7 @@ def robot_model(
 
 @dataclass(frozen=True)
 class _Content:
-    """All of a file that names no other; where it stands makes no difference."""
+    """All of a file that names no other; where it is makes no difference."""
 
     path: Path = field(compare=False)
     content: bytes

@@ -102,7 +102,7 @@ def _unit_fault(steps: Array) -> TimeFault | None:
 
 
 def gap_rows(time: Array) -> npt.NDArray[np.intp]:
-    """The rows of time stamps (N,) in s that a gap stands before; none where there are too few stamps to tell."""
+    """The rows of time stamps (N,) in s that follow a gap; none where there are too few stamps to tell."""
     if time.size < FEWEST:
         return np.empty(0, dtype=np.intp)
     steps = np.diff(time)

@@ -22,13 +22,13 @@ def from_run_to_run(
     verb = "differs" if sure else "seems to differ"
     low = min(first.values, key=lambda log: first.values[log].value)
     high = max(first.values, key=lambda log: first.values[log].value)
-    doubt = "" if sure else ", or something that no effect explains does the same"
-    given = f"`--with {first.request}` gives them"
+    doubt = "" if sure else ", or an unexplained error looks the same"
+    given = f"`--with {first.request}` estimates these values"
     if first.request in in_model:
-        given = f"the answer holds them, as {given}"
+        given = f"the answer contains them, as {given}"
     told = (
         f"The {_named(first)} {verb} from run to run: {_value(first, low)} and {_value(first, high)}{doubt}. "
-        f"With a value for each recording the error of {first.joint} falls from {in_percent(first.error_before)} to "
+        f"With one value per recording the error of {first.joint} falls from {in_percent(first.error_before)} to "
         f"{in_percent(first.error_after)} on parts that were not fitted; {given}."
     )
     said = [told]

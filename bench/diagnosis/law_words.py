@@ -41,8 +41,12 @@ def _told(some: Sequence[Discovered]) -> str:
         near = f" That is {spoken(first.named)}."
     elif first.nearest is not None:
         effect, error = first.nearest
-        near = f" Of the catalogue {spoken(effect)} comes closest, and leaves {in_percent(error)}."
-    return f"At {place} there is {', and '.join(kinds)}, which no effect of the catalogue is: {values}{falls}.{near}"
+        near = (
+            f" The closest effect of the catalogue, {spoken(effect)}, leaves an error of {in_percent(error)}."
+        )
+    return (
+        f"At {place} there is {', and '.join(kinds)}, which is not in the catalogue: {values}{falls}.{near}"
+    )
 
 
 def _tabled(law: Discovered) -> str:
@@ -54,7 +58,7 @@ def _tabled(law: Discovered) -> str:
     if law.without is not None and law.validate is not None:
         falls = f"; the error falls from {in_percent(law.without)} to {in_percent(law.validate)}"
     return (
-        f"At {law.place} something is left that no formula fits. As measured, it is {', and '.join(parts)}: "
+        f"At {law.place} there is a residual that no formula fits. As measured, it is {', and '.join(parts)}: "
         f"{size}{falls}."
     )
 
@@ -68,7 +72,7 @@ def _function(term: LawTerm) -> str:
     function = f"a smooth function of the {WHAT[table.what]}{of}"
     roles = {look.role for look in term.looks_at if look.what == "velocity" and look.role != "table"}
     if "direction" in roles:
-        return f"{function} that turns with the direction of motion"
+        return f"{function} that reverses with the direction of motion"
     return f"{function} times the speed" if roles else function
 
 
@@ -79,7 +83,7 @@ def _kind(term: LawTerm) -> str:
     wave = any(look.role == "wave" for look in term.looks_at)
     does: list[str] = []
     if against:
-        does.append("goes with the direction of motion" if wave else _opposes(term))
+        does.append("follows the direction of motion" if wave else _opposes(term))
     does += dict.fromkeys(
         _goes_by(look) for look in term.looks_at if look.role != "direction" or look.motor or not against
     )
@@ -95,7 +99,7 @@ def _goes_by(look: LooksAt) -> str:
     what = f"{WHAT[look.what]}{of}"
     sized = look.what not in ("velocity", "tool_speed", "time")
     return {
-        "wave": f"swings with the {what}",
+        "wave": f"oscillates with the {what}",
         "decay": "fades with time",
         "step": f"sets in at a certain {what}",
         "memory": f"follows the {what} with a delay",

@@ -8,9 +8,10 @@ from bench.effects.display_names import begun, spoken
 from bench.identification.wording import and_list, in_percent, or_list
 
 DOUBTS: Mapping[Doubt, str] = {
-    Doubt.MUCH_LEFT: "something that no effect of the catalogue explains is left, and may be what this stands for",
-    Doubt.BESIDE_A_LAW: "a law at the same motor explains far more, and this may make up for what is inexact in its "
-    "form",
+    Doubt.MUCH_LEFT: "a large error remains that no effect of the catalogue explains, and this effect may only "
+    "imitate its cause",
+    Doubt.BESIDE_A_LAW: "a law at the same motor explains far more, and this effect may only compensate for an "
+    "inexact form of the law",
 }
 
 
@@ -35,44 +36,47 @@ def left_words(left: Unexplained, *, searched: bool = True) -> str:
     floor, encoders = (f"{100.0 * noise:.3g} %" for noise in (left.noise_floor, left.encoders))
     error = f"{100.0 * left.error:.3g} %"
     if left.what == Remainder.NOISE:
-        return f"the error left ({error}) is about what the noise of the currents leaves ({floor})"
+        return f"the remaining error ({error}) is at the noise floor of the currents ({floor})"
     if left.what == Remainder.NOISE_AND_ENCODERS:
         return (
-            f"the error left ({error}) is about what the noise of the currents ({floor}) and that of the encoders "
-            f"({encoders}) leave"
+            f"the remaining error ({error}) is explained by the noise of the currents ({floor}) and of the encoders "
+            f"({encoders})"
         )
-    noise = f"the noise of the currents leaves {floor}"
+    noise = f"the noise floor of the currents is {floor}"
     if left.encoders > 0.1 * left.noise_floor:
-        noise += f" and that of the encoders {encoders}"
+        noise += f", that of the encoders {encoders}"
     if left.repeats is not None:
-        noise += f", and the logs repeat themselves to {100.0 * left.repeats:.3g} %"
+        noise += f", and the logs are repeatable to {100.0 * left.repeats:.3g} %"
     if left.what == Remainder.NO_PATTERN:
-        return f"{error} of the current is left where {noise}; it varies with nothing that was looked at"
-    varies = f"{error} of the current is left where {noise}, and it varies with {', '.join(left.depends_on)}"
-    return f"{varies}: no effect of the catalogue accounts for it" if searched else varies
+        return f"the remaining error is {error} of the current ({noise}); it depends on no variable that was tested"
+    varies = f"the remaining error is {error} of the current ({noise}), and it depends on {', '.join(left.depends_on)}"
+    return f"{varies}: no effect of the catalogue explains it" if searched else varies
 
 
 def _explains(verdict: EffectVerdict) -> str:
     at = f" at {', '.join(verdict.actuators)}" if verdict.actuators else ""
     said = (
-        f"With {spoken(verdict.effect)}{at} the error on recordings not fitted falls "
+        f"With {spoken(verdict.effect)}{at} the error of recordings that were not fitted falls "
         f"from {in_percent(verdict.error_before)} to {in_percent(verdict.error_after)} of the current"
     )
     return (
-        f"{said}; these data cannot tell it from {_alternatives(verdict)}" if verdict.alternatives else said
+        f"{said}; these data cannot distinguish it from {_alternatives(verdict)}"
+        if verdict.alternatives
+        else said
     )
 
 
 def _as_good(verdict: EffectVerdict) -> str:
-    others = _alternatives(verdict) if verdict.alternatives else "what was chosen"
-    return f"{begun(verdict.effect)} would explain the data as well as {others}: these recordings cannot tell"
+    others = _alternatives(verdict) if verdict.alternatives else "the chosen effects"
+    said = f"{begun(verdict.effect)} would explain the data as well as {others}"
+    return f"{said}: these recordings cannot distinguish them"
 
 
 def _as_good_as_a_law(verdict: EffectVerdict) -> str:
     at = f" at {and_list(verdict.why.names)}" if verdict.why.names else ""
     return (
         f"{begun(verdict.effect)} would explain the data as well as the discovered law{at}: these recordings cannot "
-        "tell"
+        "distinguish them"
     )
 
 
@@ -84,9 +88,9 @@ def _adding(verdict: EffectVerdict, gained: str) -> str:
 
 
 def _taken_up(verdict: EffectVerdict) -> str:
-    by = "".join(f", above all {name}," for name in verdict.why.names)
+    by = "".join(f", mainly {name}," for name in verdict.why.names)
     return (
-        f"The model's own parameters{by} take {spoken(verdict.effect)} up completely: no data of this robot with these "
+        f"The parameters of the model{by} absorb {spoken(verdict.effect)} completely: no data of this robot with these "
         "payloads can show it"
     )
 
@@ -96,7 +100,7 @@ def _impossible(verdict: EffectVerdict) -> str:
     at = "".join(f" at {name}" for name in place)
     return (
         f"{begun(verdict.effect)} would need a negative {parameter}{at} to explain the data, which is physically "
-        "impossible: something else of a like shape is there"
+        "impossible: the cause is a similar effect"
     )
 
 
@@ -108,8 +112,8 @@ WORDS: Mapping[Because, Callable[[EffectVerdict], str]] = {
     Because.EXPLAINS: _explains,
     Because.AS_GOOD: _as_good,
     Because.AS_GOOD_AS_A_LAW: _as_good_as_a_law,
-    Because.GAINS_NOTHING: lambda verdict: _adding(verdict, "gains nothing"),
-    Because.GAINS_LITTLE: lambda verdict: _adding(verdict, "gains too little to be sure"),
+    Because.GAINS_NOTHING: lambda verdict: _adding(verdict, "improves nothing"),
+    Because.GAINS_LITTLE: lambda verdict: _adding(verdict, "improves the error too little to be certain"),
     Because.TAKEN_UP: _taken_up,
     Because.IMPOSSIBLE: _impossible,
     Because.CANCELS: lambda verdict: (
@@ -117,6 +121,6 @@ WORDS: Mapping[Because, Callable[[EffectVerdict], str]] = {
         "which other terms of the model would have to cancel"
     ),
     Because.NOT_NEEDED: lambda verdict: (
-        f"{begun(verdict.effect)} is not needed where the other found effects are fitted anew without it"
+        f"{begun(verdict.effect)} is not needed: without it, the other effects explain the data as well"
     ),
 }

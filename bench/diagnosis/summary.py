@@ -95,26 +95,27 @@ def _summary(diagnosis: Diagnosis) -> DiagnosisSummary:
     differs = from_run_to_run(diagnosis.differs, each, clear=not diagnosis.unexplained.significant)
     laws = law_sentences(diagnosis.discovered)
     if not found:
-        what = "No effect with one value for all recordings" if differs else "Nothing"
+        what = f"No effect of the catalogue{' with one value for all recordings' if differs else ''}"
         nothing = (
-            f"{what} is missing that the catalogue knows: judged on {judged}, no effect makes the "
-            f"error clearly smaller than {in_percent(after if each else before)} of the current."
+            f"{what} is missing: judged on {judged}, no effect reduces the "
+            f"error clearly below {in_percent(after if each else before)} of the current."
         )
         if not searched:
             nothing = (
-                f"Nothing was found to be missing before the time was up: judged on {judged}, the error is "
-                f"{in_percent(before)} of the current, where noise leaves {in_percent(floor)}."
+                f"No missing effect was identified within the time limit: judged on {judged}, the error is "
+                f"{in_percent(before)} of the current; the noise floor is {in_percent(floor)}."
             )
         elif not differs and _explains_nothing(diagnosis, before):
             nothing = (
-                f"No model here explains these currents: judged on {judged}, {in_percent(before)} of the current is "
-                f"left, where noise leaves {in_percent(floor)}; no effect of the catalogue makes that clearly smaller."
+                f"No model of this program explains these currents: judged on {judged}, the error is "
+                f"{in_percent(before)} of the current; the noise floor is {in_percent(floor)}. No effect of the "
+                "catalogue reduces it clearly."
             )
         causes = [expected for expected in diagnosis.after.findings if expected.code in CAUSES]
         if causes and searched:
             nothing = (
-                f"{sentence(causes[0])} As it is declared, no effect makes the error on {judged} clearly "
-                f"smaller than {in_percent(before)} of the current."
+                f"{sentence(causes[0])} With the present declaration, no effect reduces the error of {judged} clearly "
+                f"below {in_percent(before)} of the current."
             )
         strange = [
             sentence(finding) for finding in (runaway(diagnosis.after), unlike(diagnosis.after)) if finding
@@ -134,18 +135,18 @@ def _summary(diagnosis: Diagnosis) -> DiagnosisSummary:
     if doubt or nominal:
         said_of = "seems to be" if len(parts) == 1 else "seem to be"
     if laws:
-        names = f"{names}, beside {'a law' if len(laws) == 1 else 'laws'} that no catalogue has,"
+        names = f"{names}, in addition to {'a law' if len(laws) == 1 else 'laws'} outside the catalogue,"
     elif each:
-        names = f"{names}, beside what differs from run to run,"
+        names = f"{names}, in addition to the effects that differ from run to run,"
     verdict = (
         f"{_capital(names)} {said_of} missing: judged on {judged}, the error falls from {in_percent(before)} "
-        f"to {in_percent(after)} of the current, where noise leaves {in_percent(floor)}."
+        f"to {in_percent(after)} of the current; the noise floor is {in_percent(floor)}."
     )
     if not laws and not each and _explains_nothing(diagnosis, after):
         verdict = (
-            f"No model here explains these currents: judged on {judged}, the best one leaves {in_percent(after)} of "
-            f"the current, where noise leaves {in_percent(floor)}. It adds {names}; "
-            f"without, {in_percent(before)} is left."
+            f"No model of this program explains these currents: judged on {judged}, the best one has an error of "
+            f"{in_percent(after)} of the current; the noise floor is {in_percent(floor)}. It adds {names}; "
+            f"without, the error is {in_percent(before)}."
         )
     undecided = tuple(
         _cannot_tell(effect_verdict, found) for effect_verdict in found if effect_verdict.alternatives
@@ -171,7 +172,7 @@ def _strange(diagnosis: Diagnosis) -> tuple[str, ...]:
     causes = [finding for finding in result.findings if finding.code in CAUSES]
     strange = causes[0] if causes else runaway(result) or unlike(result)
     left = diagnosis.unexplained
-    false = "These names may be false"
+    false = "The named effects may be wrong"
     if strange:
         return (f"{false}. {sentence(strange)}",)
     if left.significant and left.error > HOPELESS * max(left.noise_floor, REAL, left.repeats or 0.0):
@@ -180,7 +181,7 @@ def _strange(diagnosis: Diagnosis) -> tuple[str, ...]:
             if left.noise_floor
             else in_percent(left.error)
         )
-        return (f"{false}: what is left is {size}. Check columns, signs and payloads.",)
+        return (f"{false}: the remaining error is {size}. Check columns, signs and payloads.",)
     return ()
 
 
@@ -192,8 +193,8 @@ def _nominal(result: Identification) -> str:
     gains = nominal_gains(why)
     are = "is" if gains.startswith("the drive gain ") else "are"
     return (
-        f"T{gains[1:]} {are} nominal, since {why_in_words(why)}: gains a tenth off look like other effects, and the "
-        f"names may be false. {cure(why)}"
+        f"T{gains[1:]} {are} nominal, because {why_in_words(why)}: gains that are wrong by a tenth look like other "
+        f"effects, so the named effects may be wrong. {cure(why)}"
     ).rstrip()
 
 
@@ -201,14 +202,14 @@ def _superfluous(diagnosis: Diagnosis) -> str:
     """What the starting model had that is not needed; "" where all of it is."""
     alone = [spoken(effect.effect) for effect in diagnosis.superfluous if effect.replaced_by is None]
     parts = [
-        f"{spoken(effect.effect)} gives way to {spoken(effect.replaced_by)}"
+        f"{spoken(effect.effect)} is replaced by {spoken(effect.replaced_by)}"
         for effect in diagnosis.superfluous
         if effect.replaced_by is not None
     ]
     if alone:
         parts.insert(0, f"{and_list(alone)} {'is' if len(alone) == 1 else 'are'} superfluous")
     return (
-        f"Of the effects that the model had, {and_list(parts)}: the error is no larger without."
+        f"Of the effects in the given model, {and_list(parts)}: the error is no larger without."
         if parts
         else ""
     )
@@ -227,9 +228,9 @@ def _cannot_tell(verdict: EffectVerdict, found: Sequence[EffectVerdict]) -> str:
     motions = "; ".join(telling_motions([verdict.effect, *verdict.alternatives])[:MOTIONS])
     beside = "".join(f" --with {other.effect}" for other in found if other is not verdict)
     return (
-        f"Instead of {spoken(verdict.effect)} it could as well be "
+        f"Instead of {spoken(verdict.effect)} the cause could equally be "
         f"{or_list([spoken(name) for name in verdict.alternatives])}: "
-        f"these recordings cannot tell. To tell them apart: {motions}. The motion is designed by "
+        f"these recordings cannot distinguish them. To distinguish them: {motions}. The motion is designed by "
         f"`bench discriminate DATASET {verdict.effect} {verdict.alternatives[0]}{beside} -o DIR`."
     )
 
@@ -250,7 +251,7 @@ def reason(diagnosis: Diagnosis, verdict: EffectVerdict) -> str:
         for joint, size in verdict.size.items()
     ]
     share = error_share(verdict)
-    taken = "" if share is None else f" and takes {_most(share)} of the squared error away"
+    taken = "" if share is None else f" and removes {_most(share)} of the squared error"
     return f"{reason_sentence(verdict).rstrip('.')}; it has an RMS of {and_list(sizes)}{taken}."
 
 
@@ -314,9 +315,9 @@ def _largest_change(diagnosis: Diagnosis) -> str | None:
         return None
     before, after = diagnosis.before.drive_gains, diagnosis.after.drive_gains
     them = "it" if len(diagnosis.added) == 1 else "them"
-    beside = "a value for each recording" if diagnosis.by_recording and not diagnosis.missing else them
+    beside = "one value per recording" if diagnosis.by_recording and not diagnosis.missing else them
     gain, was = after[joint], before[joint]
-    came = f"came out at {with_error(was.value, was.std)}" if was.determined else "is not determined"
+    came = f"is {with_error(was.value, was.std)}" if was.determined else "is not determined"
     return (
         f"With {beside} the drive gain of {joint} is {with_error(gain.value, gain.std)} {gain.unit.replace('*', '·')}, "
         f"{100.0 * (gain.value / gain.nominal - 1.0):+.3g} % from its nominal {gain.nominal:.4g}; without {them} it "

@@ -6,11 +6,11 @@ from bench.diagnosis.result import Diagnosis, Unfinished
 from bench.identification.wording import and_list
 
 NOT_LOOKED_AT: Mapping[Unfinished, str] = {
-    Unfinished.CAUSES: "columns that are swapped and loads that are others",
-    Unfinished.SETS: "effects of the catalogue, and sets of them, beyond those named",
+    Unfinished.CAUSES: "swapped columns and wrong payloads",
+    Unfinished.SETS: "further effects of the catalogue and sets of them",
     Unfinished.OWN_VALUES: "values that differ from recording to recording",
-    Unfinished.AS_GOOD: "models that explain the data as well, which the gains' standard errors would hold",
-    Unfinished.LAWS: "laws that are in no catalogue",
+    Unfinished.AS_GOOD: "models that explain the data as well, which would widen the gains' standard errors",
+    Unfinished.LAWS: "laws outside the catalogue",
 }
 
 
@@ -20,6 +20,6 @@ def unfinished_sentence(diagnosis: Diagnosis) -> str:
         return ""
     missed = and_list([NOT_LOOKED_AT[code] for code in diagnosis.unfinished])
     return (
-        f"The time was up before the search had ended. Not looked at, or not to the end: {missed}. A longer "
-        "`--time-limit` looks at them."
+        f"The time limit ended the search. Not searched, or not completely: {missed}. A longer "
+        "`--time-limit` includes them."
     )

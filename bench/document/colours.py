@@ -1,4 +1,4 @@
-"""One meaning, one colour: told apart by colour-blind eyes, on white paper and on the viewer's dark ground.
+"""One meaning, one colour: distinguishable for colour-blind eyes, on white paper and on the viewer's dark ground.
 
 The hues are those of Okabe and Ito (2008), lightened where the ground is dark.
 """

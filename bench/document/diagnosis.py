@@ -1,4 +1,4 @@
-"""What a diagnosis found, as tables."""
+"""The result of a diagnosis, as tables."""
 
 from collections.abc import Sequence
 from itertools import pairwise
@@ -52,7 +52,7 @@ def ladder_table(diagnosis: Diagnosis) -> Table:
 def ranking_table(diagnosis: Diagnosis, verdicts: Sequence[EffectVerdict] | None = None) -> Table:
     """A row for each effect: verdict, evidence, errors without and with it, how large, where, alternatives.
 
-    Columns with nothing in them are left out.
+    Columns with nothing in them are omitted.
     """
     rows = diagnosis.ranking if verdicts is None else verdicts
     absorbed = [verdict.verdict == "absorbed" for verdict in rows]
@@ -125,7 +125,7 @@ def gains_before_after(before: Identification, after: Identification) -> Table:
 
 
 def parameters_before_after(diagnosis: Diagnosis, most: int | None = None) -> tuple[Table, int]:
-    """Parameters of both models, and how many are left out: those that move least beside their deviation."""
+    """Parameters of both models, and how many are omitted: those that move least compared with their deviation."""
     before = {parameter.name: parameter for parameter in diagnosis.before.parameters}
     both: list[tuple[str, Quantity, Quantity]] = [
         (parameter.name, before[parameter.name], parameter)
@@ -140,7 +140,7 @@ def parameters_before_after(diagnosis: Diagnosis, most: int | None = None) -> tu
 
 
 def size_words(diagnosis: Diagnosis, verdict: EffectVerdict) -> str:
-    """RMS torque of an effect, the smallest and largest of its motors, and its share of the motor's own torque.
+    """RMS torque of an effect, the smallest and largest of its motors, and its share of the motor's torque.
 
     Torques of hinges and forces of slides stand apart.
     """
@@ -174,7 +174,7 @@ def _unless(absent: Sequence[bool], cells: Sequence[float | None]) -> list[float
 
 
 def _places(diagnosis: Diagnosis, verdict: EffectVerdict) -> str:
-    """Where an effect shows, in few words: the sentence beside has them all."""
+    """Where an effect shows, in few words: the adjacent sentence has them all."""
     motors = list(diagnosis.after.drive_gains)
     if list(verdict.actuators) == motors and len(motors) > 1:
         return "all motors"
@@ -182,7 +182,7 @@ def _places(diagnosis: Diagnosis, verdict: EffectVerdict) -> str:
 
 
 def _few(alternatives: Sequence[str]) -> str:
-    """The first of many effects: the sentence beside has them all."""
+    """The first of many effects: the adjacent sentence has them all."""
     names = [effect_name(alternative) for alternative in alternatives]
     if len(names) > FEW:
         return f"{', '.join(names[: FEW - 1])} and {len(names) - FEW + 1} more"
@@ -196,5 +196,5 @@ def _taken(verdict: EffectVerdict) -> float | None:
 
 
 def _not_rounding(value: float) -> float:
-    """Zero for what is left of a difference of equal numbers."""
+    """Zero for what remains of a difference of equal numbers."""
     return value if abs(value) > ROUNDING else 0.0

@@ -1,4 +1,4 @@
-"""What an identification found, as tables."""
+"""The result of an identification, as tables."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -51,9 +51,9 @@ def parameters_table(
     *,
     full: bool = False,
 ) -> Table:
-    """Base and payload parameters with what they take up beside their own term, or (full) all that they stand for.
+    """Base and payload parameters with the main terms of their grouping, or (full) the whole grouping.
 
-    before: another model, whose values stand beside.
+    before: another model, whose values are shown for comparison.
     """
     parameters = list(result.parameters)
     names = [parameter.name for parameter in parameters]

@@ -17,9 +17,9 @@ UNDETERMINED = "not determined"  # a value whose deviation is so large that it s
 USES = {"identify": "fitted", "validate": "not fitted"}
 
 STD_FROM: dict[StdFrom, str] = {
-    "noise": "the error taken as noise",
-    "blocks": "how the estimate differs between parts of the recordings: the model's own error outweighs noise",
-    "periods": "errors that return with the motion: the model's own outweighs noise, however often the motion is made",
+    "noise": "the error as noise",
+    "blocks": "differences of the estimate between parts of the recordings: model errors exceed noise",
+    "periods": "errors that return with the motion: model errors exceed noise, however often the motion is repeated",
     "models": "how the estimate differs between models that explain the data as well",
     "instruments": "how the estimate differs from that of instrumental variables: the filters let noise through",
     "bandwidth": "how the estimate differs from that in another band of frequencies",
@@ -119,7 +119,7 @@ def is_poor(quantity: Quantity) -> bool:
 
 
 def other_terms(name: str, grouping: str) -> list[str]:
-    """The standard parameters that a base parameter takes up beside its own, each with sign and factor."""
+    """The further standard parameters in the grouping of a base parameter, each with sign and factor."""
     terms = re.split(r" (?=[+-] )", grouping)
     return terms[1:] if terms[0] == name else terms
 
@@ -179,7 +179,7 @@ def settings_lines(result: Identification) -> list[str]:
     if rate is not None:
         filters += f", fit at {rate:.4g} Hz (one sample in {result.settings.decimation})"
     still = (
-        [f"{all_rows - rows} more equations excluded, of joints that stand still"] if rows < all_rows else []
+        [f"{all_rows - rows} more equations excluded because a joint stands still"] if rows < all_rows else []
     )
     equations = f"{rows} equations, " if result.recordings else ""  # a saved model has no rows to count
     spread = [] if result.std_from == "noise" else [f"± from {STD_FROM[result.std_from]}"]

@@ -54,7 +54,7 @@ RIGHT: frozenset[Kind] = frozenset({"deviation", "true", "sigma", "share", "chan
 class Column:
     """A header and its cells: None for what is not known, an empty text for what is not told.
 
-    rank: when it may be left out where there is little room; 0: never, the highest rank goes first. format, unit: of
+    rank: when it may be omitted where there is little room; 0: never, the highest rank goes first. format, unit: of
     numbers.
     """
 
@@ -104,7 +104,7 @@ class Column:
 class Table:
     """Columns of one length.
 
-    marks: one a row: "strong" for what counts most or sums up, "weak" for what stands beside, "poor" for what says
+    marks: one a row: "strong" for what counts most or sums up, "weak" for what is secondary, "poor" for what says
     little; none: all plain. ends: rows below which a part ends.
     """
 

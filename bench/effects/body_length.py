@@ -15,7 +15,7 @@ ONE_SIDED = 0.5  # of the longest distance: a mean beyond it gives the body a di
 class BodyLength:
     """The length of a body: from its joint to the farthest joint, loop anchor or tool that is fixed to it, m.
 
-    center (3,): where its joint is, or for the world the middle of what stands on it. direction (3,): towards
+    center (3,): where its joint is, or for the world the middle of the joints on it. direction (3,): towards
     what is fixed to the body, where that lies to one side, at right angles to the axis of a hinge; None for a
     platform or the world, which grow in all directions.
     """

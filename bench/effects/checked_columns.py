@@ -13,7 +13,7 @@ from bench.effects.user_file import user_file_of
 def effect_columns(instance: EffectInstance, robot: RobotSignals) -> np.ndarray:
     """Columns (N, n, p) of an effect at its place.
 
-    Raises BenchError where they have another shape or are not finite, or where a user's own code fails.
+    Raises BenchError where they have another shape or are not finite, or where a user's code fails.
     """
     columns, motors = columns_at_motors(instance, robot)
     if len(motors) == len(robot.joints):

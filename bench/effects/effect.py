@@ -1,4 +1,4 @@
-"""What an effect is: columns that the model lacks, beside those of the rigid bodies."""
+"""What an effect is: columns that the model lacks, in addition to those of the rigid bodies."""
 
 from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
@@ -75,14 +75,14 @@ class ShapeParameter:
 
 @dataclass(frozen=True)
 class Effect(ABC):
-    """A physical effect, linear in `parameters`, with non-linear `shape` parameters as its own fields.
+    """A physical effect, linear in `parameters`, with non-linear `shape` parameters as its fields.
 
-    The motors have to overcome `columns(...) @ parameters`, N*m or N, beside the rigid-body torque.
+    The motors have to overcome `columns(...) @ parameters`, N*m or N, in addition to the rigid-body torque.
 
     place: where it sits, with a set of parameters for each: "actuator" (joint with a motor), "passive" (joint
     without), "bearing" (of those, one whose force follows from the motion), "body" (with a length), "payload", or once
     for the "robot". contains: effects that are special cases of this one; it must earn its extra parameters against
-    them. depends_on_model: its columns use the present model's torque or gain. before_torque: it stands between the
+    them. depends_on_model: its columns use the present model's torque or gain. before_torque: it is between the
     current reference and the torque, and no part of the torque that effects see as needed.
 
     law: a sentence with the law as a formula in written symbols; symbols: what they mean, with their units. Both are
@@ -145,11 +145,11 @@ class Effect(ABC):
         return {field.name: getattr(self, field.name) for field in fields(self) if field.name in names}
 
     def position_offset(self, values: np.ndarray) -> float:  # noqa: ARG002 - by default none
-        """How far its joint stands from where it was logged, rad or m, at these values (p,) of the parameters."""
+        """How far its joint is from where it was logged, rad or m, at these values (p,) of the parameters."""
         return 0.0
 
     def nodes(self, robot: RobotSignals, joint: str) -> tuple[float, float] | None:  # noqa: ARG002 - by default none
-        """Two values of its one parameter between and beside which a search takes the columns, linearised about the
+        """Two values of its one parameter inside and outside of which a search takes the columns, linearised about the
         parameter's value, to follow a straight line; None where they are to be computed for each value.
         """
         return None
@@ -176,7 +176,7 @@ class Effect(ABC):
 
 @dataclass(frozen=True)
 class ActuatorEffect(Effect):
-    """An effect at one actuated joint that shows in its own motor's torque alone."""
+    """An effect at one actuated joint that shows in its motor's torque alone."""
 
     @abstractmethod
     def torque(self, joint: JointSignals) -> np.ndarray:
@@ -194,7 +194,7 @@ class ActuatorEffect(Effect):
         return torque
 
     def columns(self, robot: RobotSignals, joint: str) -> np.ndarray:
-        """Columns (N, n, p) with `torque` in the joint's own row and zero elsewhere.
+        """Columns (N, n, p) with `torque` in the joint's row and zero elsewhere.
 
         At a redundant motor, what the others have to supply for it through the loops.
         """

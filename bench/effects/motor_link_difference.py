@@ -56,7 +56,7 @@ def torque_behind(
 ) -> np.ndarray:
     """Change of the torque (N, n) where the link of a joint lies `behind` (K,) its motor, rad or m.
 
-    At the coarse samples; what lies above the cutoff (Hz; twice the fit's band if left out) is subtracted before it
+    At the coarse samples; what lies above the cutoff (Hz; twice the fit's band if omitted) is subtracted before it
     is differentiated. rotor: the part of the model's inertia at the joint, kg*m2 or kg, that stays with the motor.
     """
     rates = rates_behind(robot, behind, cutoff)

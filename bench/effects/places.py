@@ -41,7 +41,7 @@ class Places:
         return frozenset((*self.actuator, *self.redundant, *self.passive, *self.body, *self.payload))
 
     def where(self, effect: Effect) -> tuple[str, ...]:
-        """Where an effect can sit. At a redundant motor, what shows in its own motor's torque and needs no model."""
+        """Where an effect can sit. At a redundant motor, what shows in its motor's torque and needs no model."""
         alone = isinstance(effect, ActuatorEffect) and type(effect).columns is ActuatorEffect.columns
         more = self.redundant if alone and not effect.depends_on_model else ()
         return (*self.of(effect.place), *more)

@@ -9,7 +9,7 @@ from bench.effects.effect import Effect, Place
 from bench.effects.places import Places
 from bench.model.reaction import undetermined_by
 
-ROBOT = "robot"  # where an effect of the whole robot stands among the joints
+ROBOT = "robot"  # the place of an effect of the whole robot, among the joints
 TAG = "@recording"  # behind an effect or its place: a value for each recording
 
 NOWHERE: dict[Place, str] = {
@@ -43,7 +43,7 @@ class EffectInstance:
 
     @property
     def place(self) -> str:
-        """Under which name its values are told: such as left, robot, or left@unloaded.csv."""
+        """The name of its values: left, robot, or left@unloaded.csv."""
         return (self.joint or ROBOT) + (f"@{self.recording}" if self.recording else "")
 
     def share(self, log: str) -> float:
@@ -125,7 +125,7 @@ def _parts(request: str, places: Places) -> tuple[str, str, bool]:
     if "@" in told and joint not in places.names:
         tag = told[told.rindex("@") :]
         raise BenchError(
-            f"effect {request!r}: {tag!r} says nothing; {TAG} gives each fitted recording values of its own, and "
+            f"effect {request!r}: {tag!r} has no meaning; {TAG} estimates values for each fitted recording; "
             "without it one value holds for all"
         )
     return name, joint, named != request

@@ -96,7 +96,7 @@ class Borne:
     """What a joint bears across its axis by the present model, in two directions at right angles to it.
 
     force (K, 2) N, at every so many-th sample; of_mass (K, 2) N/kg: what a mass on the joint's axis, beyond it, adds.
-    mass: kg, how much of that the force of equal bars, as heavy as the model, has beside its own. by_torque: what a
+    mass: kg, how much of that the force of equal bars, as heavy as the model, has in addition. by_torque: what a
     torque or force of one that another joint without a motor needs, by name, or the joint itself, adds to it (K, 2).
     """
 
@@ -130,7 +130,7 @@ class Coarse:
 class Sparse:
     """That signals are every so many-th of `length` samples of a recording, from the first one on.
 
-    shares: of every joint how much of what each stands for, half way to its neighbours, lies in a gap, (K,) each.
+    shares: of every joint the share of each sample, half way to its neighbours, that lies in a gap, (K,) each.
     """
 
     every: int

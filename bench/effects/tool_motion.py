@@ -11,7 +11,7 @@ def tool_motion(robot: RobotSignals) -> tuple[np.ndarray, np.ndarray]:
     """At the coarse samples: the tool's way from home (K, 3) in m, and its Jacobian (K, 3, n).
 
     In the world's axes. The Jacobian is by the active velocities. For a robot without a tool, the origin of its
-    free platform, or of its last body, stands for it.
+    free platform, or of its last body, is used.
     """
     geometry, tree = robot.geometry, robot.tree
     q = np.column_stack((geometry.home, tree.q[:: robot.every].T))
@@ -32,7 +32,7 @@ def tool_motion(robot: RobotSignals) -> tuple[np.ndarray, np.ndarray]:
 
 
 def tool_of(geometry: Geometry) -> Anchor:
-    """The tool's place, or what stands for it."""
+    """The place of the tool or of its substitute."""
     if geometry.tool is not None:
         return geometry.tool
     free = [i for i, joint in enumerate(geometry.joints) if joint.kind == "free"]

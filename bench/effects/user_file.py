@@ -1,4 +1,4 @@
-"""A user's own effects: classes in a Python file, treated like built-in ones."""
+"""A user's effects: classes in a Python file, treated like built-in ones."""
 
 import inspect
 import sys
@@ -84,7 +84,7 @@ def effect_fault(effect: Effect) -> str | None:
     name = getattr(effect, "name", None)
     parameters = getattr(effect, "parameters", ())
     if not isinstance(name, str) or not name.isidentifier():
-        return f"name must be a word such as 'my_friction', not {name!r}"
+        return f"name must be a word, for example 'my_friction', not {name!r}"
     if not _all_of(parameters, EffectParameter) or not parameters:
         return "parameters must be a tuple of EffectParameter, at least one"
     if not _all_of(effect.shape, ShapeParameter):

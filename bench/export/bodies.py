@@ -19,7 +19,7 @@ class Body:
     """A body or payload whose ten standard parameters are sought.
 
     prior (10,): what they are drawn towards; rows (nz, 10): what it adds to the estimated parameters for each of them;
-    held (k, 10), to (k,): equations that its own parameters keep, declared ones.
+    held (k, 10), to (k,): equations that its declared parameters keep.
     """
 
     name: str
@@ -102,7 +102,7 @@ def _load(identified: IdentifiedModel, declared: Payload, place: int, kept: tupl
     held = np.setdiff1d(np.arange(10), unknown)
     equations, to = np.eye(10)[held], columns.known[held]
     if with_known:
-        # what is left out of the estimate must not add to what is declared
+        # parameters omitted from the estimate must not add to what is declared
         beside = np.zeros((1, 10))
         beside[0, unknown] = dependence[0, 1:]
         if beside.any():

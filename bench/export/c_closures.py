@@ -33,7 +33,7 @@ def passive_order(geometry: Geometry) -> tuple[int, ...]:
 
 
 def closure_tables(geometry: Geometry) -> dict[str, str]:
-    """What stands for the names in the templates of closed robots."""
+    """The values of the names in the templates of closed robots."""
     spins, passive = idle_spins(geometry), passive_order(geometry)
     equations = closures_of(geometry).equations
     ends = [(loop.first, loop.second) for loop in geometry.loops]

@@ -9,7 +9,7 @@ from bench.export.identified import EffectValues, IdentifiedModel
 from bench.model.geometry import Geometry
 
 Law = Callable[[Mapping[str, str]], str]
-"""C of a law: of x, s, b: position, velocity, acceleration; t: torque needed beside it; g: gain."""
+"""C of a law: of x, s, b: position, velocity, acceleration; t: torque needed in addition to it; g: gain."""
 
 
 def _wave(v: Mapping[str, str], periods: str) -> str:

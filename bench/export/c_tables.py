@@ -6,7 +6,7 @@ import numpy as np
 
 
 def table(values: np.ndarray | Sequence[object]) -> str:
-    """What stands between the braces of an array, of one dimension or two."""
+    """The text between the braces of an array, of one dimension or two."""
     array = np.asarray(values)
     if array.ndim == 2:
         return ",\n    ".join("{" + table(row) + "}" for row in array)

@@ -1,6 +1,6 @@
 """Identification with bodies that can exist: least squares under the condition that pseudo-inertias are definite.
 
-The fit's own least squares, (x - x0)' S^-1 (x - x0) of all unknowns x about the unconstrained estimate x0 with its
+The fit's least squares, (x - x0)' S^-1 (x - x0) of all unknowns x about the unconstrained estimate x0 with its
 covariance S, is made small over all x whose base parameters some set of real bodies has. That is a semidefinite
 program: Sousa and Cortesao, "Physical feasibility of robot base inertial parameter identification: A linear matrix
 inequality approach", International Journal of Robotics Research 33(6), 2014. Gains and effects go along as S says.
@@ -24,7 +24,7 @@ def physically_consistent(result: Identification, problem: Problem) -> Identific
 
     No mass of the MJCF is read. Covariance and standard errors stay those of the fit without the condition, and are
     no larger with it. A finding tells the distance, or which body could not be real where noise does not explain it.
-    Raises BenchError where base parameters were left out, or the solver fails or is not installed.
+    Raises BenchError where base parameters were omitted, or the solver fails or is not installed.
     """
     if result.left_out:
         raise BenchError("real bodies need all base parameters: identify without --essential")

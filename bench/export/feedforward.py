@@ -80,7 +80,7 @@ class Feedforward:
         return np.asarray(total / self._model.gains)
 
     def _at_motor(self, fitted_effect: EffectValues, j: int, asked: list[np.ndarray], needed: float) -> float:
-        """What an effect at motor j takes, given what the motor needs beside it."""
+        """What an effect at motor j takes, given what the motor needs in addition to it."""
         effect = fitted_effect.instance.effect
         if not isinstance(effect, ActuatorEffect):
             raise TypeError(effect.name)

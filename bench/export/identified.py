@@ -69,7 +69,7 @@ class IdentifiedModel:
         return np.concatenate((self.base, loads))
 
     def effects_in(self, log: str = "") -> tuple[EffectValues, ...]:
-        """The effects as they are in a recording: with its own values where each has some, else with their mean."""
+        """The effects as they are in a recording: with its values if it has some, otherwise with their mean."""
         merged: dict[tuple[str, str], EffectValues] = {}
         for effect in self.effects:
             share, key = effect.instance.share(log), (effect.name, effect.place)
@@ -194,7 +194,7 @@ def identified_model(
 
 
 def _payload_values(saved: SavedModel, base: Sequence[str]) -> dict[str, dict[int, float]]:
-    """Estimated parameters of payloads by payload and index, those that were left out too, in the fit's order."""
+    """Estimated parameters of payloads by payload and index, those that were omitted too, in the fit's order."""
     found: dict[str, dict[int, float]] = {}
     for name in (*saved.parameters, *saved.model.left_out):
         if name not in base:
@@ -230,7 +230,7 @@ def _with_values(path: Path, saved: SavedModel, instance: EffectInstance) -> Eff
 
 
 def _covariance(path: Path, covariance: np.ndarray, count: int) -> np.ndarray:
-    """The rows and columns of the model's own parameters, its effects' and the gains."""
+    """The rows and columns of the model's parameters, its effects' and the gains."""
     if covariance.ndim != 2 or min(covariance.shape) < count or not np.isfinite(covariance).all():
         raise BenchError(
             f"{path}: its covariance is {' x '.join(map(str, covariance.shape))}, and {count} parameters are needed"

@@ -104,7 +104,7 @@ def _name_all(spec: mujoco.MjSpec) -> None:
 
 
 def _find_files_from(spec: mujoco.MjSpec, source: Path, folder: Path) -> None:
-    """Meshes and textures stay where they are, beside the robot's own file."""
+    """Meshes and textures stay where they are, next to the robot's file."""
     for kind, listed in (
         ("meshdir", (*spec.meshes, *spec.hfields, *spec.skins)),
         ("texturedir", spec.textures),
@@ -132,7 +132,7 @@ def _set_bodies(
     for body in spec.bodies:
         if body.name == "world":
             continue
-        if body.name.startswith(ROTOR):  # MuJoCo does not write so small a mass of its own accord
+        if body.name.startswith(ROTOR):  # MuJoCo does not write so small a mass by itself
             inertia = [INERTIA] * 3 + [0.0] * 3
             exact[f"body {body.name}"] = {"mass": _text(MASS), "pos": "0 0 0", "fullinertia": _text(inertia)}
             continue
@@ -140,7 +140,7 @@ def _set_bodies(
         if body.name in physical.bodies:
             _set_inertia(body, physical.bodies[body.name], place.inverse(), exact)
         elif joint in carried:
-            changed.append(f"body {body.name} has no mass of its own: it is part of the body that carries it")
+            changed.append(f"body {body.name} has no mass: it is part of its parent body")
             _set_inertia(body, np.zeros(10), place, exact)
 
 

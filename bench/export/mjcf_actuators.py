@@ -11,7 +11,7 @@ from bench.dataset.mjcf_neutral import neutral
 
 @dataclass(frozen=True)
 class DrivenJoint:
-    """A motor: N*m or N per unit of current at its joint, and what it has to overcome beside the motion, N*m or N."""
+    """A motor: N*m or N per unit of current at its joint, and its load in addition to the motion, N*m or N."""
 
     joint: str
     gain: float
@@ -24,7 +24,7 @@ def set_motors(
     """One motor a joint: the file's own where it has one, a new one otherwise.
 
     A torque at the joint is gain times control, less the offset. Limits of control and keyframes keep the torque that
-    they stood for; a servo becomes a motor. changed: what is told. Returns the motors in the order of the joints.
+    they meant; a servo becomes a motor. changed: for messages. Returns the motors in the order of the joints.
     """
     motors = []
     for driven_joint in driven:
@@ -62,7 +62,7 @@ def set_motors(
 def _refill(
     motor: mujoco.MjsActuator, compiled: mujoco.MjModel, driven: DrivenJoint, changed: list[str]
 ) -> None:
-    """An actuator of the file with the identified gain; its limits keep the torque that they stood for."""
+    """An actuator of the file with the identified gain; its limits keep their torque."""
     place, gear = motor.id, float(motor.gear[0])
     plain = (
         compiled.actuator_gaintype[place] == int(mujoco.mjtGain.mjGAIN_FIXED)

@@ -41,7 +41,7 @@ class Contradiction:
         """In one line."""
         name, left = self.culprits[0]
         enough = [body for body, rest in self.culprits if rest <= self.expected]
-        who = " or ".join(enough) if enough else f"{name} most of all (without it {left:.1f} are left)"
+        who = " or ".join(enough) if enough else f"{name} most of all (without it {left:.1f} remain)"
         return (
             f"no real bodies have these base parameters: the nearest are {self.distance:.1f} standard errors away, "
             f"where noise explains {self.expected:.1f}; it is {who} that would need a negative mass or inertia. An "
@@ -85,7 +85,7 @@ def physical_set(identified: IdentifiedModel, *, use_cad: bool = True) -> Physic
         moved = programs.moved_onto(reached)
         if moved is None:
             raise BenchError(
-                f"{identified.path}: the search for real bodies failed: no exact ones were found"
+                f"{identified.path}: the search for physically possible bodies failed: none fits exactly"
             )
         reached = moved
     parameters, rotors = reached

@@ -134,7 +134,7 @@ RULES: dict[str, Rule] = {
 
 
 def left_lines(left: Iterable[NotPlaced]) -> list[str]:
-    """What is left, a line each, with its values."""
+    """The effects that remain, one line each, with their values."""
     lines = []
     for unplaced in left:
         values = {**unplaced.effect.instance.effect.shape_values(), **unplaced.effect.values}

@@ -215,7 +215,7 @@ class Programs:
             failed = self._tried(problem, settings)
             if not failed:
                 return
-        left_out = " (base parameters were left out as not needed: identify without --essential)"
+        left_out = " (the model omits base parameters: identify without --essential)"
         raise BenchError(
             f"the search for real bodies failed: {failed}{left_out if self.equations.fixed.any() else ''}"
         )
@@ -238,7 +238,7 @@ class Programs:
 
 
 def _pressures(dual: np.ndarray) -> tuple[np.ndarray, bool]:
-    """How hard a condition presses in its own directions, and whether it is one on a matrix."""
+    """How hard a condition presses in its directions, and whether it is one on a matrix."""
     if dual.ndim == 2:
         return np.linalg.eigvalsh(0.5 * (dual + dual.T)), True
     return np.atleast_1d(dual), False

@@ -1,4 +1,4 @@
-"""The file beside an export: what the format does not hold, for `bench.twin` and for people."""
+"""The file next to an export: what the format does not hold, for `bench.twin` and for people."""
 
 from pathlib import Path
 from typing import Any
@@ -44,7 +44,7 @@ def sidecar(physical: PhysicalSet, exported: Exported) -> dict[str, Any]:
 
 
 def write_sidecar(path: Path, content: dict[str, Any]) -> Path:
-    """Write it beside `path`, whole or not at all."""
+    """Write it next to `path`, whole or not at all."""
     beside = sidecar_path(path)
     write_json_atomically(beside, content)
     return beside

@@ -26,7 +26,7 @@ DECLARED = {
 }
 DONE = {
     ScaleRemedy.ELSEWHERE: "fix {it} farther from the axes about which the tool turns",
-    ScaleRemedy.UNLOADED: "record a motion without {it}, too",
+    ScaleRemedy.UNLOADED: "also record a motion without {it}",
     ScaleRemedy.MOTION: "move all joints together with {it}, farther and faster",
 }
 
@@ -66,10 +66,10 @@ def cure(finding: Finding) -> str:
     if finding.code is Code.GAINS_NOT_WANTED:
         return ""
     if finding.code is Code.GAINS_NOMINAL:
-        return "Record with a weighed payload, too."
+        return "Also record a motion with a weighed payload."
     ways = [_way(name.split("+"), finding.names) for name in finding.numbers]
     if not ways:
-        return "No declaration of a payload at this tool changes that."
+        return "Declaring more about a payload at this tool does not change that."
     said = or_list(ways)
     reached = max(finding.numbers.values())
     some = "" if reached == len(finding.of) else f" That fixes {reached:.0f} of {len(finding.of)}."
@@ -87,20 +87,18 @@ def scale_sentence(finding: Finding) -> str:
     single = finding.code is Code.GAINS_FIXED_FOR_SOME and len(finding.of) == 1
     stay, their, they = ("stays", "its", "it is") if single else ("stay", "their", "they are")
     wrong = (
-        f"what {'it' if single else 'they'} alone scale{'s' * single} is as wrong as {they}"
+        f"parameters that {'it' if single else 'they'} alone scale{'s' * single} are as wrong as {they}"
         if finding.code is Code.GAINS_FIXED_FOR_SOME
-        else "every parameter is wrong by the same share as the gain that scales it"
+        else "every parameter has the same relative error as the gain that scales it"
     )
-    said = (
-        f"T{gains[1:]} {stay} at {their} nominal value{'s' * (not single)}, since {reason(finding)}: {wrong}."
-    )
+    said = f"T{gains[1:]} {stay} at {their} nominal value{'s' * (not single)}, because {reason(finding)}: {wrong}."
     return f"{said} {cure(finding)}".rstrip()
 
 
 def refusal(scale: Scale) -> str:
     """Why not all drive gains can be fitted, in one line."""
     (finding,) = scale_findings(scale)
-    return f"{nominal_gains(finding)} cannot be fitted, since {reason(finding)}. {cure(finding)}".rstrip()
+    return f"{nominal_gains(finding)} cannot be fitted, because {reason(finding)}. {cure(finding)}".rstrip()
 
 
 def _joints(finding: Finding) -> str:
@@ -133,14 +131,14 @@ def _way(remedies: Sequence[str], payloads: Sequence[str]) -> str:
 
 
 REASONS: Mapping[Code, Callable[[Finding], str]] = {
-    Code.GAINS_NOT_WANTED: lambda _: "they were not to be fitted",
+    Code.GAINS_NOT_WANTED: lambda _: "they are excluded from the fit",
     Code.GAINS_NOMINAL: lambda _: "no fitted recording carries a payload of known mass",
     Code.PAYLOAD_NOT_WEIGHED: lambda finding: f"the mass of {_payloads(finding.names)} is not declared",
     Code.GAINS_NOT_FIXED: _not_fixed,
     Code.GAINS_FIXED_FOR_SOME: _not_fixed,
 }
 SHORT: Mapping[Code, str] = {
-    Code.GAINS_NOT_WANTED: "not fitted, as asked",
+    Code.GAINS_NOT_WANTED: "not fitted, as requested",
     Code.GAINS_NOMINAL: "no payload",
     Code.PAYLOAD_NOT_WEIGHED: "payload of unknown mass",
     Code.GAINS_NOT_FIXED: "the payload does not fix them",

@@ -11,7 +11,7 @@ def cure_in_words(cure: Cure | None) -> str:
     if cure.code == CureCode.FIX_BASE:
         return (
             f"body {cure.names[0]!r} floats: no closure ties its free joint to the world, and it carries motors; "
-            "to fix it to the world, remove its <freejoint/> from the MJCF, and the 7 numbers of it from the qpos of "
+            "to fix it to the world, remove its <freejoint/> from the MJCF, and its 7 numbers from the qpos of "
             "each keyframe"
         )
     if cure.code == CureCode.CONNECT:

@@ -43,7 +43,7 @@ def check_assembled(geometry: Geometry) -> None:
     owner, unit = rows[widest]
     raise BenchError(
         f"robot {geometry.robot.name}: {owner} is open by {residual[widest]:.3g} {unit} in the "
-        f"home pose{cure_in_words(cure) or '; bench robot check tells the assembled one'}"
+        f"home pose{cure_in_words(cure) or '; bench robot check prints the assembled one'}"
     )
 
 
@@ -91,7 +91,7 @@ def check_mobility(geometry: Geometry) -> None:
         raise BenchError(
             f"robot {name}: the loop closures leave {left} degrees of freedom for {len(geometry.active)} "
             f"motors; those of joint {_quoted(_bound_motors(geometry, jacobian))} are not independent "
-            "beside the home pose, although they are at home"
+            "near the home pose, although they are at home"
         )
 
 

@@ -25,7 +25,7 @@ class Autocorrelation:
 
 
 def autocorrelation(series: Sequence[MotorSeries]) -> Autocorrelation:
-    """Autocorrelation of one motor's error over all recordings; gaps at standstill are left out."""
+    """Autocorrelation of one motor's error over all recordings; gaps at standstill are omitted."""
     values = correlations([trace.row for trace in series], [trace.error for trace in series])
     count = sum(len(trace.time) for trace in series)
     rate = series[0].rate or 1.0
@@ -60,7 +60,7 @@ def correlations(rows: Sequence[np.ndarray], values: Sequence[np.ndarray]) -> np
 def memory(correlation: np.ndarray) -> float:
     """Integrated autocorrelation time in rows, at least one.
 
-    Lags are summed in pairs until the correlation is lost in its own noise (Geyer, "Practical Markov chain Monte
+    Lags are summed in pairs until the correlation is lost in its noise (Geyer, "Practical Markov chain Monte
     Carlo", 1992: initial positive sequence).
     """
     total = 1.0

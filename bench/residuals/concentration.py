@@ -18,7 +18,7 @@ MOST = 2  # regions named for one motor
 class Concentration:
     """A share of a motor's squared error in a share of its time.
 
-    evidence: nats against an error that is spread evenly. of_rest: shares are of what is left outside the
+    evidence: nats against an error that is spread evenly. of_rest: shares are of the residual outside the
     regions named before.
     """
 

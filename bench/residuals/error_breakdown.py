@@ -1,4 +1,4 @@
-"""One motor's errors beside all that they may depend on: what every chart of them shows, whatever draws it."""
+"""One motor's errors and all variables that they may depend on: what every chart of them shows, whatever draws it."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -109,7 +109,7 @@ class ErrorBreakdown:
 
     @cached_property
     def by_recording(self) -> tuple[RecordingError, ...]:
-        """Each recording on its own."""
+        """Each recording separately."""
         return tuple(
             RecordingError(
                 trace.recording, trace.payload, relative_error_of([trace]) or 0.0, relative_noise([trace])

@@ -32,7 +32,7 @@ LOOKS: Mapping[str, Seen] = {
     "acceleration": "acceleration",
     "time": "fades",
 }
-"""What the variable of a dependence stands for."""
+"""The meaning of the variable of a dependence."""
 PERIODS: Mapping[str, Seen] = {"position": "repeats", "time": "acceleration"}
 CHANGES: Mapping[str, Seen] = {"warm-up": "fades", "load": "load"}
 
@@ -62,7 +62,7 @@ def look_alikes(
     possible: Mapping[str, Effect],
     has: Iterable[str],
 ) -> tuple[LookAlike, ...]:
-    """Effects by what was found at a motor, what holds most of the error first.
+    """Effects by the findings at a motor, those with most of the error first.
 
     possible: effects that have a place in the robot. has: those of the model, as EFFECT or EFFECT:PLACE. An effect is
     named for the first look that it has.
@@ -100,7 +100,7 @@ def _looks(
     lines: Iterable[SpectralLine],
     changes: Iterable[Change],
 ) -> list[Seen]:
-    """What was found, as the atlas asks for it: changes first, since they tell most; then by the share of the error."""
+    """The findings in the order of the atlas: changes first, since they say most; then by the share of the error."""
     shares: list[tuple[float, Seen]] = [
         (dependence.error_share, LOOKS[dependence.variable]) for dependence in dependences
     ]

@@ -23,8 +23,8 @@ class MotorSeries:
 
     time s from the start of the recording; measured, modelled: current in the drive's unit; position,
     velocity, acceleration: rad or m and their rates, each (M,). row (M,): number of each among all rows, so
-    that gaps, where the joint stands still, can be told. to_reversal (M,): rows to the nearest reversal, signed;
-    reversal, after_standstill (M,): whether a row lies beside one. noise: RMS of the current's noise in the
+    that gaps, where the joint stands still, are known. to_reversal (M,): rows to the nearest reversal, signed;
+    reversal, after_standstill (M,): whether a row lies next to one. noise: RMS of the current's noise in the
     band of the fit, drive unit. rate: rows per second; band: the highest frequency that the fit sees, Hz.
     """
 
@@ -60,7 +60,7 @@ class MotorSeries:
 
     @property
     def at_reversal(self) -> np.ndarray:
-        """The rows beside a change of direction (M,)."""
+        """The rows next to a change of direction (M,)."""
         return np.abs(self.to_reversal) <= BESIDE
 
 

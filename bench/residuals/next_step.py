@@ -19,7 +19,7 @@ def left_over(what: Compared) -> list[str]:
     return found
 
 
-DIAGNOSE = "tells which physical effect the model lacks"
+DIAGNOSE = "names the physical effect that the model lacks"
 KEEP = "keeps the model"
 
 

@@ -89,7 +89,7 @@ def profile(values: np.ndarray, errors: np.ndarray, bins: int = BINS) -> Profile
 
 
 def binned(values: np.ndarray, errors: np.ndarray, edges: np.ndarray) -> Profile:
-    """Bin errors by values, both (N,), between given edges; values outside are left out."""
+    """Bin errors by values, both (N,), between given edges; values outside are omitted."""
     size = len(edges) - 1
     inside = (values >= edges[0]) & (values <= edges[-1])
     values, errors = values[inside], errors[inside]
@@ -105,7 +105,7 @@ def binned(values: np.ndarray, errors: np.ndarray, edges: np.ndarray) -> Profile
 def dependences(series: Sequence[MotorSeries]) -> list[Dependence]:
     """The variables that a motor's error follows far beyond chance, the strongest first.
 
-    The next is looked for in what is left when the bin means by the one before are subtracted.
+    The next is looked for in the residual when the bin means by the one before are subtracted.
     """
     errors = np.concatenate([trace.error for trace in series])
     whole = errors
@@ -127,7 +127,7 @@ def dependences(series: Sequence[MotorSeries]) -> list[Dependence]:
 def _dependence(
     series: Sequence[MotorSeries], variable: Variable, errors: np.ndarray, named: Sequence[Dependence]
 ) -> tuple[Dependence, np.ndarray, float]:
-    """What follows a variable, what is left without it (N,), and how probable that is by chance."""
+    """What follows a variable, the residual without it (N,), and how probable that is by chance."""
     values = np.concatenate([values_of(trace, variable) for trace in series])
     bins = profile(values, errors)
     size = len(bins.mean)
@@ -140,7 +140,7 @@ def _dependence(
     alike = memory(correlations([trace.row for trace in series], np.split(left, cuts)))
     independent = len(errors) / alike
     ratio = -independent * float(np.log(max(1.0 - share, 1e-12)))
-    # of what is left, bin means alone take a share of size / independent by chance
+    # of the residual, bin means alone take a share of size / independent by chance
     found = max(1.0 - (1.0 - share) / (1.0 - size / independent), 0.0) if size < independent else 0.0
     low, high = int(np.argmin(means)), int(np.argmax(means))
     ends = (float(means[low]), float(bins.center[low]), float(means[high]), float(bins.center[high]))

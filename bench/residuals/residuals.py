@@ -1,4 +1,4 @@
-"""Everything that is told of where a model fails, motor by motor."""
+"""Everything about where a model fails, motor by motor."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -25,7 +25,7 @@ class MotorErrors:
 
     units: of current and position, as in ("A", "rad"). error, noise: relative to the measured current, all
     recordings together; by_recording: both of each, by name. memory: s over which errors are alike. above_noise:
-    whether there is anything beside noise; concentrations, dependences, lines and changes are empty where not. alike:
+    whether there is anything except noise; concentrations, dependences, lines and changes are empty where not. alike:
     effects that leave such errors.
     """
 

@@ -16,7 +16,7 @@ from bench.identification.model_file import apply_model, load_model
 from bench.identification.problem import Problem
 from bench.identification.result import Identification, Quantity
 
-CLEAR = 3.0  # standard deviations by which a parameter must move to be told
+CLEAR = 3.0  # standard deviations by which a parameter must move to be reported
 
 
 @dataclass(frozen=True)
@@ -29,7 +29,7 @@ class Beside:
 
 @dataclass(frozen=True)
 class SideBySide:
-    """Models, in the order in which they were given; what changed is told against the first."""
+    """Models, in the order in which they were given; what changed is compared with the first."""
 
     robot: str
     models: tuple[Beside, ...]

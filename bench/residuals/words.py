@@ -15,17 +15,17 @@ from bench.residuals.residuals import MotorErrors, WhereItFails
 MOST_LOOKS, MOST_NAMES = 2, 4
 TURN = 2.0 * math.pi  # rad
 OVERLAPPING = (
-    "Shares of one motor's squared error overlap: each is another way of looking at the same error, and they add up to "
-    "no whole."
+    "Shares of one motor's squared error overlap: each describes the same error in another way, so they do not add up "
+    "to 100 %."
 )
 CHANGES = {
-    "warm-up": "friction changes while it moves, as with warming up",
+    "warm-up": "friction changes while it moves, as during warm-up",
     "load": "friction changes with the load",
 }
 
 
 def where_sentences(where: WhereItFails) -> list[str]:
-    """One sentence for every motor, and one for all that was found of its error."""
+    """One sentence for every motor, and one for each finding about its error."""
     return [line for motor in where.motors for line in (level_sentence(motor), *finding_sentences(motor))]
 
 
@@ -44,28 +44,28 @@ def whole_sentences(motor: MotorErrors) -> list[str]:
 
 
 def whole_alike(motor: MotorErrors) -> list[str]:
-    """The effects that leave such errors, likewise, without where they are told."""
+    """The effects that leave such errors, likewise, without their places."""
     return [_whole(motor.joint, _alike(motor.joint, rival)) for rival in motor.alike[:MOST_LOOKS]]
 
 
 def _whole(joint: str, line: str) -> str:
-    """A joint that begins a sentence keeps its own name."""
+    """A joint that begins a sentence keeps its name."""
     return f"{line}." if motor_words(joint) == joint else f"{line[0].upper()}{line[1:]}."
 
 
 def level_sentence(motor: MotorErrors) -> str:
-    """How large a motor's error is beside the noise of its current."""
+    """How large a motor's error is relative to the noise of its current."""
     size = f"{motor_words(motor.joint)}: error {in_percent(motor.error)}"
     noise = f"the noise of the current ({in_percent(motor.noise)})"
     if not motor.above_noise:
-        return f"{size}, no more than {noise} leaves: nothing to find"
+        return f"{size}, at {noise}: nothing to explain"
     times = f", {_times(motor.error / motor.noise)} times {noise}" if motor.noise > 0 else ""
     found = motor.concentrations or motor.dependences or motor.lines or motor.changes
     return f"{size}{times}" if found else f"{size}{times}, spread over the whole motion"
 
 
 def finding_sentences(motor: MotorErrors) -> list[str]:
-    """All that was found of one motor's error, the strongest of each kind first."""
+    """All findings about one motor's error, the strongest of each kind first."""
     return [*_followed(motor), *(alike_words(motor.joint, rival) for rival in motor.alike[:MOST_LOOKS])]
 
 
@@ -89,12 +89,12 @@ def _alike(joint: str, rival: LookAlike) -> str:
     more = len(rival.effects) - len(names)
     names += [f"{more} more"] if more else []
     listed = " or ".join([", ".join(names[:-1]), names[-1]] if len(names) > 1 else names)
-    return f"{motor_words(joint)}: {listed} would leave such an error"
+    return f"{motor_words(joint)}: {listed} would cause such an error"
 
 
 REGIONS: dict[RegionKind, str] = {
     RegionKind.REVERSALS: "at reversals",
-    RegionKind.STANDSTILL: "next to standstill",
+    RegionKind.STANDSTILL: "near standstill",
     RegionKind.LOW_SPEED: "at low speed (below {})",
     RegionKind.HIGH_SPEED: "at high speed (above {})",
     RegionKind.LOW_ACCELERATION: "at low acceleration (below {})",
@@ -171,11 +171,11 @@ def line_words(line: SpectralLine, units: tuple[str, str]) -> str:
     size = f"with an amplitude of {line.amplitude:.2g} {units[0]}"
     if line.over == "time":
         frequency = with_error(line.frequency, line.resolution)
-        return f"{motor_words(line.joint)}: {share} of the squared error swings at {frequency} Hz, {size}"
+        return f"{motor_words(line.joint)}: {share} of the squared error oscillates at {frequency} Hz, {size}"
     period = f"every {with_error(1.0 / line.frequency, line.resolution / line.frequency / line.frequency)} {units[1]}"
     if units[1] == "rad":
-        period += f", {with_error(TURN * line.frequency, TURN * line.resolution)} times a turn"
-    period += " as far as the travelled range tells"
+        period += f", {with_error(TURN * line.frequency, TURN * line.resolution)} times per turn"
+    period += ", as far as the travelled range shows"
     return f"{motor_words(line.joint)}: {share} of the squared error repeats {period}, {size}"
 
 

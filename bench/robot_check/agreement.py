@@ -15,7 +15,7 @@ from bench.model.supported import label_of
 from bench.robot_check.machine import CheckedMachine, body_label, set_pose
 from bench.robot_check.outcome import Check, CheckCode
 
-TOLERANCE = 1e-10  # of the quantity's own size (at least 1, in its SI unit): two libraries, rounding only
+TOLERANCE = 1e-10  # of the quantity's size (at least 1, in its SI unit): two libraries, rounding only
 KINDS = {
     "hinge": ("JointModelRX", "JointModelRY", "JointModelRZ", "JointModelRevoluteUnaligned"),
     "slide": ("JointModelPX", "JointModelPY", "JointModelPZ", "JointModelPrismaticUnaligned"),
@@ -156,7 +156,7 @@ def check_bias_forces(machine: CheckedMachine, poses: np.ndarray, velocities: np
 def check_motor_forces(machine: CheckedMachine, motion: Motion) -> Check:
     """Forces of the motors at closed states: regressor times masses and rotor inertias, against MuJoCo's dynamics.
 
-    This is the whole identification model; MuJoCo's forces are projected by its own constraint Jacobian. Rounding grows
+    This is the whole identification model; MuJoCo's forces are projected by its constraint Jacobian. Rounding grows
     by the conditioning of the closures, and the bound with it.
     """
     geometry, armature = machine.geometry, machine.compiled.dof_armature
@@ -189,7 +189,7 @@ def check_motor_forces(machine: CheckedMachine, motion: Motion) -> Check:
 
 
 def motor_motions(machine: CheckedMachine) -> np.ndarray:
-    """MuJoCo's velocities (nv, n) for a unit velocity of each motor, from its own constraint Jacobian."""
+    """MuJoCo's velocities (nv, n) for a unit velocity of each motor, from its constraint Jacobian."""
     geometry, state = machine.geometry, machine.state
     active, passive = geometry.active, geometry.passive
     rows = state.efc_type == mujoco.mjtConstraint.mjCNSTR_EQUALITY
@@ -202,7 +202,7 @@ def motor_motions(machine: CheckedMachine) -> np.ndarray:
 
 
 def _spin_rows(machine: CheckedMachine) -> np.ndarray:
-    """Rates (spins, nv) at which rods turn about their own axes, by MuJoCo's velocities."""
+    """Rates (spins, nv) at which rods turn about their axes, by MuJoCo's velocities."""
     rows = []
     linear, angular = np.empty((2, 3, machine.geometry.nv))
     for spin in idle_spins(machine.geometry):

@@ -27,11 +27,11 @@ def _joint_kinds(joint: str, mujoco: str, pinocchio: str) -> str:
 
 
 def _joint_coordinates(joint: str) -> str:
-    return f"joint {joint!r} has other coordinates in Pinocchio"
+    return f"joint {joint!r} has different coordinates in Pinocchio"
 
 
 def _joint_parents(joint: str) -> str:
-    return f"joint {joint!r} has another parent in Pinocchio"
+    return f"joint {joint!r} has a different parent in Pinocchio"
 
 
 def _agreement(difference: float) -> str:
@@ -51,11 +51,11 @@ def _poses_agree(tree: str, poses: int, difference: float) -> str:
 
 
 def _poses_differ(tree: str, body: str, difference: float) -> str:
-    return f"body {body!r} stands elsewhere by {difference:.2e}"
+    return f"the pose of body {body!r} differs by {difference:.2e}"
 
 
 def _total_masses_agree(mass: float, difference: float) -> str:
-    return f"{mass:.6g} kg that move {_agreement(difference)}"
+    return f"{mass:.6g} kg of moving bodies {_agreement(difference)}"
 
 
 def _total_masses_differ(pinocchio: float, mujoco: float) -> str:
@@ -67,7 +67,7 @@ def _mass_matrices_agree(size: int, poses: int, difference: float) -> str:
 
 
 def _mass_matrices_differ(joint: str, difference: float) -> str:
-    return f"what joint {joint!r} moves differs by {difference:.2e} of the largest entry"
+    return f"the inertia that joint {joint!r} moves differs by {difference:.2e} of the largest entry"
 
 
 def _bias_forces_agree(forces: int, states: int, difference: float) -> str:
@@ -87,16 +87,18 @@ def _motor_forces_differ(motor: str, difference: float) -> str:
 
 
 def _base_agree(parameters: int, difference: float, states: int, neglected: float) -> str:
-    slack = f"; the drawing's slack, {neglected:.0e} of the largest, is neglected" if neglected else ""
+    slack = (
+        f"; closure errors of the drawing, {neglected:.0e} of the largest, are neglected" if neglected else ""
+    )
     return (
-        f"{parameters} alone give MuJoCo's motor torques at {states} closed states, for every body's mass, to "
+        f"{parameters} reproduce MuJoCo's motor torques at {states} closed states, for every body's mass, to "
         f"{difference:.0e} of the largest{slack}"
     )
 
 
 def _base_differ(parameters: int, difference: float, bodies: Sequence[str]) -> str:
     return (
-        f"{parameters} do not give the motor torques of {', '.join(bodies)}: they differ from MuJoCo's by up to "
+        f"{parameters} do not reproduce the motor torques of {', '.join(bodies)}: they differ from MuJoCo's by up to "
         f"{difference:.0e} of the largest; give the joints narrower ranges around home, away from singular poses"
     )
 

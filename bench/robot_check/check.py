@@ -30,12 +30,12 @@ from bench.robot_check.singularity import SingularitySweep, singularity_of, swee
 
 POSES = 20  # random ones, open and closed, at which the libraries are compared
 SEED, FRESH = 20120601, 20120605  # FRESH: of states at which nothing was chosen
-FAST = 20.0  # rad/rad, m/rad ...: passive for active speed at home beyond which it is told
+FAST = 20.0  # rad/rad, m/rad ...: passive for active speed at home beyond which it is reported
 WEAK = 1e-6  # smallest singular value at home below which it counts as singular
 
 
 def check_robot(robot: Robot) -> RobotReport:
-    """Check a robot that `bench.dataset.robot.load_robot` has read; what is wrong stands in the report's failures."""
+    """Check a robot that `bench.dataset.robot.load_robot` has read; what is wrong is in the report's failures."""
     compiled = robot.mjcf_model()
     features = check_features(compiled)
     report = RobotReport(
@@ -160,7 +160,7 @@ def _ranges(singularity: Singularity) -> list[Check]:
 
 
 def _passive_ranges(geometry: Geometry, swept: SingularitySweep) -> list[Check]:
-    """Ranges of passive joints that the motors' own ranges let them leave."""
+    """Ranges of passive joints that the motors' ranges let them leave."""
     checks = []
     for limit in passive_ranges(geometry):
         at = limit.at(swept.q)

@@ -42,7 +42,7 @@ def locked_lines(robot: Robot) -> list[Check]:
 
 
 def notes(compiled: mujoco.MjModel, robot: Robot) -> list[Check]:
-    """What the simulator adds and the model does not know; no error, but it is told."""
+    """What the simulator adds and the model does not know; no error, but it is reported."""
     return [Check(code, "note", values) for code, values in _notes(compiled, robot)]
 
 

@@ -15,12 +15,12 @@ from bench.robot_check.outcome import Check, CheckCode, Verdict
 from bench.robot_check.report import HomeSource, LoopLine
 
 ASSEMBLED = 1e-6  # m or rad: a wider gap is an error
-EXACT = 1e-9  # m or rad: a wider gap is told
+EXACT = 1e-9  # m or rad: a wider gap is reported
 LONGEST_STEP = 0.2  # rad or m
 ATTEMPTS = 200
 STARTS = 60  # random ones
 SEED = 20120606
-DEPENDENT = 1e-7  # singular values below this share of the largest are left out of a step
+DEPENDENT = 1e-7  # singular values below this share of the largest are omitted from a step
 
 
 def check_home(geometry: Geometry, loops: tuple[LoopLine, ...], source: HomeSource) -> Check:

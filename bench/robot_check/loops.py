@@ -15,7 +15,7 @@ from bench.robot_check.machine import CheckedMachine, body_label, rotation_matri
 from bench.robot_check.outcome import Check, CheckCode
 
 TOLERANCE = 1e-8  # of residuals [m, rad] and Jacobians: closed poses are closed to 1e-9 only
-MOMENT = 1e-4  # s: between the five residuals whose differences stand for rates
+MOMENT = 1e-4  # s: between the five residuals whose differences represent rates
 FIRST = np.array([1.0, -8.0, 0.0, 8.0, -1.0]) / 12.0  # differences of fourth order
 SECOND = np.array([-1.0, 16.0, -30.0, 16.0, -1.0]) / 12.0
 MOTION_TOLERANCE = 1e-5  # what these differences leave at a moment of that length
@@ -139,7 +139,7 @@ def _second_rotation(machine: CheckedMachine, equality: int) -> np.ndarray:
 
 
 def _pinocchio_rows(machine: CheckedMachine, q: np.ndarray, turn: np.ndarray) -> list[np.ndarray]:
-    """Pinocchio's own constraints, turned from the frame of the first anchor to the world."""
+    """Pinocchio's constraints, turned from the frame of the first anchor to the world."""
     model, data = machine.model, machine.data
     pin.computeJointJacobians(model, data, q)
     blocks = []

@@ -1,4 +1,4 @@
-"""The robot as MuJoCo reads it, masses included, and its coordinates beside those of the model."""
+"""The robot as MuJoCo reads it, masses included, and its coordinates with those of the model."""
 
 from dataclasses import dataclass
 
@@ -50,7 +50,7 @@ def make_machine(geometry: Geometry) -> CheckedMachine:
 
 
 def body_places(compiled: mujoco.MjModel) -> dict[int, tuple[int, Placement]]:
-    """Where every body is fixed, from MuJoCo's own tree: joint index (-1: the world), place in its frame.
+    """Where every body is fixed, from MuJoCo's tree: joint index (-1: the world), place in its frame.
 
     A joint frame has the orientation of the body that the joint moves and its origin on the joint.
     """
@@ -91,7 +91,7 @@ def to_mujoco(geometry: Geometry, q: np.ndarray) -> np.ndarray:
 def set_pose(machine: CheckedMachine, q: np.ndarray, v: np.ndarray | None = None) -> np.ndarray:
     """Put MuJoCo at the model's state q (nq,), v (nv,), evaluate it, and return T (nv, nv): v = T qvel.
 
-    A free joint's linear velocity is in its own frame in Pinocchio and in the world in MuJoCo.
+    A free joint's linear velocity is in its frame in Pinocchio and in the world in MuJoCo.
     """
     turn = _put(machine, q, v)
     mujoco.mj_fwdPosition(machine.compiled, machine.state)

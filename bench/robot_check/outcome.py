@@ -9,7 +9,7 @@ Verdict = Literal["ok", "note", "failed", "skipped"]
 
 
 class CheckCode(StrEnum):
-    """What was found. The values of each are the arguments of its sentence in `bench.robot_check.words`."""
+    """The findings. The values of each are the arguments of its sentence in `bench.robot_check.words`."""
 
     # the MJCF
     MJCF_SUPPORTED = auto()
@@ -24,7 +24,7 @@ class CheckCode(StrEnum):
     LENGTHS_LARGE = auto()
     MASSES_LARGE = auto()
     JOINTS_LOCKED = auto()
-    # Pinocchio beside MuJoCo
+    # Pinocchio compared with MuJoCo
     JOINT_TREES_AGREE = auto()
     JOINT_COUNTS_DIFFER = auto()
     JOINT_NAMES_DIFFER = auto()

@@ -10,7 +10,7 @@ from bench.model.states import active_ranges
 STARTS = 6  # poses of the scan, the worst first
 FIRST_STEP, LAST_STEP = 1.0 / 24.0, 1e-5  # of a motor's range
 SINGULAR = 2e-3  # of the smallest singular value at home: lower counts as none
-APART = 0.1  # of a motor's range: nearer poses are not worth a start of their own
+APART = 0.1  # of a motor's range: nearer poses are not worth a separate start
 MOST_STEPS = 200
 
 

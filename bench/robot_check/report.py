@@ -56,7 +56,7 @@ class Mobility:
     rank: int
     motors: int
     spins: int = 0
-    """Rods that can spin about their own axis: this moves nothing else and is left out."""
+    """Rods that can spin about their axis: this moves nothing else and is omitted."""
 
     @property
     def remaining(self) -> int:

@@ -1,4 +1,4 @@
-"""Which motors' rotor inertias are parameters of their own, and which the bodies take up."""
+"""Which motors' rotor inertias are separate parameters, and which the bodies take up."""
 
 from bench.model.base import BaseParameters
 from bench.model.geometry import Geometry
@@ -7,7 +7,7 @@ from bench.robot_check.outcome import Check, CheckCode
 
 
 def check_rotors(geometry: Geometry, base: BaseParameters) -> Check:
-    """A rotor turns with its motor alone: where no body's inertia can stand for it, it is identified itself."""
+    """A rotor turns with its motor alone: where no body's inertia can represent it, it is identified itself."""
     kept = set(base.columns.tolist())
     identified: list[str] = []
     within_bodies: list[str] = []

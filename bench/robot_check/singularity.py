@@ -22,7 +22,7 @@ from bench.robot_check.report import Singularity
 
 STEPS = 24  # of a path from home to the edge of the ranges
 MOST_CORNERS = 16
-DIRECTIONS = 24  # random ones, beside the axes and corners
+DIRECTIONS = 24  # random ones, in addition to the axes and corners
 SEED = 20120601
 
 

@@ -35,7 +35,7 @@ def nearest_singularity(singularity: Singularity) -> str:
     """Where the nearest singularity lies, as a sentence."""
     if singularity.singular_at is None:
         return (
-            f"none met within the joint ranges: over {singularity.poses} poses the smallest singular value stays "
+            f"none within the joint ranges: over {singularity.poses} poses the smallest singular value stays "
             f"above {singularity.lowest:.2g}, lowest at {_positions(singularity.lowest_at)}"
         )
     travel = {name: value for name, value in (singularity.travel or {}).items() if abs(value) > STILL}
@@ -43,7 +43,7 @@ def nearest_singularity(singularity: Singularity) -> str:
     if len(singularity.loose) > NAMED:
         loose += f" and {len(singularity.loose) - NAMED} more"
     return (
-        f"{_positions(travel, '+')} from home, at {_positions(singularity.singular_at)}: the loops come loose there, "
+        f"{_positions(travel, '+')} from home, at {_positions(singularity.singular_at)}: in that pose "
         f"{loose} can move while the motors are held"
     )
 
@@ -52,7 +52,7 @@ def nearest_singularity(singularity: Singularity) -> str:
 
 
 def _supported() -> str:
-    return "bodies, joints and supported equalities alone"
+    return "only bodies, joints and supported equalities"
 
 
 def _unsupported(features: Sequence[str]) -> str:
@@ -69,13 +69,13 @@ def _equality_inactive(equality: str) -> str:
 
 
 def _joint_force(term: str, joints: Sequence[str], effects: Sequence[str], unfitted: Sequence[str]) -> str:
-    said = f"{TERMS[term]} on {', '.join(joints)}: the simulator will add it, the model does not know it"
+    said = f"{TERMS[term]} on {', '.join(joints)}: the simulator adds it, the model does not contain it"
     if effects:
         said += f"; fit it with --with {' --with '.join(effects)}"
     if unfitted:
         said += (
-            f"; no effect of the catalogue has it in a ball or free joint ({', '.join(unfitted)}): for a simulation "
-            "with nothing hidden, set it to zero there in the MJCF"
+            f"; the catalogue has no such effect for a ball or free joint ({', '.join(unfitted)}): for a simulation "
+            "without hidden effects, set it to zero in the MJCF"
         )
     return said
 
@@ -94,17 +94,17 @@ def _lengths_large(length: float) -> str:
 def _masses_large(masses: Mapping[str, float]) -> str:
     heavy = ", ".join(f"body {body!r} {mass:.3g} kg" for body, mass in masses.items())
     return (
-        f"{heavy}: MuJoCo takes 1000 kg/m³ for bodies without a mass, and an MJCF is in metres and kg; identification "
-        "does not read masses, but a simulation and the currents that a plan expects go by them"
+        f"{heavy}: MuJoCo assumes 1000 kg/m³ for bodies without a mass, and an MJCF is in metres and kg. "
+        "Identification does not read masses, but simulations and the predicted currents of a plan depend on them"
     )
 
 
 def _medium(density: float, viscosity: float) -> str:
-    return "the air (density, viscosity) slows bodies in the simulator, the model does not know it"
+    return "the simulator applies air drag (density, viscosity), the model does not contain it"
 
 
 def _plugins(plugins: int) -> str:
-    return f"{plugins} plug-ins of MuJoCo: the model does not know what they do"
+    return f"{plugins} MuJoCo plug-ins: the model does not contain them"
 
 
 def _actuators(actuators: int) -> str:
@@ -131,7 +131,7 @@ def _closures_differ(closure: str, residual: float, jacobian: float) -> str:
 
 
 def _opening(velocity: float, acceleration: float) -> str:
-    return f"velocities open the loops by {velocity:.0e}, accelerations by {acceleration:.0e} of themselves"
+    return f"velocities open the loops by {velocity:.0e} of their size, accelerations by {acceleration:.0e}"
 
 
 def _coupling(
@@ -173,8 +173,8 @@ def _closed(gap: float, unit: str, given: int | None, positions: int) -> str:
 
 def _rounded(gap: float) -> str:
     return (
-        f"as drawn, home is open by {gap:.1e} m or rad: rounding, which is taken up where the robot is read; the model "
-        "and the simulated machine have loops that close"
+        f"as drawn, home is open by {gap:.1e} m or rad, a rounding error that is corrected when the robot is read; "
+        "the loops of the model and of the simulated machine close"
     )
 
 
@@ -184,14 +184,14 @@ def _open(loop: str, gap: float, unit: str, given: int | None, positions: int) -
 
 def _loops_disagree(loop: str, gap: float, unit: str, given: int | None, positions: int) -> str:
     return (
-        f"{_open(loop, gap, unit, given, positions)}; loops that repeat one another disagree, "
-        "least squares close them"
+        f"{_open(loop, gap, unit, given, positions)}; redundant loops disagree, "
+        "even after a least-squares closure"
     )
 
 
 def _no_closed_pose(loop: str, gap: float, unit: str, given: int | None, positions: int) -> str:
     said = _open(loop, gap, unit, given, positions)
-    return f"{said}; no start closes it, with the motors held or free: check the lengths"
+    return f"{said}; no closing pose exists near it, with the motors held or free: check the lengths"
 
 
 def _open_home(
@@ -237,34 +237,36 @@ def _singular(**conditioning: Any) -> str:
 
 def _mobility(tree: int, rank: int, spins: int, remaining: int, motors: int, redundant: Sequence[str]) -> str:
     less = f"{rank} of rank" + (f" and {count(spins, 'idle spin')}" if spins else "")
-    beside = f" and a redundant one at {', '.join(redundant)}" if redundant else ""
-    return f"{tree} of the tree less {less} leave {remaining}, for {count(motors, 'motor')}{beside}"
+    beside = f" and redundant ones at {', '.join(redundant)}" if redundant else ""
+    return f"{tree} of the tree minus {less} are {remaining}, for {count(motors, 'motor')}{beside}"
 
 
 def _spins(bodies: Sequence[str]) -> str:
     return (
         f"{', '.join(map(repr, bodies))}: free to spin about the line through the joints at both ends, "
-        "the motors held; taken as not spinning, which is exact where a rod's mass lies on that line"
+        "the motors held. The model assumes no spin, which is exact if a rod's mass lies on that line"
     )
 
 
 def _rotors(identified: Sequence[str], within_bodies: Sequence[str]) -> str:
     parts = []
     if identified:
-        parts.append(f"of {', '.join(identified)} a base parameter of its own, Ia")
+        parts.append(f"of {', '.join(identified)} a separate base parameter, Ia")
     if within_bodies:
-        parts.append(f"of {', '.join(within_bodies)} within a body's inertia")
+        parts.append(f"of {', '.join(within_bodies)} part of a body's inertia")
     return "; ".join(parts)
 
 
 def _singularity(positions: Mapping[str, float]) -> str:
-    return f"the joint ranges hold a singularity, at {_positions(positions)}: keep trajectories off it"
+    return (
+        f"the joint ranges contain a singularity, at {_positions(positions)}: keep trajectories away from it"
+    )
 
 
 def _passive_range(joint: str, lowest: float, highest: float, lower: float, upper: float) -> str:
     return (
-        f"passive joint {joint!r} goes from {lowest:.3g} to {highest:.3g} within the motors' ranges, "
-        f"its own is [{lower:g}, {upper:g}]: the model does not know of stops"
+        f"passive joint {joint!r} moves from {lowest:.3g} to {highest:.3g} within the motors' ranges, "
+        f"its range is [{lower:g}, {upper:g}]: the model has no end stops"
     )
 
 

@@ -75,7 +75,7 @@ def load_scenario(scenario: str | Path, overrides: Mapping[str, Any] | None = No
     `scenario` is a built-in name or the path of a TOML file. With the key `base` (a name or a path relative
     to the file) the file only says what differs from that scenario: tables are merged key by key, everything
     else, lists and the table of tolerances included, is replaced. The keys of the table `design` hold for
-    every recording that has a design of its own and does not say otherwise. `overrides` are merged
+    every recording that has a design and does not say otherwise. `overrides` are merged
     last, like a file with this one as its base.
 
     Raises BenchError, one line that names the file and the key.
@@ -131,8 +131,8 @@ def resolve_trajectories(
     to_design = [r for r in scenario.settings.recordings if r.design is not None and r.design.optimise]
     if to_design and designer is None:
         raise BenchError(
-            f"scenario {scenario.name}: recording {to_design[0].name!r} asks for an optimised trajectory,"
-            " and nothing here designs one: give the trajectory, or set optimise = false"
+            f"scenario {scenario.name}: recording {to_design[0].name!r} requests an optimised trajectory,"
+            " but no designer is available: give the trajectory, or set optimise = false"
         )
     designed = dict(designer(scenario, to_design)) if to_design and designer is not None else {}
     home = home_position(scenario.robot)

@@ -1,4 +1,4 @@
-"""The tables of a scenario file: what each may hold, in which unit, and what is taken if left out."""
+"""The tables of a scenario file: what each may hold, in which unit, and its default."""
 
 from __future__ import annotations
 
@@ -69,7 +69,7 @@ class Gains(UserTable):
 
 
 class DeclaredPayload(UserTable):
-    """[payloads.NAME.declared]: what the dataset says of the payload; what is left out counts as unknown."""
+    """[payloads.NAME.declared]: what the dataset says of the payload; what is omitted counts as unknown."""
 
     mass: Positive | None = None
     center_of_mass: Vector3 | None = None
@@ -99,7 +99,7 @@ class Design(UserTable):
     duration: Positive = 20.0
     ramp: Positive = 1.0
     center: PerJoint | None = None
-    """rad or m; left out, the home pose."""
+    """rad or m; default: the home pose."""
     span: PositivePerJoint = Field(default=...)
     """Largest distance from the center, rad or m."""
     velocity_limit: PositivePerJoint = Field(default=...)
@@ -144,7 +144,7 @@ class Controller(UserTable):
     feedforward: Literal["none", "acceleration"] = "none"
     """"acceleration": the inertia in the home pose times the reference acceleration."""
     tracking_limit: PositivePerJoint | None = None
-    """A larger |q_ref − q| means that the robot is lost, rad or m; left out, 0.3 rad or 0.1 m."""
+    """A larger |q_ref − q| means that the robot is lost, rad or m; default: 0.3 rad or 0.1 m."""
 
     declared: bool = False
     """Whether the dataset tells the law, and the log has the reference positions."""
@@ -184,7 +184,7 @@ class Sensors(UserTable):
 
 
 class Filter(UserTable):
-    """[filter]: settings of the identification; what is left out is chosen from the data."""
+    """[filter]: settings of the identification; what is omitted is chosen from the data."""
 
     position_cutoff: Positive | None = None
     """Hz."""
@@ -199,7 +199,7 @@ class Hidden(UserTable, extra="allow"):
     joint: str | None = None
     """Left out: every actuated joint."""
     file: str | None = None
-    """A Python file with an effect of one's own of that name, absolute or relative to the scenario."""
+    """A Python file with a user-defined effect of that name, absolute or relative to the scenario."""
 
     @property
     def parameters(self) -> Mapping[str, Any]:

@@ -1,4 +1,4 @@
-"""The estimators beside each other: `python -m bench.studies.estimators -o results/estimators`.
+"""The estimators side by side: `python -m bench.studies.estimators -o results/estimators`.
 
 Robots, noise of currents and encoders, filters that were given wrongly, bad seconds in the currents, controllers: bias,
 spread, coverage and time of each estimator, over seeds: other noise of the currents, and encoders whose steps lie
@@ -232,11 +232,11 @@ def markdown(rows: Sequence[EstimatorRow]) -> str:
 
 EXPLANATION = (
     "Errors of the drive gains, relative to the true ones, of the joint where they are largest: `bias`, their mean "
-    "over the seeds, each with other noise of the currents and encoders whose steps lie elsewhere; `spread`, their "
+    "over the seeds, each with different current noise and encoder offsets; `spread`, their "
     "standard deviation; `largest error`, the median over the seeds of the worst gain. `within`: 95 % intervals that "
-    "hold the truth. `seconds`: processor time of the fit alone, from equations to estimates. Two recordings of "
-    f"{DURATION:g} s at 1 kHz, one with the payload; each case says what is unlike the first. `oe` knows the law of "
-    "the controller. Written by `python -m bench.studies.estimators`."
+    "contain the truth. `seconds`: processor time of the fit alone, from equations to estimates. Two recordings of "
+    f"{DURATION:g} s at 1 kHz, one with the payload; each case states its difference from the first. `oe` knows the "
+    "control law. Written by `python -m bench.studies.estimators`."
 )
 
 

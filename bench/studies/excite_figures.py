@@ -1,7 +1,7 @@
 """What `bench excite` is worth, robot by robot: `python -m bench.studies.excite_figures -o results/excite`.
 
-Designed motions beside the median of 50 random ones inside the same limits and time; forecast standard errors beside
-the spread of repeated simulations.
+Designed motions compared with the median of 50 random ones inside the same limits and time; forecast standard errors
+with the spread of repeated simulations.
 """
 
 from pathlib import Path
@@ -74,7 +74,7 @@ def figures_of(robot: str, steps: int, seed: int, repetitions: int) -> dict[str,
 
 
 def interval(found: float, chance: tuple[float, float]) -> tuple[float, float]:
-    """Between which the true value of a ratio lies that was found; chance: how far that takes it."""
+    """Interval of the true value of an observed ratio; chance: the spread of the ratio by chance."""
     low, high = chance
     return found / high, found / low
 

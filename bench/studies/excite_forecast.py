@@ -39,8 +39,9 @@ class ForecastOutcome:
 
 @dataclass(frozen=True)
 class ForecastTrial:
-    """A forecast beside repeated simulations. outcomes: of all unknowns that it says are determined; repetitions: of
-    the logs; independent: how many of the unknowns count as independent, by the correlations of their estimates.
+    """A forecast compared with repeated simulations. outcomes: of all unknowns that it says are determined;
+    repetitions: of the logs; independent: how many of the unknowns count as independent, by the correlations of their
+    estimates.
     """
 
     outcomes: tuple[ForecastOutcome, ...]

@@ -22,7 +22,7 @@ BETTER = (
 )
 TRUE = ("robot", "repetitions", "unknowns", "on the whole", "smallest", "largest", "by chance alone")
 PLANNED = """\
-Motions of 10 s by `bench excite`, one unloaded and one with the payload of the robot's scenario, beside 50 at random
+Motions of 10 s by `bench excite`, one unloaded and one with the payload of the robot's scenario, and 50 random motions
 inside the same limits. The worst of all unknowns counts."""
 REPEATED = """\
 Below, the simulated machine goes along the planned motions and is logged again and again with other noise. Each log
@@ -44,7 +44,7 @@ def kept_figures(folder: Path, robots: Sequence[str]) -> list[Figures]:
 
 
 def write_page(folder: Path, robots: Sequence[str]) -> None:
-    """Write the page beside the figures of which it is made."""
+    """Write the page next to the figures of which it is made."""
     write_text_atomically(folder / PAGE, page(kept_figures(folder, robots)))
 
 
@@ -57,7 +57,7 @@ def page(robots: Sequence[Figures]) -> str:
         REPEATED,
         rows_in_markdown(TRUE, [_true(figures) for figures in robots if "pooled" in figures]),
         f"In brackets {in_percent(CONFIDENCE, 2)} intervals by chi-square:\n{INTERVALS}",
-        "`python -m bench.studies.excite_figures ROBOT --repetitions N -o results/excite` writes this anew.",
+        "`python -m bench.studies.excite_figures ROBOT --repetitions N -o results/excite` rewrites this page.",
     )
     return "\n\n".join(parts) + "\n"
 

@@ -36,7 +36,7 @@ def commands_of(text: str) -> tuple[str, ...]:
 
 
 def run(commands: Sequence[str], folder: Path) -> dict[str, Any]:
-    """Run the commands in a folder, each as a process of its own, and tell what they gave.
+    """Run the commands in a folder, each as a separate process, and return their results.
 
     Relative errors: of the gains, expected and found; of the currents, of twin and model. Raises BenchError for one
     that fails.

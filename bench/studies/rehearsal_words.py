@@ -11,9 +11,9 @@ def rehearsal_sentence(rehearsal: Rehearsal) -> str:
     if rehearsal.runs:
         first = rehearsal.refused[0]
         taken, other = _described(rehearsal.drive), _described(first.drive)
-        return f"The scenario simulates {taken}, since {other} fails: {first.why}."
+        return f"The scenario simulates {taken}, because {other} fails: {first.why}."
     last = rehearsal.refused[-1]
-    return f"The scenario cannot be simulated. With {_described(last.drive)}, the last that was tried: {last.why}."
+    return f"The scenario cannot be simulated. With {_described(last.drive)}, the last attempt: {last.why}."
 
 
 def _described(drive: SimulatedDrive) -> str:

@@ -63,7 +63,7 @@ def close_loops(model: mujoco.MjModel, data: mujoco.MjData, passive: Indices) ->
         mujoco.mj_integratePos(model, qpos, move, 1.0)
         data.qpos[:] = qpos
     raise BenchError(
-        f"the loops do not close at the start of the trajectory: {np.abs(gap).max():.2g} m are left"
+        f"the loops do not close at the start of the trajectory: {np.abs(gap).max():.2g} m remain"
     )
 
 

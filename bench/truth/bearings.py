@@ -18,7 +18,7 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class BearingFriction:
-    """The dry friction of one joint of R runs: where it stands among the velocities, and its size (R,) at a step."""
+    """The dry friction of one joint of R runs: where it is among the velocities, and its size (R,) at a step."""
 
     dof: int
     size: Callable[[], Array]

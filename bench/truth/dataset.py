@@ -1,4 +1,4 @@
-"""A simulation as a dataset, in memory or as a folder with the truth beside it."""
+"""A simulation as a dataset, in memory or as a folder with the truth."""
 
 from __future__ import annotations
 
@@ -67,13 +67,13 @@ def _beside(recording: SimulatedRecording, robot: Robot, *, references: bool) ->
 
 
 def truth_path(folder: str | Path) -> Path:
-    """Where the truth of the dataset in `folder` lies: DIR.truth.json, beside DIR."""
+    """Where the truth of the dataset in `folder` lies: DIR.truth.json, next to DIR."""
     folder = Path(folder).resolve()
     return folder.with_name(f"{folder.name}.truth.json")
 
 
 def write_simulation(simulation: Simulation, folder: str | Path) -> Path:
-    """Write the dataset folder and, beside it, its truth; returns the path of the truth.
+    """Write the dataset folder and, next to it, its truth; returns the path of the truth.
 
     The folder appears whole or not at all. A simulated dataset of that name is replaced.
     Raises BenchError if `folder` is there and holds no simulated dataset, or cannot be written.
@@ -84,8 +84,8 @@ def write_simulation(simulation: Simulation, folder: str | Path) -> Path:
         raise BenchError(f"{folder}: is there already and holds no dataset: name another folder")
     if not empty and not truth_path(target).is_file():
         raise BenchError(
-            f"{folder}: holds a dataset that was not simulated (there is no {truth_path(target).name} beside it): "
-            "name another folder"
+            f"{folder}: holds a dataset that was not simulated (without {truth_path(target).name}): "
+            "give another folder"
         )
     with whole_folder(folder) as partial:
         _write_folder(simulation, partial)

@@ -94,7 +94,7 @@ class Machine:
     """As they really are."""
     hidden: tuple[HiddenEffect, ...]
     laws: bool
-    """Whether effects have laws of their own, so that the forces of the motors are set at every step."""
+    """Whether effects have their own laws, so that the forces of the motors are set at every step."""
     home: Array
     """qpos (nq,) of the keyframe `home`."""
     inertia: Array
@@ -236,7 +236,7 @@ def _rigid_spec(robot: Robot, step: float) -> mujoco.MjSpec:
 
 
 def _own_options(spec: mujoco.MjSpec) -> None:
-    """MuJoCo's own options but for what acts on the robot; of the file's switches only those that are the robot's.
+    """MuJoCo's options but for what acts on the robot; of the file's switches only those that are the robot's.
 
     A spring, damper or friction that the file switches off is taken out, since the switch is for hidden ones as well.
     """

@@ -72,7 +72,7 @@ class TrueMotion:
     reference: Array
     """(N, n) reference positions of the actuated joints."""
     gaps: Array
-    """(N, loops) m, how far every loop stands open."""
+    """(N, loops) m, how far every loop is open."""
 
 
 def simulate_motion(
@@ -140,7 +140,7 @@ def _reference(
 
 
 def _first_pose(machine: Machine, run: MotionRun) -> Array:
-    """Loops closed; where a spring or play stands between motor and joint, it carries the weight."""
+    """Loops closed; where a spring or play is between motor and joint, it carries the weight."""
     model = machine.models[run.payload]
     home = np.concatenate([machine.home, np.zeros(model.nq - len(machine.home))])
     m = machine.leading

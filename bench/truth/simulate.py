@@ -80,7 +80,7 @@ def simulate(
     """Simulate all recordings of a scenario; the same scenario gives the same numbers to the last bit.
 
     trajectories: by recording name; without them those of `resolve_trajectories`.
-    threads: of the computation; the result does not depend on it. progress: told of every part that is done.
+    threads: of the computation; the result does not depend on it. progress: informed of every finished part.
     Raises BenchError if the machine cannot be built, the simulation diverges, a loop opens by more than the
     tolerance `loop_gap` of the scenario (1e-4 m if it has none), the robot is lost by its controller or a
     joint reaches its end stop.

@@ -1,4 +1,4 @@
-"""MuJoCo without warnings of its own."""
+"""MuJoCo without its warnings."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager

@@ -1,4 +1,4 @@
-"""NAME.twin.json beside an exported MJCF: motors, and the effects that the MJCF does not hold."""
+"""NAME.twin.json next to an exported MJCF: motors, and the effects that the MJCF does not hold."""
 
 import json
 from collections.abc import Mapping
@@ -32,13 +32,13 @@ class TwinFile:
 
 
 def load_twin_file(mjcf: Path) -> TwinFile:
-    """Read the file beside an exported MJCF. Raises BenchError that names it and what is wrong with it."""
+    """Read the file next to an exported MJCF. Raises BenchError that names it and what is wrong with it."""
     path = sidecar_path(mjcf)
     try:
         content = json.loads(path.read_text(encoding="utf-8"))
     except OSError as error:
         raise BenchError(
-            f"{path}: {error.strerror or error}: it lies beside what `bench export` wrote"
+            f"{path}: {error.strerror or error}: `bench export` writes it next to the MJCF"
         ) from None
     except (json.JSONDecodeError, UnicodeDecodeError) as error:
         raise BenchError(f"{path}: not a twin file ({error})") from None

@@ -1,4 +1,4 @@
-"""Laws of effects in a simulation, one instant after the other: what a joint feels beside what the MJCF holds."""
+"""Laws of effects in a simulation, instant by instant: the load of a joint beyond what the MJCF holds."""
 
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
@@ -31,7 +31,7 @@ class JointLaw(ABC):
 
     @abstractmethod
     def opposing(self, now: Instant) -> tuple[float, float]:
-        """Torque that the motor has to overcome, and dry friction beside it, which holds a joint that stands."""
+        """Torque that the motor has to overcome, and the dry friction, which holds a joint that stands still."""
 
     def reset(self) -> None:
         """Forget what happened before."""

@@ -133,7 +133,7 @@ class Twin:
         return np.asarray(jacobian.T @ (tool.force - tool.stiffness * way))
 
     def _placed(self, file: TwinFile) -> tuple[tuple[TwinMotor, ...], tuple[str, ...]]:
-        """The motors with their effects, and what is left out."""
+        """The motors with their effects, and what is omitted."""
         left_out = []
         joint_laws: dict[str, list[JointLaw]] = {joint: [] for joint in self.joints}
         drive_laws: dict[str, list[DriveLaw]] = {joint: [] for joint in self.joints}
@@ -188,7 +188,7 @@ class Twin:
 
 
 def load_twin(mjcf: str | Path, *, partial: bool = False) -> Twin:
-    """The twin of an exported MJCF, with the effects of NAME.twin.json beside it.
+    """The twin of an exported MJCF, with the effects of NAME.twin.json next to it.
 
     Raises BenchError where an effect cannot be simulated, unless `partial`: then `Twin.left_out` names it.
     """

@@ -74,7 +74,7 @@ def page(effect: Effect, drawn: Numbers, robots: Numbers, trials: Mapping[str, S
 def law(effect: Effect) -> str:
     """The law with its symbols, where it holds, its source, and its parameters with units."""
     rows = [(f"`{one.name}`", units(one)) for one in effect.parameters]
-    rows += [(f"`{one.name}`", f"{units(one)}, found from the data") for one in effect.shape]
+    rows += [(f"`{one.name}`", f"{units(one)}, estimated by search") for one in effect.shape]
     quoted = f"> {effect.law}\n>\n> {effect.symbols}\n\n" if effect.law else ""
     first, _, rest = inspect.cleandoc(type(effect).__doc__ or "").partition("\n\n")
     about = rest if rest and said_by(first, effect.law) else f"{first}\n\n{rest}"
@@ -115,9 +115,9 @@ def look(name: str, drawn: Numbers) -> str:
         for one in hidden["hidden"]
     )
     said = "\n".join(f"> - {sentence}" for sentence in hidden["says"]) or (
-        "> - nothing: the error is no more than noise leaves"
+        "> - nothing: the error is at the noise floor"
         if not hidden["above_noise"]
-        else "> - no single thing that it follows far beyond chance"
+        else "> - no single variable that it follows far beyond chance"
     )
     gains = ", ".join(
         f"{joint} {100 * off:+.2f} % (with it {100 * hidden['gains_off']['with'][joint]:+.2f} %)"
@@ -126,12 +126,12 @@ def look(name: str, drawn: Numbers) -> str:
     return (
         "## What it looks like\n\n"
         f"Hidden in the five-bar: {what}. Its torque is {in_percent(hidden['share'])} of the motor's (RMS over RMS). "
-        f"Error of motor {hidden['motor']} in a model without it: {in_percent(hidden['error'])} of the current, where "
-        f"noise leaves {in_percent(hidden['noise'])}.\n\n"
+        f"Error of motor {hidden['motor']} in a model without it: {in_percent(hidden['error'])} of the current; "
+        f"noise floor {in_percent(hidden['noise'])}.\n\n"
         f"[![Errors of a model without {spoken(name)}]({name}.png)]({name}.png)\n\n"
         f"`bench compare` says:\n\n{said}\n\n"
-        f"What the fit makes of it: the drive gains come out off by {gains}.\n\n"
-        f"*Seed {about['seed']}, {about['seconds']:g} s a recording; commit {about['commit']}: `make atlas`.*"
+        f"Effect on the fit: the drive gains are off by {gains}.\n\n"
+        f"*Seed {about['seed']}, {about['seconds']:g} s per recording; commit {about['commit']}: `make atlas`.*"
     )
 
 
@@ -159,21 +159,19 @@ def confused(effect: Effect, trials: Mapping[str, Sequence[Numbers]]) -> str:
             (robot, f"{first[effect.name]} of {len(large)}", counted(instead) or "–", counted(listed) or "–")
         )
     if not rows:
-        text = "No case of a trial hid it alone with an error of three times the noise floor or more."
+        text = "No trial hid it alone with an error of three times the noise floor or more."
         return f"## With what it is confused\n\n{text}\n\nTo see it, {effect.shown_by}."
-    table = rows_in_markdown(
-        ("robot", "named first", "named instead", "openly undecided between it and"), rows
-    )
+    table = rows_in_markdown(("robot", "named first", "named instead", "undecided between it and"), rows)
     motions = "\n".join(
         f"- from [{spoken(name)}]({name}.md): {effect.shown_by}; {CATALOGUE[name].shown_by}"
         for name, _ in others.most_common(4)
     )
     apart = f"\n\nTo see it, {effect.shown_by}."
     if motions:
-        apart += f"\n\nWhat tells them apart (`bench discriminate` designs the motion):\n\n{motions}"
+        apart += f"\n\nTo tell them apart (`bench discriminate` designs the motion):\n\n{motions}"
     note = (
         f"[Blind trials](../trust.md), cases in which its error is at least {LARGE:g} times the noise floor. "
-        "Openly undecided: a case may be counted as named first, too, and with several others."
+        "A case that is undecided between several effects counts for each of them, and may also count as named first."
     )
     return f"## With what it is confused\n\n{note}\n\n{table}{apart}"
 
@@ -212,9 +210,9 @@ def shown_by_robots(name: str, robots: Numbers) -> str:
     rows = [(kind, ", ".join(names)) for kind, names in by.items() if names]
     return (
         "## Which robots can show it\n\n"
-        "Computed with the movements and payloads of each robot's scenario (`make atlas`, commit "
-        f"`{robots['about']['commit'][:7]}`). Where a robot absorbs it, the model's own "
-        "parameters take it up, and no data of that kind can tell it from them.\n\n"
+        "Computed with the motions and payloads of each robot's scenario (`make atlas`, commit "
+        f"`{robots['about']['commit'][:7]}`). If a robot absorbs it, the "
+        "parameters of the model absorb the effect, and no data of that kind can distinguish them.\n\n"
         + rows_in_markdown(("robots that", ""), rows)
     )
 
@@ -235,21 +233,19 @@ def measured(name: str) -> str:
             for one in run["found"]:
                 if one["effect"] != name:
                     continue
-                line = (
-                    f"- `bench {run['command']}` says of it: {one['verdict']}, at {', '.join(one['places'])}"
-                )
+                line = f"- `bench {run['command']}` reports it as {one['verdict']}, at {', '.join(one['places'])}"
                 verdicts.append(f"{line}{sizes_of(one, units_at)}")
     published = [
         f"- {one['machine']}: {one['size']} ([{one['source']}]({one['address']}))."
         for one in SIZES.get(name, ())
     ]
-    parts = [rows_in_markdown(("machine", "at", "parameter", "found", "known"), rows)] if rows else []
+    parts = [rows_in_markdown(("machine", "at", "parameter", "identified", "known"), rows)] if rows else []
     parts += ["\n".join(lines) for lines in (verdicts, published) if lines]
     if rows or verdicts:
-        parts.append("Logs and sources of what is known: [measured machines](../measured.md).")
+        parts.append("Logs and sources of the known values: [measured machines](../measured.md).")
     if not parts:
         none = "None of the [measured machines](../measured.md) has shown it"
-        parts = [f"{none}, and no published size was found that could be read at its source."]
+        parts = [f"{none}, and no published size with a readable source is known."]
     return "\n\n".join(("## On real machines", *parts))
 
 

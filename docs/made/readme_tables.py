@@ -9,7 +9,7 @@ from bench.truth.hidden import HIDDEN_EFFECTS
 
 ROOT = Path(__file__).parents[2]
 SITS = {"actuator": "motor", "passive": "passive joint", "bearing": "passive joint"}
-EFFECTS_HEAD = ("effect", "sits at", "parameters", "found from the data", "special cases")
+EFFECTS_HEAD = ("effect", "sits at", "parameters", "shape parameters", "special cases")
 HIDDEN_HEAD = ("effect", "parameters", "law")
 
 

@@ -45,14 +45,14 @@ def shown() -> str:
         "robot",
         "largest gain error, median",
         "effects that its data can show",
-        "taken up by its own parameters",
+        "absorbed by its parameters",
     )
     return (
         "## How accurate, and what its data can show\n\n"
         "Gains from 20-bit encoders and 1 % current noise "
         "([how far to trust it](trust.md#are-gains-and-intervals-right)). "
-        "What its scenario's movements and payloads can show of [the atlas](atlas/index.md): `make atlas`, commit "
-        f"`{effects['about']['commit'][:7]}`; {without} have no scenario.\n\n"
+        "Effects of [the atlas](atlas/index.md) that its scenario's motions and payloads can show: `make atlas`, "
+        f"commit `{effects['about']['commit'][:7]}`; {without} have no scenario.\n\n"
         f"{rows_in_markdown(heads, rows)}\n\n"
     )
 

@@ -162,7 +162,7 @@ def gains_table() -> str:
             *(marked(f"{np.median(of):.3g}", not_kept=np.median(of) > FLOOR) for of in over.values()),
             f"≤&nbsp;{FLOOR:g}",
         ),
-        ("95 % intervals that hold the truth", *map(_coverage, within.values()), _bound(_held(1.0, 1))),
+        ("95 % intervals that contain the truth", *map(_coverage, within.values()), _bound(_held(1.0, 1))),
         ("commit", *map(commits_of, runs.values()), ""),
     ]
     return rows_in_markdown(("", *runs, "must be"), rows)
@@ -231,7 +231,7 @@ def peers_table() -> str:
         for one in kept["scores"]
         if one["robot"] == "five_bar" and not one["friction"] and one["mass_error"] is not None
     ]
-    table = rows_in_markdown(("", "seeds", "time", "gain error", "intervals that hold the gain"), rows)
+    table = rows_in_markdown(("", "seeds", "time", "gain error", "intervals that contain the gain"), rows)
     return f"{table}\n\n*`make peers`, commit {commits_of([kept])}.*"
 
 
@@ -288,8 +288,8 @@ def laws_of_nothing() -> str:
         rows = [row for row in pq.read_table(path).to_pylist() if row["kind"] == "nothing"]
         laws, named = (Share(sum(bool(row[name]) for row in rows), len(rows)) for name in ("laws", "missing"))
         said.append(
-            f"On {len(rows)} machines `{path.stem}` with nothing hidden, laws searched in each of them, a law was "
-            f"claimed {laws.count} times and an effect {named.count} times (95 % interval up to "
+            f"On {len(rows)} machines `{path.stem}` with nothing hidden and a search for laws in each, a law was "
+            f"named {laws.count} times and an effect {named.count} times (95 % interval up to "
             f"{100.0 * laws.interval[1]:.1f} %): "
             f"`bench trial {path.stem} --kinds nothing --seeds {len(rows) // 10} --discover`."
         )

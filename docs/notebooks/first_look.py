@@ -4,7 +4,7 @@
 
 # %% [markdown]
 # # From measurements to gains, and whether to trust them
-# A five-bar whose truth is known stands in for a robot.
+# A five-bar whose truth is known replaces a real robot.
 
 # %%
 import bench
@@ -13,8 +13,8 @@ data = bench.simulate("tutorial")  # a dataset: what a controller would have log
 result = bench.identify(data)
 
 # %% [markdown]
-# ## What was found
-# Every number has its standard deviation. That of the left motor's gain is wide: the model leaves something.
+# ## The result
+# Every number has its standard error. That of the left motor's gain is large: the model lacks something.
 
 # %%
 table = result.to_dataframe()
@@ -39,7 +39,8 @@ print(diagnosis.missing)
 
 # %% [markdown]
 # ## With it
-# What lacks in a model bends the rest: the gain of the left motor was 6 % off, and its wide deviation said so.
+# A missing effect distorts the other parameters: the gain of the left motor was 6 % off, and its large standard error
+# showed it.
 
 # %%
 better = diagnosis.after

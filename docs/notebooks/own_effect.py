@@ -4,7 +4,7 @@
 
 # %% [markdown]
 # # An effect of your own
-# Write the law, let it compete with the catalogue, and see what it is worth.
+# Write the law, let it compete with the catalogue, and see how much it improves the model.
 
 # %%
 from pathlib import Path
@@ -16,7 +16,7 @@ import bench
 
 # %% [markdown]
 # ## Measurements
-# A five-bar with friction that grows with the acceleration, which no model of the catalogue has.
+# A five-bar with friction that grows with the acceleration, which no effect of the catalogue models.
 
 # %%
 SCENARIO = """
@@ -59,7 +59,7 @@ law = Path(folder.name) / "brake.py"
 law.write_text(LAW, encoding="utf-8")
 
 # %% [markdown]
-# ## What it is worth
+# ## The improvement
 # On the recordings that were not fitted.
 
 # %%
@@ -71,8 +71,8 @@ print(
 )
 
 # %% [markdown]
-# ## Is that all that noise leaves?
-# Correlated errors would tell of something else that lacks.
+# ## Is the remaining error at the noise floor?
+# Correlated errors would indicate another missing effect.
 
 # %%
 left = bench.compare(data, braked).where.motors[0]

@@ -48,7 +48,7 @@ def _stand_in(target: Path) -> Path:
 
 @contextmanager
 def _named(path: Path, *own: Path) -> Iterator[None]:
-    """What the system says against writing, as a line that names `path`; own: paths that stand for it.
+    """What the system says against writing, as a line that names `path`; own: paths that mean the same.
 
     An error that names another file is about that one, and goes on as it is.
     """
@@ -97,7 +97,7 @@ def whole_folder(folder: str | Path) -> Iterator[Path]:
     """Give an empty folder to fill in place of `folder`, and move it there once the block ends well.
 
     A folder of that name is replaced; what may be replaced is for the caller to say. If the block raises, an
-    interrupt included, nothing is left and `folder` stays as it was. Raises BenchError if it cannot be written.
+    interrupt included, nothing remains and `folder` stays as it was. Raises BenchError if it cannot be written.
     """
     target = Path(folder).resolve()
     mark = secrets.token_hex(4)

@@ -1,4 +1,4 @@
-"""The text of a CSV file: its header, its dialect, and where a row or a cell stands in it.
+"""The text of a CSV file: its header, its dialect, and where a row or a cell is in it.
 
 Numbers are read elsewhere and fast; this module answers which line an editor shows for a row, and what is
 written there, and it is asked only when something is wrong.
@@ -65,7 +65,7 @@ class CsvText:
     def floats(self, column: int, rows: range, otherwise: float | None = None) -> list[float]:
         """Some rows of a column in spellings that only Python reads, such as +1.5; empty cells are NaN.
 
-        otherwise: what stands for text. Raises ValueError for text without it.
+        otherwise: the text itself. Raises ValueError for text without it.
         """
         return [self._float(cell, otherwise) for cell in self._column(column, rows)]
 
@@ -130,7 +130,7 @@ class CsvText:
                     yield start, cells
                 start = self.first_line + reader.line_num
         except csv.Error as error:
-            raise BenchError(f"{self.path}: line {start}: {error} (a quotation mark left open?)") from error
+            raise BenchError(f"{self.path}: line {start}: {error} (an unclosed quotation mark?)") from error
 
 
 def decoded(path: Path, content: bytes) -> str:

@@ -4,5 +4,5 @@ from pathlib import Path
 
 
 def sidecar_path(path: Path) -> Path:
-    """Where it lies: NAME.twin.json beside NAME.xml."""
+    """Where it lies: NAME.twin.json next to NAME.xml."""
     return path.with_name(f"{path.stem}.twin.json")

@@ -55,7 +55,7 @@ class FileTable:
         return f"row {row}" if self.text is None else f"line {self.text.line(row)}"
 
     def place(self, column: str, row: int | None = None) -> str:
-        """Where something stands, for a message: file, column, and the row where it is one."""
+        """Where something is, for a message: file, column, and the row where it is one."""
         source = self.sources.get(column, column)
         named = column if source == column else f"{column} ({source!r} of the log)"
         where = "" if row is None else f", {self.row_name(row)}"
@@ -84,7 +84,7 @@ class FileTable:
         raise BenchError(f"{self.place(column, row - self.first_row)}: {cell!r} is not a number")
 
     def stamps(self) -> Array:
-        """The time column (N,), NaN where no number stands: for choosing rows, before they are checked."""
+        """The time column (N,), NaN where no number is: for choosing rows, before they are checked."""
         kind = self.data.schema.field("time").type
         if self.is_plain("time") or self.text is None:
             return self.numbers("time") if _is_numeric(kind) else np.full(self.data.num_rows, np.nan)
@@ -150,7 +150,7 @@ def _checked(table: FileTable) -> FileTable:
     path = table.path
     for name, count in Counter(table.columns).items():
         if name and count > 1:
-            raise BenchError(f"{path}: column {name}: stands there {count} times")
+            raise BenchError(f"{path}: column {name}: occurs {count} times")
     if table.data.num_rows == 0:
         raise BenchError(f"{path}: has a header but no rows")
     return table

@@ -44,7 +44,7 @@ def read_toml(path: Path, table: type[Table]) -> Table:
 
 
 def line_of(text: str, location: tuple[int | str, ...]) -> int | None:
-    """The line of TOML, counted from one, on which a key of this location stands, or its table; None if unsure."""
+    """The line of TOML, counted from one, on which a key of this location is, or its table; None if unsure."""
     wanted = [str(part) for part in location]
     here: list[str] = []
     counts: dict[str, int] = {}
@@ -82,7 +82,7 @@ def first_mistake(error: ValidationError) -> str:
     if first["type"] not in ("missing", "extra_forbidden"):
         text += f", got {_shorten(first['input'])}"
     if len(mistakes) > 1:
-        text += f"; and {len(mistakes) - 1} more, such as {key_name(mistakes[1]['loc'])}"
+        text += f"; and {len(mistakes) - 1} more, for example {key_name(mistakes[1]['loc'])}"
     return one_line(text)
 
 

@@ -1,4 +1,4 @@
-"""Lines of TOML, whose keys and values tomlkit writes; what stands in a user's file stays as it is."""
+"""Lines of TOML, whose keys and values tomlkit writes; what is in a user's file stays as it is."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any

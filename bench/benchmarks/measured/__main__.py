@@ -1,4 +1,4 @@
-"""`make measured`: identify and diagnose measured logs, beside what is known of their machines, into results/measured.
+"""`make measured`: identify and diagnose measured logs into results/measured, compared with known values.
 
     python -m bench.benchmarks.measured [MACHINE ...] [-o DIR]
 
@@ -39,7 +39,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     try:
         _run(given.machines or list(MACHINES), given.output)
     except BenchError as error:
-        print(f"bench: {error}", file=sys.stderr)  # noqa: T201 - a program of its own
+        print(f"bench: {error}", file=sys.stderr)  # noqa: T201 - a separate program
         return 2
     return 0
 
@@ -66,7 +66,7 @@ def write_pages(folder: Path) -> None:
 
 
 def _say(text: str) -> None:
-    print(text, flush=True)  # noqa: T201 - a program of its own
+    print(text, flush=True)  # noqa: T201 - a separate program
 
 
 if __name__ == "__main__":

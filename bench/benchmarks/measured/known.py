@@ -12,7 +12,9 @@ from pydantic import Field, model_validator
 from bench.basics.files.toml_input import UserTable, read_toml
 
 DRIVE_GAIN, PARAMETER = "drive_gain", "parameter"
-WITHIN = 2.0  # stated deviations: what an estimate may be off beside the reference's own uncertainty
+WITHIN = (
+    2.0  # stated deviations: allowed difference of an estimate, in addition to the reference's uncertainty
+)
 Share = Annotated[float, Field(ge=0.0, allow_inf_nan=False)]
 
 
@@ -58,7 +60,7 @@ class _KnownFile(UserTable):
 
 @dataclass(frozen=True)
 class AgainstKnown:
-    """An estimate beside what is known of it: value and std None where the model has no such quantity or no deviation.
+    """An estimate and its known value: value and std None where the model has no such quantity or no deviation.
 
     uncertainty: of the reference, goal: of the estimate, both relative to `known`. fixed: the value was given, not
     estimated.

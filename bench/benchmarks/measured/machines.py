@@ -69,5 +69,5 @@ def dataset_of(name: str, measured: Path, folder: Path) -> Path:
     """The dataset of a machine. Raises BenchError where its logs are not there."""
     data = measured / name
     if not data.is_dir():
-        raise BenchError(f"{data}: no measured logs here; $PARABENCH_DATA names their folder")
+        raise BenchError(f"{data}: no measured logs; set $PARABENCH_DATA to their folder")
     return MACHINES[name](data, folder)

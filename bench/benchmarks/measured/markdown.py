@@ -17,7 +17,7 @@ from bench.document.markdown.tables import rows_in_markdown
 
 
 def measured_markdown(records: Sequence[Record], machines: Mapping[str, MachineTable]) -> str:
-    """All machines: first what the commands gave, then each with its values beside what is known."""
+    """All machines: first what the commands gave, then the estimates of each with the known values."""
     rows = [
         (kept.name, _unbroken(command.text), *_weighted(cells))
         for kept in records

@@ -137,10 +137,10 @@ def _figure(record: Record) -> list[Figure]:
     labels = tuple(typeset(f"{quantity} of {place}") for quantity, place in names)
     rule = Rule("as known", "noise", "x", 0.0, dashed=True)
     chart = Chart(
-        "Estimates beside what is known",
-        Axis("off from what is known", "%"),
+        "Estimates and known values",
+        Axis("difference from the known value", "%"),
         (Panel(Axis("", scale="band", categories=labels), (rule, *series)),),
-        f"Whiskers: {WITHIN:g} of the stated deviations. The reference's own uncertainty stands in the tables.",
+        f"Whiskers: {WITHIN:g} of the stated deviations. The tables give the uncertainty of the reference.",
     )
     return [chart_figure(chart, 76 + (LINE * len(runs) + 8) * len(labels))]
 
@@ -164,7 +164,7 @@ def _again_section(records: Sequence[Record], again: str) -> Section:
         {name: [program.get(name, "") for program in programs] for name in programs[0]} if programs else {}
     )
     parts: tuple[Part, ...] = (
-        Commands("Run it again", "The logs are found through $PARABENCH_DATA.", (again,)),
+        Commands("Run it again", "$PARABENCH_DATA names the folder of the logs.", (again,)),
         versions_of(columns),
     )
     return Section("run", "How to run it again, and versions", "", parts, "Versions")

@@ -19,14 +19,14 @@ RUN_HEADS = (
     "inside",
     "goals reached",
     "processor",
-    "missing, as it says",
+    "verdict: missing",
 )
 VALUE_HEADS = ("quantity", "at", "value ± std", "unit", "known", "off by", "inside", "goal", "reached")
 EXPLANATION = (
-    "Each command starts from the robot's geometry and its nominal gains alone; what is known of the machines is "
-    f"compared with afterwards. Inside: off by no more than {WITHIN:g} of the stated standard deviations and what the "
-    "reference itself may be off by. Goal: how far an estimate, or an error, is to be off at most. Errors are of the "
-    "current, the fitted ones and those of recordings that were not fitted; processor: seconds of it, start to end."
+    "Each command uses only the robot's geometry and its nominal gains; known values of the machines serve for "
+    f"comparison. Inside: the difference is within {WITHIN:g} standard errors plus the reference's own uncertainty. "
+    "Goal: the largest acceptable difference or error. Errors are those of the current, of fitted recordings and of "
+    "recordings that were not fitted; processor: CPU seconds from start to end."
 )
 
 

@@ -1,1 +1,1 @@
-"""The same problems, solved by others: in an environment of its own, see `make peers`."""
+"""The same problems, solved by others: in a separate environment, see `make peers`."""

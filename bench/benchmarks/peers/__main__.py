@@ -33,15 +33,15 @@ warnings.filterwarnings("ignore", category=RuntimeWarning, message=".*already re
 RESULT = Path("results/peers")
 MANY, FEW, ONE = 40, 3, 1  # seeds of fast solvers, of slow ones, and of the slowest
 EXPLANATION = (
-    "Medians over seeds of the sensors' noise: 20-bit encoders and 1 % noise of the currents. `parabench` knows"
-    " the geometry and the payload; `rest from CAD` takes all masses but two as known, which is what"
-    " `mujoco.sysid` is given, together with the initial state and the controller. mujoco.sysid does not look at"
-    " the currents: it predicts the positions by simulating the controlled machine. `output error` knows the"
-    " controller's law and references too, and no mass but the payload's. At the truth's own step its model is"
-    " the very program that made the data; 1 ms is the step of the log. FIGAROH has no closed loops."
-    " Seconds are of processor time, of all threads, and of solving alone, from recordings to estimates: the robot's"
-    " model is built once beforehand"
-    " and not timed, and neither is the set-up of the others (MuJoCo specs, sequences and residual function of"
+    "Medians over seeds of sensor noise: 20-bit encoders and 1 % noise of the currents. `parabench` knows"
+    " the geometry and the payload; `rest from CAD` takes all masses except two as known, as does"
+    " `mujoco.sysid`, which also receives the initial state and the controller. mujoco.sysid does not use"
+    " the currents: it predicts the positions by simulating the controlled machine. `output error` also knows the"
+    " control law and references, but no mass except the payload's. At the time step of the truth its model is"
+    " the simulator that generated the data; 1 ms is the step of the log. FIGAROH has no closed loops."
+    " Seconds are processor time of all threads, from recordings to estimates: building the robot's"
+    " model once beforehand"
+    " is not timed, and neither is the set-up of the others (MuJoCo specs, sequences and residual function of"
     " mujoco.sysid, URDF of FIGAROH)."
 )
 HEADERS = ("solver", "seeds", "seconds", "gain error", "gains within", "mass error", "masses within")

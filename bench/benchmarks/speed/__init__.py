@@ -1,1 +1,1 @@
-"""What a calculation costs, measured beside something known in the same run."""
+"""What a calculation costs, measured together with a known calculation in the same run."""

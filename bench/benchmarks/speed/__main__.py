@@ -1,4 +1,4 @@
-"""`make speed`: every figure beside the one of the last time; the history is in results/speed."""
+"""`make speed`: every figure and its last value; the history is in results/speed."""
 
 import os
 import sys

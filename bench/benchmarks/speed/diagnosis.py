@@ -43,7 +43,7 @@ THREE: Hidden = (
 
 
 def simulated(robot: str, hidden: Hidden, *, checked: bool) -> Dataset:
-    """A robot's scenario with effects that no model is told of: two recordings, and one to check where asked for."""
+    """A robot's scenario with effects that no model contains: two recordings, and one to check where asked for."""
     content = dict(read_with_bases(find_scenario(robot)))
     content["hidden"] = list(hidden)
     content["design"] = {**content["design"], "duration": DURATION}
@@ -77,7 +77,7 @@ def cases(folder: Path) -> Iterator[tuple[str, float, Dataset]]:
 
 
 def costs() -> Iterator[tuple[str, float, Cost]]:
-    """Name, limit in s and cost of every case, each in a process of its own."""
+    """Name, limit in s and cost of every case, each in a separate process."""
     with TemporaryDirectory() as folder:
         for name, limit, dataset in cases(Path(folder)):
             yield name, limit, cost_alone(dataset)

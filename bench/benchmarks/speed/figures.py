@@ -1,4 +1,4 @@
-"""What a speed benchmark gives: named figures with their limits, beside those of the last time."""
+"""What a speed benchmark gives: named figures with their limits and their last values."""
 
 from __future__ import annotations
 
@@ -65,7 +65,7 @@ def append_history(figures: Sequence[SpeedFigure], path: Path = HISTORY) -> None
 
 
 def figures_table(figures: Sequence[SpeedFigure], last: Mapping[str, float]) -> Table:
-    """Each figure beside the last one and its limit."""
+    """Each figure with its last value and its limit."""
     table = Table(
         box=box.SIMPLE_HEAD, pad_edge=False, padding=(0, 2, 0, 0), header_style="dim", show_edge=False
     )

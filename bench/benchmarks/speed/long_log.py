@@ -35,7 +35,7 @@ DURATION = 1200.0  # s, of each of two logs
 PARTS = 3  # movements that are simulated for each recording; they take turns
 PART = 20.0  # s
 FRICTION = {"emps": 10.0, "five_bar": 0.2, "three_rrr": 0.3, "stewart": 8.0, "two_link": 0.3}
-"""Dry friction [N*m or N] that no model is told of: the fit's band is then wide, as on a real machine."""
+"""Dry friction [N*m or N] that no model contains: the fit's band is then wide, as on a real machine."""
 
 
 def write_long_dataset(folder: Path, duration: float, robot: str = "five_bar") -> Path:

@@ -1,4 +1,4 @@
-"""Cost of the main job: simulating beside `mujoco.rollout`, and identifying two recordings of 20 s at 1 kHz;
+"""Cost of the main job: simulating, compared with `mujoco.rollout`, and identifying two recordings of 20 s at 1 kHz;
 and of the longest simulation, that of a hexapod whose trajectories are designed first.
 
 Run as `python -m bench.benchmarks.speed.main_job`. Simulation and rollout run the same models over the same steps,

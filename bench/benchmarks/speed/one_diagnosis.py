@@ -45,7 +45,7 @@ def cost_of(dataset: Dataset) -> Cost:
 
 
 def cost_alone(dataset: Dataset) -> Cost:
-    """The same in a process of its own."""
+    """The same in a separate process."""
     with TemporaryDirectory() as folder:
         path = Path(folder) / "dataset.pickle"
         path.write_bytes(pickle.dumps(dataset))

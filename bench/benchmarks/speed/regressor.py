@@ -1,4 +1,4 @@
-"""Cost of the projected regressor, closures and accelerations included, beside Pinocchio's tree regressor.
+"""Cost of the projected regressor, closures and accelerations included, compared with Pinocchio's tree regressor.
 
 Run as `python -m bench.benchmarks.speed.regressor`. Both go over the same tree and the same samples, alternately, so
 that what else the machine does falls out of their ratio.

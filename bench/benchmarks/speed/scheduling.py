@@ -1,4 +1,4 @@
-"""What a run of a sweep costs beside its own work: planning, scheduling, transport and the journal.
+"""The overhead of a run of a sweep: planning, scheduling, transport and the journal.
 
 Run as `python -m bench.benchmarks.speed.scheduling`. Ten thousand runs without any work, one task each, and then a
 fifth more over which memory is watched, go through the processes of this machine, and through a Dask scheduler with 64
@@ -63,7 +63,7 @@ class Scheduling:
 
     @property
     def fed(self) -> float:
-        """Workers that driver and scheduler keep busy with runs of one second, each on a processor of its own."""
+        """Workers that driver and scheduler keep busy with runs of one second, each on a separate processor."""
         return 1e3 / max(self.driver, self.scheduler)
 
     @property
@@ -125,7 +125,7 @@ def measure(name: str, workers: int, make_pool: Callable[[], Pool], runs: int = 
 
 
 class _Process:
-    """A scheduler, or workers of one, in a process of its own."""
+    """A scheduler, or workers of one, in a separate process."""
 
     def __init__(self, *arguments: str) -> None:
         command = [sys.executable, "-m", "bench.benchmarks.speed.stand_in", *arguments]

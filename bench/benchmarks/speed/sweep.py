@@ -40,7 +40,7 @@ recordings = [
 
 
 def sweep_figures() -> list[SpeedFigure]:
-    """Seconds of 200 runs with two workers, beside those of their stepping alone, which tell how fast the machine is;
+    """Seconds of 200 runs with two workers, and of their time steps alone, which measure how fast the machine is;
     what the second worker gains; and seconds until runs begin.
     """
     with tempfile.TemporaryDirectory(prefix="bench-speed-") as folder:

@@ -31,7 +31,7 @@ class LogMap:
              name for a column to keep for plots. A column that the log itself calls so needs no entry, and neither
              does one called `velocity.JOINT`.
     scale    column -> factor that turns the log's unit into SI, such as 1e-3 for millimetres, or the unit's name
-             (see UNITS); `position` and `current` stand for those of all joints. It goes before a unit that the log
+             (see UNITS); `position` and `current` represent those of all joints. It goes before a unit that the log
              itself states.
     rate     Hz, for a log without a time column; its time then starts at zero
     """
@@ -109,7 +109,7 @@ def _name_notes(sources: Mapping[str, str], factors: Mapping[str, float], robot:
         unit = unit_in(source, units)
         if unit and UNITS[unit].factor != 1.0:
             notes.append(
-                f"{source} for {column}: taken as {units[0]}; if it is in {unit}, add --scale {column}={unit}"
+                f"{source} for {column}: assumed to be in {units[0]}; if it is in {unit}, add --scale {column}={unit}"
             )
     return tuple(notes)
 
@@ -233,7 +233,7 @@ def _skipping(log: LogFile, sources: Mapping[str, str]) -> str:
     there = [*log.vectors, *log.texts]
     if log.lines is None or any(source in there for source in sources.values()):
         return ""
-    return ": if the names of its columns stand below a preamble, leave that out with --skip-rows N"
+    return ": if a preamble precedes the column names, skip it with --skip-rows N"
 
 
 def _inventory(log: LogFile, most: int = 30) -> str:

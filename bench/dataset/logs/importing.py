@@ -77,7 +77,7 @@ def _as_fault(file: Path, line: str) -> LogFault:
 
 
 def _folded(faults: Sequence[LogFault]) -> list[str]:
-    """A line each; what several logs have in common stands once."""
+    """A line each; what several logs have in common appears once."""
     groups: dict[tuple[str, str, Remedy | None], list[LogFault]] = {}
     for fault in faults:
         groups.setdefault(fault.alike, []).append(fault)
@@ -116,11 +116,12 @@ def import_logs(
     A folder without a dataset.toml becomes a dataset of `robot` (or its built-in name or path); otherwise the
     recordings are added to it. `payloads` are defined in it; a request names one of them, or one that the dataset has.
     Samples are written as they were logged, after the checks that reading a dataset makes. replace: a recording of the
-    same name, and a payload, become what is given here; until that is whole, what it replaces is kept beside it.
+    same name, and a payload, become what is given here; until that is whole, what it replaces is kept next to it.
 
     Errors: BenchError, and nothing is written: a file, robot, joint or name that does not exist (with what there is),
     vectors of different length, everything that is wrong with the recordings, a line each; of what several logs
-    have in common, the first is told and the others named; a payload far heavier than the robot that nobody accepts.
+    have in common, the first is reported and the others named; a payload far heavier than the robot that nobody
+    accepts.
     """
     folder = Path(folder)
     loaded = robot if isinstance(robot, Robot) else load_robot(robot)
@@ -205,7 +206,7 @@ def _payload_notes(folder: Path, payloads: Sequence[Payload], names: Sequence[st
 
 def _left_pieces(folder: Path, requests: Sequence[LogRequest], names: Sequence[str]) -> list[str]:
     """What is said of recordings called as pieces of a log that takes another place: an import that cut it otherwise
-    may have left them. They are not deleted, since a recording of one's own may be called so, too.
+    may have left them. They are not deleted, since a recording of the user may have such a name.
     """
     if not (folder / DATASET_FILE).exists():
         return []
@@ -216,8 +217,8 @@ def _left_pieces(folder: Path, requests: Sequence[LogRequest], names: Sequence[s
         left = [file for file in files if piece.fullmatch(file) and file not in names]
         if left:
             said.append(
-                f"{listed(left)} {'stays as it was' if len(left) == 1 else 'stay as they were'}: what is a piece of "
-                f"{request.file.name} from an earlier import is to be deleted, with its [[recordings]] table"
+                f"{listed(left)} {'stays as it was' if len(left) == 1 else 'stay as they were'}: delete pieces of "
+                f"{request.file.name} from an earlier import, with their [[recordings]] tables"
             )
     return said
 
@@ -285,7 +286,7 @@ def _write(folder: Path, text: str, parts: Sequence[Segment], progress: Progress
     """All files, or none when something goes wrong on the way.
 
     Every recording is whole under another name before any that it replaces is moved aside. A command that is killed
-    between leaves a dataset as it was, or one that names a file it lacks, with both recordings beside it.
+    between leaves a dataset as it was, or one that names a file it lacks, with both recordings next to it.
     """
     paths = [folder / part.name for part in parts]
     aside: dict[Path, Path] = {}

@@ -31,7 +31,7 @@ KINDS = {"position": "position", "velocity": "velocity", "effort": "current"}
 """Field of a message -> the columns that it becomes."""
 
 NANO = 1e-9
-EFFORT = 'effort is taken as current (where it holds torques or forces, give robot.toml gain_unit = "1")'
+EFFORT = 'effort is used as current (if it contains torques or forces, set gain_unit = "1" in robot.toml)'
 
 
 def is_bag(path: Path) -> bool:
@@ -140,7 +140,7 @@ def _joints(where: str, names: Sequence[tuple[str, ...]]) -> tuple[str, ...]:
     if len(sets) > 1:
         told = "; ".join(f"{', '.join(sorted(entry))} ({count})" for entry, count in sets.most_common(4))
         raise BenchError(
-            f"{where}: its messages are of different joints: {told}: record them on topics of their own"
+            f"{where}: its messages are of different joints: {told}: record them on separate topics"
         )
     if len(set(names[0])) != len(names[0]):
         raise BenchError(f"{where}: a message names a joint twice: {', '.join(names[0])}")

@@ -18,7 +18,7 @@ from bench.dataset.names import Use
 from bench.dataset.sampling import FEWEST, cut_rows, gap_rows
 
 Array = npt.NDArray[np.float64]
-MOST = 5  # cuts of a kind that are told one by one
+MOST = 5  # cuts of a kind that are reported one by one
 LITTLE = 0.05  # of a log's rows: what gaps may cost without being asked
 SHORTEST = 2.0  # s: a piece between gaps that is worth a recording; filters take their share at both ends
 
@@ -84,7 +84,7 @@ def cut(
         whole = [piece for piece in pieces if _long_enough(time, *piece, cutting.shortest)]
         said = _told(time, cuts, pieces, whole, cutting.shortest)
         if not whole:
-            raise BenchError(f"{file}: {said}: nothing is left")
+            raise BenchError(f"{file}: {said}: nothing remains")
         notes = (*notes, said)
         pieces = whole
     parts = []
@@ -112,7 +112,7 @@ def _measured(columns: Mapping[str, Array]) -> tuple[npt.NDArray[np.intp], int]:
 
 def _unmeasured(lost: int) -> tuple[str, ...]:
     rows = "1 row" if lost == 1 else f"{lost} rows"
-    return (f"{rows} without a measurement left out",) if lost else ()
+    return (f"{rows} without a measurement omitted",) if lost else ()
 
 
 def _costs_little(time: Array) -> bool:
@@ -143,7 +143,7 @@ def _told(
     lost = [f"{time[row] - time[row - 1]:.3g} s at {time[row - 1]:.12g} s" for row in gaps]
     turned = [f"{time[row - 1]:.12g} s to {time[row]:.12g} s" for row in back]
     parts = [f"at {plural(len(gaps), 'gap')} ({_listed(lost)})"] if gaps else []
-    parts += [f"where time goes back or stands ({_listed(turned)})"] if back else []
+    parts += [f"where time runs backwards or stops ({_listed(turned)})"] if back else []
     said = f"cut {' and '.join(parts)}"
     dropped = [piece for piece in pieces if piece not in whole]
     if not dropped:

@@ -33,7 +33,7 @@ CONTROL = re.compile(rb"[\x00-\x08\x0e-\x1f]")  # in no text
 
 @dataclass(frozen=True)
 class TextLog:
-    """The text of the table, units by column, and what was found on the way, in words."""
+    """The text of the table, units by column, and findings, in words."""
 
     text: CsvText
     units: dict[str, str]
@@ -74,7 +74,7 @@ def split_log(path: Path, content: bytes, skip_rows: int = 0, header: bool | Non
     units: dict[str, str] = {}
     if used < len(table) and used > 0 and _is_units(cells := _cells(table[used].text, delimiter)):
         units = {name: unit for name, unit in zip(names, cells, strict=True) if unit}
-        notes.append(f"line {table[used].number} is taken as units")
+        notes.append(f"line {table[used].number} is read as units")
         used += 1
     if used == len(table):
         raise BenchError(f"{path}: has a header but no rows")
@@ -120,7 +120,7 @@ def _text(path: Path, content: bytes) -> tuple[str, tuple[str, ...]]:
         if CONTROL.search(content):
             raise
         try:
-            return content.decode("cp1252"), ("read as Windows-1252 (Latin-1) text, since it is not UTF-8",)
+            return content.decode("cp1252"), ("read as Windows-1252 (Latin-1) text, because it is not UTF-8",)
         except UnicodeDecodeError:
             pass
         raise
@@ -147,9 +147,9 @@ def _padded(table: Sequence[Sequence[str]]) -> int:
 
 def _preamble_notes(lines: Sequence[_Line], first: _Line, skip_rows: int) -> list[str]:
     above = [line.number for line in lines if line.number < first.number and line.text.strip()]
-    notes = [f"the first {skip_rows} lines are left out, as asked for"] if skip_rows else []
+    notes = [f"the first {skip_rows} lines are skipped, as requested"] if skip_rows else []
     if above:
-        notes.append(f"a preamble on top, up to line {above[-1]}, is left out")
+        notes.append(f"the preamble up to line {above[-1]} is skipped")
     return notes
 
 

@@ -102,7 +102,7 @@ def factor_of(where: str, unit: str, column: str, robot: Robot) -> float | None:
     if known is None:
         if needed is None:
             return None
-        raise BenchError(f"{where} is in {unit!r}, which is no unit known here: add --scale {column}=FACTOR")
+        raise BenchError(f"{where} is in {unit!r}, which is not a known unit: add --scale {column}=FACTOR")
     if needed is not None and known.of != needed:
         said = f"{where} is in {unit!r}, {_a(known.of)}, and {column} must be {_a(needed)}"
         if known.of in ("torque", "force") and column.startswith("current."):

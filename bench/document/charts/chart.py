@@ -23,7 +23,7 @@ Role = Literal[
     "six",
     "seven",
 ]
-"""What a series stands for, of which every renderer has a colour."""
+"""What a series represents, of which every renderer has a colour."""
 
 
 @dataclass(frozen=True)
@@ -48,7 +48,7 @@ class Axis:
 
     @property
     def percent(self) -> bool:
-        """Whether shares are told in percent."""
+        """Whether shares are given in percent."""
         return self.unit == "%"
 
 
@@ -143,7 +143,7 @@ class Spans:
 
 @dataclass(frozen=True, eq=False)
 class Bars:
-    """A length along x for each category of y, (N,). thin: beside another one, for comparison."""
+    """A length along x for each category of y, (N,). thin: next to another one, for comparison."""
 
     name: str
     role: Role
@@ -210,7 +210,7 @@ class Panel:
 class Chart:
     """Panels below each other over one axis x. aid: how to read it; key: what colours mean, where no legend says it.
 
-    legend: of its own, one that charts beside each other share, or none.
+    legend: separate, shared by charts side by side, or none.
     """
 
     title: str

@@ -18,7 +18,7 @@ Curve = tuple[Role, str, MotorSeries]
 def currents_chart(curves: Sequence[Curve], unit: str, title: str) -> Chart:
     """Currents above, errors below. curves: the errors to show, that of the model whose current is drawn last.
 
-    With several models the last one's error stands once more in a panel of its own, at its own scale.
+    With several models the last one's error appears once more in a separate panel, at its scale.
     """
     *_, (role, name, last) = curves
     time = _with_gaps(last, last.time)
@@ -57,7 +57,7 @@ def before_after_chart(
     before: CurrentSeries | None, after: CurrentSeries, motor: int, unit: str, title: str
 ) -> Chart:
     """Errors of one motor by the models without and with what is missing, or of one model where nothing is."""
-    named = "the model as it is: nothing is missing" if before is None else "with what is missing"
+    named = "the model as it is: nothing is missing" if before is None else "with the missing effects"
     models: list[tuple[str, Role, CurrentSeries]] = [(named, "after", after)]
     if before is not None:
         models.insert(0, ("the model as it is", "before", before))

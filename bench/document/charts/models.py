@@ -34,8 +34,7 @@ def ladder_chart(diagnosis: Diagnosis) -> Chart:
         "Error after each added effect",
         Axis("", scale="band", categories=tuple(step_labels([step.effects for step in steps]))),
         (Panel(Axis("error of the current", "%", "log", room=True), (noise, *levels)),),
-        aid="Down to the grey line: nothing is left but noise. Where only the fitted error falls, the model fits "
-        "noise.",
+        aid="At the grey line only noise remains. If only the fitted error falls, the model fits noise.",
     )
 
 

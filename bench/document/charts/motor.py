@@ -80,7 +80,7 @@ def reversals_chart(errors: ErrorBreakdown) -> Chart:
 
 
 def recordings_chart(errors: ErrorBreakdown) -> Chart:
-    """Error of every recording beside the noise of its current, both relative to the current."""
+    """Error of every recording and the noise of its current, both relative to the current."""
     recordings = errors.by_recording
     stems = [recording.recording.removesuffix(".csv").removesuffix(".parquet") for recording in recordings]
     names = tuple(
@@ -97,7 +97,7 @@ def recordings_chart(errors: ErrorBreakdown) -> Chart:
                 ("noise of the current", np.array([recording.noise for recording in recordings])),
             ),
         ),
-        aid="A recording or payload that stands out is unlike the others.",
+        aid="A prominent recording or payload differs from the others.",
         key="grey: noise of the current",
     )
 
@@ -119,7 +119,7 @@ def opposing_chart(errors: ErrorBreakdown) -> Chart:
 
 
 def shares_chart(errors: ErrorBreakdown) -> Chart:
-    """Share of the squared error that lies in every part of the motion, beside its share of the time."""
+    """Share of the squared error that lies in every part of the motion, and its share of the time."""
     regions = errors.shares
     return Chart(
         "Where the squared error lies",

@@ -34,7 +34,7 @@ SHOWN = (
     "recordings",
     "opposing",
 )
-LETTERS = 17  # of a name beside a bar
+LETTERS = 17  # of a name next to a bar
 
 
 def write_comparison_figures(folder: Path, what: Compared) -> list[Path]:

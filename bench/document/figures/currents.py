@@ -22,7 +22,7 @@ PAGE_WIDTH = 11.0  # inches: text of 10 points can be read where a page is shown
 MOTOR_HEIGHT = 1.75  # inches
 LEFT, RIGHT, TITLE, FOOT, LEGEND = 1.02, 0.12, 0.36, 0.6, 0.4  # inches about the axes of one recording
 LABEL_AT = -0.178  # left of the axes, as a share of their width
-BESIDE = 2  # recordings beside each other
+BESIDE = 2  # recordings side by side
 
 
 def current_figure(result: Identification, recordings: Sequence[str] | None = None) -> Figure:

@@ -1,4 +1,4 @@
-"""A diagnosis as pictures: the ladder, the errors before and after, the gains, and what is left."""
+"""A diagnosis as pictures: the ladder, the errors before and after, the gains, and the residual."""
 
 from pathlib import Path
 
@@ -23,7 +23,7 @@ from bench.residuals.motor import Compared
 
 
 def write_diagnosis_figures(folder: Path, diagnosis: Diagnosis, left: Compared) -> list[Path]:
-    """Write errors.png, ladder.png, gains.png and, for what is left, errors_MOTOR.png, and tell their paths.
+    """Write errors.png, ladder.png, gains.png and, for the residual, errors_MOTOR.png, and tell their paths.
 
     Where nothing is missing there is no ladder and there are no gains before and after. left: the errors of
     the model with what is missing.
@@ -82,7 +82,7 @@ def errors_before_after_figure(diagnosis: Diagnosis) -> Figure:
 def gains_figure(diagnosis: Diagnosis) -> Figure:
     """Drive gains and parameters before and after with their 95 % intervals, in percent of the value after.
 
-    Gains that were not fitted are left out, and parameters that the data hardly determine.
+    Gains that were not fitted are omitted, and parameters that the data hardly determine.
     """
     rows = moved(diagnosis, parameters=True)
     with mpl.rc_context(STYLE):

@@ -40,7 +40,7 @@ class Moved:
 
 
 def moved(diagnosis: Diagnosis, *, parameters: bool) -> list[Moved]:
-    """Gains, where they were fitted, and (parameters) what the data determine beside them."""
+    """Gains, where they were fitted, and (parameters) the parameters that the data determine."""
     before = {parameter.name: parameter for parameter in diagnosis.before.parameters}
     gains = [
         Moved(

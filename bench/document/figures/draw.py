@@ -65,19 +65,17 @@ ZERO = "#8A929C"
 DARK = "#3A424C"
 BAND_COLOURS: Mapping[Role, str] = {"error": ON_WHITE.band}
 PLAIN = FuncFormatter(lambda value, _: f"{value:g}".replace("-", "−"))
-MOST_POINTS = (
-    1200  # drawn behind the means of one direction, and those far off beside; all rows count in the means
-)
+MOST_POINTS = 1200  # drawn behind the means of one direction, and far-off points; all rows count in the means
 FAR = 3.0  # deviations of its bin from which on a row is always drawn
 OUTSIDE = 1.6  # times what most errors are: axes reach no farther
-LIMIT = 99.5  # percentile that stands for most errors
+LIMIT = 99.5  # percentile that represents most errors
 MANY_TICKS = 300.0  # ratio of largest to smallest value from which powers of ten are ticks enough
-BAR = 0.36  # of the room of a category, where two bars stand side by side
+BAR = 0.36  # of the room of a category, where two bars are side by side
 
 
 @dataclass(frozen=True)
 class Pen:
-    """How all series of a panel are drawn. scale: of lines and marks; x, y: factors of values told in percent."""
+    """How all series of a panel are drawn. scale: of lines and marks; x, y: factors of values given in percent."""
 
     axes: Axes
     scale: float
@@ -118,7 +116,7 @@ def draw(
 
 
 def small_title(axes: Axes, text: str) -> None:
-    """What grey and the like stand for, above a panel without a legend."""
+    """What grey and the like represent, above a panel without a legend."""
     size = 0.85 * float(mpl.rcParams["font.size"])
     axes.set_title(text, fontsize=size, color="#4A525C", loc="right")
 
@@ -357,6 +355,6 @@ def _in_lines(name: str, letters: int | None) -> str:
 
 
 def shortened(name: str, most: int) -> str:
-    """A name that fits beside a bar; its middle gives way."""
+    """A name that fits next to a bar; its middle gives way."""
     half = (most - 1) // 2
     return name if len(name) <= most else f"{name[: most - 1 - half]}…{name[-half:]}"

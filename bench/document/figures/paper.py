@@ -1,4 +1,4 @@
-"""Figures for papers: as wide as one column or two, fonts embedded, the numbers behind them beside."""
+"""Figures for papers: as wide as one column or two, fonts embedded, their numbers in a file next to them."""
 
 import csv
 import io
@@ -19,9 +19,9 @@ from bench.basics.files.atomic import atomic_path, write_text_atomically
 WIDTHS = {"one_column": 88.0, "two_columns": 180.0}  # mm
 INCH = 25.4  # mm
 PICTURE_DPI = 300
-ACROSS = 3  # panels beside each other on two columns
+ACROSS = 3  # panels side by side on two columns
 LEGEND_ROOM = 6.0  # mm
-LEGEND_LETTERS = 50  # that one column holds beside the marks
+LEGEND_LETTERS = 50  # that one column holds next to the marks
 SCALE = 0.55  # of lines and marks, against a picture for the screen
 # Any: matplotlib types every key of these by name.
 PRINT: Any = {

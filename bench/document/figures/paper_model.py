@@ -1,4 +1,4 @@
-"""Figures for papers on a model: gains against nominal values, and what a diagnosis found."""
+"""Figures for papers on a model: gains against nominal values, and the result of a diagnosis."""
 
 from collections.abc import Sequence
 from functools import partial

@@ -23,7 +23,7 @@ def summary_markdown(result: Identification, truth: Truth | None = None) -> str:
 
 
 def parameters_markdown(result: Identification, truth: Truth | None = None) -> str:
-    """Every base and payload parameter with all that it stands for."""
+    """Every base and payload parameter with its whole grouping."""
     text = f"### Dynamic parameters\n\n{markdown(parameters_table(result, truth, full=True))}\n"
     if result.left_out:
         text += f"\nLeft out, as the data do not need them: {', '.join(result.left_out)}.\n"

@@ -11,7 +11,7 @@ from bench.residuals.words import overlapping, where_sentences
 
 
 def where_report(where: WhereItFails, console: Console | None = None) -> None:
-    """Print how large every motor's error is beside the noise, and in sentences where it is."""
+    """Print how large every motor's error is relative to the noise, and in sentences where it is."""
     console = console or Console()
     console.print(Text("Where it fails", "bold"))
     console.print(printed(motors_table(where), console.width))

@@ -1,4 +1,4 @@
-"""A diagnosis in a terminal: the verdict in a few sentences, then what stands behind it."""
+"""A diagnosis in a terminal: the verdict in a few sentences, then the evidence for it."""
 
 from collections.abc import Sequence
 
@@ -21,7 +21,7 @@ from bench.document.terminal.identification import section, sentences_list
 from bench.document.terminal.tables import printed
 from bench.effects.display_names import named_after
 
-SHOWN = 4  # effects that the data do not support, shown beside those that they do
+SHOWN = 4  # effects that the data do not support, shown with those that they do
 MOST_PARAMETERS = 12  # of those that move most
 
 

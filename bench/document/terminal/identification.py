@@ -33,7 +33,7 @@ def identification_report(
     """Print gains, parameters, errors, settings and notes, to fit the console's width.
 
     verbose: every grouping in full. truth: true values to compare with, see `Truth`; what it does not name
-    is left blank. without_currents: the recordings of a saved model, which keeps their errors alone.
+    stays blank. without_currents: the recordings of a saved model, which keeps their errors alone.
     """
     console = console or Console()
     width = console.width
@@ -52,7 +52,7 @@ def identification_report(
     section(console, "Dynamic parameters", printed(parameters_table(result, truth), width))
     _poor_line(console, list(result.parameters))
     if result.left_out:
-        console.print(Text(f"left out, as the data do not need them: {', '.join(result.left_out)}", "dim"))
+        console.print(Text(f"omitted because the data do not need them: {', '.join(result.left_out)}", "dim"))
     if result.effect_parameters:
         section(console, "Effects", printed(effects_table(result, truth), width))
     if result.recordings:
@@ -60,7 +60,7 @@ def identification_report(
     else:
         section(console, ERRORS, printed(kept_errors_table(result.error, without_currents), width))
     if verbose:
-        section(console, "What the parameters stand for", _groupings(result))
+        section(console, "Groupings of the parameters", _groupings(result))
     console.print()
     console.print(Group(*(Text(line, "dim") for line in settings_lines(result))))
     if result.notes:
@@ -101,7 +101,7 @@ def sentences_list(sentences: Sequence[str], style: str = "") -> Grid:
 
 
 def _groupings(result: Identification) -> Grid:
-    """What every base and payload parameter stands for, in full."""
+    """The grouping of every base and payload parameter, in full."""
     grid = Grid.grid(padding=(0, 2, 0, 0))
     grid.add_column(no_wrap=True)
     grid.add_column(overflow="fold", style="dim")
@@ -111,7 +111,7 @@ def _groupings(result: Identification) -> Grid:
 
 
 def _errors_section(console: Console, series: Sequence[CurrentSeries], joints: Sequence[str]) -> None:
-    """Motors that do not fit into the width are left out all together, and get a table of their own."""
+    """Motors that do not fit into the width are omitted together, and get a separate table."""
     table = printed(errors_table(series, joints), console.width)
     section(console, ERRORS, table)
     if len(joints) > 1 and len(table.columns) <= 4:

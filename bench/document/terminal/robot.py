@@ -20,7 +20,7 @@ NOT_EXACT = 1e-9  # m or rad: a gap that is coloured
 def robot_report(report: RobotReport, console: Console | None = None, *, verbose: bool = False) -> None:
     """Print joints, loops, degrees of freedom, singularities and checks, to fit the console's width.
 
-    verbose: the base parameters, each with the standard parameters that it stands for.
+    verbose: the base parameters, each with its grouping.
     """
     console = console or Console()
     loops = count(len(report.loops), "loop") if report.loops else "no loops"
@@ -120,7 +120,7 @@ def checks_grid(checks: tuple[Check, ...]) -> Grid:
 
 
 def base_grid(report: RobotReport) -> Grid:
-    """Every base parameter with what it stands for."""
+    """Every base parameter with its grouping."""
     grid = Grid.grid(padding=(0, 2, 0, 0))
     grid.add_column(no_wrap=True)
     grid.add_column(no_wrap=True, style="dim")

@@ -25,7 +25,7 @@ STYLES = {"": "", "strong": "bold", "weak": "dim", "poor": POOR_STYLE}
 
 @dataclass(frozen=True)
 class Strip:
-    """A column as it is printed: its texts, and when it may be left out (rank 0: never; the highest rank first).
+    """A column as it is printed: its texts, and when it may be omitted (rank 0: never; the highest rank first).
 
     folds: whether it gives way, and the others do not, where all is still too wide.
     """
@@ -45,7 +45,7 @@ class Strip:
 
 @dataclass(frozen=True)
 class Fit:
-    """Which strips stay, the gap between them, and the width that is left over (negative: too wide)."""
+    """Which strips stay, the gap between them, and the width that is unused (negative: too wide)."""
 
     strips: tuple[Strip, ...]
     gap: int
@@ -142,7 +142,7 @@ def bar(share: float, length: int) -> str:
 
 
 def shortened(terms: Sequence[str], room: int) -> str:
-    """As many whole terms as fit into `room`, and how many are left out."""
+    """As many whole terms as fit into `room`, and how many are omitted."""
     terms = rounded_terms(list(terms))
     for count in range(len(terms), 0, -1):
         rest = len(terms) - count

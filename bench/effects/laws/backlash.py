@@ -32,7 +32,7 @@ class Backlash(Effect):
         "b: play from flank to flank, positive, rad or m; τ_s = τ_r − r J q̈: torque that goes through the "
         "flanks, which says on which of them the link lies, with τ_r that of the present rigid model, J the "
         "inertia that the joint's torque shows on average, and r the rotor's share of it, one of four "
-        "values, found from the data; t0: a tenth of the RMS of τ_s, for a change of flank in finite time."
+        "values, estimated from the data; t0: a tenth of the RMS of τ_s, for a change of flank in finite time."
     )
     shown_by = "go where the motor's torque changes its sign"
     seen = ("acceleration",)

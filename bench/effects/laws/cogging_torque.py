@@ -24,7 +24,7 @@ class CoggingTorque(ActuatorEffect):
     law = "τ = a cos(N q) + b sin(N q): magnets drawn to the teeth of the stator, whatever the current."
     symbols = (
         "a, b: N·m or N, of either sign; N: periods in a turn of the joint, gear included (of a slide: in a "
-        "metre, and the phase is 2 pi N q), found from the data."
+        "metre, and the phase is 2 pi N q), estimated from the data."
     )
     shown_by = "turn slowly, without a payload"
     seen = ("repeats",)

@@ -43,7 +43,7 @@ class DriveFlexibility(Effect):
         "or m/N; τ_r: torque of the present rigid model at the joint, rotor included, and M its inertia "
         "there; τ_s: what a stiff drive would carry of it; Ia: inertia of the rotor, which does not follow "
         "the spring. CIa = C Ia: positive, s², one over the square of the rotor's angular frequency on the "
-        "spring. zeta: damping ratio of the link on the spring, found from the data; without a C the link "
+        "spring. zeta: damping ratio of the link on the spring, estimated from the data; without a C the link "
         "does not swing."
     )
     shown_by = "reverse fast, with a heavy payload"

@@ -14,16 +14,16 @@ SLIDE = 0.1
 
 @dataclass(frozen=True)
 class EncoderOffset(Effect):
-    """A joint that stands at q - offset where q was logged: tau = tau(q - offset) - tau(q), loops closed.
+    """A joint that is at q - offset where q was logged: tau = tau(q - offset) - tau(q), loops closed.
 
     The column is a difference quotient of the present model's torque, with the joints before this one, in actuator
     order, where the present model has them: offsets add up to their sum. Valid for small offsets; that of the last
-    joint of an open chain turns a body about its joint, which the body's own parameters take up. Source: Khalil and
+    joint of an open chain turns a body about its joint, which the body's parameters take up. Source: Khalil and
     Dombre, "Modeling, Identification and Control of Robots", 2002, chapter 11 (geometric calibration).
     """
 
     name = "encoder_offset"
-    law = "A joint that stands at q − offset where q was logged: τ = τ(q − offset) − τ(q), loops closed."
+    law = "A joint at q − offset where q was logged: τ = τ(q − offset) − τ(q), loops closed."
     symbols = "offset: rad or m, of either sign, constant."
     shown_by = "move slowly over the whole range"
     seen = ("position",)

@@ -14,7 +14,7 @@ STEPS = 2000  # entries of it, either side of zero
 
 @dataclass(frozen=True)
 class HystereticCable(ActuatorEffect):
-    """The hysteretic part of Bouc and Wen's model; a `joint_spring` beside it is the elastic one.
+    """The hysteretic part of Bouc and Wen's model; a `joint_spring` next to it is the elastic one.
 
     Valid for loops that do not depend on the speed. Source: Wen, "Method for random vibration of hysteretic systems",
     Journal of the Engineering Mechanics Division 102 (1976), equation 3 with A = β = 1 and γ = 0.
@@ -27,8 +27,8 @@ class HystereticCable(ActuatorEffect):
     )
     symbols = (
         "F: largest torque or force, positive, N·m or N; z: state between −1 and 1, zero at the start; x0: way after "
-        "which it yields, rad or m, and n: how sharply, both found from the data. n = 1 is presliding hysteresis, and "
-        "x0 = 0 Coulomb friction."
+        "which it yields, rad or m, and n: how sharply, both estimated from the data. n = 1 is presliding hysteresis, "
+        "and x0 = 0 Coulomb friction."
     )
     shown_by = "reverse slowly, in strokes of all sizes"
     seen = ("opposes",)

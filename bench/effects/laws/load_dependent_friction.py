@@ -7,7 +7,7 @@ import numpy as np
 from bench.effects.effect import ActuatorEffect, EffectParameter
 from bench.effects.signals import JointSignals
 
-MOST = 0.7  # more would be no friction beside the load, but another name for it
+MOST = 0.7  # more would not be friction in addition to the load, but another name for it
 
 
 @dataclass(frozen=True)

@@ -9,7 +9,7 @@ from bench.effects.passive_joint import passive_velocity, seen_by_motors
 from bench.effects.signals import Borne, RobotSignals
 
 MOST = 10.0  # times the force of the model: what a mass on the axis may add to it
-NOTHING = 1e-9  # of the largest force: no direction is told from less
+NOTHING = 1e-9  # of the largest force: less gives no direction
 
 
 @dataclass(frozen=True)

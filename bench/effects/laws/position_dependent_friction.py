@@ -26,7 +26,7 @@ class PositionDependentFriction(ActuatorEffect):
     )
     symbols = (
         "a, b: N·m or N, of either sign, added to the Coulomb friction, which is an effect of its own; h: "
-        "harmonic, a whole number of periods in a turn, found from the data (a slide: periods in a metre, "
+        "harmonic, a whole number of periods in a turn, estimated from the data (a slide: periods in a metre, "
         "whole halves of the travel, and the angle is 2 pi h q)."
     )
     shown_by = "move slowly over the whole range"

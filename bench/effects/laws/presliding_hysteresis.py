@@ -20,7 +20,7 @@ class PreslidingHysteresis(ActuatorEffect):
     law = "τ = Fc z with dz/dt = (q̇ − |q̇| z) / x0: Dahl's friction, which follows a reversal with a delay."
     symbols = (
         "Fc: Coulomb friction, positive, N·m or N; z: state between −1 and 1, zero at the start; x0: "
-        "presliding displacement, rad or m, found from the data; Fc / x0 is the stiffness before it slides. "
+        "presliding displacement, rad or m, estimated from the data; Fc / x0 is the stiffness before it slides. "
         "x0 = 0 is Coulomb friction."
     )
     shown_by = "reverse slowly, in small strokes"

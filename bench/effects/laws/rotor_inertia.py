@@ -12,7 +12,7 @@ from bench.effects.signals import JointSignals
 class RotorInertia(ActuatorEffect):
     """Inertia of rotor and gear, seen at the joint (rotor inertia times the gear ratio squared).
 
-    Valid for a stiff gear. Where the motor stands on the base it moves with the first link, whose inertia takes it
+    Valid for a stiff gear. Where the motor is on the base it moves with the first link, whose inertia takes it
     up; elsewhere it is among the model's base parameters, as Ia(joint). Source: Khalil and Dombre, "Modeling,
     Identification and Control of Robots", 2002, 9.3.
     """

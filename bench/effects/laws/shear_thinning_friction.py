@@ -12,7 +12,7 @@ from bench.effects.signals import JointSignals
 class ShearThinningFriction(ActuatorEffect):
     """Viscous friction that grows less than the velocity does, as in greased gears and harmonic drives.
 
-    Valid in the lubricated range, at constant temperature; a va far above the speeds of the motion cannot be told from
+    Valid in the lubricated range, at constant temperature; a va far above the speeds of the motion looks like
     viscous friction. Source: Eyring, "Viscosity, plasticity, and diffusion as examples of absolute reaction rates",
     Journal of Chemical Physics 4, 1936 (the law of the film); Waiboer, Aarts and Jonker, "Velocity dependence of joint
     friction in robotic manipulators with gear transmissions", ECCOMAS Multibody Dynamics 2005 (in robot joints).
@@ -23,9 +23,9 @@ class ShearThinningFriction(ActuatorEffect):
         "τ = Fa asinh(q̇/va): viscous friction that grows less than the velocity does, as of a gear's grease."
     )
     symbols = (
-        "Fa: positive, N·m or N; va: velocity from which on the grease thins, rad/s or m/s, found from the data. Far "
-        "below va it is viscous friction with the coefficient Fa/va, far above it the friction grows by Fa wherever "
-        "the velocity grows by the factor e."
+        "Fa: positive, N·m or N; va: velocity from which on the grease thins, rad/s or m/s, estimated from the data. "
+        "Far below va it is viscous friction with the coefficient Fa/va, far above it the friction grows by Fa "
+        "wherever the velocity grows by the factor e."
     )
     shown_by = "move fast and slowly"
     seen = ("velocity",)

@@ -24,7 +24,7 @@ class StribeckFriction(ActuatorEffect):
     )
     symbols = (
         "Fc: Coulomb friction, Fs: what is added at the slowest motion, positive, N·m or N; vs: Stribeck "
-        "velocity, rad/s or m/s, and delta: 1 or 2, both found from the data."
+        "velocity, rad/s or m/s, and delta: 1 or 2, both estimated from the data."
     )
     shown_by = "reverse slowly"
     seen = ("opposes",)

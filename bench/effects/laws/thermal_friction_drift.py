@@ -21,7 +21,7 @@ class ThermalFrictionDrift(ActuatorEffect):
     law = "τ = (Fc sign(q̇) + Fv q̇) exp(−t/T): what a cold joint has in addition to its friction when warm."
     symbols = (
         "t: time from the start of the recording, at which the joint is cold; Fc N·m or N, Fv N·m·s/rad or "
-        "N·s/m, mostly positive, negative where friction grows; T: time constant, s, found from the data. "
+        "N·s/m, mostly positive, negative where friction grows; T: time constant, s, estimated from the data. "
         "The friction of the warm joint is an effect of its own."
     )
     shown_by = "start cold and record for longer"

@@ -27,7 +27,7 @@ class TorqueRipple(ActuatorEffect):
     law = "τ = g i (1 + a cos(N q) + b sin(N q)): a drive gain that varies with the position of the motor."
     symbols = (
         "a, b: dimensionless, of either sign; N: periods in a turn of the joint, gear included (of a slide: "
-        "in a metre, and the phase is 2 pi N q), found from the data; g i: drive gain times the current "
+        "in a metre, and the phase is 2 pi N q), estimated from the data; g i: drive gain times the current "
         "that the torque needed by the present model takes; were it the measured one, that would be "
         "explained by itself in part."
     )

@@ -18,22 +18,22 @@ STEPS = 6  # from the logged position towards the true one, each at most STEEPES
 
 @dataclass(frozen=True)
 class TransmissionError(Effect):
-    """A joint that stands beside where it was logged, by a wave of its position.
+    """A joint whose position differs from the logged one by a wave of its position.
 
     The columns are changes of the present model's torque in proportion to the error e and its rates e' ṗ and
-    e' p̈ + e'' ṗ², so that fast motion shows short waves. Valid for errors that are small beside a period, and for
-    periods within the joint's travel that the motion does not sweep faster than the fit's band. Source: Hanselman,
+    e' p̈ + e'' ṗ², so that fast motion shows short waves. Valid for errors that are small compared with a period, and
+    for periods within the joint's travel that the motion does not sweep faster than the fit's band. Source: Hanselman,
     "Resolver signal requirements for high accuracy resolver-to-digital conversion", IEEE Transactions on Industrial
     Electronics 37(6), 1990; Tuttle and Seering, "A nonlinear model of a harmonic drive gear transmission", IEEE
     Transactions on Robotics and Automation 12(3), 1996.
     """
 
     name = "transmission_error"
-    law = "τ = τ(p) − τ(q), q = p + a cos(N p) + b sin(N p): a joint that stands at p where q was logged, loops closed."
+    law = "τ = τ(p) − τ(q), q = p + a cos(N p) + b sin(N p): a joint at p where q was logged, loops closed."
     symbols = (
         "a, b: rad or m, of either sign; N: periods in a turn of what the encoder measures (of a slide: in a metre, "
-        "and the phase is 2 pi N p), found from the data: once a turn for a disc or gear off its centre, once a tooth "
-        "for teeth."
+        "and the phase is 2 pi N p), estimated from the data: once a turn for a disc or gear off its centre, once a "
+        "tooth for teeth."
     )
     shown_by = "move fast over the whole range"
     seen = ("repeats",)
@@ -68,7 +68,7 @@ class TransmissionError(Effect):
         return robot.refined(-np.einsum("okn,okp->knp", slopes(robot, joint), rates))
 
     def _about(self, steepness: float) -> np.ndarray:
-        """a and b (2,) about which it is linearised, as far as they are small beside a period."""
+        """a and b (2,) about which it is linearised, as far as they are small compared with a period."""
         about = np.array([self.a, self.b])
         steep = steepness * float(np.hypot(*about))
         return about * (STEEPEST / steep) if steep > STEEPEST else about

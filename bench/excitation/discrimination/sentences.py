@@ -10,7 +10,7 @@ from bench.effects.display_names import begun, spoken
 from bench.excitation.discrimination.result import Discrimination, MotionFacts
 from bench.identification.wording import and_list, in_percent, motor_words, or_list
 
-NATS = "one nat is odds of e, 2.7, to 1; ten are 22,000 to 1, which is sure"
+NATS = "one nat is odds of e, 2.7, to 1; ten are 22,000 to 1, which is certain"
 MUCH = 1.5  # times another figure: worth a word
 BEYOND = 0.05  # of the recorded travel: further out is elsewhere
 
@@ -26,7 +26,7 @@ def warnings(found: Discrimination) -> list[str]:
         return []
     doubt = (
         f"With either effect, the model's error is {_number(found.error_over_noise)} times the noise of the current: "
-        "something else is missing. Run bench diagnose first, and name what it finds with --with."
+        "the model lacks another effect. Run bench diagnose first, and add its result by --with."
     )
     return [doubt]
 
@@ -34,7 +34,7 @@ def warnings(found: Discrimination) -> list[str]:
 def next_step(found: Discrimination, diagnose: str, folder: str | Path) -> str | None:
     """What to do with the answer that `folder` holds; None where there is nothing to do. diagnose: that command."""
     if found.model_is_wrong:
-        return f"next: {diagnose}, then this command again with what it finds (--with EFFECT)"
+        return f"next: {diagnose}, then this command again with its result (--with EFFECT)"
     if found.motion is None:
         return None
     if found.given_tells:
@@ -55,43 +55,45 @@ def _answer(found: Discrimination) -> list[str]:
     if found.absorbed:
         taken = and_list([_spoken(name) for name in found.absorbed])
         verdict = (
-            f"No motion of this robot can tell {and_list(names)} apart: the model's own parameters take up {taken} "
-            "completely, whatever the motion, with these payloads."
+            f"No motion of this robot can distinguish {and_list(names)}: with these payloads, the parameters of the "
+            f"model absorb {taken} completely in any motion."
         )
         return [verdict, *_against(found)]
     if not found.questions:
         return [
-            f"No motion of this robot can tell {and_list(names)} apart: each does all that the other does.",
+            f"No motion of this robot can distinguish {and_list(names)}: they have the same effect.",
             *_against(found),
         ]
     lines = [*_against(found), *(_imitated(found, name) for name in found.imitated)]
     if found.nothing:
         shown = and_list([f"{_number(nats)} nats ({_spoken(name)})" for name, nats in found.shown.items()])
         lines.append(
-            f"Neither effect shows in these data: they explain {shown}, where a verdict needs {NEEDED:g} ({NATS}). "
-            "No motion inside the limits would show the little that was fitted. There is nothing to tell apart. "
-            f"If one of them is suspected all the same, bring it out first: {or_list(telling_motions(_names(found)))}."
+            f"Neither effect shows in these data: they explain {shown}; a verdict needs {NEEDED:g} ({NATS}). "
+            "No motion inside the limits would show effects as small as the fitted ones, so there is nothing to "
+            f"distinguish. If you still suspect one of them, excite it first: "
+            f"{or_list(telling_motions(_names(found)))}."
         )
         return lines
     if max(found.shown.values(), default=0.0) < NEEDED:
         lines.append(
-            "Neither effect shows for sure in these data: what follows is for effects as small as those fitted to them."
+            "Neither effect is certain in these data: the following holds for effects as small as the fitted ones."
         )
     lines.append(
-        f"The given data, {found.given_seconds:.3g} s, can be expected to bring {_nats(found.given)}; a verdict needs "
-        f"{NEEDED:g} nats and an error that differs by {100 * MATERIAL:.3g} % ({NATS})."
+        f"The expected evidence of the given data, {found.given_seconds:.3g} s, is {_nats(found.given)}; a verdict "
+        f"needs {NEEDED:g} nats and errors that differ by {100 * MATERIAL:.3g} % ({NATS})."
     )
     if found.given_tells:
-        lines.append("That is enough: bench diagnose can tell them apart without a new motion.")
+        lines.append("That is enough: bench diagnose can distinguish them without a new motion.")
     if found.motion is None:
         lines.append(
-            f"No motion was found inside the limits. What could help: {or_list(telling_motions(_names(found)))}."
+            f"The search found no motion inside the limits. Possible remedies: "
+            f"{or_list(telling_motions(_names(found)))}."
         )
         return lines
     seconds = found.motion.trajectory.duration
     lines.append(
-        f"This motion, {seconds:.3g} s{_carrying(found)}, raises that to {_nats(found.promised)}; the wrong "
-        f"model's error is then {in_percent(found.growth, 2)} larger than the right one's."
+        f"This motion, {seconds:.3g} s{_carrying(found)}, raises that to {_nats(found.promised)}; the error of the "
+        f"wrong model is then {in_percent(found.growth, 2)} larger than that of the right one."
     )
     if not found.tells:
         lines += _not_enough(found)
@@ -101,7 +103,7 @@ def _answer(found: Discrimination) -> list[str]:
 def _against(found: Discrimination) -> list[str]:
     return [
         f"{begun(sign.effect)} would need a negative {sign.parameter}{f' at {sign.joint}' if sign.joint else ''} "
-        "to explain the given data, which cannot be: that speaks against it already."
+        "to explain the given data, which is impossible: this is evidence against it."
         for sign in found.impossible
     ]
 
@@ -120,8 +122,8 @@ def motion_words(found: Discrimination) -> list[str]:
     if found.motion.payload is not None:
         said_of.append(f"it carries the payload {found.motion.payload}")
     if not said_of:
-        return ["It differs from the recorded motions only in its course."]
-    return [f"What is different about it: {'; '.join(said_of)}."]
+        return ["It differs from the recorded motions only in its shape."]
+    return [f"Differences from the recordings: {'; '.join(said_of)}."]
 
 
 def _joint_words(joint: str, unit: str, old: MotionFacts, new: MotionFacts) -> list[str]:
@@ -130,47 +132,44 @@ def _joint_words(joint: str, unit: str, old: MotionFacts, new: MotionFacts) -> l
     room = BEYOND * (old.high - old.low)
     if new.low < old.low - room or new.high > old.high + room:
         words.append(
-            f"{motor} works between {new.low:.3g} and {new.high:.3g} {unit}, where {old.low:.3g} to "
-            f"{old.high:.3g} {unit} was recorded"
+            f"{motor} moves between {new.low:.3g} and {new.high:.3g} {unit} (recorded: {old.low:.3g} to "
+            f"{old.high:.3g} {unit})"
         )
     if new.speed * MUCH < old.speed:
         words.append(
-            f"{motor} moves slowly, at {new.speed:.2g} {unit}/s at most where {old.speed:.2g} {unit}/s was "
-            "recorded"
+            f"{motor} moves slowly, at most {new.speed:.2g} {unit}/s (recorded: {old.speed:.2g} {unit}/s)"
         )
     elif new.speed > MUCH * old.speed:
         words.append(
-            f"{motor} moves faster, up to {new.speed:.2g} {unit}/s where {old.speed:.2g} {unit}/s was recorded"
+            f"{motor} moves faster, up to {new.speed:.2g} {unit}/s (recorded: {old.speed:.2g} {unit}/s)"
         )
     if new.turning * MUCH < old.turning:
         words.append(f"it reverses slowly at {joint}")
     elif new.turning > MUCH * old.turning:
         words.append(f"it reverses hard at {joint}")
     if new.reversals > MUCH * old.reversals:
-        words.append(
-            f"{motor} reverses {new.reversals:.2g} times a second, {old.reversals:.2g} times in the recordings"
-        )
+        words.append(f"{motor} reverses {new.reversals:.2g} times per second (recorded: {old.reversals:.2g})")
     return words
 
 
 def _not_enough(found: Discrimination) -> list[str]:
     """Why that is too little, and what would help."""
     nats = min(found.promised.values())
-    lines = ["Inside these limits no motion was found that tells them apart for sure."]
+    lines = ["The search found no motion inside these limits that distinguishes them with certainty."]
     if found.wider is not None and found.wider[1] > MUCH * nats:
         factor, wide = found.wider
         lines.append(
             f"With speeds, accelerations and currents up to {factor:.3g} times the recorded ones "
-            f"(--widen {factor:.3g}) a motion as long promises {_number(wide)} nats."
+            f"(--widen {factor:.3g}), a motion of the same length gives an expected {_number(wide)} nats."
         )
     if found.second is not None and found.second[1] > MUCH * nats:
         mass, heavy = found.second
         lines.append(
-            f"With a second payload of {mass:.3g} kg the same motion promises {_number(heavy)} nats."
+            f"With a second payload of {mass:.3g} kg the same motion gives an expected {_number(heavy)} nats."
         )
     if len(lines) == 1:
         lines.append(
-            f"What could help: {or_list(telling_motions(_names(found)))}; less noise; or --duration."
+            f"Possible remedies: {or_list(telling_motions(_names(found)))}; less noise; or --duration."
         )
     return lines
 
@@ -178,13 +177,13 @@ def _not_enough(found: Discrimination) -> list[str]:
 def _imitated(found: Discrimination, name: str) -> str:
     other = next(effect for effect in found.effects if effect != name)
     return (
-        f"{_capital(_spoken(other))} can do all that {_spoken(name)} does, as a special case: data can only speak for "
-        f"{_spoken(other)}, and the simpler {_spoken(name)} is believed as long as they do not."
+        f"{_capital(_spoken(other))} includes {_spoken(name)} as a special case: data can only give evidence for "
+        f"{_spoken(other)}; without it, the simpler {_spoken(name)} is preferred."
     )
 
 
 def _nats(values: Mapping[str, float]) -> str:
-    return or_list([f"{_number(nats)} nats if {_spoken(name)} is the truth" for name, nats in values.items()])
+    return or_list([f"{_number(nats)} nats if {_spoken(name)} is true" for name, nats in values.items()])
 
 
 def _carrying(found: Discrimination) -> str:

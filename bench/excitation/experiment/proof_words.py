@@ -18,16 +18,16 @@ def limit_in_words(told: Unproven) -> str:
 def made_smaller(name: str, told: Unproven) -> str:
     """A sentence on the motion of that name, which was made smaller: by which limit, where, and what relaxes it."""
     when = "" if told.time is None else f"at t = {told.time:.4g} s "
-    return f"The motion {name!r} was made smaller, since {when}{_IN_THE_WAY[told.limit].format(told.where)}."
+    return f"The motion {name!r} was reduced, because {when}{_IN_THE_WAY[told.limit].format(told.where)}."
 
 
 _IN_THE_WAY = {
     Kept.LOOPS: "it could not be proven that the loops stay closed in one assembly mode; smaller ranges (`position` in "
-    "the file of --limits) keep clear of such poses",
+    "the file of --limits) avoid such poses",
     Kept.AMPLIFICATION: "{0} would move too fast for the motors' speed; a larger `amplification` in the file of "
     "--limits allows it",
-    Kept.SINGULAR: "it came too near to a singular pose; smaller ranges (`position` in the file of --limits) keep "
-    "clear of it",
+    Kept.SINGULAR: "it came too close to a singular pose; smaller ranges (`position` in the file of --limits) "
+    "avoid it",
     Kept.PASSIVE_RANGE: "{0} would leave its range; a larger `range` in the MJCF allows it",
     Kept.WORKSPACE: "the tool would leave workspace[{0}]; a larger box in the file of --limits allows it",
     Kept.TORQUE: "{0} would need too much torque; a larger `torque` or `current` in the file of --limits allows it",

@@ -33,13 +33,13 @@ def sentences(plan: ExperimentPlan, told: Forecast) -> list[str]:
         lines += enough(told.enough)
     if plan.room.assumed:
         lines.append(
-            f"Taken as limits, because none were given: {'; '.join(plan.room.assumed)}. Check them against the machine."
+            f"Assumed limits, because none were given: {'; '.join(plan.room.assumed)}. Check them against the machine."
         )
     lines.append(_judged(plan))
     lines.append(_proven(plan))
     lines.append(
-        f"Currents are expected by {plan.nominal.source}; {_noise(plan)}. "
-        "What the model lacks, such as friction, adds to the errors and to the currents."
+        f"Currents are predicted from {plan.nominal.source}; {_noise(plan)}. "
+        "Effects that the model lacks, for example friction, add to the errors and to the currents."
     )
     return [line for line in lines if line]
 
@@ -53,21 +53,23 @@ def _compared(plan: ExperimentPlan, told: Forecast) -> list[str]:
     worst = plan.aim.criterion == "worst"
     expected = max(told.unknowns[i].relative for i in plan.targets) if worst else plan.value
     if not np.isfinite(expected):
-        return ["Not all that was asked for can be determined: motions are compared where it can."]
+        return ["Some of the requested unknowns cannot be determined: motions are compared by the others."]
     if plan.random:
         what = "worst relative standard error" if worst else "mean axis of the error ellipsoid"
-        better = f"{plan.random['median'] / plan.value:.2g} times better than" if plan.value else "against"
+        better = (
+            f"{plan.random['median'] / plan.value:.2g} times better than" if plan.value else "compared with"
+        )
         lines.append(
-            f"The {what} of what was asked for is {in_percent(expected, 2)}. By all samples, those near standstill "
-            f"included, it is {in_percent(plan.value, 2)}: {better} "
+            f"The {what} of the requested unknowns is {in_percent(expected, 2)}. With all samples, including those "
+            f"near standstill, it is {in_percent(plan.value, 2)}: {better} "
             f"the median of {RANDOM} random motions inside the same limits ({in_percent(plan.random['median'], 2)}, "
             f"the best of them {in_percent(plan.random['best'], 2)})."
         )
     if plan.before is not None:
         carried = plan.search.loads[0]
         lines.append(
-            f"The recordings that are there give {in_percent(plan.before, 2)}; with this motion, "
-            f"{'unloaded' if carried is None else f'carrying {carried}'}, {in_percent(expected, 2)} is to be expected."
+            f"The existing recordings give {in_percent(plan.before, 2)}; with this motion, "
+            f"{'unloaded' if carried is None else f'carrying {carried}'}, {in_percent(expected, 2)} is expected."
         )
     return lines
 
@@ -78,21 +80,21 @@ def note_sentence(note: ForecastNote) -> str:
     if note.code is ForecastCode.NO_SCALE:
         return (
             "All masses and drive gains scale together: without a payload of known mass the gains stay nominal, and "
-            "every parameter is wrong by as much as they are. Weigh a payload, and plan with it."
+            "every parameter inherits their error. Weigh a payload, and plan with it."
         )
     if note.code is ForecastCode.WEAK:
         return (
-            f"Not to be had from motions of this kind, with standard errors of more than {in_percent(WEAK, 2)} of "
-            f"their size: {', '.join(subjects)}."
+            f"Motions of this kind do not determine these unknowns, whose standard errors exceed "
+            f"{in_percent(WEAK, 2)} of their size: {', '.join(subjects)}."
         )
     if note.code is ForecastCode.COARSE_ENCODERS:
         return (
-            "The steps of the encoders are large enough to matter: the standard errors are the least to be expected, "
-            "because such steps are no even noise and the filters of the fit are then narrower."
+            "The encoder resolution matters: the standard errors are lower bounds, "
+            "because quantisation is not white noise and the filters of the fit are then narrower."
         )
     if len(subjects) == 1:
-        return f"{subjects[0]} stays undetermined: these motions do not show it."
-    return f"{and_list(subjects)} stay undetermined: they only show together, as one sum."
+        return f"{subjects[0]} stays undetermined: these motions do not excite it."
+    return f"{and_list(subjects)} stay undetermined: the motions determine only a combination of them."
 
 
 def _judged(plan: ExperimentPlan) -> str:
@@ -100,8 +102,8 @@ def _judged(plan: ExperimentPlan) -> str:
     names = [recording.name for recording in plan.recordings if recording.use == "validate"]
     many = len(names) > 1
     return (
-        f"Record {and_list(names)} too, {'other motions' if many else 'another motion'} inside the same limits: "
-        f"the fit is judged on {'them' if many else 'it'}."
+        f"Also record {and_list(names)}, {'other motions' if many else 'another motion'} inside the same limits, to "
+        "judge the fit."
     )
 
 
@@ -117,7 +119,7 @@ def _proven(plan: ExperimentPlan) -> str:
         parts.append("the limits of currents and torques")
     kept = and_list(parts)
     told = (
-        f"{kept[0].upper()}{kept[1:]} are proven to be kept at all times, between the rows of the table too."
+        f"{kept[0].upper()}{kept[1:]} are proven to be kept at all times, also between the rows of the table."
     )
     for recording in plan.recordings:
         name, given_way = recording.name, recording.proven.given_way
@@ -129,12 +131,12 @@ def _proven(plan: ExperimentPlan) -> str:
 def _noise(plan: ExperimentPlan) -> str:
     noise = plan.nominal.noise
     current = (
-        f"the noise of each current is taken as {in_percent(noise.ratio, 2)} of its RMS"
+        f"the assumed noise of each current is {in_percent(noise.ratio, 2)} of its RMS"
         if noise.current is None
-        else f"the noise of the currents is as {'recorded' if noise.recorded else 'given'}"
+        else f"the noise of the currents is the {'recorded' if noise.recorded else 'given'} one"
     )
-    steps = "encoders without steps" if not noise.encoder.any() else "encoders with the given steps"
-    return f"{current}, {steps}, {noise.rate:g} samples a second"
+    steps = "ideal encoders" if not noise.encoder.any() else "encoders with the given resolution"
+    return f"{current}, {steps}, {noise.rate:g} samples per second"
 
 
 def _gains(told: Forecast) -> str:
@@ -142,7 +144,7 @@ def _gains(told: Forecast) -> str:
     if not gains:
         return ""
     listed = ", ".join(f"{gain.name} ± {in_percent(gain.relative, 2)}" for gain in gains)
-    return f"Standard errors to be expected of the drive gains: {listed}."
+    return f"Expected standard errors of the drive gains: {listed}."
 
 
 def _parameters(plan: ExperimentPlan, told: Forecast) -> str:
@@ -155,7 +157,7 @@ def _parameters(plan: ExperimentPlan, told: Forecast) -> str:
         return ""
     listed = ", ".join(named(parameter) for parameter in known[:MOST_NAMED])
     if len(parameters) <= MOST_NAMED:
-        return f"Standard {'errors' if len(parameters) > 1 else 'error'} to be expected: {listed}."
+        return f"Expected standard {'errors' if len(parameters) > 1 else 'error'}: {listed}."
     return f"Of {len(parameters)} parameters the least certain: {listed}."
 
 
@@ -164,7 +166,7 @@ def _sizes(plan: ExperimentPlan, told: Forecast) -> str:
     if all(told.unknowns[i].kind != "effect" for i in plan.targets):
         return ""
     return (
-        "The size of an effect's parameter, which nobody knows before, is taken as what makes "
+        "The unknown size of an effect's parameter is assumed to produce "
         f"{in_percent(FRICTION_SHARE, 2)} of a motor's RMS torque."
     )
 
@@ -185,8 +187,8 @@ def enough(found: Enough) -> list[str]:
             )
         elif found.seconds is not None:
             lines.append(
-                f"With this payload the gains are within {goal} after {found.seconds:.3g} s of each motion: run it "
-                "more than once."
+                f"With this payload the gains are within {goal} after {found.seconds:.3g} s of each motion: repeat the "
+                "motion."
             )
         else:
             lines.append(

@@ -1,1 +1,1 @@
-"""The exported twin in MuJoCo alone, through the recorded motions, beside the recorded currents."""
+"""The exported twin in MuJoCo alone, through the recorded motions, compared with the recorded currents."""

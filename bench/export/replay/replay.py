@@ -1,4 +1,4 @@
-"""A saved model's twin beside every recording of a dataset."""
+"""A saved model's twin compared with every recording of a dataset."""
 
 import tempfile
 from collections.abc import Mapping, Sequence
@@ -40,7 +40,7 @@ class TwinMotion:
 
 @dataclass(frozen=True, eq=False)
 class Replay:
-    """twin: measured currents beside those of the twin, at the fit's rate; model: beside those of the model itself.
+    """twin: measured currents and those of the twin, at the fit's rate; model: and those of the model.
 
     left_out: effects of the model that the twin does not have. off (recordings, n): RMS distance of the twin's joints
     from the recorded ones, rad or m. opened: the most by which MuJoCo let a loop or coupling open, m or rad. motions:
@@ -174,7 +174,7 @@ def _currents(identified: IdentifiedModel, measured: Measured, tracked: Tracked)
 
 
 def _left_out(identified: IdentifiedModel, by_twin: Sequence[str]) -> tuple[str, ...]:
-    """What the twin leaves out, less what stands between current and torque: that is worked out afterwards."""
+    """What the twin omits, except effects between current and torque, which are computed afterwards."""
     between = {
         f"{effect.name} at {effect.place}"
         for effect in identified.effects

@@ -138,7 +138,7 @@ KEYS = (
 
 @dataclass(frozen=True)
 class Point:
-    """One value of an axis: how it is named in tables, and the settings that it stands for."""
+    """One value of an axis: how it is named in tables, and its settings."""
 
     label: Value
     settings: Mapping[str, Value]

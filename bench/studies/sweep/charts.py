@@ -63,7 +63,7 @@ def plot_chart(
     across, at = _across(x, values)
     series = []
     for i, (name, points) in enumerate(by_line.items()):
-        # lines stand side by side, or their whiskers would hide each other
+        # lines are side by side, or their whiskers would hide each other
         beside = i - (len(by_line) - 1) / 2.0 if len(by_line) <= len(ROLES) else 0.0
         place = _moved(np.array([at[value] for value, _ in points]), list(at.values()), beside, across)
         own = {} if lines is None else {lines: point_label(name)}
@@ -129,7 +129,7 @@ def _across(x: str, values: Sequence[Any]) -> tuple[Axis, dict[Any, float]]:
 
 
 def _moved(x: np.ndarray, every: Sequence[float], beside: float, across: Axis) -> np.ndarray:
-    """Places along an axis, moved a little for lines that stand beside each other."""
+    """Places along an axis, moved a little for lines that are side by side."""
     if across.scale == "band":
         return x + beside * STEP_OF_NAMES
     low, high = min(every), max(every)

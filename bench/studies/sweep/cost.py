@@ -23,7 +23,7 @@ from bench.truth.simulate import simulate
 
 TRIAL = 3.0  # s of movement
 PART = 0.4  # of it, for a second measurement: what takes as long however short the movement is shows
-ROUNDS = 2.0  # of a diagnosis: one for the effect that is found, one that finds no more
+ROUNDS = 2.0  # of a diagnosis: one for the effect that is identified, one that finds no more
 DESIGN_SECONDS = 5.0  # of one design, about
 
 

@@ -163,7 +163,7 @@ def _check_versions(client: Any) -> None:
     for worker, found in client.run(versions).items():
         if found != own:
             different = next(
-                f"{name} {theirs}, here {ours}"
+                f"{name} {theirs}, local {ours}"
                 for (name, ours), theirs in zip(own.columns().items(), found.columns().values(), strict=True)
                 if ours != theirs
             )

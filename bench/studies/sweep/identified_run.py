@@ -1,4 +1,4 @@
-"""A run that has been identified, with the truth beside it: what metrics are worked out from."""
+"""A run that has been identified, with the truth: the basis of all metrics."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ class IdentifiedRun:
     @cached_property
     def accuracy(self) -> dict[str, float]:
         """Errors of gains and currents, by column: see `bench.studies.sweep.accuracy`."""
-        from bench.studies.sweep.accuracy import accuracy  # noqa: PLC0415 - a table is told of without MuJoCo
+        from bench.studies.sweep.accuracy import accuracy  # noqa: PLC0415 - a table is described without MuJoCo
 
         return accuracy(self.simulation, self.result)
 
@@ -70,7 +70,7 @@ class IdentifiedRun:
         return float(np.mean(within)) if within else float("nan")
 
     def parameter_columns(self) -> dict[str, float]:
-        """Every base parameter with its standard error and its true value, by what stands behind the dot."""
+        """Every base parameter with its standard error and its true value, by the name behind the dot."""
         columns = {}
         for parameter in self.result.parameters:
             columns[parameter.name] = parameter.value

@@ -1,4 +1,4 @@
-"""Every metric of a sweep: what it measures, how it is told, and what has to be asked for so that it is recorded."""
+"""Every metric of a sweep: what it measures, how it is reported, and what has to be requested to record it."""
 
 from __future__ import annotations
 
@@ -11,14 +11,14 @@ import numpy as np
 from bench.studies.sweep.identified_run import IdentifiedRun
 
 Of = Literal["", "joint", "joint or all", "use"]
-"""What stands behind its dot: nothing or what its text says, a joint, a joint or nothing, identify or validate."""
+"""The part behind its dot: nothing or what its text says, a joint, a joint or nothing, identify or validate."""
 
 
 @dataclass(frozen=True)
 class Metric:
     """What a metric measures; parts: what may stand behind its name; title: as people call it.
 
-    unit: SI, empty for a number; relative: told in percent; share: of successes, its mean is a coverage. of: see `Of`.
+    unit: SI, empty for a number; relative: given in percent; share: of successes, its mean is a coverage. of: see `Of`.
     group: of `record`, that it belongs to, empty where it is always there. value: how it follows from an answer and the
     truth; values: those with a name behind the dot. Neither where `accuracy` has it.
     """
@@ -158,5 +158,5 @@ def is_share(column: str) -> bool:
 
 
 def is_relative(column: str) -> bool:
-    """Whether a column is told in percent."""
+    """Whether a column is given in percent."""
     return metric_of(column).relative

@@ -50,13 +50,13 @@ class Run:
 
 @dataclass(frozen=True)
 class Plan:
-    """The runs of a sweep, ordered so that those that share work stand side by side."""
+    """The runs of a sweep, ordered so that those that share work are side by side."""
 
     sweep: Sweep
 
     @cached_property
     def axes(self) -> tuple[GridAxis | None, ...]:
-        """The grid's axes, slowest first; None stands for the seeds."""
+        """The grid's axes, slowest first; None represents the seeds."""
         ordered = sorted(self.sweep.grid, key=level)
         slow = sum(level(axis) <= MACHINE for axis in ordered)
         return (*ordered[:slow], None, *ordered[slow:])
@@ -167,7 +167,7 @@ def make_plan(sweep: Sweep) -> Plan:
     for axis in sweep.axes:
         for path in axis.paths if isinstance(axis, GridAxis) else (axis.name,):
             if path == "seed":
-                raise BenchError(f"{sweep.path}: axes.{axis.name}: seeds have a key of their own, `seeds`")
+                raise BenchError(f"{sweep.path}: axes.{axis.name}: seeds have their key, `seeds`")
             for other, name in owner.items():
                 if name != axis.name and (
                     f"{path}.".startswith(f"{other}.") or f"{other}.".startswith(f"{path}.")

@@ -193,7 +193,7 @@ class LocalPool:
         job, code = worker.job, worker.process.exitcode
         self._stillborn += not worker.ready
         if self._stillborn >= ATTEMPTS:
-            raise BenchError("a worker process cannot start; what it says stands above")
+            raise BenchError("a worker process cannot start; its output is printed above")
         self._workers[index] = self._start()
         if job is None:
             return
@@ -234,7 +234,7 @@ def _work(connection: Connection) -> None:
 
 
 def start_server() -> None:
-    """Begin to import what workers need, beside whatever this process does meanwhile.
+    """Begin to import what workers need, in addition to whatever this process does meanwhile.
 
     Workers are forked from a server that has imported everything once; where there is none, they are spawned.
     """

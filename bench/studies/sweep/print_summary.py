@@ -19,7 +19,7 @@ GAP = 2  # blanks between columns
 def print_summary(summary: Summary, console: Console) -> None:
     """Rows by axes; of each metric the median and in brackets the middle 90 %, of a share its mean.
 
-    Metrics that do not fit into the console beside each other follow in further tables.
+    Metrics that do not fit into the console side by side follow in further tables.
     """
     axes = [_column(_short(axis, summary.axes), values) for axis, values in _axis_columns(summary)]
     counts = [_column(name, values) for name, values in _count_columns(summary)]

@@ -1,4 +1,4 @@
-"""How far a sweep is: rate, time left, failures."""
+"""How far a sweep is: rate, time remaining, failures."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ class _Rate(ProgressColumn):
 
 class _RunsLeft(ProgressColumn):
     def render(self, task: Task) -> Text:
-        """Time left at the mean rate since the start."""
+        """Time remaining at the mean rate since the start."""
         rate = _mean_rate(task)
         left = (task.total or 0) - task.completed
         return Text(f"{duration_text(left / rate)} left" if rate and left else "", "cyan")
@@ -125,7 +125,7 @@ class _Spoken:
         )
 
     def phase(self, name: str) -> None:
-        """A log is told of finished runs alone."""
+        """A log lists finished runs only."""
 
 
 def rate_text(rate: float) -> str:

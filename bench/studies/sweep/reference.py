@@ -23,7 +23,7 @@ Tolerance = Annotated[float, Field(ge=0, allow_inf_nan=False)]
 
 
 class ReferenceTable(SweepTable):
-    """A sweep that is compared with the reference. The scenario's own [tolerances] hold for every run."""
+    """A sweep that is compared with the reference. The scenario's [tolerances] hold for every run."""
 
     quick: Annotated[int, Field(ge=0)] = 0
     """How many of the seeds the quick set takes; with 0 it leaves the sweep out."""
@@ -51,7 +51,7 @@ class SweepReference:
 
 
 def reference_sweeps(folder: Path | None = None) -> dict[str, Sweep]:
-    """Name -> sweep, sorted, of the project or of a folder of one's own."""
+    """Name -> sweep, sorted, of the project or of a folder of the user."""
     paths = sorted((folder or catalogue_folder("scenarios") / "reference").glob("*.toml"))
     if not paths:
         raise BenchError(f"{folder}: holds no reference scenarios (*.toml)")
@@ -62,7 +62,7 @@ def reference_folder() -> Path:
     """Where the project keeps its references; BenchError where only the package is installed."""
     folder = Path(__file__).resolve().parents[3] / "results" / "reference"
     if not folder.is_dir():
-        raise BenchError("no results/reference beside the package: name the folder with --reference")
+        raise BenchError("no results/reference next to the package: give the folder with --reference")
     return folder
 
 

@@ -31,7 +31,7 @@ class Again:
 
     @property
     def title(self) -> str:
-        """The run in a few words: its number, where it stands on the axes, its seed."""
+        """The run in a few words: its number, where it is on the axes, its seed."""
         axes = [f"{name} {value}" for name, value in self.run.axes.items()]
         return ", ".join([f"run {self.run.number}", *axes, f"seed {self.run.seed}"])
 

@@ -1,4 +1,4 @@
-"""What a sweep leaves in its folder beside the table: summary and figures."""
+"""What a sweep leaves in its folder next to the table: summary and figures."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ SUMMARY = "summary.md"
 
 
 def table_in(folder: Path) -> Path:
-    """The table of a sweep, from its folder or its own path. Raises BenchError if there is none."""
+    """The table of a sweep, from its folder or its path. Raises BenchError if there is none."""
     path = folder if folder.is_file() else folder / TABLE
     if not path.is_file():
         raise BenchError(f"{folder}: holds no {TABLE}: name the folder of a sweep that has ended")
@@ -26,7 +26,7 @@ def table_in(folder: Path) -> Path:
 
 
 def write_table_summary(table: Path, axes: Sequence[str], metrics: Sequence[str]) -> tuple[Summary, Path]:
-    """Summary of a table by some axes, and the Markdown file beside the table that it is written to."""
+    """Summary of a table by some axes, and the Markdown file next to the table that it is written to."""
     summary = summarise_in_parts(table, axes, metrics)
     name = " ".join(metrics) + (f" by {' '.join(axes)}" if axes else "")
     path = table.with_name(f"{_file_name(name)}.md")
@@ -36,7 +36,7 @@ def write_table_summary(table: Path, axes: Sequence[str], metrics: Sequence[str]
 
 def pooled_axes(table: Path, axes: Sequence[str]) -> dict[str, int]:
     """Axes of the sweep that a summary by these throws together, with how many values each has; of a table that
-    stands without its sweep, none.
+    has no sweep, none.
     """
     file = table.with_name(FILE)
     if not file.is_file():

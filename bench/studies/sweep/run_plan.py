@@ -123,7 +123,7 @@ class Driver:
         self._next = 0
 
     def run(self, report: Report, phase: Phase = silent) -> None:
-        """Work until nothing is left; what a finished run costs here does not depend on how many are under way."""
+        """Work until nothing remains; what a finished run costs here does not depend on how many are under way."""
         left = True
         while left or self._ready or self._jobs:  # no set waits where nothing is under way
             while left and len(self._waiting) + len(self._ready) < self._limit:
@@ -207,7 +207,7 @@ class Driver:
     def _take_common(self, job: _CommonJob, outcome: Outcome) -> None:
         """Go on with the sets that waited for a design or a motion; what no set waits for is given up.
 
-        Sets that share something stand side by side: those that are still to come need what the last ones need.
+        Sets that share something are side by side: those that are still to come need what the last ones need.
         """
         del self._asked[job.name]
         job.found[job.name] = _Common(outcome.value, outcome.fault)

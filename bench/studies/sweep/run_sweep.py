@@ -45,7 +45,7 @@ def run_sweep(
 ) -> Finished:
     """Run what is not there yet and write the table. designs: folder of trajectories; the sweep's own by default.
 
-    report: told whenever runs are finished; phase: what goes on until then; resumed: told
+    report: called whenever runs are finished; phase: what goes on until then; resumed: called
     before anything runs how many runs are there from before.
 
     Started again on the same folder after whatever end it goes on, and the table is the same to the last bit.
@@ -59,7 +59,7 @@ def run_sweep(
 
 @contextmanager
 def written(folder: Path) -> Iterator[None]:
-    """What goes wrong with writing into the folder of a sweep, a full disk or no permission, is told in a line."""
+    """What goes wrong with writing into the folder of a sweep, a full disk or no permission, is reported in a line."""
     try:
         yield
     except OSError as error:

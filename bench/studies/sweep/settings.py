@@ -32,7 +32,7 @@ def _with(container: Any, parts: Sequence[str], value: Any, path: str) -> Any:
             raise BenchError(f"{path}: the list has no {head!r}; it has {known}")
         below = _with(container[at], rest, value, path) if rest else value
         return [*container[:at], below, *container[at + 1 :]]
-    # a number that stands for all joints gives way to a table
+    # a number that represents all joints gives way to a table
     return {head: _with({}, rest, value, path) if rest else value}
 
 

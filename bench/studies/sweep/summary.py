@@ -15,9 +15,7 @@ from bench.studies.sweep.metrics import is_share
 from bench.studies.sweep.table import column_names, read_table
 
 SPREAD = (0.05, 0.95)
-PARTS = (
-    12  # a drawn axis, which has a value of its own in every run, is cut into as many parts of equal count
-)
+PARTS = 12  # a drawn axis, which has another value in every run, is cut into as many parts of equal count
 MOST_VALUES = 40
 
 

@@ -33,7 +33,7 @@ def metric_title(metric: str) -> str:
 
 
 def axis_title(axis: str) -> str:
-    """An axis in words with its unit: a key of a scenario by what it is, or what stands behind its last dot."""
+    """An axis in words with its unit: a key of a scenario by what it is, or the part behind its last dot."""
     words, unit = axis_parts(axis)
     return f"{words} [{unit}]" if unit else words
 

@@ -52,7 +52,7 @@ def _standard(body: Mapping[str, Any]) -> np.ndarray:
 
 
 def true_values(model: IdentificationModel, truth: Mapping[str, Any]) -> dict[str, float]:
-    """True drive gains by joint and base parameters by name, to stand beside an identification's."""
+    """True drive gains by joint and base parameters by name, for comparison with an identification."""
     values = {joint: float(gain["true"]) for joint, gain in truth["drive_gains"].items()}
     names = model.base.names
     return values | dict(zip(names, map(float, true_base_parameters(model, truth)), strict=True))

@@ -10,7 +10,7 @@ from bench.studies.sweep.pool import LocalPool, Pool, start_server
 
 @dataclass(frozen=True)
 class Workers:
-    """What the command was told. processes: on this machine, None for one a core; scheduler: an address instead."""
+    """What the command was given. processes: on this machine, None for one a core; scheduler: an address instead."""
 
     processes: int | None = None
     scheduler: str | None = None
@@ -21,7 +21,7 @@ class Workers:
         return self.processes or len(os.sched_getaffinity(0))
 
     def warm_up(self) -> None:
-        """Begin to import what processes of this machine need, beside whatever comes before they start."""
+        """Begin to import what processes of this machine need, in addition to whatever comes before they start."""
         if self.scheduler is None:
             start_server()
 

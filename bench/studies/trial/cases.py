@@ -41,7 +41,7 @@ NOISE = (0.002, 0.02)
 """Noise of the current over its RMS; drawn likewise."""
 
 RULES = (SHARES, SHARES_OF, SETS_FROM, NOISE)
-"""What draws depend on beside their seeds."""
+"""What draws depend on in addition to their seeds."""
 
 ENCODER_BITS = (18, 20, 22)
 GAIN_ERROR = 0.1
@@ -52,7 +52,7 @@ GAIN_ERROR = 0.1
 class Hide:
     """An effect to be hidden: in which joints (none: the machine as a whole), and with what share of the torque.
 
-    numbers: of a law that is drawn with numbers of its own.
+    numbers: of a law that is drawn with its numbers.
     """
 
     effect: str
@@ -127,7 +127,7 @@ def draw_case(setup: Setup, kind: Kind, index: int, effects: Sequence[str] = ())
 
 
 def _unknown_case(setup: Setup, index: int) -> Case:
-    """A law that no model knows, in one joint, beside none, one or two known effects."""
+    """A law that no model knows, in one joint, with none, one or two known effects."""
     random = _random(setup.name, "unknown", LAW, index)
     joint = str(random.choice(setup.motors))
     numbers = drawn_law(index, len(setup.motors), random)

@@ -39,13 +39,13 @@ def confusion_chart(summary: TrialSummary) -> Chart:
                 (Cells("after", np.array(x), np.array(y), np.array(shade), texts),),
             ),
         ),
-        aid="A number: cases. On the diagonal the hidden effect was named first. Counted are effects whose own error "
-        f"is at least {LARGE:g} × the noise floor, and cases with nothing hidden.",
+        aid="A number: cases. On the diagonal the hidden effect was named first. Only effects count whose error is "
+        f"at least {LARGE:g} × the noise floor, and cases with nothing hidden.",
     )
 
 
 def misses_chart(summary: TrialSummary) -> Chart:
-    """Share of effects that are not named first, by their own error over the noise floor."""
+    """Share of effects that are not named first, by their error over the noise floor."""
     classes = [miss for miss in summary.misses if miss.first.of]
     series = (
         _missed("not named first", "before", -0.1, [miss.first for miss in classes]),
@@ -54,7 +54,7 @@ def misses_chart(summary: TrialSummary) -> Chart:
     names = tuple(_class(miss) for miss in classes)
     return Chart(
         "Effects missed, by size",
-        Axis("own error over the noise floor (cases)", scale="band", categories=names),
+        Axis("error of the effect over the noise floor (cases)", scale="band", categories=names),
         (Panel(Axis("share of cases", "%", domain=(-0.04, 1.04)), series),),
         aid="Own error: that of a model without the effect. Whiskers: 95 % intervals of the share.",
     )
@@ -110,7 +110,7 @@ def errors_chart(rows: Sequence[Row]) -> Chart | None:
         "Error before and after, over the noise floor",
         Axis("error before, over the noise floor", scale="log", room=True),
         (Panel(Axis("error after, over the noise floor", scale="log"), tuple(series)),),
-        aid="A dot: a case. Below the dashed line: what is left is noise, within the limit of the trial.",
+        aid="A dot: a case. Below the dashed line only noise remains, within the limit of the trial.",
     )
 
 

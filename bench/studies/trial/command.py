@@ -70,7 +70,7 @@ def run_command(
     start = time.monotonic()
 
     bars = progress_console(quiet)
-    bars.quiet = quiet or not bars.is_terminal  # a log is told of finished kinds alone
+    bars.quiet = quiet or not bars.is_terminal  # a log lists finished kinds only
     shown: list[ShownProgress] = []
     with ExitStack() as stack:
 

@@ -21,7 +21,7 @@ RIVALS: tuple[frozenset[str], ...] = (
 """Of each group a machine has one at most: they are two names for the same part."""
 
 ALONE = frozenset({"payload_mass_error", "rotor_inertia"})
-"""Not hidden beside others: a robot's own parameters take them up, so that they would add nothing to find."""
+"""Not hidden together with others: a robot's parameters take them up, so that they would add nothing to find."""
 
 COMPANION_SIZE = 1.5
 """The companion, against the largest value of the effect that needs it."""
@@ -38,7 +38,7 @@ COMPANIONS: Mapping[str, Mapping[str, Callable[[Sizes], Sizes]]] = {
 sizes, from those of the effect."""
 
 PARTS: dict[str, tuple[str, ...]] = {"backlash": ("drive_flexibility",)}
-"""Effects that are part of others and may be named beside them: flanks that touch also give way."""
+"""Effects that are part of others and may be named in addition to them: flanks that touch also give way."""
 
 
 def compatible(effects: Iterable[str]) -> bool:
@@ -65,7 +65,7 @@ def _kin(effect: str) -> frozenset[str]:
 
 
 def expected(effects: Iterable[str]) -> tuple[str, ...]:
-    """The effects with the companions that are hidden beside them."""
+    """The effects with the companions that are hidden with them."""
     names = list(dict.fromkeys(effects))
     for name in tuple(names):
         names += [word for word in COMPANIONS.get(name, ()) if word not in names]
@@ -73,5 +73,5 @@ def expected(effects: Iterable[str]) -> tuple[str, ...]:
 
 
 def optional(effects: Iterable[str]) -> frozenset[str]:
-    """Effects that may be named beside these, and need not be."""
+    """Effects that may be named in addition to these, and need not be."""
     return frozenset(part for name in effects for part in PARTS.get(name, ()))

@@ -1,4 +1,4 @@
-"""Estimated parameters of hidden effects beside the truth."""
+"""Estimated parameters of hidden effects compared with the truth."""
 
 from __future__ import annotations
 

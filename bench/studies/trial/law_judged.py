@@ -83,7 +83,7 @@ def _torque_error(
 ) -> float:
     """Over the law's torque, what is wrong with all at its motor but the known effects of these names.
 
-    What was hidden is bridged where the motor reverses and decimated, as what was found is.
+    What was hidden is bridged where the motor reverses and decimated, like the estimate.
     """
     motor = simulation.robot.joints.index(joint)
     model, values = _found_model(diagnosis, prepared, but)
@@ -106,7 +106,7 @@ def _torque_error(
 def _found_model(
     diagnosis: Diagnosis, prepared: Prepared, but: Collection[str]
 ) -> tuple[Prepared, np.ndarray]:
-    """The model that was found, and the values of its effects' columns in their order, zero for some of them."""
+    """The model that was identified, and the values of its effects' columns in their order, zero for some of them."""
     catalogue = {**CATALOGUE, **law_effects(diagnosis.discovered)}
     fitted = diagnosis.after.effect_parameters
     places = places_in(prepared.model.geometry, prepared.dataset.weighed)
@@ -150,7 +150,7 @@ def _true_torques(
 
 
 def _alike(numbers: Mapping[str, float], laws: Sequence[Discovered]) -> bool:
-    """Whether the found laws go by the same variables, and oppose the motion if the hidden one does."""
+    """Whether the identified laws go by the same variables, and oppose the motion if the hidden one does."""
     wanted = {variable for name, variable in VARIABLES.items() if numbers.get(name)}
     looks = [each for law in laws for term in law.terms for each in term.looks_at]
     seen = {f"{look.what} of others" if look.motor else look.what for look in looks}

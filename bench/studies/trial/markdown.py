@@ -20,8 +20,8 @@ from bench.studies.trial.summary import (
 from bench.studies.trial.target import Attained, Share, Target, TargetFigure
 
 COUNTED = (
-    f"Counted are cases in which each hidden effect makes an error of at least {LARGE:g} × the noise floor in a "
-    "model that lacks it alone, on recordings that are not fitted."
+    f"We count only cases where leaving out any single hidden effect raises the error of recordings that were not "
+    f"fitted to at least {LARGE:g} × the noise floor."
 )
 
 WORDS = {
@@ -31,25 +31,26 @@ WORDS = {
     TargetFigure.TWO_UNDECIDED: "or openly undecided",
     TargetFigure.THREE_EXACT: "three: the set exactly",
     TargetFigure.THREE_UNDECIDED: "or openly undecided",
-    TargetFigure.PLACES: "of effects at motors that were named: at exactly the motors that have them",
+    TargetFigure.PLACES: "named effects at motors: at exactly the motors that have them",
     TargetFigure.ALARM: "nothing hidden: any alarm",
     TargetFigure.ALARM_NAMED: "an effect named",
     TargetFigure.OUTSIDE_HONEST: "outside the catalogue: a law or unexplained, no wrong name",
     TargetFigure.OUTSIDE_UNEXPLAINED: "unexplained",
     TargetFigure.OUTSIDE_LAW: f"a law, and with it an error not fitted of at most {LAW_FACTOR} × the noise floor",
     TargetFigure.OUTSIDE_NO_WRONG_NAME: "no wrong name with the verdict `missing`",
-    TargetFigure.GAIN_ERROR_MEDIANS: "gains after the found effects, over those of a model that was told: medians",
+    TargetFigure.GAIN_ERROR_MEDIANS: "gain errors with the identified effects, relative to those with the true "
+    "effects: medians",
     TargetFigure.GAIN_ERROR_RMS: "root mean squares",
     TargetFigure.GAIN_ERROR_WITHIN: f"within {GAIN_FACTOR} of it",
     TargetFigure.GAIN_ERROR_BEFORE: "largest gain error, root mean square: before",
     TargetFigure.GAIN_ERROR_AFTER: "after",
-    TargetFigure.GAIN_ERROR_TOLD: "told",
+    TargetFigure.GAIN_ERROR_TOLD: "with the true effects",
     TargetFigure.FLOOR_MEDIAN: "error not fitted after the ladder, over the noise floor: median",
     TargetFigure.FLOOR_WITHIN: f"at most {FLOOR_FACTOR}",
-    TargetFigure.FLOOR_WITHIN_TOLD: "the same for a model that was told the effects",
-    TargetFigure.INTERVALS: "effect parameters: 95 % intervals that hold the truth",
+    TargetFigure.FLOOR_WITHIN_TOLD: "the same for a model with the true effects",
+    TargetFigure.INTERVALS: "effect parameters: 95 % intervals that contain the truth",
 }
-KEPT_WORDS = {None: "", Attained.YES: "yes", Attained.NO: "no", Attained.TOO_FEW: "too few cases to say"}
+KEPT_WORDS = {None: "", Attained.YES: "yes", Attained.NO: "no", Attained.TOO_FEW: "too few cases"}
 MAIN = frozenset(
     {
         TargetFigure.ONE_FIRST,
@@ -79,22 +80,22 @@ class MarkdownPart:
 
 
 def parts(summary: TrialSummary) -> list[MarkdownPart]:
-    """What there are cases of, as tables; what was not tried is left out."""
+    """What there are cases of, as tables; what was not tried is omitted."""
     found = [
         MarkdownPart("Figures, and what they must reach", targets_table(summary)),
-        MarkdownPart("What was named first, one effect hidden or none", confusion_table(summary)),
+        MarkdownPart("Named first, one effect hidden or none", confusion_table(summary)),
         MarkdownPart(
             "Absorbed: no data of this robot can show it, and the diagnosis says so", absorbed_table(summary)
         ),
         MarkdownPart("Named first, by size of the effect", misses_table(summary)),
-        MarkdownPart("Parameters of the found effects", coverage_table(summary)),
-        MarkdownPart("Cases that came to nothing", failures_table(summary)),
+        MarkdownPart("Parameters of the identified effects", coverage_table(summary)),
+        MarkdownPart("Failed cases", failures_table(summary)),
     ]
     return [part for part in found if part.table.columns[0].cells]
 
 
 def targets_table(summary: TrialSummary) -> Table:
-    """Every figure that was tried beside its bound; in bold what is surely not kept."""
+    """Every figure that was tried next to its bound; in bold what is surely not kept."""
     tried = [target for target in summary.targets if target.reached is not None]
     heads = ("figure", "reached", "must be", "kept", "cases", "95 % interval")
     cells = zip(*map(target_cells, tried), strict=True) if tried else [()] * len(heads)
@@ -126,22 +127,22 @@ def confusion_table(summary: TrialSummary) -> Table:
 
 
 def absorbed_table(summary: TrialSummary) -> Table:
-    """Effects that no data can show, and in how many cases nothing was named beside."""
+    """Effects that no data can show, and in how many cases nothing else was named."""
     return Table(
         (
             Column("hidden", list(summary.absorbed), "effect"),
             Column("cases", [share.of for share in summary.absorbed.values()], "number"),
-            Column("nothing named beside", [share.count for share in summary.absorbed.values()], "number"),
+            Column("nothing else named", [share.count for share in summary.absorbed.values()], "number"),
         )
     )
 
 
 def misses_table(summary: TrialSummary) -> Table:
-    """How many effects were named first, by their own error; classes without a case are left out."""
+    """How many effects were named first, by their error; classes without a case are omitted."""
     tried = [miss for miss in summary.misses if miss.first.of]
     return Table(
         (
-            Column("own error / noise floor", [size_text(miss) for miss in tried]),
+            Column("error of the effect / noise floor", [size_text(miss) for miss in tried]),
             Column("cases", [miss.first.of for miss in tried], "number"),
             Column("named first", [percent(miss.first) for miss in tried], "number", format="s"),
             Column("or undecided", [percent(miss.first_undecided) for miss in tried], "number", format="s"),
@@ -189,7 +190,7 @@ def failures_table(summary: TrialSummary) -> Table:
 
 
 def trial_markdown(summary: TrialSummary, notes: Mapping[str, str], pictures: Sequence[str] = ()) -> str:
-    """Markdown tables; notes: how the trial was run. pictures: files beside the page."""
+    """Markdown tables; notes: how the trial was run. pictures: files next to the page."""
     blocks = [
         f"# Blind trial of the diagnosis: {summary.robot}",
         "\n".join(f"- {name}: {value}" for name, value in notes.items()),

@@ -32,7 +32,7 @@ def reference_scenario(setup: Setup) -> Scenario:
 def realised(
     setup: Setup, case: Case, reference: Reference, trajectories: Mapping[str, FourierTrajectory]
 ) -> tuple[Case, Simulation]:
-    """The simulated machine of a case, and the case as it came out: shares are halved until the machine stands them.
+    """The simulated machine of a case, and the case as it came out: shares are halved until the machine tolerates them.
 
     Raises BenchError if it does not stand them in the end either.
     """
@@ -75,7 +75,7 @@ def _scenario(setup: Setup, case: Case, hidden: Sequence[Entry]) -> Scenario:
 
 
 def entries(hide: Hide, reference: Reference) -> list[Entry]:
-    """The effect in each of its joints with the size asked for, and what has to be beside it."""
+    """The effect in each of its joints with the size asked for, and what it requires."""
     if where(hide.effect) == "passive" and len(hide.joints) > 1:
         return [_entry(hide.effect, None, typical(hide.effect, reference, hide.share))]
     found: list[Entry] = []
@@ -96,7 +96,7 @@ def _entry(effect: str, joint: str | None, sizes: Mapping[str, float]) -> Entry:
 def hidden_places(setup: Setup, hidden: Sequence[Entry]) -> list[tuple[str, str, Entry]]:
     """Effect and place, as a model names them, of every hidden entry; outside the catalogue none.
 
-    An effect that has another as a part of it stands for both.
+    An effect that has another as a part of it counts for both.
     """
     found = []
     for entry in hidden:

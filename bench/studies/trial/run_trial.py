@@ -26,7 +26,7 @@ class TrialRequest:
     """What a trial goes through. seeds: see `datasets_a_seed`. effects: drawn from these; empty: from all.
 
     first: number of the first dataset of every kind.
-    given: what its command named besides (robot, scenario, duration), only to be told again.
+    given: what its command named besides (robot, scenario, duration), only to be printed again.
     """
 
     setup: Setup

@@ -61,8 +61,8 @@ class Setup:
 def make_setup(robot: str, scenario: str | None = None, duration: float | None = None) -> Setup:
     """The trial of a robot (name or folder), with the movements of a scenario.
 
-    scenario: name or file; left out, the built-in one of the robot's name, otherwise movements about the home
-    pose. duration: of each movement, s; as the scenario says, if left out.
+    scenario: name or file; by default the built-in one of the robot's name, otherwise movements about the home
+    pose. duration: of each movement, s; as the scenario says, if omitted.
     Raises BenchError if the robot or the scenario cannot be used.
     """
     found = load_robot(robot)
@@ -111,7 +111,7 @@ def where(effect: str) -> Where:
 
 def _possible(setup: Setup, effect: str, robot: Robot) -> bool:
     if effect == LAW:
-        return False  # drawn with numbers of its own, see bench.studies.trial.unknown
+        return False  # drawn with its numbers, see bench.studies.trial.unknown
     if HIDDEN_EFFECTS[effect].in_catalogue and effect not in CATALOGUE:
         return False
     needs = HIDDEN_EFFECTS[effect].needs
@@ -136,7 +136,7 @@ def _plain_content(robot: Robot) -> dict[str, Any]:
     slides = [not units_of_gain(a.gain_unit).rotates for a in robot.actuators]
     if any(slides):
         raise BenchError(
-            f"trial: robot {robot.name!r} has slide joints: give its movements with --scenario FILE"
+            f"trial: robot {robot.name!r} has slide joints: give its motions with --scenario FILE"
         )
     design = {
         "optimise": True,

@@ -25,10 +25,10 @@ FLOOR_FACTOR = 1.15
 GAIN_FACTOR = 1.5
 LAW_FACTOR = 1.5
 SIZES = (0.0, 1.5, 3.0, 6.0, 12.0, np.inf)
-"""Bounds of the classes of an effect's own error over the noise floor."""
+"""Bounds of the classes of an effect's error over the noise floor."""
 
 NOTHING, SOMETHING, A_LAW = "nothing", "unexplained", "a law"
-"""What stands in the confusion matrix for no hidden effect or no alarm, for an alarm without a name, and for a law that
+"""The entries of the confusion matrix for no hidden effect or no alarm, for an alarm without a name, and for a law that
 was found and has none."""
 
 

@@ -57,7 +57,7 @@ WITHOUT_TRUTH: Mapping[str, frozenset[str]] = {
         {"kq0"}
     ),  # of springs whose joints move alike, where they are counted from differs
 }
-"""Parameters of the model that stand for no parameter of the hidden effect."""
+"""Parameters of the model without a counterpart in the hidden effect."""
 
 
 def true_values(effect: str, hidden: True_, *, slide: bool = False) -> dict[str, float]:

@@ -1,4 +1,4 @@
-"""Laws that no model is told of, drawn from a grammar wider than that of discovery."""
+"""Laws that no model contains, drawn from a grammar wider than that of discovery."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from bench.truth.hidden.reference import Reference
 
 LAW = "product_law"
 BESIDE = (0, 1, 2)
-"""How many known effects stand beside a law, in turn."""
+"""How many known effects accompany a law, in turn."""
 
 Along = Callable[[Mapping[str, float], np.ndarray, np.ndarray], np.ndarray]
 
@@ -24,7 +24,7 @@ TORQUES: Mapping[str, Along] = {
     "joint_spring": lambda p, q, _v: p["k"] * (q - p["q0"]),
     "quadratic_drag": lambda p, _q, v: p["c"] * v * np.abs(v),
 }
-"""Known effects that any machine may have beside it: their torque (N,) of parameters, positions and velocities."""
+"""Known effects that any machine may have in addition: their torque (N,) of parameters, positions and velocities."""
 
 FRICTIONS = tuple(TORQUES)
 

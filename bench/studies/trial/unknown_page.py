@@ -1,4 +1,4 @@
-"""Laws that no catalogue has, in a trial: what was found of them, as a table and a page."""
+"""Laws outside the catalogue, in a trial: the results as a table and a page."""
 
 from __future__ import annotations
 
@@ -30,12 +30,17 @@ def unknown_table(rows: Sequence[Row], nothing: Sequence[Row] = ()) -> Table:
         (f"one law alone: error not fitted at most {FLOOR:g} × the noise floor", alone, _at_floor, "80 %"),
         ("its torque within 10 % (RMS) of the truth's on recordings not fitted", alone, _near, "75 %"),
         ("its structure: the same variables, the same symmetry", alone, _structure, "70 %"),
-        ("beside one or two known effects: error at the floor", beside, _at_floor, ""),
+        ("with one or two known effects: error at the floor", beside, _at_floor, ""),
         ("its torque within 10 %", beside, _near, ""),
         ("with that of the known effects at its motor", beside, _near_together, ""),
         ("its structure", beside, _structure, ""),
         ("the law's torque within 10 %, and the known effects exactly", beside, _both, "60 %"),
-        ("a wrong name of the catalogue for sure", done, lambda row: bool(row["wrong"]), "at most 3 %"),
+        (
+            "a wrong effect of the catalogue with certainty",
+            done,
+            lambda row: bool(row["wrong"]),
+            "at most 3 %",
+        ),
         ("a law at a motor that has none", done, lambda row: bool(row.get("law.elsewhere")), ""),
         ("nothing hidden: a law claimed", _told(nothing), lambda row: row["laws"] > 0, "at most 1 %"),
     ]
@@ -57,7 +62,7 @@ def _told(nothing: Sequence[Row]) -> list[Row]:
 
 
 def cases_table(rows: Sequence[Row]) -> Table:
-    """Every case: what was hidden, and what was found."""
+    """Every case: the hidden effects and the result."""
     before, after = ([row.get(f"error_over_floor.{name}") for row in rows] for name in ("before", "after"))
     return Table(
         (
@@ -86,12 +91,12 @@ def write_unknown(robot: str, rows: Sequence[Row], folder: Path, nothing: Sequen
         return []
     page, table = folder / f"{robot}_unknown.md", folder / f"{robot}_unknown.parquet"
     counted = (
-        f"Cases count in which what is hidden makes an error of at least {LARGE:g} × the noise floor: less cannot be "
-        "asked to be found."
+        f"We count only cases whose hidden effects raise the error to at least {LARGE:g} × the noise floor: smaller "
+        "ones cannot be expected to be identified."
     )
     commits = sorted({str(row["commit"]) for row in rows if row.get("commit")})
     text = [
-        f"# Trial of {robot}: laws that no catalogue has",
+        f"# Trial of {robot}: laws outside the catalogue",
         f"- datasets: {len(rows)}\n- commit: {', '.join(commits)}",
         counted,
         markdown(unknown_table(rows, nothing)),

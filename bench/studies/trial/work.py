@@ -162,7 +162,7 @@ def _plain_entry(effect: Any) -> Entry:
 def _told(
     setup: Setup, dataset: Dataset, hidden: Sequence[Entry], effects: Sequence[str]
 ) -> tuple[Identification, dict[str, Identification]]:
-    """The fit of a model that was told the effects and where they are, and its fits without each of them."""
+    """The fit of a model with the true effects at their places, and its fits without each of them."""
     prepared = prepare(problem_of(dataset))
     wanted = list(
         dict.fromkeys(

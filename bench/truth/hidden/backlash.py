@@ -17,7 +17,7 @@ class Backlash(DriveTrain):
     Teeth that are a stiff spring when they touch; the damping (oil) also acts while they do not.
 
     play: rad or m, from flank to flank.  stiffness: N·m/rad or N/m.  damping: N·m·s/rad or N·s/m, at least 0.
-    rotor_inertia: kg·m² or kg, 0 if left out.
+    rotor_inertia: kg·m² or kg, 0 if omitted.
     """
 
     name: ClassVar[str] = "backlash"

@@ -21,7 +21,7 @@ Array = NDArray[np.float64]
 
 PAYLOAD_BODY = "payload of the scenario"
 MOTOR_SIDE = "hidden:motor side:"
-"""Before the name of a joint: the rotor of its motor, where a spring or play stands between the two."""
+"""Before the name of a joint: the rotor of its motor, where a spring or play is between the two."""
 
 NO_MOTOR = 1e-9  # N·m/A: a DC motor must have some; its braking is the square of it
 
@@ -76,11 +76,11 @@ class HiddenEffect:
     law: ClassVar[str] = ""
     """In a line, for the table of scenarios/README.md."""
     needs: ClassVar[Literal["tool", "payload", "motors"] | None] = None
-    """What a machine must have for it beside the joint: a tool site, a payload, or several motors."""
+    """What a machine must have for it in addition to the joint: a tool site, a payload, or several motors."""
     shares: ClassVar[tuple[float, float]] = (0.004, 0.1)
     """Torque of it over the torque of its motor, RMS over RMS, that a trial may hide: others where a model takes most
     of it up, so that less is seen of it, or where more would be a broken machine (play of degrees, links that are
-    centimetres off, a drive that swings within the motion's own frequencies)."""
+    centimetres off, a drive that swings within the motion's frequencies)."""
     scaled: ClassVar[tuple[str, float] | None] = None
     """A parameter with which its torques grow in proportion, and a value to begin with when its size is looked for."""
 
@@ -99,12 +99,12 @@ class HiddenEffect:
 class JointEffect(HiddenEffect):
     """An effect in one joint of the machine.
 
-    Where a spring or play stands between a motor and its joint, the joint's friction is that of motor and gear, on
+    Where a spring or play is between a motor and its joint, the joint's friction is that of motor and gear, on
     the motor's side (Albu-Schäffer, Ott and Hirzinger, "A unified passivity-based control framework for position,
     torque and impedance control of flexible joint robots", IJRR 26, 2007); so are all laws of this class.
 
     A torque opposes the motion: the motor has to supply it in addition to what the rigid body needs,
-    g i = τ_rigid + law. Torques stand for forces where the joint is a slide.
+    g i = τ_rigid + law. Torques represent forces where the joint is a slide.
     """
 
     where: ClassVar[Literal["actuated", "passive", "any"]] = "actuated"

@@ -15,7 +15,7 @@ from bench.truth.hidden.movement import JointMovement, Sizes, rms
 class CoggingTorque(JointEffect):
     """a · cos(2π q / period) + b · sin(2π q / period), whatever the current: magnets over slots.
 
-    q: of the motor, where a spring or play stands between motor and joint.
+    q: of the motor, where a spring or play is between motor and joint.
 
     a, b: N·m or N.  period: rad or m.
     """

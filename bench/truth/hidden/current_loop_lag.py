@@ -31,7 +31,7 @@ class CurrentLoopLag(JointEffect):
     def current(p: Parameters, s: Signals) -> Law:
         passed = s.step / p["T"]
         left = np.exp(-passed)
-        mean = -np.expm1(-passed) / passed  # of what is left, over a step
+        mean = -np.expm1(-passed) / passed  # of what remains, over a step
         flowing: list[Array] = []
 
         def law() -> Array:
@@ -48,5 +48,5 @@ class CurrentLoopLag(JointEffect):
     def sized(j: JointMovement, share: float) -> Sizes:
         lag = share * rms(j.current) / rms(j.current_rate)
         if lag > 0.3 * j.damping / j.stiffness:
-            raise too_large("current_loop_lag", j, share, "the controller would not stand it")
+            raise too_large("current_loop_lag", j, share, "the controller would become unstable")
         return {"T": lag}

@@ -16,7 +16,7 @@ class DriveFlexibility(DriveTrain):
     J: rotor_inertia plus the joint's armature in the MJCF. A belt, a harmonic drive.
 
     stiffness: N·m/rad or N/m.  damping: N·m·s/rad or N·s/m, at least 0.
-    rotor_inertia: kg·m² or kg, 0 if left out.
+    rotor_inertia: kg·m² or kg, 0 if omitted.
     """
 
     name: ClassVar[str] = "drive_flexibility"

@@ -67,7 +67,7 @@ def encoder_offset_size(reference: Reference, _effect: str, joint: str | None, s
 
 
 def drive_flexibility_size(reference: Reference, _effect: str, joint: str | None, share: float) -> Sizes:
-    """As if the joint moved as far from its motor as the spring gives way; the rotor's own inertia aside."""
+    """As if the joint moved as far from its motor as the spring gives way; the rotor's inertia aside."""
     j = _movement(reference, joint)
 
     def felt(stiffness: float) -> float:
@@ -79,7 +79,7 @@ def drive_flexibility_size(reference: Reference, _effect: str, joint: str | None
 
 
 def backlash_size(reference: Reference, effect: str, joint: str | None, share: float) -> Sizes:
-    """From simulations, beside a rotor without play: how the joint changes flanks has no simpler rule.
+    """From simulations, compared with a rotor without play: how the joint changes flanks has no simpler rule.
 
     Flanks that give way by a tenth of the play, or less stiff ones if the step asks for it.
     """
@@ -145,7 +145,7 @@ def machine_sizes(kind: type[HiddenEffect], reference: Reference, joint: str | N
     if kind.name in MACHINE_SIZES:
         return MACHINE_SIZES[kind.name](reference, kind.name, joint, share)
     if kind.scaled is None:
-        raise BenchError("no rule tells its size")
+        raise BenchError("no rule gives its size")
     name, start = kind.scaled
     actuated = joint if joint in reference.simulation.robot.joints else None
     return _scaled(reference, kind.name, joint, actuated, share, lambda x: {name: x}, start)
@@ -183,7 +183,7 @@ def _shifted(reference: Reference, j: JointMovement, shifts: list[Array]) -> flo
     machine = reference.simulation.machine
     if j.joint not in machine.robot.joints:
         raise BenchError(
-            f"the motor of joint {j.joint} is redundant: its torque does not follow from the movement"
+            f"the motor of joint {j.joint} is redundant: its torque does not follow from the motion"
         )
     i = machine.robot.joints.index(j.joint)
     changes, torques = [], []
@@ -218,7 +218,7 @@ def _solved(felt: Callable[[float], float], start: float, share: float, exponent
     x, found = start, felt(start)
     for _ in range(4):
         if not found > 0:
-            raise BenchError("no motor feels the effect in this movement")
+            raise BenchError("the effect changes no motor torque in this motion")
         if abs(found / share - 1) < CLOSE:
             break
         before, x = (

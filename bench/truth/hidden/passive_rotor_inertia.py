@@ -10,7 +10,7 @@ from bench.truth.hidden.base import Draft, JointEffect
 
 @dataclass(frozen=True)
 class PassiveRotorInertia(JointEffect):
-    """Ia · q̈ in a passive joint, beside the armature of the MJCF; the motors feel it through the loops.
+    """Ia · q̈ in a passive joint, in addition to the armature of the MJCF; the motors feel it through the loops.
 
     Ia: kg·m² or kg, at least 0. Balls that close a loop are no joints of the machine: none there.
     """

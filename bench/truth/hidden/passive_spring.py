@@ -10,7 +10,7 @@ from bench.truth.hidden.base import Draft, JointEffect, add_affine_actuator
 
 @dataclass(frozen=True)
 class PassiveSpring(JointEffect):
-    """k · (q - q0) in a passive joint, beside a spring of the MJCF; the motors feel it through the loops.
+    """k · (q - q0) in a passive joint, in addition to a spring of the MJCF; the motors feel it through the loops.
 
     k: N·m/rad or N/m, at least 0.  q0: where it is relaxed, rad or m. Balls that close a loop are no joints of the
     machine: none there.

@@ -16,7 +16,7 @@ from bench.truth.hidden.signals import Law, Parameters, Signals
 class PeriodicDisturbance(JointEffect):
     """size · sin(2π frequency t + phase), in every recording alike: a fan, the mains, a neighbour's press.
 
-    size: N·m or N.  frequency: Hz.  phase: rad, 0 if left out.
+    size: N·m or N.  frequency: Hz.  phase: rad, 0 if omitted.
     """
 
     name: ClassVar[str] = "periodic_disturbance"

@@ -20,7 +20,7 @@ class PlatformForce(HiddenEffect):
     x: the tool in the frame of the base, x_home: in the pose `home`. The force acts on the robot; it does not
     turn with the tool.
 
-    fx, fy, fz: N, in the frame of the base.  k: N/m, at least 0. Each 0 if left out.
+    fx, fy, fz: N, in the frame of the base.  k: N/m, at least 0. Each 0 if omitted.
     """
 
     name: ClassVar[str] = "platform_force"

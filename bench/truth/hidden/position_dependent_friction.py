@@ -19,7 +19,7 @@ class PositionDependentFriction(JointEffect):
     No friction is negative: where the dry friction of the joint, other effects included, would be, the
     simulation ends with an error.
 
-    a, b: N·m or N.  harmonic: h, 1 if left out; 1/rad, or 1/m for a slide.
+    a, b: N·m or N.  harmonic: h, 1 if omitted; 1/rad, or 1/m for a slide.
     """
 
     name: ClassVar[str] = "position_dependent_friction"

@@ -14,7 +14,7 @@ from bench.truth.hidden.signals import Law, Parameters, Signals, harmonic
 class PositionDependentViscousFriction(JointEffect):
     """(a · cos(h q) + b · sin(h q)) · q̇: grease that has been pushed aside.
 
-    a, b: N·m·s/rad or N·s/m.  harmonic: h, 1 if left out; 1/rad, or 1/m for a slide.
+    a, b: N·m·s/rad or N·s/m.  harmonic: h, 1 if omitted; 1/rad, or 1/m for a slide.
     """
 
     name: ClassVar[str] = "position_dependent_viscous_friction"

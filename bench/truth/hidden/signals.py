@@ -28,7 +28,7 @@ class Clock:
 class Signals:
     """State of m motors in R recordings at the present step, (R, m) each.
 
-    A motor moves as its joint does unless there is a spring or play between; its encoder tells its own position.
+    A motor moves as its joint does unless there is a spring or play between; its encoder tells its position.
     The arrays are views that change from step to step.
     """
 

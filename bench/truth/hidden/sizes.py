@@ -18,7 +18,7 @@ DIGITS = 4  # that a parameter is given with
 def typical(effect: str, reference: Reference, share: float, joint: str | None = None) -> dict[str, float]:
     """Parameters of an effect whose torque is about `share` of what the motor gives, RMS over RMS.
 
-    reference: the same movements without hidden effects; no robot has rules of its own.
+    reference: the same movements without hidden effects; no robot has special rules.
     joint: for an effect in a joint; the share is of its motor's torque, or of all motors' if it has none.
     For an effect of the whole machine, or in all passive joints, None; the share is of all motors' torque.
     An effect of the drive counts as the torque that it seems to take away: a delay, the change of the

@@ -16,7 +16,7 @@ from bench.truth.hidden.signals import Law, Parameters, Signals
 class SpeedDependentGain(JointEffect):
     """τ = g i (1 - |q̇| / v0): an amplifier that runs out of voltage against the back-EMF.
 
-    v0: the speed at which nothing is left, rad/s or m/s.
+    v0: the speed at which nothing remains, rad/s or m/s.
     """
 
     name: ClassVar[str] = "speed_dependent_gain"

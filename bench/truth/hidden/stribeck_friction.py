@@ -18,7 +18,7 @@ class StribeckFriction(JointEffect):
 
     The friction constraint of the joint is given this size before every step.
 
-    Fc, Fs: N·m or N, at least 0.  vs: Stribeck velocity, rad/s or m/s.  delta: 2 (Gaussian) if left out.
+    Fc, Fs: N·m or N, at least 0.  vs: Stribeck velocity, rad/s or m/s.  delta: 2 (Gaussian) if omitted.
     """
 
     name: ClassVar[str] = "stribeck_friction"

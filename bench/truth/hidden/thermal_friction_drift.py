@@ -16,9 +16,9 @@ from bench.truth.hidden.signals import Law, Parameters, Signals
 class ThermalFrictionDrift(JointEffect):
     """(Fv · q̇ + Fc · sign(q̇)) · exp(-t / T): what a cold joint has more than a warm one.
 
-    Every recording begins with a cold joint at t = 0. The friction of the warm joint is an effect of its own.
+    Every recording begins with a cold joint at t = 0. The friction of the warm joint is a separate effect.
 
-    Fv: N·m·s/rad or N·s/m.  Fc: N·m or N; both at least 0, and 0 if left out.  T: time constant, s.
+    Fv: N·m·s/rad or N·s/m.  Fc: N·m or N; both at least 0, and 0 if omitted.  T: time constant, s.
     """
 
     name: ClassVar[str] = "thermal_friction_drift"

@@ -1,4 +1,4 @@
-"""The drag of a fluid on the tool, by MuJoCo's own model of a small sphere in it."""
+"""The drag of a fluid on the tool, by MuJoCo's model of a small sphere in it."""
 
 from __future__ import annotations
 

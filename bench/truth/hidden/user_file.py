@@ -1,4 +1,4 @@
-"""Hidden effects of one's own: classes in a Python file that a scenario names."""
+"""User-defined hidden effects: classes in a Python file that a scenario names."""
 
 from __future__ import annotations
 
