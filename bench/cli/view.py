@@ -44,8 +44,8 @@ def view(
     `bench identify --json`; a folder that `bench identify`, `compare` or `diagnose` wrote with -o; or the folder of
     a sweep, of which a good, a median and a bad run are simulated again and shown side by side.
 
-    The recording is written to SOURCE.rrd, next to SOURCE, and opened; with --save it is only written. An .mcap file has
-    positions and currents as logged, measured and modelled currents, errors, joint states and the torque of each
+    The recording is written to SOURCE.rrd, next to SOURCE, and opened; with --save it is only written. An .mcap file
+    has positions and currents as logged, measured and modelled currents, errors, joint states and the torque of each
     effect, for every recording.
     """
     from bench.cli.named_sources import ViewRequest, viewed_runs
