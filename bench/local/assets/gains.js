@@ -7,12 +7,12 @@ const Gains = (() => {
   function part(found, base = null, brief = false) {
     const both = base && base !== found && base.gains_fitted;
     const units = new Set(Object.values(found.drive_gains).map((gain) => unit(gain.unit)));
-    const one = brief && units.size === 1 ? [...units][0] : null; // the unit of all, said once
+    const shared = brief && units.size === 1 ? [...units][0] : null; // the unit of all, said once
     const rows = Object.entries(found.drive_gains).map(([joint, gain]) => [
       joint,
       ...(both ? [quantity(base.drive_gains[joint])] : []),
       quantity(gain),
-      ...(one === null ? [unit(gain.unit)] : []),
+      ...(shared === null ? [unit(gain.unit)] : []),
       ...(found.gains_fitted && !brief ? [ChartBasics.formatNumber(gain.nominal, 5)] : []),
       ...(found.gains_fitted ? [change(gain)] : []),
     ]);
@@ -21,12 +21,12 @@ const Gains = (() => {
       ["motor", ""],
       ...(both ? [["before", "right"]] : []),
       [both ? `now${error}` : found.gains_fitted ? `gain${error}` : "gain", "right"],
-      ...(one === null ? [["unit", "keep"]] : []),
+      ...(shared === null ? [["unit", "keep"]] : []),
       ...(found.gains_fitted && !brief ? [["nominal", "right"]] : []),
       ...(found.gains_fitted ? [["from nominal", "right"]] : []),
     ];
     const kind = found.gains_fitted ? (brief ? " ± standard error" : "") : ", nominal";
-    const title = `Drive gains${kind}${one ? `, ${one}` : ""}`;
+    const title = `Drive gains${kind}${shared ? `, ${shared}` : ""}`;
     return el(
       "div",
       {class: "part gains"},

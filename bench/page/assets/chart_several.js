@@ -21,7 +21,7 @@ const ChartSeveral = (() => {
       ...words,
       spec: {...spec, x: {...spec.x, domain}, height: LOWER * spec.height, legend: false, shared: true},
     }));
-    const notes = each.filter((one) => !one.charts.length).flatMap((one) => one.notes);
+    const notes = each.filter((option) => !option.charts.length).flatMap((option) => option.notes);
     return {notes, charts, several: true};
   }
 
