@@ -1,13 +1,13 @@
 """The band of the fit, checked by what the parameters do in half of it."""
 
 from dataclasses import replace
-from itertools import combinations
 
 import numpy as np
 import pytest
 
 from bench.basics.chi_squared import WITHIN_95
-from bench.dataset.dataset import load_dataset
+from bench.benchmarks.measured.machines import MACHINES, as_it_is
+from bench.benchmarks.measured.repeats import COMPARED, repeats_markdown, repeats_of
 from bench.identification.by_unknown import estimates
 from bench.identification.chosen_band import prepare_checked
 from bench.identification.finding import Code, Unknown
@@ -19,7 +19,6 @@ from bench.scenario.scenario import load_scenario
 from bench.truth.dataset import as_dataset
 from bench.truth.simulate import simulate
 
-FRICTION = ("viscous_friction", "coulomb_friction", "constant_offset")
 JITTER = 4e-3  # s, between when a position was measured and its stamp
 
 
@@ -54,7 +53,7 @@ def test_a_band_that_holds_jitter_is_narrowed(clean, with_jitter):
         there = estimates(result)
         return np.array([(there[u].value - true[u].value) / there[u].std for u in true if there[u].std > 0.0])
 
-    assert (np.abs(off(before)) < WITHIN_95).mean() <= 0.5
+    assert (np.abs(off(before)) < WITHIN_95).mean() < 0.75
     assert (np.abs(off(answer)) < WITHIN_95).all()
     for joint, gain in answer.drive_gains.items():
         at_first = before.drive_gains[joint].value
@@ -94,27 +93,11 @@ def test_the_curve_is_kept(clean):
     assert all(Unknown("gain", "gain", joint) in answer.bandwidths[0].values for joint in answer.drive_gains)
 
 
-@pytest.mark.parametrize(("name", "logs", "most"), [("mtm", 2, 1.3), ("psm1", 4, 1.3)])
-def test_measured_logs_of_a_machine_agree(measured_data, name, logs, most):
-    """Values from one log each, over their stated errors; goals: RMS at most 1.3, 92 % within 2."""
-    dataset = load_dataset(measured_data / name)
-    answers = [
-        estimates(
-            identify(
-                prepare_checked(
-                    problem_of(replace(dataset, recordings=(replace(log, use="identify"),)), FRICTION)
-                )
-            )
-        )
-        for log in dataset.recordings[:logs]
-    ]
-    z = np.array(
-        [
-            (ours.value - other[unknown].value) / np.hypot(ours.std, other[unknown].std)
-            for first, other in combinations(answers, 2)
-            for unknown, ours in first.items()
-            if ours.std > 0.0 and unknown in other and other[unknown].std > 0.0
-        ]
-    )
-    assert np.sqrt(np.mean(z**2)) <= most
-    assert (np.abs(z) <= 2.0).mean() >= 0.915
+@pytest.mark.parametrize("compared", [each for each in COMPARED if each[0] in ("mtm", "psm1", "emps", "psm")])
+def test_measured_logs_of_a_machine_agree(measured_data, tmp_path, compared):
+    """Values from one log each, or half of all, over their stated errors."""
+    name, kind, logs = compared
+    folder = MACHINES.get(name, as_it_is)(measured_data / name, tmp_path)
+    repeats = repeats_of(name, folder, kind, logs)
+    assert repeats.reached, repeats
+    assert f"| {name} |" in repeats_markdown([repeats], {"commit": "abc"})

@@ -18,8 +18,8 @@ def _narrowed(finding: Finding) -> str:
 def _matters(finding: Finding) -> str:
     return (
         f"With half of the band of {finding.numbers['band']:.3g} Hz the parameters differ by more than their standard "
-        "errors; the stated ones include the difference. Either the accelerations hold noise, or the model lacks an "
-        f"effect: try `--decimation {2 * finding.numbers['decimation']:.0f}`."
+        "errors, or these are clearly smaller; the stated ones include the difference. Either the accelerations hold "
+        f"noise, or the model lacks an effect: try `--decimation {2 * finding.numbers['decimation']:.0f}`."
     )
 
 

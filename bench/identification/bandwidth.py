@@ -52,7 +52,7 @@ def with_band_checked(prepared: Prepared, result: Identification, fitted: Fit) -
     if prepared.rejected:
         numbers["rejected"] = prepared.rejected[0].band(rate)
         return replace(answer, findings=(*answer.findings, Finding(Code.BAND_NARROWED, numbers=numbers)))
-    if lower is not None and moved(here, lower):
+    if lower is not None and (moved(here, lower) or sharper(here, lower)):
         return replace(answer, findings=(*answer.findings, Finding(Code.BAND_MATTERS, numbers=numbers)))
     return answer
 

@@ -10,8 +10,9 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
+from scipy.special import stdtrit
 
-from bench.basics.chi_squared import exceeded_with
+from bench.basics.chi_squared import WITHIN_95, exceeded_with
 
 BLOCKS = 8  # of every recording
 SHORTEST = 32  # rows of a block: many times the reach of the fit's low-pass
@@ -30,12 +31,18 @@ class Block:
 
 @dataclass(frozen=True)
 class Scatter:
-    """covariance (P, P) of an estimate from its scatter between blocks; freedom: how many independent squares noise
-    would make of it.
+    """covariance (P, P) of an estimate from its scatter between so many blocks; freedom: how many independent squares
+    noise would make of it.
     """
 
     covariance: np.ndarray
     freedom: float
+    blocks: int
+
+    @property
+    def stated(self) -> np.ndarray:
+        """The covariance so that 1.96 standard errors hold 95 % as those of few blocks do: by Student's t."""
+        return np.asarray(self.covariance * (stdtrit(self.blocks - 1, 0.975) / WITHIN_95) ** 2)
 
     def beyond(self, noise: np.ndarray) -> bool:
         """Whether the estimate scatters more than errors of this covariance (P, P) make it, all unknowns together."""
@@ -73,4 +80,4 @@ def block_scatter(blocks: list[Block]) -> Scatter | None:
         moved.append(root @ turned @ ((turned.T @ root.T @ block.score) / np.sqrt(left)))
         squares += float((share**2).sum())
     shifts = np.array(moved)
-    return Scatter(shifts.T @ shifts, int(seen.sum()) ** 2 / squares)
+    return Scatter(shifts.T @ shifts, int(seen.sum()) ** 2 / squares, len(blocks))

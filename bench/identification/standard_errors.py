@@ -116,7 +116,7 @@ def uncertainty(stack: Stack, solution: Solution, deviations: Deviations) -> Unc
         middle = inverse @ _score(stack, solution, residual, returns, seen, lengths) @ inverse * freedom
         scatter = block_scatter(_blocks(stack, solution, residual, seen, lengths))
         if scatter is not None and scatter.beyond(middle):
-            middle, std_from = _widened(middle, scatter.covariance), "blocks"
+            middle, std_from = _widened(middle, scatter.stated), "blocks"
     covariance = np.zeros((stack.phi.shape[2] + len(solution.gains),) * 2)
     covariance[np.ix_(seen, seen)] = middle / np.outer(lengths, lengths)
     raw = np.linalg.svd(np.linalg.qr(triangle[:, seen], mode="r"), compute_uv=False)

@@ -1,6 +1,6 @@
 """`make measured`: identify and diagnose measured logs into results/measured, compared with known values.
 
-    python -m bench.benchmarks.measured [MACHINE ...] [-o DIR]
+    python -m bench.benchmarks.measured [MACHINE ...] [--repeats] [-o DIR]
 
 Only the named machines run again; the pages are of all that the folder keeps.
 """
@@ -14,10 +14,12 @@ from tempfile import TemporaryDirectory
 
 from bench.basics.errors import BenchError
 from bench.basics.files.atomic import write_text_atomically
+from bench.basics.versions import versions
 from bench.benchmarks.measured.known import known_machines
-from bench.benchmarks.measured.machines import MACHINES, dataset_of
+from bench.benchmarks.measured.machines import MACHINES, as_it_is, dataset_of
 from bench.benchmarks.measured.markdown import measured_markdown
 from bench.benchmarks.measured.page import measured_page
+from bench.benchmarks.measured.repeats import COMPARED, keep_repeats, repeats_of
 from bench.benchmarks.measured.run import keep, kept, measured
 from bench.page.render import render_page
 
@@ -35,8 +37,14 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument(
         "-o", "--output", type=Path, default=RESULT, metavar="DIR", help="[default: %(default)s]"
     )
+    parser.add_argument(
+        "--repeats", action="store_true", help="only compare logs of one machine with each other"
+    )
     given = parser.parse_args(arguments)
     try:
+        if given.repeats:
+            _repeats(given.output)
+            return 0
         _run(given.machines or list(MACHINES), given.output)
     except BenchError as error:
         print(f"bench: {error}", file=sys.stderr)  # noqa: T201 - a separate program
@@ -55,6 +63,17 @@ def _run(names: Sequence[str], output: Path) -> None:
         keep(record, output)
         write_pages(output)
     _say(f"wrote {output / 'measured.md'} and {output / 'measured.html'}")
+
+
+def _repeats(output: Path) -> None:
+    """Compare logs of each machine, or halves of them, with each other."""
+    data, rows = Path(os.environ.get("PARABENCH_DATA", "../shared/data")), []
+    for name, kind, logs in COMPARED:
+        with TemporaryDirectory() as folder:
+            make = MACHINES.get(name, as_it_is)
+            rows.append(repeats_of(name, make(data / name, Path(folder)), kind, logs))
+        _say(f"{name}, {rows[-1].kind}: RMS z {rows[-1].rms:.2f}, within 2 {100 * rows[-1].within:.0f} %")
+    _say(f"wrote {keep_repeats(rows, versions().columns(), output)}")
 
 
 def write_pages(folder: Path) -> None:

@@ -1,0 +1,138 @@
+"""Do logs of one machine agree within their stated errors? Each is identified by itself, or each half of all."""
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import asdict, dataclass, replace
+from itertools import combinations
+from math import hypot, isfinite
+from pathlib import Path
+from typing import Literal
+
+import numpy as np
+
+from bench.basics.files.atomic import write_json_atomically
+from bench.dataset.dataset import Dataset, load_dataset
+from bench.identification.by_unknown import estimates
+from bench.identification.chosen_band import prepare_checked
+from bench.identification.identify import identify
+from bench.identification.problem import problem_of
+from bench.identification.result import Identification
+
+FRICTION = ("viscous_friction", "coulomb_friction", "constant_offset")
+WITHIN = 2.0  # standard errors
+GOAL_RMS, GOAL_WITHIN = 1.3, 0.92
+Kind = Literal["logs", "halves"]
+
+
+@dataclass(frozen=True)
+class Repeats:
+    """How values of the same unknowns agree. z: (a - b) / sqrt(s_a^2 + s_b^2) over all pairs and unknowns: its RMS, the
+    share within 2, the largest; answers: how many were compared.
+    """
+
+    machine: str
+    kind: Kind
+    answers: int
+    values: int
+    rms: float
+    within: float
+    largest: float
+
+    @property
+    def reached(self) -> bool:
+        """Whether both goals are."""
+        return self.rms <= GOAL_RMS and self.within >= GOAL_WITHIN
+
+
+def repeats_of(machine: str, folder: Path, kind: Kind, logs: Sequence[str] = ()) -> Repeats:
+    """Of a dataset's logs, each by itself, or of the halves of its fitted logs. logs: only these, by name."""
+    dataset = load_dataset(folder)
+    if logs:
+        kept = [log for log in dataset.recordings if log.name in logs]
+        dataset = replace(dataset, recordings=tuple(kept))
+    parts = _each(dataset) if kind == "logs" else _halves(dataset)
+    answers = [identify(prepare_checked(problem_of(part, FRICTION))) for part in parts]
+    z = np.array([value for a, b in combinations(answers, 2) for value in _apart(a, b)])
+    size = np.abs(z)
+    return Repeats(
+        machine,
+        kind,
+        len(answers),
+        len(z),
+        float(np.sqrt(np.mean(z**2))),
+        float((size <= WITHIN).mean()),
+        float(size.max()),
+    )
+
+
+def _each(dataset: Dataset) -> Iterator[Dataset]:
+    for log in dataset.recordings:
+        yield replace(dataset, recordings=(replace(log, use="identify"),))
+
+
+def _halves(dataset: Dataset) -> Iterator[Dataset]:
+    fitted = [log for log in dataset.recordings if log.use == "identify"]
+    for half in range(2):
+        parts = [
+            log.part(slice(half * len(log.time) // 2, (half + 1) * len(log.time) // 2)) for log in fitted
+        ]
+        yield replace(dataset, recordings=tuple(parts))
+
+
+def _apart(a: Identification, b: Identification) -> list[float]:
+    first, second = estimates(a), estimates(b)
+    pairs = [(value, second[unknown]) for unknown, value in first.items() if unknown in second]
+    return [
+        (x.value - y.value) / hypot(x.std, y.std)
+        for x, y in pairs
+        if x.std > 0.0 and y.std > 0.0 and isfinite(x.std) and isfinite(y.std)
+    ]
+
+
+COMPARED: Sequence[tuple[str, Kind, Sequence[str]]] = (
+    ("psm1", "logs", ("t1.csv", "t2.csv", "t3.csv", "t4.csv")),
+    ("kuka", "logs", ()),
+    ("mtm", "logs", ()),
+    ("double_pendulum", "logs", ()),
+    ("ur10e", "halves", ()),
+    ("emps", "halves", ()),
+    ("psm", "halves", ()),
+    ("tx40", "halves", ()),
+)
+"""Machine, what is compared, and which of its logs; two further logs of psm1 are of another state of the machine."""
+
+
+def repeats_markdown(rows: Sequence[Repeats], program: Mapping[str, str]) -> str:
+    """The table, and what it says."""
+    said = [
+        "# Repeats",
+        "",
+        (
+            "Each log of a machine, or each half of all its fitted logs, is identified by itself with `bench identify "
+            "--with viscous_friction --with coulomb_friction --with constant_offset`. For two values of the same "
+            "unknown with the stated standard errors, z = (a - b) / sqrt(s_a^2 + s_b^2). Goals: RMS z of at most "
+            f"{GOAL_RMS:g}, and at least {100 * GOAL_WITHIN:g} % within 2."
+        ),
+        "",
+        f"Program: commit {program.get('commit', 'unknown')}.",
+        "",
+        "| machine | compared | values | RMS z | within 2 | largest | goals |",
+        "| --- | --- | ---: | ---: | ---: | ---: | --- |",
+    ]
+    said += [
+        f"| {row.machine} | {row.answers} {row.kind} | {row.values} | {row.rms:.2f} | {100 * row.within:.0f} % | "
+        f"{row.largest:.1f} | {'yes' if row.reached else 'no'} |"
+        for row in rows
+    ]
+    return "\n".join(said) + "\n"
+
+
+def keep_repeats(rows: Sequence[Repeats], program: Mapping[str, str], folder: Path) -> Path:
+    """Write the table and its values into a folder."""
+    (folder / "repeats").mkdir(parents=True, exist_ok=True)
+    write_json_atomically(
+        folder / "repeats" / "repeats.json",
+        {"program": dict(program), "rows": [asdict(row) for row in rows]},
+    )
+    page = folder / "repeats" / "repeats.md"
+    page.write_text(repeats_markdown(rows, program), encoding="utf-8")
+    return page
