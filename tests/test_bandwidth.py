@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from bench.basics.chi_squared import WITHIN_95
-from bench.benchmarks.measured.machines import MACHINES, as_it_is
+from bench.benchmarks.measured.machines import MACHINES
 from bench.benchmarks.measured.repeats import COMPARED, repeats_markdown, repeats_of
 from bench.identification.by_unknown import estimates
 from bench.identification.chosen_band import prepare_checked
@@ -97,7 +97,7 @@ def test_the_curve_is_kept(clean):
 def test_measured_logs_of_a_machine_agree(measured_data, tmp_path, compared):
     """Values from one log each, or half of all, over their stated errors."""
     name, kind, logs = compared
-    folder = MACHINES.get(name, as_it_is)(measured_data / name, tmp_path)
+    folder = MACHINES[name](measured_data / name, tmp_path)
     repeats = repeats_of(name, folder, kind, logs)
     assert repeats.reached, repeats
     assert f"| {name} |" in repeats_markdown([repeats], {"commit": "abc"})

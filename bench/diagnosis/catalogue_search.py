@@ -39,6 +39,7 @@ from bench.diagnosis.pruning import (
     cancelling_effect,
     impossible_but_needed,
     impossible_effects,
+    poorer,
     refused,
     superfluous_effect,
 )
@@ -53,7 +54,7 @@ from bench.diagnosis.result import (
 )
 from bench.diagnosis.rounds import Round, first_round, searched, staying
 from bench.diagnosis.search import Found, judged_error
-from bench.diagnosis.showing import shows
+from bench.diagnosis.showing import shows, wrong_sign
 from bench.diagnosis.split import with_held_out_parts
 from bench.diagnosis.starting import given_wholly, kept_and_new, leaving, origins_of, worse
 from bench.diagnosis.unexplained import unexplained
@@ -349,7 +350,8 @@ def _where_it_shows(
 ) -> tuple[Prepared, Identification]:
     """The found effects without the joints at which they are nothing or have an impossible sign; given: those that the
     starting model has there, which stay. result: of the model with all of them; where that is converged only as it is
-    known nearby, they are looked at again once it is converged as it is.
+    known nearby, they are looked at again once it is converged as it is. Where recordings that were not fitted are
+    explained clearly worse without what shows nowhere by itself, only an impossible sign is a reason to leave.
     """
     added = model.effects[len(origin.start.effects) :]
     there = {(instance.effect.name, instance.joint) for instance in given}
@@ -368,6 +370,14 @@ def _where_it_shows(
     if there_only is model:
         return model, result
     fitted, nearly = fit(there_only), model.nearby is not None or model.provisional
+    able = [
+        instance
+        for instance in added
+        if (instance.effect.name, instance.joint) in there or not wrong_sign(result, instance)
+    ]
+    if len(able) > len(kept) and poorer(fitted, result):
+        there_only = origin.beside(model, able)
+        fitted = fit(there_only)
     return _where_it_shows(origin, there_only, fitted, given) if nearly else (there_only, fitted)
 
 

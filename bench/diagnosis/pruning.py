@@ -31,6 +31,12 @@ def impossible_effects(result: Identification, added: Sequence[EffectInstance]) 
     return {name: Reason(Because.IMPOSSIBLE, (wrong[0],)) for name, wrong in found.items() if all(wrong)}
 
 
+def poorer(after: Identification, whole: Identification) -> bool:
+    """Whether a model explains recordings that were not fitted clearly worse than another."""
+    before, now = whole.error.validate, after.error.validate
+    return before is not None and now is not None and now >= (1.0 + MATERIAL) * before
+
+
 def impossible_but_needed(
     whole: Identification, after: Identification, dropped: Sequence[EffectInstance]
 ) -> dict[str, Reason]:
@@ -39,8 +45,7 @@ def impossible_but_needed(
     What they did there is needed: a part of theirs that is possible, as Stribeck's law has Coulomb friction in it, or
     something that no effect accounts for. Either is looked for without them. whole: before they were left out.
     """
-    errors = whole.error.validate, after.error.validate
-    if errors[0] is None or errors[1] is None or errors[1] < (1.0 + MATERIAL) * errors[0]:
+    if not poorer(after, whole):
         return {}
     reasons: dict[str, Reason] = {}
     for instance in dropped:

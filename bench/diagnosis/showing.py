@@ -27,10 +27,7 @@ def shows(result: Identification, instance: EffectInstance) -> bool:
     """
     values = result.effect_parameters[instance.effect.name][instance.place]
     parameters = instance.effect.parameters
-    if any(
-        parameter.positive and values[parameter.name].value < -SHOWS * values[parameter.name].std
-        for parameter in parameters
-    ):
+    if wrong_sign(result, instance):
         return False
     found = np.array([values[parameter.name].value for parameter in parameters])
     covariance = _at_its_shape(result, instance)
@@ -43,6 +40,15 @@ def shows(result: Identification, instance: EffectInstance) -> bool:
     needed = 2.0 * (NEEDED + log(tried)) if tried > 1 else exceeded_with(BY_CHANCE, int(known.sum()))
     inverse = np.linalg.pinv(covariance[np.ix_(known, known)], hermitian=True)
     return bool(found[known] @ inverse @ found[known] > needed)
+
+
+def wrong_sign(result: Identification, instance: EffectInstance) -> bool:
+    """Whether a parameter that must be positive is clearly negative there."""
+    values = result.effect_parameters[instance.effect.name][instance.place]
+    return any(
+        parameter.positive and values[parameter.name].value < -SHOWS * values[parameter.name].std
+        for parameter in instance.effect.parameters
+    )
 
 
 def _at_its_shape(result: Identification, instance: EffectInstance) -> np.ndarray:

@@ -16,7 +16,7 @@ from bench.basics.errors import BenchError
 from bench.basics.files.atomic import write_text_atomically
 from bench.basics.versions import versions
 from bench.benchmarks.measured.known import known_machines
-from bench.benchmarks.measured.machines import MACHINES, as_it_is, dataset_of
+from bench.benchmarks.measured.machines import MACHINES, dataset_of
 from bench.benchmarks.measured.markdown import measured_markdown
 from bench.benchmarks.measured.page import measured_page
 from bench.benchmarks.measured.repeats import COMPARED, keep_repeats, repeats_of
@@ -70,7 +70,7 @@ def _repeats(output: Path) -> None:
     data, rows = Path(os.environ.get("PARABENCH_DATA", "../shared/data")), []
     for name, kind, logs in COMPARED:
         with TemporaryDirectory() as folder:
-            make = MACHINES.get(name, as_it_is)
+            make = MACHINES[name]
             rows.append(repeats_of(name, make(data / name, Path(folder)), kind, logs))
         _say(f"{name}, {rows[-1].kind}: RMS z {rows[-1].rms:.2f}, within 2 {100 * rows[-1].within:.0f} %")
     _say(f"wrote {keep_repeats(rows, versions().columns(), output)}")

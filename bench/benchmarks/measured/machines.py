@@ -57,8 +57,12 @@ def imported_tx40(data: Path, folder: Path) -> Path:
 
 
 MACHINES: Mapping[str, Callable[[Path, Path], Path]] = {
+    "double_pendulum": as_it_is,
     "emps": imported_emps,
+    "kuka": as_it_is,
+    "mtm": as_it_is,
     "psm": as_it_is,
+    "psm1": as_it_is,
     "tx40": imported_tx40,
     "ur10e": as_it_is,
 }
