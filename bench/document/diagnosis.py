@@ -72,13 +72,13 @@ def ranking_table(diagnosis: Diagnosis, verdicts: Sequence[EffectVerdict] | None
         Column("with it", _unless(absorbed, [verdict.error_after for verdict in rows]), "share"),
         Column("size", ["" if verdict is None else size_words(diagnosis, verdict) for verdict in sized]),
         Column(
-            "of squared error",
+            "saves",
             ["" if verdict is None else _taken(verdict) for verdict in sized],
             "share",
             5,
         ),
         Column("at", [_places(diagnosis, verdict) for verdict in rows], rank=2),
-        Column("could as well be", [_few(verdict.alternatives) for verdict in rows], rank=4),
+        Column("or", [_few(verdict.alternatives) for verdict in rows], rank=4),
     )
     marks: tuple[Mark, ...] = tuple(
         "strong" if verdict.effect in diagnosis.missing else "" for verdict in rows
