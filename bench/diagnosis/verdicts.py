@@ -70,7 +70,7 @@ def verdicts(
 
 
 def undecided(verdict: EffectVerdict) -> bool:
-    """Whether an effect explains so much compared with the residual that a complete search would have to decide on it."""
+    """Whether an effect explains so much of the residual that a complete search would have to decide on it."""
     return verdict.why.because is Because.GAINS_LITTLE and verdict.evidence > NEEDED
 
 

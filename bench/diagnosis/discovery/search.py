@@ -114,7 +114,7 @@ def _round(origin: Origin, laws: Laws, barred: Collection[str], states: Sequence
 
 
 def _states(origin: Origin, laws: Laws) -> tuple[list[State], int]:
-    """Sets of terms added to nothing, to the identified effects, and to these without each one; and how many were tried."""
+    """Sets of terms added to nothing, to the identified effects, and to these without each one; and their number."""
     model, own = laws.last.model, len(origin.start.effects)
     names = laws.last.names
     stack, solution = solved_quickly(model)
