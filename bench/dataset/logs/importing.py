@@ -238,7 +238,7 @@ def _reference(robot: Robot, folder: Path) -> str:
 CUTS: Mapping[Remedy, str] = {
     Remedy.CUT_AT_GAPS: "cut the log there",
     Remedy.CUT_WHERE_BACK: "cut the log there",
-    Remedy.LEAVE_ROWS_OUT: "leave such rows out and cut the log there",
+    Remedy.LEAVE_ROWS_OUT: "omit such rows and split the log there",
 }
 """What --split-gaps does about a fault."""
 
