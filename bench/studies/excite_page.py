@@ -29,10 +29,10 @@ Below, the simulated machine runs the planned motions repeatedly, with different
 is identified. The ratio of the standard deviation of the estimates to the predicted standard error is 1 if the
 prediction is right."""
 INTERVALS = """\
-so many repetitions cannot determine a standard deviation more precisely. Those of the smallest and the largest ratio hold
-for all unknowns at once (Bonferroni), because these two were selected from all. "By chance alone": the range of all
-ratios, with at least that probability, if every prediction is exact. "On the whole" is the root mean square over the unknowns;
-its interval takes account of their correlations."""
+so many repetitions cannot determine a standard deviation more precisely. Those of the smallest and the largest
+ratio hold for all unknowns at once (Bonferroni), because these two were selected from all. "By chance alone": the
+range of all ratios, with at least that probability, if every prediction is exact. "On the whole" is the root mean
+square over the unknowns; its interval takes account of their correlations."""
 
 Figures = Mapping[str, Any]
 
