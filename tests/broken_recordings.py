@@ -81,13 +81,13 @@ def csv_with_a_line_of_units(folder: Path) -> None:
     edit_lines(folder / CSV, lambda lines: lines.insert(1, "s,rad,m,rad,A,V,A"))
 
 
-@broken(PARQUET, "not a whole Parquet file")
+@broken(PARQUET, "not a complete Parquet file")
 def parquet_truncated(folder: Path) -> None:
     content = (folder / PARQUET).read_bytes()
     (folder / PARQUET).write_bytes(content[: len(content) // 2])
 
 
-@broken(PARQUET, "not a whole Parquet file")
+@broken(PARQUET, "not a complete Parquet file")
 def parquet_is_garbage(folder: Path) -> None:
     (folder / PARQUET).write_bytes(bytes(range(256)) * 40)
 

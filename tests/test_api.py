@@ -72,7 +72,7 @@ def test_a_loaded_model_is_read_printed_and_saved_as_the_result_is(folder, resul
     assert again.read_bytes() == path.read_bytes()
     with pytest.raises(BenchError, match="page of a saved model"):
         bench.report(loaded).save(tmp_path / "page.html", folder)
-    with pytest.raises(BenchError, match="a Dataset is no model"):
+    with pytest.raises(BenchError, match="a Dataset is not a model"):
         bench.save_model(bench.load_dataset(folder), tmp_path / "none.json")
     assert not (tmp_path / "none.json").exists()
 
@@ -114,7 +114,7 @@ def test_a_result_of_other_recordings_is_refused_by_name(folder, result, tmp_pat
     for function in (bench.compare, lambda data, result: bench.figures(result, data, tmp_path / "figures")):
         with pytest.raises(BenchError, match=f"no recording '{first.name}'.*elsewhere.csv"):
             function(renamed, result)
-        with pytest.raises(BenchError, match=f"'{first.name}' is another recording"):
+        with pytest.raises(BenchError, match=f"'{first.name}' is not the recording"):
             function(shorter, result)
         with pytest.raises(BenchError, match="but the result is of other"):
             function(data, replace(result, robot="other"))
@@ -158,7 +158,7 @@ def test_a_table_in_a_notebook_is_escaped(result):
 def test_what_is_no_result_and_no_folder_is_named(tmp_path):
     with pytest.raises(BenchError, match="nothing"):
         bench.identify(tmp_path / "nothing")
-    with pytest.raises(BenchError, match="no report is made of a int"):
+    with pytest.raises(BenchError, match="cannot report a int"):
         str(bench.report(3))
-    with pytest.raises(BenchError, match="none are made of a int"):
+    with pytest.raises(BenchError, match="cannot draw a int"):
         bench.figures(3, tmp_path, tmp_path / "figures")

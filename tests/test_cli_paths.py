@@ -116,7 +116,7 @@ def test_a_log_in_place_of_a_dataset_leads_to_its_import(command, log, refused):
 
 
 def test_a_folder_without_a_dataset_and_a_file_in_place_of_one_are_told(log, refused):
-    assert f"{log.parent}: is no dataset: it holds no dataset.toml" in refused(
+    assert f"{log.parent}: is not a dataset: it has no dataset.toml" in refused(
         "identify", log.parent, reads=True
     )
     assert f"{log}: is a file: name the folder that it is in" in refused("open", log)

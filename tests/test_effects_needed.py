@@ -88,7 +88,9 @@ def test_where_friction_and_gain_cannot_be_told_apart_that_is_said_and_no_number
     result = identify(prepare(problem_of(arm, [*beside, "load_dependent_friction"])))
     found = result.effect_parameters["load_dependent_friction"]
     assert [joint for joint, one in found.items() if np.isinf(one["mu"].std)] == ["j1"]
-    assert any("cannot tell load dependent friction at j1 from the drive gain" in one for one in result.notes)
+    assert any(
+        "cannot distinguish load dependent friction at j1 from the drive gain" in one for one in result.notes
+    )
     assert result.drive_gains["j1"].value == pytest.approx(plain.drive_gains["j1"].value, rel=0.2)
     for joint, known in zip(("j2", "j3", "j4", "j5", "j6"), (11.98, 9.84, 10.75, 10.70, 10.68), strict=True):
         assert result.drive_gains[joint].value == pytest.approx(known, rel=0.05)

@@ -61,7 +61,7 @@ def test_a_drive_that_diverges_gives_way_and_the_written_scenario_simulates(heav
     limits = ["--duration", "3", "--velocity", "2", "--acceleration", "20"]
     assert main([*words, *limits]) == 0
     said = capfd.readouterr()
-    assert "since a controller of 30 Hz in steps of 0.25 ms fails" in said.out
+    assert "because a controller of 30 Hz in steps of 0.25 ms fails" in said.out
     assert "next: " in said.out
     assert "WARNING" not in said.err
     settings = load_scenario(folder / "scenario.toml").settings

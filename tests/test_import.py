@@ -288,10 +288,10 @@ def test_the_same_payload_may_be_told_again_and_another_one_of_its_name_not(
     text = f'robot = "{robot}"\n\n[payloads.disc]\nmass = 1.0\n\n[[recordings]]\nfile = "a.csv"\nuse = "identify"\n'
     path.write_text(text)
     with pytest.raises(
-        BenchError, match=r"defined already with 1 kg, not 2 kg; give its name alone, another name"
+        BenchError, match=r"already defined with 1 kg, not 2 kg; give its name alone, another name"
     ):
         imported(mat, robot, MAP, tmp_path / "out", payload=Payload("disc", 2.0))
-    with pytest.raises(BenchError, match="defined already with other numbers"):
+    with pytest.raises(BenchError, match="already defined with other numbers"):
         imported(mat, robot, MAP, tmp_path / "out", payload=Payload("disc", 1.0, np.zeros(3)))
     assert path.read_text() == text
     imported(mat, robot, MAP, tmp_path / "out", payload=Payload("disc", 1.0))
@@ -306,7 +306,7 @@ def test_nothing_is_overwritten_and_nothing_of_another_robot_added(
     before = {path: path.read_bytes() for path in out.iterdir()}
     other = write_robot(tmp_path / "other")
     for arguments, expected in (
-        ({"robot": robot}, "or --replace to put this log in its place"),
+        ({"robot": robot}, "or --replace to replace it by this log"),
         ({"robot": str(other), "name": "b.csv"}, "robot"),
         ({"robot": robot, "name": "b.csv", "payload": "disk"}, "'disk' is not defined"),
         ({"robot": robot, "name": "b.csv", "payload": Payload("disc", -1.0)}, "mass must be positive"),
@@ -372,7 +372,7 @@ def test_a_unit_in_a_name_is_told_where_nobody_gave_one(tmp_path: Path, robot: s
     names = {**MAP.columns, "current.arm": "ia_mA", "position.arm": "qa_deg"}
     request = LogRequest(tmp_path / "log.npz", LogMap(names, {"position.arm": "rad"}))
     notes = [note for _, note in import_log(robot, request, tmp_path / "data").notes]
-    assert "ia_mA for current.arm: taken as A; if it is in mA, add --scale current.arm=mA" in notes
+    assert "ia_mA for current.arm: assumed to be in A; if it is in mA, add --scale current.arm=mA" in notes
     assert not any("qa_deg" in note for note in notes)
 
 

@@ -84,7 +84,7 @@ def test_a_recording_and_its_payload_are_replaced_where_they_stand(folder: Path,
 def test_without_replace_nothing_changes_and_the_way_is_told(folder: Path, capsys) -> None:
     before = {path: path.read_bytes() for path in folder.iterdir()}
     assert command(folder, "--payload", "disc") == 2
-    assert "--replace to put this log in its place" in capsys.readouterr().err
+    assert "--replace to replace it by this log" in capsys.readouterr().err
     assert {path: path.read_bytes() for path in folder.iterdir()} == before
 
 

@@ -182,7 +182,7 @@ def test_a_broken_bag_is_named_in_one_line(tmp_path: Path) -> None:
         for k, broken in enumerate((content[: len(content) // 2], b"", bytes(range(256)) * 40)):
             file = tmp_path / f"broken{k}{path.suffix}"
             file.write_bytes(broken)
-            with pytest.raises(BenchError, match="is not a whole ROS bag: ") as caught:
+            with pytest.raises(BenchError, match="is not a complete ROS bag: ") as caught:
                 read_log(file)
             assert str(caught.value).startswith(f"{file}: ")
             assert "\n" not in str(caught.value)

@@ -104,7 +104,7 @@ LOGS: dict[str, tuple[Callable[[], str], str, LogMap, list[str]]] = {
         LogMap({**BY_NAME.columns, "position.arm": "qa [deg]"}),
         ["position.arm: in deg, as the log says"],
     ),
-    "a scale goes before the log's own unit": (
+    "a scale overrides the log's own unit": (
         lambda: HEAD + "s,deg,m,rad,A,V,A\n" + text(rows()),
         "log.csv",
         LogMap(BY_NAME.columns, {"position.arm": 1.0}),

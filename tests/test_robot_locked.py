@@ -178,7 +178,7 @@ CORD = '<fixed name="cord"><joint joint="grip" coef="2"/></fixed>'
         ({"tlit": 0.0}, {}, ("no joint 'tlit'", "did you mean 'tilt'")),
         ({"ball": 0.0}, {}, ("'ball' is a ball or free joint", "remove it")),
         ({"float": 0.0}, {}, ("'float' is a ball or free joint",)),
-        ({"tilt": 40}, {}, ("tilt = 40 rad lies outside of its range", "40 degrees are 0.698132 rad")),
+        ({"tilt": 40}, {}, ("tilt = 40 rad is outside its range", "40 degrees are 0.698132 rad")),
         ({"tilt": "true"}, {}, ("locked.tilt", "number")),
         ({"turn": 0.1}, {}, ("actuators[0] drives 'turn'", "leave out one")),
         ({"wrist": 1.35}, {"equality": TIED}, ("equality 'mimic'", "lock it too, grip = 0.6")),

@@ -106,7 +106,7 @@ def test_what_is_no_robot_is_not_written(geared, motors, keys, said, tmp_path):
 def test_a_robot_toml_is_replaced_only_when_asked_for(geared):
     folder = write_robot_toml(geared, [("turn", 3.0), ("out", 5.0)])
     before = (folder / "robot.toml").read_bytes()
-    with pytest.raises(BenchError, match="is there already"):
+    with pytest.raises(BenchError, match="already exists"):
         write_robot_toml(geared, [("turn", 4.0), ("out", 5.0)])
     assert (folder / "robot.toml").read_bytes() == before
     write_robot_toml(geared, [("turn", 4.0), ("out", 5.0)], overwrite=True)

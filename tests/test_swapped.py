@@ -98,10 +98,10 @@ def test_a_swap_must_better_the_very_result_that_it_comments(five_bar):
 def test_a_reversed_sign_is_told_only_where_the_other_sign_explains_the_current(five_bar):
     turned = tuple(replace(one, current=one.current * [-1.0, 1.0]) for one in five_bar.recordings)
     result = identify(prepare(problem_of(replace(five_bar, recordings=turned))))
-    (told,) = [note for note in result.notes if "came out negative" in note]
+    (told,) = [note for note in result.notes if "is negative, which is impossible" in note]
     assert "the sign of current.left, or of position.left, is probably reversed" in told
     gain = result.drive_gains["left"]
     weak = replace(result, drive_gains={**result.drive_gains, "left": replace(gain, value=0.3 * gain.value)})
-    (told,) = [note for note in with_findings(weak, ()).notes if "came out negative" in note]
+    (told,) = [note for note in with_findings(weak, ()).notes if "is negative, which is impossible" in note]
     assert "probably reversed" not in told
-    assert "mounted another way" in told
+    assert "mounted differently" in told

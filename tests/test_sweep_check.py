@@ -173,7 +173,7 @@ def test_a_reference_survives_being_written_and_read(with_reference):
 
 def test_a_spoilt_reference_is_refused(with_reference):
     (with_reference.reference / "small.json").write_text("{}")
-    with pytest.raises(BenchError, match=r"small\.json: is no reference"):
+    with pytest.raises(BenchError, match=r"small\.json: is not a reference"):
         checked(with_reference)
 
 

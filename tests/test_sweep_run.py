@@ -147,7 +147,7 @@ def test_a_folder_of_another_sweep_is_refused(tmp_path):
     (tmp_path / "mine" / "letter.txt").write_text("")
     with pytest.raises(BenchError, match="holds no sweep"):
         run(plan_of(tmp_path, seeds=3), tmp_path / "mine")
-    with pytest.raises(BenchError, match="is no folder"):
+    with pytest.raises(BenchError, match="is not a folder"):
         run(plan_of(tmp_path, seeds=3), tmp_path / "mine" / "letter.txt")
     assert [path.name for path in (tmp_path / "mine").iterdir()] == ["letter.txt"]
 

@@ -62,7 +62,7 @@ def test_it_is_said_first_with_what_mends_it(folder, capsys):
     mixed = replace(data, recordings=(replace(free, current=1e3 * free.current), *others))
     first = identify(mixed).findings[0]
     assert first.code == Code.UNITS_UNLIKE
-    assert "at every motor: probably it is in mA, where" in sentence(first)
+    assert "at every motor: probably it is in mA and" in sentence(first)
     assert "`--scale current=mA`" in sentence(first)
     assert main(["identify", str(folder)]) == 0
     assert "--scale current=mA" not in capsys.readouterr().out

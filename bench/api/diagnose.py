@@ -37,7 +37,7 @@ def diagnose(
     without. Raises BenchError naming what in dataset, robot or files cannot be used.
     """
     if time_limit is not None and not time_limit > 0.0:
-        raise BenchError(f"time limit {time_limit:g}: give seconds, more than none")
+        raise BenchError(f"time limit {time_limit:g}: give a positive number of seconds")
     deadline = deadline_in(time_limit)
     progress.phase("reading the recordings")
     dataset = as_dataset(data)

@@ -28,7 +28,7 @@ def figures(
     """
     if not isinstance(result, Identification | Diagnosis | ModelErrors):
         raise BenchError(
-            f"figures: none are made of a {type(result).__name__}: give what identify, compare or diagnose return"
+            f"figures: cannot draw a {type(result).__name__}: give a result of identify, compare or diagnose"
         )
     dataset = as_dataset(data)
     if isinstance(result, ModelErrors):

@@ -17,7 +17,7 @@ def save_model(result: Identification | SavedModel, path: str | Path, data: Data
     """
     if not isinstance(result, Identification | SavedModel):
         raise BenchError(
-            f"save_model: a {type(result).__name__} is no model; give what identify or load_model return, or a "
+            f"save_model: a {type(result).__name__} is not a model; give a result of identify or load_model, or a "
             "diagnosis's `after`"
         )
     folder = as_dataset(data).folder if data is not None else None

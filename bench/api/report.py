@@ -58,7 +58,7 @@ class Report:
                 "the page of a saved model is written by `bench report MODEL.json --data DATASET`"
             )
         if not isinstance(after, Identification):
-            raise BenchError(f"no page is made of a {type(after).__name__}")
+            raise BenchError(f"cannot write a page of a {type(after).__name__}")
         verb = "diagnose" if diagnosis is not None else "identify"
         run = CommandRun(verb, str(dataset.folder), tuple(after.effects), (), {}, str(page.parent))
         return write_saved_run(page, SavedRun(run, dataset, after, diagnosis, ""))
@@ -73,7 +73,7 @@ def report(result: Result, *, verbose: bool = False) -> Report:
 def print_result(result: Any, console: Console, verbose: bool) -> None:  # noqa: ARG001 - one signature for all
     """Print a result to a console. Raises BenchError for what is none."""
     raise BenchError(
-        f"no report is made of a {type(result).__name__}: give what identify, compare or diagnose return"
+        f"cannot report a {type(result).__name__}: give a result of identify, compare or diagnose"
     )
 
 

@@ -50,6 +50,6 @@ def dataset_behind(dataset: Dataset, result: Identification) -> Dataset:
         step = 1.0 / recording.rate
         if trace.time[0] < recording.time[0] - step or trace.time[-1] > recording.time[-1] + step:
             raise BenchError(
-                f"{dataset.folder}: {trace.name!r} is another recording than the result is of: {cure}"
+                f"{dataset.folder}: {trace.name!r} is not the recording that the result is from: {cure}"
             )
     return parted

@@ -62,7 +62,7 @@ def load_dataset(folder: str | Path) -> Dataset:
     if path.is_dir():
         path = path / DATASET_FILE
         if not path.exists():
-            raise BenchError(f"{folder}: is no dataset: it holds no {DATASET_FILE}")
+            raise BenchError(f"{folder}: is not a dataset: it has no {DATASET_FILE}")
     elif path.suffix != ".toml":
         refuse_log(path)
         if path.is_file():

@@ -151,7 +151,7 @@ def extended_toml(
     if changed and not replace:
         differing = _differing(defined[changed[0].name], changed[0])
         raise BenchError(
-            f"{path}: payloads.{changed[0].name}: is defined already{differing}; "
+            f"{path}: payloads.{changed[0].name}: is already defined{differing}; "
             f"give its name alone, another name for another payload, or --replace to change it"
         )
     text = edited(text, [entry for entry in entries if entry.file in known], changed)
@@ -172,7 +172,7 @@ def _check_free(folder: Path, entry: RecordingEntry, replaced: set[str], *, list
         return
     if listed:
         raise BenchError(
-            f"{path}: exists already; choose another name for the recording, or --replace to put this log in its place"
+            f"{path}: exists already; choose another name for the recording, or --replace to replace it by this log"
         )
     raise BenchError(
         f"{path}: exists already, and {DATASET_FILE} does not list it; choose another name for the recording, or "

@@ -62,7 +62,7 @@ def locked_joints(plain: mujoco.MjModel, values: Mapping[str, float]) -> tuple[L
         if plain.jnt_limited[joint] and not low - beyond <= value <= high + beyond:
             degrees = f" ({value:g} degrees are {np.deg2rad(value):.6g} rad)" if unit == "rad" else ""
             raise BenchError(
-                f"{name} = {value:g} {unit} lies outside of its range [{low:.6g}, {high:.6g}]{degrees}"
+                f"{name} = {value:g} {unit} is outside its range [{low:.6g}, {high:.6g}]{degrees}"
             )
         locked.append(LockedJoint(name, value, unit))
     return tuple(locked)

@@ -120,9 +120,7 @@ def write_robot_toml(
     mjcf = Path(mjcf)
     target = Path(folder if folder is not None else mjcf.parent) / ROBOT_FILE
     if target.exists() and not overwrite:
-        raise BenchError(
-            f"{target}: is there already; give another folder, or say that it is to be overwritten"
-        )
+        raise BenchError(f"{target}: already exists; give another folder, or allow overwriting")
     text = robot_toml(
         _from(target.parent, mjcf), name or mjcf.stem, motors, mjcf_parts(mjcf), unit, tool, locked or {}
     )

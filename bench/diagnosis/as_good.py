@@ -1,4 +1,4 @@
-"""Models that explain the data as well as the one that was found, and what they do to its drive gains."""
+"""Models that explain the data as well as the one that was identified, and what they do to its drive gains."""
 
 from collections.abc import Iterator, Sequence
 
@@ -20,12 +20,12 @@ MOST_MORE = 2  # models with one effect more that are fitted, the best supported
 def with_spread_over_models(
     origin: Origin, last: Round, model: Prepared, after: Identification, *, left: bool
 ) -> Identification:
-    """The found model's answer, with deviations of its gains that hold those of models that are as good.
+    """The identified model's answer, with deviations of its gains that hold those of models that are as good.
 
-    One effect more that the data support, though it makes the error too little smaller to be told, counts for how sure
-    a gain is. left: where something is left that no effect accounts for, another effect in the place of a found one
-    stands for what it may be, too, whatever its sign: each has the shape of a torque that is not modelled. model: with
-    the found effects where they show. Raises TimeUpError after the deadline.
+    One effect more that the data support, though it makes the error too little smaller to be reported, counts for how
+    sure a gain is. left: where something is left that no effect accounts for, another effect in the place of a found
+    one stands for similar effects, too, whatever its sign: each has the shape of a torque that is not modelled. model:
+    with the identified effects where they show. Raises TimeUpError after the deadline.
     """
     others, added = [], model.effects[len(origin.start.effects) :]
     for chosen in _as_good(last, instead=left):

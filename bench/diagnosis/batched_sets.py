@@ -21,7 +21,7 @@ from bench.identification.solution import Solution
 
 TOGETHER = 4_000_000  # bytes of inner products
 FEWEST = 2  # sets: fewer are solved one by one
-WIDER = 1.2  # times the unknowns of the smallest set: as many have the largest that is solved beside it
+WIDER = 1.2  # times the unknowns of the smallest set: the largest set that is solved with it has as many
 HALVINGS = 8  # of a step: a set that is worse then is solved alone
 ROUNDING = 1e-13  # added to a unit diagonal, so that dependent unknowns do not end the work of all
 
@@ -37,7 +37,7 @@ def solve_sets(system: System, sets: Iterable[Sequence[int]]) -> list[SetFit]:
 
 
 def enlarged(chosen: Sequence[int], others: Sequence[int]) -> list[tuple[int, ...]]:
-    """The chosen with each of the others beside them."""
+    """The chosen ones with each of the others added."""
     return [(*chosen, i) for i in others]
 
 
@@ -89,7 +89,7 @@ def _alike(system: System, sized: Sequence[tuple[int, tuple[int, ...]]]) -> Iter
 
 
 def _together(system: System, keys: Sequence[tuple[int, ...]]) -> dict[tuple[int, ...], SetFit]:
-    """Sets by steps of Gauss and Newton, the smaller ones with columns of zeros; those that need care are left out."""
+    """Sets by steps of Gauss and Newton, the smaller ones with columns of zeros; those that need care are omitted."""
     start = system.start
     begun = [start_of(system, key) for key in keys]
     columns = [pair[0] for pair in begun]

@@ -16,7 +16,9 @@ from bench.identification.prepare import Prepared
 from bench.identification.shapes import best_shape
 from bench.identification.solve_only import candidate_columns, linearised, solved_quickly
 
-INVISIBLE = 1e-4  # of a column's length: less left beside the model's own columns cannot be told from them
+INVISIBLE = (
+    1e-4  # of a column's length: less than this outside the model's columns cannot be distinguished from them
+)
 LINEARISATIONS = 3
 
 
@@ -37,7 +39,7 @@ class Proposal:
 
 @dataclass(frozen=True)
 class Context:
-    """A model beside which effects are given their shape: its equations, with what such effects see of the recordings,
+    """A model about which effects get their shape: its equations, with what such effects see of the recordings,
     and what it leaves.
     """
 
@@ -103,7 +105,7 @@ def propose(
 def shaped(
     context: Context, instances: Sequence[EffectInstance], deadline: Deadline = NEVER
 ) -> tuple[EffectInstance, ...]:
-    """The instances of one effect with the shape, and about the values, that explain most of what is left."""
+    """The instances of one effect with the shape, and about the values, that explain most of the residual."""
     found = tuple(instances)
     if found[0].effect.shape:
         found = tuple(_with_best_shape(context, instance, deadline) for instance in found)
@@ -131,7 +133,7 @@ def _about_their_values(
 
 
 def _visible(context: Context, instance: EffectInstance) -> bool:
-    """Whether anything of an effect's columns is left beside those that the model has."""
+    """Whether anything of an effect's columns lies outside those of the model."""
     found = context.left.products(candidate_columns(context.prepared, [instance]))
     return bool(np.any(found.left > INVISIBLE))
 

@@ -73,7 +73,7 @@ from bench.identification.result import Identification, relative_error
 from bench.identification.widened import gains_widened
 
 NONE_BARRED: Mapping[str, Reason] = {}
-OWN_VALUES_TRIED = 3  # sets of values for each recording beside which effects are searched
+OWN_VALUES_TRIED = 3  # sets of values for each recording with which effects are searched
 
 
 @dataclass(frozen=True)
@@ -141,12 +141,13 @@ def split_and_fitted(
 
 
 def search_catalogue(case: SplitProblem, progress: Progress = SILENT) -> SearchResult:
-    """Search beside the starting model; where values for each recording take most of a motor's error away, of fitted
-    recordings or of others, beside them.
+    """Search from the starting model; where values for each recording take most of a motor's error away, of fitted
+    recordings or of others, together with them.
 
     One value for all recordings, where it differs, moves the gains and looks like other effects. Values for each are
-    part of the answer where with what is found beside them they explain clearly more of parts that are not fitted, no
-    less of other recordings with values of theirs, and still differ. After the deadline the best so far is the answer.
+    part of the answer where, with the effects identified with them, they explain clearly more of parts that are not
+    fitted, no less of other recordings with values of theirs, and still differ. After the deadline the best so far is
+    the answer.
     """
     plain = _search_beside(case, case.start, case.before, progress)
     if case.deadline.passed:
@@ -178,7 +179,7 @@ def search_catalogue(case: SplitProblem, progress: Progress = SILENT) -> SearchR
 def _search_beside(
     case: SplitProblem, model: Prepared, before: Identification, progress: Progress
 ) -> SearchResult:
-    """Search beside a model that has this model's effects, or some of them: the others are to be found.
+    """Search from a model that has this model's effects, or some of them: the others are to be found.
 
     before: the answer of `model` as it is.
     """
@@ -191,7 +192,7 @@ def _search_beside(
 
 
 def _compared(case: SplitProblem, finding: SearchResult) -> SearchResult:
-    """With what has another value in each recording of the found model, or would have, and the answer with these."""
+    """With the effects that differ by recording in the identified model, or would differ, and the answer with these."""
     model = with_common_values(finding.model, case.start.effects)
     differs, differently = differing(model, case.problem.catalogue)
     return replace(finding, compared=True, differs=differs, differently=differently)
@@ -335,7 +336,7 @@ def band_checked(finding: SearchResult, diagnosis: Diagnosis) -> Diagnosis:
 def _where_possible(
     origin: Origin, model: Prepared, given: Sequence[EffectInstance]
 ) -> tuple[Prepared, Identification, dict[str, Reason]]:
-    """The found effects where they show, converged and fitted; and those that cannot be, with why they go."""
+    """The identified effects where they show, converged and fitted; and those that cannot be, with why they go."""
     whole = fit(model)
     kept, after = _where_it_shows(origin, model, whole, given)
     stayed = {(instance.effect.name, instance.place) for instance in kept.effects}
@@ -348,10 +349,10 @@ def _where_possible(
 def _where_it_shows(
     origin: Origin, model: Prepared, result: Identification, given: Sequence[EffectInstance]
 ) -> tuple[Prepared, Identification]:
-    """The found effects without the joints at which they are nothing or have an impossible sign; given: those that the
-    starting model has there, which stay. result: of the model with all of them; where that is converged only as it is
-    known nearby, they are looked at again once it is converged as it is. Where recordings that were not fitted are
-    explained clearly worse without what shows nowhere by itself, only an impossible sign is a reason to leave.
+    """The identified effects without the joints at which they are nothing or have an impossible sign; given: those
+    that the starting model has there, which stay. result: of the model with all of them; where that is converged only
+    as it is known nearby, they are looked at again once it is converged as it is. Where recordings that were not fitted
+    are explained clearly worse without what shows nowhere by itself, only an impossible sign is a reason to leave.
     """
     added = model.effects[len(origin.start.effects) :]
     there = {(instance.effect.name, instance.joint) for instance in given}

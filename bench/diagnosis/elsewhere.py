@@ -83,7 +83,7 @@ def _elsewhere(
 
 
 def _left(error: np.ndarray, columns: np.ndarray) -> float:
-    """Length of an error (M,) beside columns (M, k)."""
+    """Length of an error (M,) outside columns (M, k)."""
     if not columns.any():
         return float(np.linalg.norm(error))
     return float(np.linalg.norm(error - columns @ np.linalg.lstsq(columns, error, rcond=None)[0]))

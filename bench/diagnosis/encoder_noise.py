@@ -21,8 +21,8 @@ def encoder_error(model: Prepared) -> float:
     """RMS change of the currents' errors over the RMS of the measured ones, on recordings that were not fitted.
 
     As in `bench.identification.column_errors`, the noise of the positions is read off their spectra above the band of
-    the motion, and as much once more is added to them, with a fixed seed; what the errors do then stands for what the
-    measured noise did.
+    the motion, and as much once more is added to them, with a fixed seed; the change of the errors then stands for
+    what the measured noise did.
     """
     _, solution = solved_quickly(model)
     random = np.random.default_rng(SEED)

@@ -35,7 +35,7 @@ class Halves:
         return np.maximum(left, np.finfo(float).tiny)
 
     def evidence(self, before: np.ndarray, after: np.ndarray) -> float:
-        """Log-likelihood ratio, nats, of what two models leave (n,), each motor with a noise of its own."""
+        """Log-likelihood ratio, nats, of what two models leave (n,), each motor with its noise."""
         return 0.5 * float(self.samples @ np.log(before / after))
 
 

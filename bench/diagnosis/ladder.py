@@ -1,4 +1,4 @@
-"""The ladder of a diagnosis: what a model with some of the found effects leaves, each fitted by itself."""
+"""The ladder of a diagnosis: what a model with some of the identified effects leaves, each fitted by itself."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
@@ -41,7 +41,7 @@ def fits_of(
 
 
 def errors_without(names: Sequence[str], fits: Fits) -> dict[str, float]:
-    """Relative error on recordings that were not fitted, by effect, of the found model without it, fitted anew."""
+    """Relative error on recordings that were not fitted, by effect, of the identified model without it, fitted anew."""
     return {name: fits(frozenset(names) - {name}).validate or 0.0 for name in names}
 
 

@@ -20,7 +20,7 @@ class MotorRows:
 
 
 def motor_rows(columns: Sequence[np.ndarray], ends: np.ndarray) -> MotorRows:
-    """The rows of a motor, from columns (M, ...) beside each other, and torque and error (M, 2)."""
+    """The rows of a motor, from columns (M, ...) side by side, and torque and error (M, 2)."""
     every = np.concatenate(columns, axis=1)
     filled = np.flatnonzero(every.any(axis=0))
     return MotorRows(filled, every[:, filled], ends)

@@ -24,7 +24,7 @@ APART = 5.0  # deviations by which a parameter must differ
 def mounted_otherwise(prepared: Prepared) -> list[Finding]:
     """Payloads whose centre and inertia differ between the recordings that name them, the parameter that does most.
 
-    Recordings that are not fitted count as well. Estimates for each recording are judged, beside one for all, on every
+    Recordings that are not fitted count as well. Estimates for each recording are judged, against one for all, on every
     other part of the recordings.
     """
     logs = {

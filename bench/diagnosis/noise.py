@@ -28,7 +28,7 @@ def noise_squares(prepared: Prepared) -> np.ndarray | None:
 
 
 def leaves_only_noise(system: System, model: Prepared, noise: np.ndarray | None) -> bool:
-    """Whether no effect could earn its place beside a converged model: what it leaves of the fitted recordings holds
+    """Whether no effect could earn its place in a converged model: what it leaves of the fitted recordings holds
     too few nats beyond the `noise` (n,) of their currents.
     """
     if noise is None:

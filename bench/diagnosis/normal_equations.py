@@ -1,7 +1,7 @@
 """All candidate columns in one system of inner products, so that any set of effects is solved at once.
 
-The system is worked out once: relative to the present model's own solution, so that nothing is lost by forming
-squares, in columns of its own that are orthonormal, with every candidate's column free of them and of unit length,
+The system is worked out once: relative to the present model's solution, so that nothing is lost by forming
+squares, in separate columns that are orthonormal, with every candidate's column free of them and of unit length,
 so that squares do not spoil the conditioning. A set then costs a Cholesky factorisation of as many rows as it has
 unknowns, whatever the number of samples.
 """
@@ -37,15 +37,15 @@ from bench.identification.solution import Solution
 CONVERGED = 1e-7  # share of the cost by which a step must lower it, to be followed by another
 NEARLY = 1e-4  # the same where a gain has run away, so that the set is of no use
 MOST_STEPS = 50
-DEPENDENT = 1e-13  # share of the largest singular value below which the model's own columns are dependent
-NOTHING = 1e-10  # share of a candidate's column that the model's own must leave
+DEPENDENT = 1e-13  # share of the largest singular value below which the model's columns are dependent
+NOTHING = 1e-10  # share of a candidate's column that the model's must leave
 
 
 @dataclass(frozen=True)
 class Candidate:
     """An effect at all the places where it can sit; columns: its
     places among the system's. lengths (k,): of its own
-    columns, weighted, where the system's has the length one; zero where the model's own leave nothing of it.
+    columns, weighted, where the system's has the length one; zero where the model's leave nothing of it.
     """
 
     instances: tuple[EffectInstance, ...]
@@ -77,8 +77,8 @@ class MotorProducts:
 class SetFit:
     """A set of candidates, solved on the fitted recordings; weighted squares left there and on the judged ones.
 
-    values (k,): coefficients of the system's columns, base first, beside the present solution; gains (n,). by_motor
-    (2, n): squares of each motor's error, of fitted and of judged recordings.
+    values (k,): coefficients of the system's columns, base first, relative to the present solution; gains (n,).
+    by_motor (2, n): squares of each motor's error, of fitted and of judged recordings.
     """
 
     chosen: tuple[int, ...]
@@ -310,7 +310,7 @@ def _rows(
     prepared: Prepared, observation: Observation, added: np.ndarray, start: Solution
 ) -> tuple[MotorRows, ...]:
     """[phi, candidates, torque, error] of one recording at each motor, zero where it stands still; apart from what a
-    value of its own accounts for, where it has none.
+    value of its accounts for, where it has none.
     """
     phi = regressor_rows(observation, prepared.layout)
     torque = phi @ start.theta + known_rows(observation, prepared.dataset.payloads)

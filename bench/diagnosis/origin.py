@@ -1,4 +1,4 @@
-"""What a search starts from, and models beside it: converged as they are, or as they are known nearby."""
+"""What a search starts from, and models near it: converged as they are, or as they are known nearby."""
 
 from collections.abc import Hashable, Sequence
 from dataclasses import dataclass, field, replace
@@ -29,9 +29,9 @@ SEARCHED = 1  # rounds as a model is, after it has settled nearby, as long as th
 
 @dataclass(frozen=True)
 class Origin:
-    """What a search starts from: the model at its own solution, and what is worked out once for all beside it.
+    """What a search starts from: the model at its solution, and what is computed once for all models near it.
 
-    known: effects beside it that were converged before, by what they began as, and the model that they belong to.
+    known: added effects that were converged before, by what they began as, and the model that they belong to.
     deadline: after which models are converged no further, but TimeUpError is raised.
     """
 
@@ -53,7 +53,7 @@ class Origin:
         return noise_squares(self.start)
 
     def context(self, model: Prepared) -> Context:
-        """What a model leaves, for effects to be given their shape beside it."""
+        """What a model leaves, about which effects get their shape."""
         return context_of(model, self.nearby.signals(model.present, model.signals))
 
     def with_proposals(self, proposals: Sequence[Proposal], chosen: Sequence[int]) -> Prepared:
@@ -102,7 +102,7 @@ class Origin:
 
     def beside(self, model: Prepared, instances: Sequence[EffectInstance]) -> Prepared:
         """The starting model with these effects, converged from a converged model that is much like it and has the
-        shapes that they begin with, or that they were found beside.
+        shapes that they begin with, or with which they were found.
         """
         if (found := self._found_before(instances)) is not None:
             return at_its_solution(found)
@@ -119,7 +119,7 @@ class Origin:
     def joined_nearby(
         self, model: Prepared, others: Sequence[EffectInstance], added: Sequence[EffectInstance]
     ) -> Prepared:
-        """A model converged nearby with some of its effects and one more, which has its shape beside these first."""
+        """A model converged nearby with some of its effects and one more, which first gets its shape with these."""
         rest = with_effects(model, (*self.start.effects, *others))
         joining = shaped(self.context(rest), added)
         return self._settled(model, (*rest.effects, *joining), nearly=True)

@@ -40,10 +40,10 @@ def poorer(after: Identification, whole: Identification) -> bool:
 def impossible_but_needed(
     whole: Identification, after: Identification, dropped: Sequence[EffectInstance]
 ) -> dict[str, Reason]:
-    """Effects left out where their sign is impossible, if the model is clearly poorer for it; and why they go.
+    """Effects omitted where their sign is impossible, if the model is clearly poorer for it; and why they go.
 
     What they did there is needed: a part of theirs that is possible, as Stribeck's law has Coulomb friction in it, or
-    something that no effect accounts for. Either is looked for without them. whole: before they were left out.
+    something that no effect accounts for. Either is looked for without them. whole: before they were omitted.
     """
     if not poorer(after, whole):
         return {}
@@ -77,7 +77,7 @@ def superfluous_effect(ladder: Sequence[LadderStep]) -> dict[str, Reason]:
     A search compares sets about one model, and every step of the ladder is converged by itself. What made a
     difference there and makes none here only mended how the others were linearised.
     """
-    if len(ladder) < 3:  # a single effect stands against nothing at all, which is converged in the search
+    if len(ladder) < 3:  # a single effect competes with nothing at all, which is converged in the search
         return {}
     before, after = ladder[-2:]
     if (

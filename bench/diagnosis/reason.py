@@ -8,11 +8,11 @@ class Because(StrEnum):
     """What the data say of an effect. names of the `Reason` in brackets."""
 
     EXPLAINS = "explains"  # the error falls with it
-    AS_GOOD = "as good"  # it would do as well as what was found
+    AS_GOOD = "as good"  # it would do as well as the identified effects
     AS_GOOD_AS_A_LAW = "as good as a law"  # that is in no catalogue [the motors of such laws]
     GAINS_NOTHING = "gains nothing"
     GAINS_LITTLE = "gains little"  # too little to be sure
-    TAKEN_UP = "taken up"  # by the model's own parameters [the one that does most, if any]
+    TAKEN_UP = "taken up"  # by the model's parameters [the one that does most, if any]
     IMPOSSIBLE = (
         "impossible"  # a parameter is negative that cannot be [parameter, its place if not everywhere]
     )
@@ -23,7 +23,7 @@ class Because(StrEnum):
 class Doubt(StrEnum):
     """What makes the name of an effect that explains something unsure."""
 
-    MUCH_LEFT = "much left"  # by effects of the catalogue: it may stand for something else
+    MUCH_LEFT = "much left"  # by effects of the catalogue: it may imitate something else
     BESIDE_A_LAW = "beside a law"  # that explains far more at the same motor, and may be inexact
 
 

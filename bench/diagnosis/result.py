@@ -35,7 +35,7 @@ class Unfinished(StrEnum):
     """What was not looked at, or not to its end, since the time was up."""
 
     CAUSES = "causes"  # columns that are swapped, loads that are others
-    SETS = "sets"  # effects of the catalogue, and sets of them, beyond what was found
+    SETS = "sets"  # effects of the catalogue, and sets of them, beyond those identified
     OWN_VALUES = "own values"  # what differs from recording to recording
     AS_GOOD = "as good"  # models that explain the data as well
     LAWS = "laws"  # that are in no catalogue
@@ -200,7 +200,7 @@ class Discovered:
 
 @dataclass(frozen=True)
 class Superfluous:
-    """An effect of the starting model that what was found does without; replaced_by: one of these that contains it."""
+    """An effect of the starting model that the result does without; replaced_by: one of these that contains it."""
 
     effect: str
     replaced_by: str | None

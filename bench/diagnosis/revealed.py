@@ -12,7 +12,9 @@ from bench.identification.partial_regression import partial_regression
 from bench.identification.prepare import Prepared
 from bench.identification.solve_only import candidate_columns, solved_quickly
 
-WORTH = 0.1  # share of what the found effects leave, in squares, from which an effect is tried beside them
+WORTH = (
+    0.1  # share of what the identified effects leave, in squares, from which an effect is tried in addition
+)
 MOST = 2  # effects that are tried
 
 
@@ -21,9 +23,9 @@ def partners(
 ) -> list[int]:
     """Proposals (indices) that would explain much of what the converged model leaves, the most first.
 
-    Beside the model's columns stand the derivatives by its shape parameters: a time constant that was found without a
-    viscous friction has taken its part, and would leave it there. Where nothing bends, in the model or in what joins
-    it, a search has said all there is. context: of the model; found: what the model has already.
+    Beside the model's columns stand the derivatives by its shape parameters: a time constant that was identified
+    without a viscous friction has taken its part, and would leave it there. Where nothing bends, in the model or in
+    what joins it, a search has said all there is. context: of the model; found: what the model has already.
     """
     bends = any(map(_bends, model.effects))
     able = [

@@ -79,7 +79,7 @@ def straight_round(origin: Origin, catalogue: Mapping[str, Effect]) -> Round:
 
 
 def searched(origin: Origin, first: Round, barred: Collection[str], progress: Progress = SILENT) -> Round:
-    """Search, linearise about what was found, and search again until the same is found; then as long as an effect that
+    """Search, linearise about the best model, and search again until the same is found; then as long as an effect that
     joins leads to a set which, converged, leaves clearly less.
 
     barred: effects that may not be found: of an impossible sign, or superfluous. What a round found without them is
@@ -136,10 +136,10 @@ def error_of(model: Prepared) -> float:
 def _again(
     origin: Origin, here: Round, barred: Collection[str], progress: Progress, before: Round | None = None
 ) -> Round:
-    """Linearise about what was found, and search again, until the same is found, or nothing that is found does better:
+    """Linearise about the best model, and search again, until the same is found, or no set does better:
     the converged model with it.
 
-    Sets are compared in one system, which is right about its own model only. So a set takes the place of another only
+    Sets are compared in one system, which is right about its model only. So a set takes the place of another only
     if, both converged, it leaves clearly less, or is smaller and leaves hardly more; where the best set does not, those
     like the present one are tried. before: a converged round in whose place the first is to be.
     """
@@ -180,7 +180,7 @@ def _straight(origin: Origin, here: Round, barred: Collection[str]) -> Round:
 
 
 def _first_better(origin: Origin, here: Round, before: Round | None, barred: Collection[str]) -> Round | None:
-    """The best set of a round with its own model, or the first like the one before that does better than that one."""
+    """The best set of a round with its model, or the first like the one before that does better than that one."""
     if before is None:
         return _converged(origin, here)
     every = (_converged(origin, tried) for tried in (here, *_alike(here, before.chosen, barred)))
@@ -188,7 +188,7 @@ def _first_better(origin: Origin, here: Round, before: Round | None, barred: Col
 
 
 def _converged(origin: Origin, here: Round) -> Round:
-    """The round with its set's own model."""
+    """The round with its set's model."""
     return replace(here, model=origin.in_search(here.system, here.proposals, here.chosen))
 
 
@@ -215,7 +215,7 @@ def _better(here: Round, before: Round) -> bool:
 
 
 def _with_set(here: Round, chosen: Sequence[int]) -> Round:
-    """The round with this set as what was found."""
+    """The round with this set as its best."""
     found = here.found
     fit = solve_set(here.system, chosen)
     return replace(here, found=replace(found, best=score(here.system, fit, found.empty)))
@@ -282,7 +282,7 @@ def usable(proposals: Sequence[Proposal], barred: Collection[str]) -> list[int]:
 def reshaped(origin: Origin, here: Round, progress: Progress) -> list[Proposal]:
     """Proposals in the shape that suits the found set: as found, or in the place of the effect that they rival.
 
-    An effect that could stand for a found one is given the shape that it would have without that one; the
+    An effect that could replace an identified one is given the shape that it would have without that one; the
     others the shape that explains most of what the found set leaves, if that is more than noise. A special case of a
     found effect that explains little of this is given its shape in the place of that one.
     """
@@ -329,18 +329,18 @@ def reshaped(origin: Origin, here: Round, progress: Progress) -> list[Proposal]:
 
 
 def _whole(system: System, found: Found, i: int) -> int | None:
-    """The found effect of which effect i is a special case."""
+    """The identified effect of which effect i is a special case."""
     wholes = (k for k in found.best.fit.chosen if contains(system.candidates[k], system.candidates[i]))
     return next(wholes, None)
 
 
 def _has_shape(proposal: Proposal) -> bool:
-    """Whether the columns of an effect depend on the model beside which it is looked at."""
+    """Whether the columns of an effect depend on the model to which it is added."""
     return not proposal.absorbed and settles(proposal.instances)
 
 
 def _rival(system: System, found: Found, i: int) -> int | None:
-    """The found effect in whose place effect i does best, where that is better than most of what it explains."""
+    """The identified effect in whose place effect i does best, where that is better than most of what it explains."""
     best = found.best.fit
     sets = zip(best.chosen, swapped(best.chosen, [i]), strict=True)
     swaps = {k: solve_set(system, pair).fitted for k, pair in sets}

@@ -11,7 +11,7 @@ from bench.identification.bilinear import TINY
 
 @dataclass(frozen=True)
 class SetProducts:
-    """Of S sets with every motor's [base, added, torque, error]: b columns that all have, c that each has of its own.
+    """Of S sets with every motor's [base, added, torque, error]: b columns that all have, c that each has.
 
     base (n, b, b); across (S, n, b, c + 2): base by what is a set's own; own (S, n, c + 2, c + 2).
     """

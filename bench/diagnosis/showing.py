@@ -19,7 +19,7 @@ def shows(result: Identification, instance: EffectInstance) -> bool:
     """Whether an effect has a parameter there that is not zero, and none of an impossible sign; several parameters
     together, too, as a wave is no larger where its phase happens to be that of one of them.
 
-    Deviations from zero are those at the effect's own shape: an effect that is zero has none, and where size and shape
+    Deviations from zero are those at the effect's shape: an effect that is zero has none, and where size and shape
     go together, as those of a law that is nearly straight, the size by itself says nothing (Davies, "Hypothesis testing
     when a nuisance parameter is present only under the alternative", Biometrika 64, 1977). The best of many shapes fits
     the noise better than any one does, so that it must bring what every effect must, and the logarithm of how many were

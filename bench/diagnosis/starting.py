@@ -15,9 +15,9 @@ from bench.identification.result import Identification
 
 
 def origins_of(start: Prepared) -> list[Prepared]:
-    """Models to search beside, the first that serves: without the effects that can be found again, and as it is.
+    """Models to search from, the first that serves: without the effects that can be found again, and as it is.
 
-    A search beside effects that are not there goes wrong, since others must undo what they do.
+    A search from effects that do not exist goes wrong, since others must undo what they do.
     """
     fixed = [instance for instance in start.effects if instance.recording]
     if len(fixed) == len(start.effects):
@@ -26,14 +26,14 @@ def origins_of(start: Prepared) -> list[Prepared]:
 
 
 def worse(after: Identification, before: Identification) -> bool:
-    """Whether a model that was found explains clearly less than the starting model, on recordings not fitted."""
+    """Whether a model that was identified explains clearly less than the starting model, on recordings not fitted."""
     return _judged(before) < (1.0 - MATERIAL) * _judged(after)
 
 
 def kept_and_new(
     found: Sequence[EffectInstance], given: Sequence[EffectInstance]
 ) -> tuple[tuple[EffectInstance, ...], tuple[EffectInstance, ...]]:
-    """Of what was found, that which the starting model has, and the rest."""
+    """Of the identified effects, those of the starting model, and the rest."""
     there = _places(given)
     kept = tuple(instance for instance in found if (instance.effect.name, instance.joint) in there)
     return kept, tuple(instance for instance in found if instance not in kept)
@@ -42,9 +42,9 @@ def kept_and_new(
 def leaving(
     origin: Origin, model: Prepared, after: Identification, given: Sequence[EffectInstance]
 ) -> tuple[Prepared, Identification, tuple[Superfluous, ...]]:
-    """The found model, named as the user did, and those of the given effects that it does without.
+    """The identified model, named as the user did, and those of the given effects that it does without.
 
-    Each is tried once more beside what was found: one that takes a clear share of the error away comes back.
+    Each is tried once more in addition to the others: one that takes a clear share of the error away comes back.
     """
     own = len(origin.start.effects)
     each = {instance.effect.name for instance in origin.start.effects if instance.recording}

@@ -56,7 +56,7 @@ class DiagnosisSummary:
 
     @property
     def sentences(self) -> list[str]:
-        """All of them in the order in which they are told."""
+        """All of them in the order in which they are reported."""
         told = [
             self.verdict,
             self.unfinished,
@@ -73,12 +73,12 @@ class DiagnosisSummary:
 
 
 def summary_sentences(diagnosis: Diagnosis) -> list[str]:
-    """What is missing, what it changes, how sure that is, and what is left."""
+    """What is missing, what it changes, how sure that is, and the residual."""
     return summary_of(diagnosis).sentences
 
 
 def summary_of(diagnosis: Diagnosis) -> DiagnosisSummary:
-    """What is missing, what it changes, how sure that is, what is left, and what was not looked at."""
+    """What is missing, what it changes, how sure that is, the residual, and what was not looked at."""
     return replace(_summary(diagnosis), unfinished=unfinished_sentence(diagnosis))
 
 
@@ -162,7 +162,7 @@ def _explains_nothing(diagnosis: Diagnosis, error: float | None) -> bool:
 
 
 def doubts(diagnosis: Diagnosis) -> list[str]:
-    """What makes the names of the found effects unsure: gains that are only nominal, recordings that do not fit."""
+    """What makes the names of the identified effects unsure: nominal gains, recordings that do not fit."""
     return [doubt for doubt in (*_strange(diagnosis), _nominal(diagnosis.after)) if doubt]
 
 
@@ -293,7 +293,7 @@ def where(diagnosis: Diagnosis, verdict: EffectVerdict) -> str:
 
 
 def moved_gain(diagnosis: Diagnosis) -> str | None:
-    """The joint whose drive gain the found effects move most, if the gains were fitted and it moves."""
+    """The joint whose drive gain the identified effects move most, if the gains were fitted and it moves."""
     before, after = diagnosis.before.drive_gains, diagnosis.after.drive_gains
     if not diagnosis.after.gains_fitted:
         return None

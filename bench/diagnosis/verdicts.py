@@ -10,7 +10,7 @@ from bench.diagnosis.result import EffectVerdict, Unexplained, Verdict
 from bench.diagnosis.search import NEEDED, Found, Scored, close, contains, judged_error, material, score
 
 DOMINANT = 3.0
-DOMINANT_BESIDE = 10.0  # so many times what is left, an effect must explain where much is left
+DOMINANT_BESIDE = 10.0  # so many times the residual, an effect must explain where much is left
 
 
 def verdicts(
@@ -25,9 +25,9 @@ def verdicts(
     """Every effect, the found ones first, then by evidence.
 
     places: joints at which each found effect shows. scale: error of the converged model over that of its set here.
-    without: error of the found model without each of its effects, fitted anew.
+    without: error of the identified model without each of its effects, fitted anew.
     left: where it is significant, no effect accounts for it, and a found effect is only sure if the error without
-    it is DOMINANT times what is left with it, or DOMINANT_BESIDE times where much is left.
+    it is DOMINANT times the residual with it, or DOMINANT_BESIDE times where much is left.
     """
     best = found.best
     chosen = set(best.fit.chosen)
@@ -68,7 +68,7 @@ def verdicts(
 
 
 def undecided(verdict: EffectVerdict) -> bool:
-    """Whether an effect explains so much beside what was found that a search to its end would have to decide on it."""
+    """Whether an effect explains so much of the residual that a complete search would have to decide on it."""
     return verdict.why.because is Because.GAINS_LITTLE and verdict.evidence > NEEDED
 
 

@@ -260,7 +260,7 @@ def with_own_effects(catalogue: Mapping[str, Effect], saved: SavedModel) -> Mapp
     own: dict[str, Effect] = {}
     for file in saved.effect_files:
         if not file.is_file():
-            raise BenchError(f"{saved.path}: its file of effects {file} is not there")
+            raise BenchError(f"{saved.path}: its effect file {file} is missing")
         own |= load_effects(file)
     return dict(sorted({**own, **catalogue}.items()))
 

@@ -2,7 +2,7 @@
 
 What is worked out of balls holds for every choice of numbers in them (midpoint-radius interval arithmetic, Rump,
 "Verification methods: rigorous results using floating-point arithmetic", Acta Numerica 19, 2010). Rounding is part of
-the radius. They stand where bench.model.scalars has arrays, so that the model's own kinematics serve for them.
+the radius. They take the place of the arrays of bench.model.scalars, so that the model's kinematics serve for them.
 """
 
 from collections.abc import Callable, Sequence

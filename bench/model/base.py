@@ -43,7 +43,7 @@ def base_parameters(geometry: Geometry) -> BaseParameters:
     """The base parameters of a robot; geometry alone decides them.
 
     Of dependent columns the first stay: free bodies (platforms) come first, then bodies from the base
-    outwards, then the rotors, of which those remain that no body's inertia can stand for. Two sets of states must
+    outwards, then the rotors, of which those remain that no body's inertia can represent. Two sets of states must
     give as many. Raises BenchError, naming the bodies, where they do not.
     """
     free = [i for i, joint in enumerate(geometry.joints) if joint.kind == "free"]

@@ -1,4 +1,4 @@
-"""Velocities and accelerations of the bodies of the opened tree, each in its own axes, for all samples at once.
+"""Velocities and accelerations of the bodies of the opened tree, each in its axes, for all samples at once.
 
 The scalars are those of bench.model.scalars. Angular velocity w, angular acceleration w' and acceleration a of a
 joint frame's origin, less gravity, follow from those of the joint before it; so do the velocities that unit speed

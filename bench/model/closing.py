@@ -47,7 +47,7 @@ class Closing(Protocol):
 
 
 class Direct:
-    """Worked out as it stands."""
+    """Worked out as it is."""
 
     def __init__(self, closures: Closures) -> None:
         self._closures = closures

@@ -1,7 +1,7 @@
 """Configurations and velocities: step, normalise, differentiate, interpolate; arrays keep the samples last.
 
 Only ball and free joints need more than addition: a unit quaternion x y z w turns with the angular velocity
-in the body's own frame, and a free joint's linear velocity is in that frame too.
+in the body's frame, and a free joint's linear velocity is in that frame too.
 """
 
 import numpy as np

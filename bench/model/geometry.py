@@ -105,9 +105,11 @@ class Coupling:
     polynomial: tuple[float, ...]
 
 
-@dataclass(frozen=True, eq=False)  # told apart by identity, so that what follows from one can be kept for it
+@dataclass(
+    frozen=True, eq=False
+)  # distinguished by identity, so that what follows from one can be kept for it
 class Geometry:
-    """All that identification knows of a robot beside its measurements.
+    """All that identification knows of a robot besides its measurements.
 
     `home` is the assembled pose (nq,) in Pinocchio's coordinates (quaternions x y z w); `active` are the
     velocity indices (n,) of the actuated joints that move independently, in actuator order, `redundant` those (r,) of

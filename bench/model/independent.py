@@ -8,7 +8,7 @@ from bench.basics.errors import BenchError
 
 SLACK = 1e-5  # of the largest: what is smaller may be the slack of a drawing, where a gap sets it apart
 GAP = 100.0  # from one singular value to the next: the smaller ones count as zero
-ROUNDING = 1e-9  # of the largest: a singular value as small as this one cannot be told from rounding
+ROUNDING = 1e-9  # of the largest: a singular value as small as this one cannot be distinguished from rounding
 NEGLIGIBLE = 1e-10  # a coefficient that counts as zero
 
 

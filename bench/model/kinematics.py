@@ -1,7 +1,7 @@
 """Kinematics of the opened tree for all samples at once, in the scalars of bench.model.scalars.
 
 Coordinates are Pinocchio's: a free joint's position is x y z and a quaternion x y z w, its velocity is linear
-then angular, both in the body's own frame; a ball joint's velocity is in the body's frame too. Vectors below
+then angular, both in the body's frame; a ball joint's velocity is in the body's frame too. Vectors below
 are in the world's axes.
 """
 

@@ -24,7 +24,7 @@ TRAVEL = 0.3  # active travel between followed nodes, rad, or in units of the ro
 MIDDLE_TRAVEL = 0.1  # the same between the nodes of the middle level
 STRIDE = 16  # samples between the nodes of the middle level
 BLOCK = 5120  # most samples worked on together: more keep Python's share small, fewer stay in the cache
-FEW = 0.4  # share of samples that a further correction is made for on their own
+FEW = 0.4  # share of samples that a further correction is made for separately
 LARGEST_AMPLIFICATION = 200.0  # rad/rad, m/rad ...: passive speed for active speed; beyond it is singular
 LARGEST_CORRECTION = 0.05  # m or rad: between an interpolated pose and the closed one
 MOST_ITERATIONS = 6
@@ -185,7 +185,7 @@ class Path:
     def rates(self, joints: Sequence[int]) -> np.ndarray:
         """Velocities (N, k) of some tree coordinates (indices) at all samples, without closing the loops there.
 
-        Their Jacobian is interpolated between the nodes, which are near to each other beside how it bends.
+        Their Jacobian is interpolated between the nodes, which are close to each other compared with its curvature.
         """
         time, velocity = self.track.time, self.track.velocity
         found = np.empty((len(time), len(joints)))
@@ -308,7 +308,7 @@ def _closed(
 ) -> tuple[np.ndarray, np.ndarray]:
     """Newton on all samples together, from poses q (nq, K) that are nearly closed.
 
-    Returns the closed poses; `closing` stands where the last correction, smaller than `enough`, was found. Last come
+    Returns the closed poses; `closing` is where the last correction, smaller than `enough`, was found. Last come
     the few samples whose last correction was larger, though not by much: they need another.
     """
     moved = np.zeros(q.shape[1])

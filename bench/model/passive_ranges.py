@@ -1,4 +1,4 @@
-"""The ranges of joints without a motor of their own, where the MJCF has some.
+"""The ranges of joints without a motor, where the MJCF has some.
 
 A hinge or slide has a range of its position; a ball joint one of the angle, 0 to pi, by which it is turned from the
 reference orientation about any axis, of which the MJCF gives the largest. Turned on by an angle, a ball joint's angle
@@ -15,7 +15,7 @@ from bench.model.geometry import Geometry
 @dataclass(frozen=True)
 class PassiveRange:
     """low, high: between which the joint stays, rad or m, by configurations, in which a hinge or slide is zero at its
-    reference; low is -inf for a ball joint. configuration, displacement: where it stands among the positions and the
+    reference; low is -inf for a ball joint. configuration, displacement: where it is among the positions and the
     velocities of the tree. offset: added by MuJoCo.
     """
 

@@ -22,7 +22,7 @@ from bench.model.states import random_motion
 ACROSS = 2  # directions at right angles to an axis
 KEPT = 64  # joints whose geometry is kept
 MOST_OPEN = 1e-6  # of the force in a joint of equal bars: more hangs on masses that no motor tells apart
-FITS = 1e-6  # of a slide's own speed of the closures: what is left of it is rounding
+FITS = 1e-6  # of a slide's speed of the closures: what remains of it is rounding
 STATES, SEED = 3, 20120603  # random poses at which it is decided what the closures determine
 
 
@@ -30,7 +30,7 @@ STATES, SEED = 3, 20120603  # random poses at which it is decided what the closu
 class Bearing:
     """A robot in which one joint can slide across its axis, too.
 
-    geometry: with two slides before the joint, whose index among the joints was `joint`, as its only motors beside
+    geometry: with two slides before the joint, whose index among the joints was `joint`, as its only motors besides
     redundant ones; held: velocity indices of what the closures determine; first: velocity index of the first slide.
     """
 
@@ -215,7 +215,7 @@ def _index(other: int, joint: int) -> int:
 
 
 def _later(other: Joint, joint: int) -> Joint:
-    """A joint that stands behind the slides."""
+    """A joint that is behind the slides."""
     return replace(
         other,
         parent=_index(other.parent, joint),

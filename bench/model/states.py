@@ -10,7 +10,7 @@ from bench.model.motion import Motion, rates_at
 LARGEST_AMPLIFICATION = (
     20.0  # times home's, which counts as one at least: poses beyond are no place to go on from
 )
-NEAR_SINGULAR = 0.25  # share of the poses, those nearest to a singularity, that is left out: they cost digits
+NEAR_SINGULAR = 0.25  # share of the poses, those nearest to a singularity, that is omitted: they cost digits
 UNLIMITED = 0.8  # rad or m around home where the file gives no joint limits
 
 
@@ -18,7 +18,7 @@ def random_motion(geometry: Geometry, count: int, seed: int) -> Motion:
     """`count` states with active positions spread over the reachable part of the joint ranges.
 
     Every pose is reached from the last one along the closures, so all lie in home's assembly mode. More are reached
-    than returned: those nearest to a singularity are left out.
+    than returned: those nearest to a singularity are omitted.
     Active velocities and accelerations are normal, of unit variance (times 5 for accelerations); behind a gear those
     of what the motor drives.
     """

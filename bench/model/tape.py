@@ -1,8 +1,8 @@
 """Arithmetic recorded once and replayed on whole groups of operations, for blocks of few samples.
 
-Recorded values stand where bench.model.scalars has arrays, so that the model's own functions write the tape. What
+Recorded values take the place of the arrays of bench.model.scalars, so that the model's functions write the tape. What
 they fold away is not on it. All values of a replay are the rows of one array; operations of the same kind whose
-arguments are ready together are one call of NumPy. On a hundred samples an operation on its own is mostly the call
+arguments are ready together are one call of NumPy. On a hundred samples a single operation is mostly the call
 (W. Kahan's "vectorise across the other dimension"): in groups it costs a fifth. Every value comes from the same
 operation on the same values, so that no bit changes.
 """
@@ -54,7 +54,7 @@ class Recorded(NDArrayOperatorsMixin):
 
 @dataclass(frozen=True)
 class _Operation:
-    """One value: the operation, the rows of its arguments, its own row, and after how many others it can come."""
+    """One value: the operation, the rows of its arguments, its row, and after how many others it can come."""
 
     ufunc: np.ufunc
     arguments: tuple[int, ...]

@@ -39,7 +39,7 @@ def _joint_model(joint: Joint) -> pin.JointModel:
 
 
 def loop_constraints(geometry: Geometry, model: pin.Model) -> list[pin.ConstraintModel]:
-    """The loop closures as Pinocchio's own constraints, for cross-checks."""
+    """The loop closures as Pinocchio's constraints, for cross-checks."""
     constraints = []
     for loop in geometry.loops:
         ends = []

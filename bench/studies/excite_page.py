@@ -25,14 +25,14 @@ PLANNED = """\
 Motions of 10 s by `bench excite`, one unloaded and one with the payload of the robot's scenario, and 50 random motions
 inside the same limits. The worst of all unknowns counts."""
 REPEATED = """\
-Below, the simulated machine goes along the planned motions and is logged again and again with other noise. Each log
-is identified. The standard deviation of the estimates over the forecast standard error is 1 where the forecast came
-true."""
+Below, the simulated machine runs the planned motions repeatedly, with different noise in each log. Each log
+is identified. The ratio of the standard deviation of the estimates to the predicted standard error is 1 if the
+prediction is right."""
 INTERVALS = """\
-a standard deviation of so many repetitions is no better known. Those of the smallest and the largest ratio hold for all
-unknowns at once (Bonferroni), because these two were picked from all. "By chance alone": between which all ratios lie
-with at least that probability where every forecast is exact. "On the whole" is the root mean square over the unknowns;
-its interval takes account of their correlations."""
+so many repetitions cannot determine a standard deviation more precisely. Those of the smallest and the largest
+ratio hold for all unknowns at once (Bonferroni), because these two were selected from all. "By chance alone": the
+range of all ratios, with at least that probability, if every prediction is exact. "On the whole" is the root mean
+square over the unknowns; its interval takes account of their correlations."""
 
 Figures = Mapping[str, Any]
 
@@ -51,7 +51,7 @@ def write_page(folder: Path, robots: Sequence[str]) -> None:
 def page(robots: Sequence[Figures]) -> str:
     """Both tables as Markdown."""
     parts = (
-        "# Planned motions, and whether forecasts come true",
+        "# Planned motions, and whether predictions come true",
         PLANNED,
         rows_in_markdown(BETTER, map(_better, robots)),
         REPEATED,

@@ -81,7 +81,7 @@ def write_simulation(simulation: Simulation, folder: str | Path) -> Path:
     target = Path(folder).resolve()
     empty = not target.exists() or (target.is_dir() and not any(target.iterdir()))
     if not empty and not (target / DATASET_FILE).is_file():
-        raise BenchError(f"{folder}: is there already and holds no dataset: name another folder")
+        raise BenchError(f"{folder}: already exists and holds no dataset: give another folder")
     if not empty and not truth_path(target).is_file():
         raise BenchError(
             f"{folder}: holds a dataset that was not simulated (without {truth_path(target).name}): "

@@ -222,5 +222,5 @@ def _read_parquet(path: Path) -> FileTable:
         table = FileTable(path, pq.ParquetFile(path).read(), None)
         _ = table.columns  # names of a broken file may be no text
     except (pa.ArrowException, OSError, UnicodeDecodeError) as error:
-        raise BenchError(f"{path}: is not a whole Parquet file: {one_line(error)}") from error
+        raise BenchError(f"{path}: is not a complete Parquet file: {one_line(error)}") from error
     return table

@@ -144,7 +144,7 @@ def import_logs(
     names = [part.name for part in parts]
     if twice := next((name for name in names if names.count(name) > 1), None):
         raise BenchError(
-            f"{folder / twice}: two logs would become this recording: name one of them otherwise"
+            f"{folder / twice}: two logs would become this recording: give one of them another name"
         )
     text = extended_toml(folder, _reference(loaded, folder), loaded, entries, payloads, replace=replace)
     notes += [(folder / DATASET_FILE, note) for note in _payload_notes(folder, payloads, names)]
@@ -238,7 +238,7 @@ def _reference(robot: Robot, folder: Path) -> str:
 CUTS: Mapping[Remedy, str] = {
     Remedy.CUT_AT_GAPS: "cut the log there",
     Remedy.CUT_WHERE_BACK: "cut the log there",
-    Remedy.LEAVE_ROWS_OUT: "leave such rows out and cut the log there",
+    Remedy.LEAVE_ROWS_OUT: "omit such rows and split the log there",
 }
 """What --split-gaps does about a fault."""
 

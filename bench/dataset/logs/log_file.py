@@ -139,7 +139,7 @@ def _read_mat(path: Path) -> LogFile:
     except NotImplementedError as error:
         raise BenchError(f"{path}: is a MATLAB 7.3 file: save it in MATLAB with the option -v7") from error
     except (MatReadError, zlib.error, ValueError, TypeError, OSError, LookupError) as error:
-        raise BenchError(f"{path}: is not a whole MATLAB file: {one_line(error)}") from error
+        raise BenchError(f"{path}: is not a complete MATLAB file: {one_line(error)}") from error
     named = {name: value for name, value in content.items() if not name.startswith("__")}
     return LogFile(
         path, {name: vector for key, value in named.items() for name, vector in _vectors(key, value)}
@@ -148,7 +148,7 @@ def _read_mat(path: Path) -> LogFile:
 
 def _read_npz(path: Path) -> LogFile:
     if not zipfile.is_zipfile(path):
-        raise BenchError(f"{path}: is not a whole NumPy archive")
+        raise BenchError(f"{path}: is not a complete NumPy archive")
     found: dict[str, Array] = {}
     try:
         with np.load(path, allow_pickle=False) as archive:
@@ -158,7 +158,7 @@ def _read_npz(path: Path) -> LogFile:
                 except ValueError:  # an array of Python objects: no numbers, and not read from a file
                     continue
     except (zipfile.BadZipFile, zlib.error, EOFError, OSError, KeyError) as error:
-        raise BenchError(f"{path}: is not a whole NumPy archive: {one_line(error)}") from error
+        raise BenchError(f"{path}: is not a complete NumPy archive: {one_line(error)}") from error
     return LogFile(path, found)
 
 

@@ -67,7 +67,9 @@ def _read(path: Path, read: Callable[[AnyReader], Found]) -> Found:
         with AnyReader([path], default_typestore=types) as reader:
             return read(reader)
     except (AnyReaderError, Ros1Error, Ros2Error, OSError, ValueError, LookupError, AssertionError) as error:
-        raise BenchError(f"{path}: is not a whole ROS bag: {one_line(error) or 'it is cut off'}") from error
+        raise BenchError(
+            f"{path}: is not a complete ROS bag: {one_line(error) or 'it is cut off'}"
+        ) from error
 
 
 def _joint_states(

@@ -68,7 +68,9 @@ def cut(
     if path.suffix.lower() not in SUFFIXES or path.name != name:
         raise BenchError(f"{name}: a recording's name is a file name that ends in {' or '.join(SUFFIXES)}")
     if not 0.0 <= fraction < 1.0 or (fraction and use != "identify"):
-        raise BenchError(f"{file}: a part of 0 to 1 of a log to identify can be kept apart, not {fraction:g}")
+        raise BenchError(
+            f"{file}: a part of 0 to 1 of a log to identify can be reserved for validation, not {fraction:g}"
+        )
     if cutting.shortest is None and _costs_little(columns["time"]):
         cutting = replace(cutting, shortest=SHORTEST)
     rows, lost = _measured(columns) if cutting.shortest is not None else (np.arange(columns["time"].size), 0)

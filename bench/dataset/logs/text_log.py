@@ -113,7 +113,7 @@ def _text(path: Path, content: bytes) -> tuple[str, tuple[str, ...]]:
         try:
             return content.decode("utf-16"), ("read as UTF-16 text",)
         except UnicodeDecodeError:
-            raise BenchError(f"{path}: begins as UTF-16 text, but is none") from None
+            raise BenchError(f"{path}: begins like UTF-16 text but is not") from None
     try:
         return decoded(path, content), ()
     except BenchError:

@@ -20,8 +20,8 @@ def best_set(
 ) -> Scored:
     """The best set that is reached, of members that all earn their place.
 
-    begin: sets to set out from, beside the empty one. usable: candidates (indices) that may join or stand in for a
-    member. Evidence, priors and what each member must earn are those of the diagnosis's own search. Raises TimeUpError
+    begin: start sets, in addition to the empty one. usable: candidates (indices) that may join or stand in for a
+    member. Evidence, priors and what each member must earn are those of the diagnosis's search. Raises TimeUpError
     after the deadline.
     """
     empty = solve_set(system, ())

@@ -1,4 +1,4 @@
-"""Effects of the catalogue that may only make up for what is inexact in a law beside them."""
+"""Effects of the catalogue that may only make up for what is inexact in a law at the same motor."""
 
 from collections.abc import Collection, Sequence
 from dataclasses import replace
@@ -42,14 +42,14 @@ def _doubted(why: Reason) -> Reason:
 
 
 def _small(finding: SearchResult, effect: str, laws: Collection[str]) -> bool:
-    """Whether an effect takes little away beside the laws."""
+    """Whether an effect explains little compared with the laws."""
     found = frozenset(finding.names)
     own, by_laws = (_taken_away(finding, finding.fits(found.difference(out))) for out in ([effect], laws))
     return own < INEXACT**2 * by_laws
 
 
 def _taken_away(finding: SearchResult, without: LadderStep) -> float:
-    """By how much the squared error of a model exceeds that of what was found."""
+    """By how much the squared error of a model exceeds that of the identified one."""
     return _error(without) ** 2 - _error(finding.after.error) ** 2
 
 

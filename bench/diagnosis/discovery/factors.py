@@ -27,7 +27,7 @@ class Number:
 
 @dataclass(frozen=True)
 class Factor(ABC):
-    """A function of one or two variables, without a unit of its own but that of its powers.
+    """A function of one or two variables, without a unit except that of its powers.
 
     `formula` and `code` have the same parts: two for a wave, whose phase is free, as many as knots for a table, else
     one. numbers: those that may be adapted; names: how they are called where the factor is written as code.
@@ -63,7 +63,7 @@ class Factor(ABC):
 
     @abstractmethod
     def code(self, place: Place, number: str) -> tuple[str, ...]:
-        """Its parts as Python code with numpy; number: what stands for its number."""
+        """Its parts as Python code with numpy; number: the name of its number."""
 
     def unit(self, place: Place) -> Unit:  # noqa: ARG002 - by default none
         """Of its values."""

@@ -50,7 +50,7 @@ from bench.identification.problem import Problem
 from bench.identification.widened import gains_widened
 
 LEFT = 1.15  # times what noise leaves: where more is left, laws are looked for, whatever it varies with
-TRIED = 1000  # laws that might stand for several effects, as many as a search looks at
+TRIED = 1000  # laws that might represent several effects, as many as a search looks at
 UNIT = 10.0  # times the nominal gain, or a tenth: as far off, a unit or a load is wrong
 
 
@@ -64,12 +64,12 @@ def find_missing_effects(
 ) -> Diagnosis:
     """Physical effects that the model lacks, and laws that no catalogue has, judged on recordings not fitted.
 
-    discover: whether to look for laws, by default where the effects leave something. progress: told how far the search
-    is. deadline: after which the best answer so far is given, and says what was not looked at. Raises BenchError naming
-    what in dataset or robot cannot be used.
+    discover: whether to look for laws, by default where the effects leave something. progress: informed how far the
+    search is. deadline: after which the best answer so far is given, and says what was not looked at. Raises
+    BenchError naming what in dataset or robot cannot be used.
 
-    Columns that are probably swapped and loads that are probably others are told. Unless that is asked for, no law is
-    looked for beside them, nor beside a drive gain that is ten times off.
+    Columns that are probably swapped and loads that are probably others are reported. Unless that is asked for, no law
+    is looked for with them, nor with a drive gain that is ten times off.
     """
     case = split_and_fitted(problem, progress, deadline)
     progress.phase("looking for swapped columns and loads")
@@ -90,7 +90,7 @@ def find_missing_effects(
 
 @dataclass(frozen=True)
 class _Answer:
-    """What was found, the laws among it, and what is told of it."""
+    """The identified effects and laws, and the messages about them."""
 
     finding: SearchResult
     laws: tuple[Law, ...]
@@ -148,12 +148,12 @@ def _with_more(
 
 
 def _never(finding: SearchResult) -> dict[str, Reason]:
-    """Effects that may not be found beside a law either: what others did as well without one may be needed with it."""
+    """Effects that may not be named with a law either: what others did as well without one may be needed with it."""
     return {name: why for name, why in finding.barred.items() if why.because is not Because.NOT_NEEDED}
 
 
 def _never_beside(finding: SearchResult, named: Sequence[EffectInstance]) -> dict[str, Reason]:
-    """The same beside laws that were found with named effects: their special cases may be found where their sign was
+    """The same with laws that were identified with named effects: their special cases may be found where their sign was
     impossible at some motors alone, for what drove there may have been the law.
     """
     specials = {special for instance in named for special in instance.effect.contains}
@@ -179,10 +179,11 @@ def _with_laws(
     *,
     fewer: bool = False,
 ) -> _Answer:
-    """The answer with the laws that were found, converged and judged beside all effects; without, if they do not stay.
+    """The answer with the laws that were identified, converged and judged with all effects; without, if they do not
+    stay.
 
     prior: of the laws, by default that of the terms they were found with. fewer: as small an error is enough, since
-    they stand for several effects.
+    they represent several effects.
     """
     origin, last = plain.finding.origin, searched.last
     own = len(origin.start.effects)
@@ -253,15 +254,15 @@ def _with_one_for_several(case: SplitProblem, plain: _Answer, progress: Progress
 
 
 def _unknowns(finding: SearchResult, laws: Sequence[Law]) -> int:
-    """Of all that was found beyond the starting model."""
+    """Of all that was identified beyond the starting model."""
     return unknowns(parts_of(finding.new, laws))
 
 
 def _with_tables(case: SplitProblem, plain: _Answer, progress: Progress) -> _Answer:
     """The answer with functions as they were measured, where much is left that no formula fits.
 
-    They compete with what was found alone: what the effects of the catalogue are worth has been judged before. A table
-    is no law: the gains' standard errors hold what they are without it, where they have not run away there.
+    They compete only with the identified model: what the effects of the catalogue are worth has been judged before. A
+    table is no law: the gains' standard errors hold what they are without it, where they have not run away there.
     """
     finding, left = plain.finding, plain.diagnosis.unexplained
     if not (left.significant or left.much):

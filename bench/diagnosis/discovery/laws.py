@@ -1,4 +1,4 @@
-"""Terms that were found, as laws: one effect for all motors at which the same terms show."""
+"""Terms that were identified, as laws: one effect for all motors at which the same terms show."""
 
 import re
 from collections.abc import Collection, Mapping, Sequence

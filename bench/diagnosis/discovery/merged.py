@@ -28,10 +28,10 @@ OWN = 2  # unknowns of a power
 def merged(
     finding: SearchResult, laws: Sequence[Law], catalogue: Mapping[str, Effect], *, much: bool
 ) -> Iterator[Refined]:
-    """The found model with a power of the velocity for some of its functions of the velocity at some motors, wherever
-    that has fewer unknowns and leaves as little, or as many and leaves clearly less.
+    """The identified model with a power of the velocity for some of its functions of the velocity at some motors,
+    wherever that has fewer unknowns and leaves as little, or as many and leaves clearly less.
 
-    laws: among what was found. catalogue: in which the special cases of what was found are. much: whether more is left
+    laws: among the identified effects. catalogue: with their special cases. much: whether more is left
     than noise, so that a model with as many unknowns can leave clearly less.
     """
     origin = finding.origin
@@ -79,7 +79,7 @@ def together(parts: Sequence[Part]) -> list[list[Part]]:
 def _with_power(
     origin: Origin, found_model: Prepared, stay: Sequence[Part], places: Sequence[Place]
 ) -> Refined:
-    """Of the found model what stays, and a power of the velocity at some places, from the exponent that suits best."""
+    """What stays of the identified model, and a power of the velocity at some places, with the best exponent."""
     terms = {part.name: part.term for part in stay if part.term is not None}
     found = []
     for exponent in EXPONENTS:
@@ -91,8 +91,8 @@ def _with_power(
 
 
 def fewer(alike: Sequence[Part], own: int, catalogue: Mapping[str, Effect]) -> list[list[Part]]:
-    """What may stay beside a law with `own` unknowns, so that unknowns are saved: some of the effects that were found,
-    each as it is or as a special case of it that was not found.
+    """What may stay with a law with `own` unknowns, so that unknowns are saved: some of the effects that were
+    identified, each as it is or as a special case of it that was not found.
     """
     effects = [part for part in alike if part.term is None]
     found = {part.name for part in effects}

@@ -1,4 +1,4 @@
-"""What was found, motor by motor and term by term."""
+"""The identified laws, motor by motor and term by term."""
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass

@@ -22,7 +22,9 @@ from bench.identification.solve_only import solved_quickly
 MOST = 18  # models that are tried
 AS_GOOD = 0.5 * MATERIAL  # by which the error may grow where fewer effects do
 NEARBY = 0.5 * MATERIAL  # of the error, by which a model may seem worse as it is known nearby
-THERE = 0.005  # of the error, by which it may seem worse as it is, with the values that were found nearby
+THERE = (
+    0.005  # of the error, by which it may seem worse as it is, with the values that were identified nearby
+)
 FAR_LESS = 1.5  # times the best error: a model that starts from there is not converged
 
 
@@ -58,13 +60,14 @@ class _Variant:
 
 
 def refined(origin: Origin, model: Prepared, terms: Mapping[str, Term], places: Sequence[Place]) -> Refined:
-    """The best of the found model and those with one number more to be adapted, or with a wave at another harmonic.
+    """The best of the identified model and those with one number more to be adapted, or with a wave at another
+    harmonic.
 
     They have fewer other effects or as many; those without an effect that is not needed come first.
 
-    Each is judged on recordings that were not fitted, first as it is known nearby beside the found model as that is
-    known there; what does well is then converged as it is. MOST of them are tried, those beside all or none of the
-    other effects first. Raises TimeUpError after the deadline.
+    Each is judged on recordings that were not fitted, first as it is known nearby, against the identified model as
+    that is known there; what does well is then converged as it is. MOST of them are tried, those with all or none of
+    the other effects first. Raises TimeUpError after the deadline.
     """
     own = len(origin.start.effects)
     best = Refined(model, terms, error_of(model))
@@ -171,7 +174,7 @@ def _tried(origin: Origin, found: Refined, places: Sequence[Place]) -> Iterator[
 
 
 def _with_a_mean(term: Term, names: Collection[str]) -> Iterator[tuple[Term, str]]:
-    """A wave of the load together with its mean, where that is found by its name, at this and other harmonics.
+    """A wave of the load together with its mean, where that is identified by its name, at this and other harmonics.
 
     Each is a part of the load of the other, which only one law of both can tell.
     """
@@ -188,7 +191,7 @@ def _with_a_mean(term: Term, names: Collection[str]) -> Iterator[tuple[Term, str
 def _slower(new: Refined, own: int) -> bool:
     """Whether a wave's rate has run below the range that it is free in, at the motor where that law is largest.
 
-    So slow a wave is a straight line over the travel, and stands for something else.
+    So slow a wave is a straight line over the travel, and imitates something else.
     """
     at = new.model.layout.size - new.model.layout.effects
     _, solution = solved_quickly(new.model)

@@ -24,7 +24,7 @@ TOLERANCE = 1e-3  # relative, of a number
 
 @dataclass(frozen=True)
 class Screened:
-    """A term, with its numbers at each motor, and the share of what is left, in squares, that it explains."""
+    """A term, with its numbers at each motor, and the share of the residual, in squares, that it explains."""
 
     term: Term
     numbers: Mapping[int, tuple[float, ...]]
@@ -89,7 +89,7 @@ class Left:
     """What a model and some terms leave at all motors, in few rows, and their columns there, orthonormal.
 
     basis (M, r), error (M,), weights (M,) motor by motor: the weights take torque to errors, and are
-    zero at standstill. fewer: what is left without the last columns of the basis.
+    zero at standstill. fewer: the residual without the last columns of the basis.
     """
 
     def __init__(
@@ -114,7 +114,7 @@ class Left:
         return sum(map(len, self.error))
 
     def beside(self, candidate: "Screened", motors: Sequence[int] | None = None) -> "Left":
-        """What is left with a term at every motor, or at some, each with a coefficient of its own."""
+        """The residual with a term at every motor, or at some, each with a separate coefficient."""
         some = range(self.motors) if motors is None else motors
         columns = [
             self.known[j].columns(
@@ -154,7 +154,7 @@ class Left:
 
     @cached_property
     def products(self) -> "list[Products]":
-        """Of the known terms in their groups; only the new columns are looked at beside what is left without them."""
+        """Of the known terms in their groups; only the new columns are compared with the residual without them."""
         every = range(self.motors)
         found = []
         for k in range(len(self.known[0].groups)):
@@ -216,7 +216,7 @@ class Left:
 
 @dataclass(frozen=True)
 class Products:
-    """Of each of some terms: inner products (T, q, q) of its columns, those with what is left (T, q), lengths (T, q).
+    """Of each of some terms: inner products (T, q, q) of its columns, those with the residual (T, q), lengths (T, q).
 
     All but the lengths without what the model and other terms take away. q: the parts of a term at all motors.
     """
@@ -226,7 +226,7 @@ class Products:
     lengths: np.ndarray
 
     def without(self, within: np.ndarray, taken: np.ndarray) -> "Products":
-        """The same with more orthonormal columns taken away: their products (r, T, q), with what is left (r,)."""
+        """The same with more orthonormal columns taken away: their products (r, T, q), with the residual (r,)."""
         normal = self.normal - np.einsum("rti,rtk->tik", within, within, optimize=True)
         return Products(normal, self.right - np.einsum("r,rti->ti", taken, within), self.lengths)
 
@@ -252,7 +252,7 @@ def left_without(
     """What a solved model leaves of its currents in these rows of every motor, without some of its columns.
 
     without: their places among the model's; values: their coefficients. All are linearised about the same solution,
-    that of the whole model, so that what is left without a part of it can be compared.
+    that of the whole model, so that the residual without a part of it can be compared.
     """
     motors, out = range(len(left.columns)), list(without)
     own = np.concatenate([np.delete(left.columns[j][rows], out, axis=1) for j in motors])

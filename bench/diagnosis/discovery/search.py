@@ -44,7 +44,7 @@ class Laws:
 def search_laws(
     origin: Origin, last: Round, barred: Collection[str], progress: Progress = SILENT
 ) -> tuple[Laws, Refined] | None:
-    """Terms that do better than the catalogue alone, beside its effects or in place of them; None where none does.
+    """Terms that do better than the catalogue alone, next to its effects or in place of them; None where none does.
 
     Rounds end where the converged model is no better than the last one. last: of a search among the effects of the
     catalogue, with its converged model; barred: names that may not be found. Raises TimeUpError after the deadline.
@@ -75,7 +75,7 @@ def search_laws(
 
 
 def _round(origin: Origin, laws: Laws, barred: Collection[str], states: Sequence[State], count: int) -> Laws:
-    """The best set of what was found and new terms, about the model of what was found; of so many that were tried."""
+    """The best set of identified effects and new terms, about the identified model; of so many that were tried."""
     here = laws.last
     places = places_of(origin.start)
     terms = dict(laws.found)
@@ -114,7 +114,7 @@ def _round(origin: Origin, laws: Laws, barred: Collection[str], states: Sequence
 
 
 def _states(origin: Origin, laws: Laws) -> tuple[list[State], int]:
-    """Sets of terms beside nothing, what was found, and that without each of its effects; and how many were tried."""
+    """Sets of terms added to nothing, to the identified effects, and to these without each one; and their number."""
     model, own = laws.last.model, len(origin.start.effects)
     names = laws.last.names
     stack, solution = solved_quickly(model)

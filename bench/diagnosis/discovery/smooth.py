@@ -28,7 +28,8 @@ TOLD = "What was measured, not a law: valid where the data were, and constant be
 
 
 def tabled_laws(finding: SearchResult, taken: Collection[str]) -> list[Law]:
-    """A law without a formula for every motor at which much of what the found model leaves follows such a function.
+    """A law without a formula for every motor at which much of what the identified model leaves follows such a
+    function.
 
     taken: names that laws cannot have.
     """

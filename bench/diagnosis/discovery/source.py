@@ -1,4 +1,4 @@
-"""A law as the Python file of an effect of one's own."""
+"""A law as the Python file of a user-defined effect."""
 
 import json
 from collections.abc import Sequence
@@ -163,7 +163,7 @@ def _shape(numbers: dict[str, Number]) -> list[str]:
 
 
 def _assigned(variables: Sequence[Variable], of: str) -> list[str]:
-    """What stands for the variables of the law's own motor."""
+    """The names of the variables of the law's motor."""
     lines = []
     for variable in variables:
         if variable.ahead or variable.kind in OF_THE_ROBOT:

@@ -18,7 +18,7 @@ DEPTH = 3  # terms in a set
 
 @dataclass(frozen=True)
 class State:
-    """Terms beside a model with some effects, what they leave, and half the logarithm of the squares that are left,
+    """Terms added to a model with some effects, what they leave, and half the logarithm of the squares that are left,
     with a charge for each unknown, `charged` for those of the effects.
     """
 
@@ -35,10 +35,10 @@ def best_states(
     basics: Sequence[Term],
     deadline: Deadline = NEVER,
 ) -> list[State]:
-    """Sets of up to DEPTH terms beside models with these effects, which leave so much with so many unknowns.
+    """Sets of up to DEPTH terms added to models with these effects, which leave so much with so many unknowns.
 
     The best of each size, then the second best, and so on; as long as more terms are worth what they cost.
-    basics: terms beside which others may show; each model is tried with them as well. Raises TimeUpError after the
+    basics: terms with which others may show; each model is tried with them as well. Raises TimeUpError after the
     deadline.
     """
     price = NEEDED + float(np.log(len(terms)))

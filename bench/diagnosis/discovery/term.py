@@ -65,7 +65,7 @@ class Term:
         return tuple(_product([each[min(k, len(each) - 1)] for each in written]) for k in range(self.parts))
 
     def codes(self, place: Place, names: Sequence[str]) -> tuple[str, ...]:
-        """Its parts as Python code; names: what stands for its numbers."""
+        """Its parts as Python code; names: the names of its numbers."""
         left = list(names)
         written = [
             factor.code(place, "" if factor.number is None else left.pop(0)) for factor in self.factors
@@ -102,7 +102,7 @@ WHOLE = 1e-6
 def at_other_harmonics(term: Term) -> tuple[Term, ...]:
     """The term with a fixed wave over a turn at a third, half and double its number of periods, where that is whole.
 
-    Over a narrow range they are much alike, and which is chosen first depends on what is beside it.
+    Over a narrow range they are much alike, and which is chosen first depends on the other terms.
     """
     return tuple(
         Term((*term.factors[:i], replace(factor, rate=ratio * factor.rate), *term.factors[i + 1 :]))
@@ -114,7 +114,7 @@ def at_other_harmonics(term: Term) -> tuple[Term, ...]:
 
 
 def about_its_mean(term: Term) -> tuple[Term, Term] | None:
-    """A term with a wave as one with the wave's mean beside it, and that mean alone; None without a wave."""
+    """A term with a wave as one with the wave's mean added, and that mean alone; None without a wave."""
     for i, factor in enumerate(term.factors):
         if isinstance(factor, Wave):
             before, after = term.factors[:i], term.factors[i + 1 :]

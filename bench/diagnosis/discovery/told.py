@@ -1,4 +1,4 @@
-"""What is told of a discovered law at one motor."""
+"""The record of a discovered law at one motor."""
 
 from bench.diagnosis.catalogue_search import SearchResult
 from bench.diagnosis.discovery.laws import Law
@@ -9,7 +9,7 @@ from bench.diagnosis.normal_equations import solve_set
 from bench.diagnosis.result import Discovered, LawTerm, LooksAt
 from bench.diagnosis.search import judged_error
 
-HELPS = 0.9  # of the error without a law: what an effect in its place must reach to be told as near
+HELPS = 0.9  # of the error without a law: what an effect in its place must reach to be reported as near
 
 
 def discovered_at(finding: SearchResult, law: Law, i: int) -> Discovered:

@@ -1,4 +1,4 @@
-"""What a law may look at: a motor's own motion and load, those of other motors, the load of all others together, the
+"""What a law may look at: a motor's motion and load, those of other motors, the load of all others together, the
 tool's speed, and the clock.
 """
 
@@ -44,7 +44,7 @@ UNITS: dict[Kind, Unit] = {
 
 @dataclass(frozen=True, order=True)
 class Variable:
-    """One of these; ahead: of the motor so many places further in the robot's order, 0: of the law's own motor."""
+    """One of these; ahead: of the motor so many places further in the robot's order, 0: of the law's motor."""
 
     kind: Kind
     ahead: int = 0
@@ -64,7 +64,7 @@ class Variable:
         return f"{name}_{self.motor(place)}" if self.ahead else name
 
     def unit(self, place: "Place") -> Unit:
-        """In symbols of the law's own motor, or in plain units where another motor is of another kind."""
+        """In symbols of the law's motor, or in plain units where another motor is of another kind."""
         own = UNITS[self.kind]
         rotates = place.rotates[(place.index + self.ahead) % len(place.motors)]
         if rotates == place.rotates[place.index]:

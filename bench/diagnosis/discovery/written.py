@@ -1,4 +1,4 @@
-"""Laws that were discovered, as files of effects of one's own."""
+"""Laws that were discovered, as files of user-defined effects."""
 
 from dataclasses import replace
 from pathlib import Path

@@ -99,7 +99,7 @@ def update_reference(
 ) -> None:
     """Run all seeds and keep what they give as the reference, with the reason."""
     if not reason.strip():
-        raise BenchError("check --update: say why the reference changes, with --reason")
+        raise BenchError("check --update: give the reason for the change with --reason")
     for name, sweep, plan, lines in _measured(options, make_work):
         path = options.reference / f"{name}.json"
         save_reference(path, new_reference(sweep, lines, reason.strip()))

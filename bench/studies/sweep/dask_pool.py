@@ -149,7 +149,7 @@ class DaskPool:
 
     def _gone(self) -> BenchError:
         return BenchError(
-            f"the Dask scheduler at {self.address} is gone; finished runs are kept, the same command goes on"
+            f"the Dask scheduler at {self.address} is gone; finished runs are kept, and the same command resumes"
         )
 
 

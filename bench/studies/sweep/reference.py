@@ -146,7 +146,7 @@ def load_reference(path: Path) -> SweepReference | None:
         }
         return SweepReference(content["content"], content["reason"], content["program"], lines)
     except (ValueError, KeyError, TypeError, AttributeError) as error:
-        raise BenchError(f"{path}: is no reference ({type(error).__name__}: {error})") from error
+        raise BenchError(f"{path}: is not a reference ({type(error).__name__}: {error})") from error
 
 
 def new_reference(sweep: Sweep, lines: Mapping[str, ReferenceLine], reason: str) -> SweepReference:

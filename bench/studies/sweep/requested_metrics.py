@@ -29,7 +29,7 @@ def check_asked(plan: Plan, joints: Iterable[str]) -> None:
                 continue
             if axis.split(".")[0] not in METRICS:
                 raise BenchError(
-                    f"{path}: plots: {axis!r} is no axis; there are {', '.join((*plan.axis_names, 'seed'))}"
+                    f"{path}: plots: {axis!r} is not an axis; there are {', '.join((*plan.axis_names, 'seed'))}"
                 )
             if fault := _fault(plan, axis, sorted(joints)):
                 raise BenchError(f"{path}: plots: {fault}")

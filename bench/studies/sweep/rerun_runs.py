@@ -62,7 +62,7 @@ def telling_runs(folder: Path, plan: Plan, count: int = SHOWN) -> list[int]:
         if status == OK and isinstance(value, int | float) and math.isfinite(value)
     ]
     if not done:
-        raise BenchError(f"{folder}: no run of this sweep came to an answer")
+        raise BenchError(f"{folder}: no run of this sweep gave a result")
     ordered = [run for _, run in sorted(done)]
     last = len(ordered) - 1
     places = [round(k * last / max(count - 1, 1)) for k in range(count)]

@@ -64,7 +64,7 @@ def written(folder: Path) -> Iterator[None]:
         yield
     except OSError as error:
         why = error.strerror or str(error)
-        raise BenchError(f"{folder}: {why}; finished runs are kept, the same command goes on") from error
+        raise BenchError(f"{folder}: {why}; finished runs are kept, and the same command resumes") from error
 
 
 def _run(
@@ -111,13 +111,13 @@ def _claim(plan: Plan, folder: Path) -> None:
     if record.is_file():
         if json.loads(record.read_text(encoding="utf-8")) != content:
             raise BenchError(
-                f"{folder}: holds another sweep, or an older version of this one: name another folder"
+                f"{folder}: holds another sweep, or an older version of this one: give another folder"
             )
         return
     if folder.exists() and not folder.is_dir():
-        raise BenchError(f"{folder}: is no folder: name another one")
+        raise BenchError(f"{folder}: is not a folder: give another one")
     if folder.exists() and any(folder.iterdir()):
-        raise BenchError(f"{folder}: is there already and holds no sweep: name another folder")
+        raise BenchError(f"{folder}: already exists and holds no sweep: give another folder")
     write_text_atomically(folder / FILE, plan.sweep.path.read_text(encoding="utf-8"))
     write_json_atomically(record, content)
 

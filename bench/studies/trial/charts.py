@@ -56,7 +56,7 @@ def misses_chart(summary: TrialSummary) -> Chart:
         "Effects missed, by size",
         Axis("error of the effect over the noise floor (cases)", scale="band", categories=names),
         (Panel(Axis("share of cases", "%", domain=(-0.04, 1.04)), series),),
-        aid="Own error: that of a model without the effect. Whiskers: 95 % intervals of the share.",
+        aid="Error of the effect: that of a model without it. Whiskers: 95 % intervals of the share.",
     )
 
 

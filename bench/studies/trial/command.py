@@ -164,7 +164,7 @@ def _check(setup: Setup, request: TrialRequest) -> None:
     for kind in request.kinds:
         chosen_effects(setup, kind, request.effects)
     if not request.plans:
-        raise BenchError("trial: none of these effects is of the kinds asked for")
+        raise BenchError("trial: none of these effects is of the requested kinds")
     for plan in request.plans:
         check_scenario(setup, plan.case(plan.first))
 

@@ -20,6 +20,6 @@ def check_numbers(rows: Sequence[Row]) -> None:
         if number in taken:
             raise BenchError(
                 f"trial: two rows of kind {row['kind']!r}, drawn from {drawn_from or ALL}, have the number "
-                f"{row['run']}: they are of two trials, which a table cannot tell apart"
+                f"{row['run']}: they are of two trials, which a table cannot distinguish"
             )
         taken.add(number)

@@ -116,7 +116,7 @@ def _claim(plan: TrialPlan, folder: Path, given: Mapping[str, str | float]) -> N
         there.pop("given", None)
         if there != content:
             raise BenchError(
-                f"{folder}: holds another trial of this robot, or an older version: name another folder with -o DIR"
+                f"{folder}: holds another trial of this robot, or an older version: give another folder with -o DIR"
             )
         return
     write_json_atomically(record, {**content, "given": dict(given)})
