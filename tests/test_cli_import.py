@@ -246,6 +246,6 @@ def test_logs_of_one_layout_say_it_once(log, tmp_path, monkeypatch, capsys):
         line for line in capsys.readouterr().out.splitlines() if ": " in line and ".csv" in line.split(":")[0]
     ]
     assert told == [
-        "a.csv and 2 more: line 2 is taken as units",
+        "a.csv and 2 more: line 2 is read as units",
         "a.csv and 2 more: time: in ms, as the log says",
     ]

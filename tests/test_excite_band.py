@@ -18,7 +18,8 @@ from bench.model.regressor import projected_regressor
 from bench.scenario.scenario import home_position
 from bench.scenario.trajectory import random_trajectory
 
-RATE, FAST = 400.0, {"duration": 5.0, "velocity": 10.0, "acceleration": 200.0}
+BOTH = {"crank": 10.0, "carriage": 10.0}
+RATE, FAST = 400.0, {"duration": 5.0, "velocity": BOTH, "acceleration": {"crank": 200.0, "carriage": 200.0}}
 
 
 @pytest.fixture(scope="module")

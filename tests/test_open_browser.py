@@ -136,7 +136,7 @@ def the_diagnosis_has_a_card_for_its_effect(page):
     expect(card).to_have_count(1)
     expect(card).to_contain_text(re.compile(r"Viscous friction at left missing.*Fv = 0\.3.* ± .*N·m·s/rad"))
     expect(card).to_contain_text(
-        re.compile(r"error \d.* % → 0\.\d* %With viscous friction at left the error")
+        re.compile(r"error \d.* % → 0\.\d* %.*With viscous friction at left the error")
     )
 
 

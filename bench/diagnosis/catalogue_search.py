@@ -3,8 +3,6 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
-import numpy as np
-
 from bench.basics.deadline import NEVER, Deadline, TimeUpError
 from bench.basics.progress import SILENT, Progress
 from bench.basics.threads import on_one_thread
@@ -55,6 +53,7 @@ from bench.diagnosis.result import (
 from bench.diagnosis.rounds import Round, first_round, searched, staying
 from bench.diagnosis.search import Found, judged_error
 from bench.diagnosis.showing import shows, wrong_sign
+from bench.diagnosis.sizes import sizes_of
 from bench.diagnosis.split import with_held_out_parts
 from bench.diagnosis.starting import given_wholly, kept_and_new, leaving, origins_of, worse
 from bench.diagnosis.unexplained import unexplained
@@ -304,7 +303,7 @@ def answered(case: SplitProblem, finding: SearchResult, progress: Progress = SIL
     probability = {proposals[i].name: float(posterior.probability[i]) for i in best.singles}
     ranking = tuple(
         with_probability(
-            replace(verdict, size=_sizes(model, after, verdict.effect)),
+            replace(verdict, size=sizes_of(model, after, verdict.effect)),
             probability.get(verdict.effect),
             posterior.sets,
             finding.names,
@@ -397,22 +396,3 @@ def _shown_places(
 
 def _by_strength(ranking: Sequence[EffectVerdict]) -> list[EffectVerdict]:
     return sorted(ranking, key=lambda verdict: -verdict.evidence)
-
-
-def _sizes(model: Prepared, result: Identification, effect: str) -> dict[str, float]:
-    """RMS torque of an effect at each motor over the fitted recordings, N*m or N; nothing where it is not there."""
-    at = 0
-    joints = list(model.dataset.robot.joints)
-    total = None
-    for instance in model.effects:
-        size = len(instance.effect.parameters)
-        if instance.effect.name == effect:
-            found = result.effect_parameters[effect][instance.place]
-            values = np.array([found[parameter.name].value for parameter in instance.effect.parameters])
-            torque = np.concatenate([seen.effects[:, :, at : at + size] @ values for seen in model.fitted])
-            total = torque if total is None else total + torque
-        at += size
-    if total is None:
-        return {}
-    rms = np.sqrt((total**2).mean(axis=0))
-    return {joint: float(value) for joint, value in zip(joints, rms, strict=True) if value > 0}

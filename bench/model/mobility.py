@@ -37,7 +37,9 @@ def check_assembled(geometry: Geometry) -> None:
         return
     cure = welds_as_connects(geometry, residual, allowed)
     rows = [
-        (f"loop {loop.name!r}", "m" if k < 3 else "rad") for loop in geometry.loops for k in range(loop.size)
+        (f"loop {loop.name!r}", joint_units(rotates=k >= 3).position)
+        for loop in geometry.loops
+        for k in range(loop.size)
     ]
     rows += [(_named(geometry, coupling), _unit(geometry, coupling)) for coupling in geometry.couplings]
     owner, unit = rows[widest]

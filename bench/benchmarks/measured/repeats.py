@@ -11,13 +11,14 @@ import numpy as np
 
 from bench.basics.files.atomic import write_json_atomically
 from bench.dataset.dataset import Dataset, load_dataset
+from bench.effects import CATALOGUE
 from bench.identification.by_unknown import estimates
 from bench.identification.chosen_band import prepare_checked
 from bench.identification.identify import identify
 from bench.identification.problem import problem_of
 from bench.identification.result import Identification
 
-FRICTION = ("viscous_friction", "coulomb_friction", "constant_offset")
+FRICTION = tuple(name for name, effect in CATALOGUE.items() if effect.varies_by_run and not effect.shape)
 WITHIN = 2.0  # standard errors
 GOAL_RMS, GOAL_WITHIN = 1.3, 0.92
 Kind = Literal["logs", "halves"]
@@ -108,8 +109,8 @@ def repeats_markdown(rows: Sequence[Repeats], program: Mapping[str, str]) -> str
         "",
         (
             "Each log of a machine, or each half of all its fitted logs, is identified by itself with `bench identify "
-            "--with viscous_friction --with coulomb_friction --with constant_offset`. For two values of the same "
-            "unknown with the stated standard errors, z = (a - b) / sqrt(s_a^2 + s_b^2). Goals: RMS z of at most "
+            f"{' '.join(f'--with {name}' for name in FRICTION)}`. For two values of the same unknown "
+            "with the stated standard errors, z = (a - b) / sqrt(s_a^2 + s_b^2). Goals: RMS z of at most "
             f"{GOAL_RMS:g}, and at least {100 * GOAL_WITHIN:g} % within 2."
         ),
         "",

@@ -19,7 +19,7 @@ from bench.dataset.sampling import FEWEST, cut_rows, gap_rows
 
 Array = npt.NDArray[np.float64]
 MOST = 5  # cuts of a kind that are reported one by one
-LITTLE = 0.05  # of a log's rows: what gaps may cost without being asked
+LITTLE = 0.05  # of a log's time: what gaps may cost without being asked
 SHORTEST = 2.0  # s: a piece between gaps that is worth a recording; filters take their share at both ends
 
 
@@ -122,11 +122,11 @@ def _costs_little(time: Array) -> bool:
     if np.any(np.diff(time) <= 0.0) or not (gaps := gap_rows(time).tolist()):
         return False
     kept = [
-        end - first
+        float(time[end - 1] - time[first])
         for first, end in pairwise([0, *gaps, time.size])
         if _long_enough(time, first, end, SHORTEST)
     ]
-    return sum(kept) >= (1.0 - LITTLE) * time.size
+    return sum(kept) >= (1.0 - LITTLE) * float(time[-1] - time[0])
 
 
 def _long_enough(time: Array, first: int, end: int, shortest: float) -> bool:
