@@ -117,7 +117,7 @@ def test_content_is_the_base_with_the_settings_of_the_run(tmp_path):
         ('base = "five_bar"\nsede = 3', "sede"),
         ('base = "five_bar"\nrecord = ["everything"]', "record"),
         ('base = "five_bar"\nshow = ["gain_eror"]', "gain_eror"),
-        ('base = "five_bar"\n[[plots]]\nx = "method"\ny = "gain_error"', "'method' is no axis"),
+        ('base = "five_bar"\n[[plots]]\nx = "method"\ny = "gain_error"', "'method' is not an axis"),
         ('base = "five_bar"\n[axes]\nseed = [1, 2]', "seeds have their key"),
         ('base = "five_bar"\n[axes]\nmethod = ["lss"]', "'lss' is not one of"),
         ('base = "five_bar"\n[axes]\neffects = [["visocus_friction"]]', "visocus_friction"),
