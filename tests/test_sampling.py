@@ -41,7 +41,9 @@ def test_rows_that_a_fast_logger_repeats_are_not_measurements():
     source = np.maximum.accumulate(np.where(np.arange(400) % 7 == 3, 0, np.arange(400)))
     held = repeated_rows(smooth[source], smooth[source])
     np.testing.assert_array_equal(np.flatnonzero(held), np.arange(3, 400, 7))
-    _, position, _, extra = on_uniform_grid(time, smooth[source], smooth[source], {"more": np.arange(400.0)})
+    _, position, _, extra = on_uniform_grid(
+        time, smooth[source], smooth[source], {"more": np.arange(400.0)}, held
+    )
     assert np.abs(position - smooth).max() < 1e-6
     assert np.abs(smooth[source] - smooth).max() > 1e-2
     np.testing.assert_array_equal(extra["more"], np.arange(400.0))

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.polynomial import Polynomial
 
 from bench.basics.errors import BenchError
+from bench.basics.joint_units import joint_units
 
 if TYPE_CHECKING:
     import mujoco
@@ -63,11 +64,12 @@ def drop_equalities(spec: mujoco.MjSpec, plain: mujoco.MjModel, values: Mapping[
                 continue
             gaps = np.abs(
                 at.efc_pos[of_equality & (at.efc_id == index)]
-            )  # three of position, of a weld three of turn
+            )  # of position, of a weld then of turn
             if gaps.max(initial=0.0) > DIGITS:
-                gap = f"{gaps.max():.3g} {'m' if gaps.argmax() < 3 else 'rad'}"
+                unit = joint_units(rotates=bool(gaps.argmax() >= 3)).position
                 raise BenchError(
-                    f"loop {label!r} between locked joints is open by {gap}: lock them where it closes"
+                    f"loop {label!r} between locked joints is open by {gaps.max():.3g} {unit}: "
+                    "lock them where it closes"
                 )
         elif equality.type == mujoco.mjtEq.mjEQ_JOINT:
             ends = [name for name in (equality.name1, equality.name2) if name]

@@ -80,8 +80,9 @@ def recording_from_table(
         c: table.numbers(c) for c in table.columns if c and c not in ("time", *columns) and table.is_plain(c)
     }
     n = len(joints)
-    held = float(repeated_rows(signals[:, :n], signals[:, n:]).mean())
-    time, position, current, extra = on_uniform_grid(time, signals[:, :n], signals[:, n:], extra)
+    repeated = repeated_rows(signals[:, :n], signals[:, n:])
+    held = float(repeated.mean())
+    time, position, current, extra = on_uniform_grid(time, signals[:, :n], signals[:, n:], extra, repeated)
     first = n - sum(joint.redundant for joint in joints)
     if first == n:
         return Recording(name, use, payload, time, position, current, extra, held=held)

@@ -158,23 +158,19 @@ def repeated_rows(position: Array, current: Array) -> npt.NDArray[np.bool_]:
 
 
 def on_uniform_grid(
-    time: Array, position: Array, current: Array, extra: Mapping[str, Array]
+    time: Array, position: Array, current: Array, extra: Mapping[str, Array], held: npt.NDArray[np.bool_]
 ) -> tuple[Array, Array, Array, dict[str, Array]]:
-    """A recording's time (N,), position (N, n), current (N, n) and other columns (N,) on a uniform grid, without
-    rows that repeat the one before.
+    """A recording's time (N,), position (N, n), current (N, n) and other columns (N,) on a uniform grid, without the
+    rows that are held (N,), see `repeated_rows`.
     """
-    grid = np.linspace(time[0], time[-1], time.size)
-    fresh = ~repeated_rows(position, current)
-    if not fresh.all():
-        read = cubic_spline(time[fresh], np.hstack([position, current])[fresh])(grid)
-        n, chosen = position.shape[1], nearest(time, grid)
-        return grid, read[:, :n], read[:, n:], {name: values[chosen] for name, values in extra.items()}
-    away = np.abs(time - grid).max() / (grid[1] - grid[0])
-    if away <= UNIFORM:
+    grid, fresh = np.linspace(time[0], time[-1], time.size), ~held
+    away, whole = np.abs(time - grid).max() / (grid[1] - grid[0]), bool(fresh.all())
+    if whole and away <= UNIFORM:
         return time, position, current, dict(extra)
-    read = cubic_spline(time, np.hstack([position, current]))(grid)
+    signals = np.hstack([position, current])
+    read = cubic_spline(time[fresh], signals[fresh])(grid)
     n = position.shape[1]
-    if away < 0.5 and _roughness(read[:, :n]) > SMOOTHER * _roughness(position):
+    if whole and away < 0.5 and _roughness(read[:, :n]) > SMOOTHER * _roughness(position):
         return grid, position, current, dict(extra)
     chosen = nearest(time, grid)
     return grid, read[:, :n], read[:, n:], {name: values[chosen] for name, values in extra.items()}

@@ -7,13 +7,13 @@ and the difference of the two shows it (Hausman, "Specification tests in econome
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
-from math import hypot, isfinite
+from math import hypot
 
 import numpy as np
 
 from bench.basics.chi_squared import exceeded_with
 from bench.identification.blocks import SHORTEST, SURPRISING
-from bench.identification.by_unknown import Estimate, estimates
+from bench.identification.by_unknown import estimates, in_both
 from bench.identification.estimators import DEFAULT_METHOD
 from bench.identification.finding import Code, Finding, Unknown
 from bench.identification.prepare import Prepared, prepare, with_effects
@@ -87,13 +87,13 @@ def _with_settings(prepared: Prepared, settings: FilterSettings) -> Prepared:
 
 def moved(here: Identification, there: Identification) -> bool:
     """Whether values move by more than their errors, all together, than chance would make them."""
-    squares = [(a.value - b.value) ** 2 / (a.std**2 + b.std**2) for a, b in _both(here, there).values()]
+    squares = [(a.value - b.value) ** 2 / (a.std**2 + b.std**2) for a, b in in_both(here, there).values()]
     return bool(squares) and sum(squares) > exceeded_with(SURPRISING, len(squares))
 
 
 def sharper(here: Identification, there: Identification) -> bool:
     """Whether standard errors are clearly smaller there, in the median: then more rows say less, and hold noise."""
-    ratios = [b.std / a.std for a, b in _both(here, there).values()]
+    ratios = [b.std / a.std for a, b in in_both(here, there).values()]
     return bool(ratios) and float(np.median(ratios)) < SHARPER
 
 
@@ -103,22 +103,11 @@ def _apart(
     """Standard errors that hold how far values are from others, beyond their errors or all of it, by unknown."""
     found: dict[Unknown, float] = {}
     for there in others:
-        for unknown, (a, b) in _both(here, there).items():
+        for unknown, (a, b) in in_both(here, there).items():
             noise = 0.0 if all_of_it else a.std**2 + b.std**2
             beyond = max((a.value - b.value) ** 2 - noise, 0.0)
             found[unknown] = max(found.get(unknown, 0.0), hypot(a.std, beyond**0.5))
     return found
-
-
-def _both(here: Identification, there: Identification) -> dict[Unknown, tuple[Estimate, Estimate]]:
-    """Values with a standard error in both answers, by unknown."""
-    first, second = estimates(here), estimates(there)
-    return {
-        unknown: (value, second[unknown])
-        for unknown, value in first.items()
-        if unknown in second
-        and all(each.std > 0.0 and isfinite(each.std) for each in (value, second[unknown]))
-    }
 
 
 def _point(prepared: Prepared, answer: Identification) -> BandPoint:

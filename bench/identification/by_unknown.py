@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import replace
+from math import inf
 from typing import TypeVar
 
 from bench.identification.finding import Unknown
@@ -22,6 +23,16 @@ def estimates(result: Identification) -> dict[Unknown, Estimate]:
         for effect, places in result.effect_parameters.items()
         for place, each in places.items()
         for name, quantity in each.items()
+    }
+
+
+def in_both(first: Identification, second: Identification) -> dict[Unknown, tuple[Estimate, Estimate]]:
+    """Values with a finite standard error in both answers, by unknown."""
+    here, there = estimates(first), estimates(second)
+    return {
+        unknown: (value, there[unknown])
+        for unknown, value in here.items()
+        if unknown in there and all(0.0 < each.std < inf for each in (value, there[unknown]))
     }
 
 

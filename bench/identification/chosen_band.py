@@ -1,13 +1,20 @@
 """Filters that are chosen from the spectra, and then by what the parameters do in half of their band."""
 
+from collections.abc import Mapping
 from dataclasses import replace
 
+from bench.effects import Effect, places_in, select_effects
 from bench.identification.bandwidth import moved, narrower, sharper
 from bench.identification.identify import fit
 from bench.identification.nonlinear import converged
-from bench.identification.prepare import Prepared, prepare
+from bench.identification.prepare import Prepared, prepare, with_effects
 from bench.identification.problem import Problem
 from bench.signals.settings import FilterSettings
+
+
+def usual_friction(catalogue: Mapping[str, Effect]) -> list[str]:
+    """Effects that nearly every drive has, with its value in each run, and no shape to be searched."""
+    return [name for name, effect in catalogue.items() if effect.varies_by_run and not effect.shape]
 
 
 def prepare_checked(problem: Problem) -> Prepared:
@@ -20,13 +27,10 @@ def prepare_checked(problem: Problem) -> Prepared:
     if problem.filters:
         return prepared
     known = {instance.effect.name for instance in prepared.effects}
-    friction = [
-        name
-        for name, effect in problem.catalogue.items()
-        if effect.varies_by_run and not effect.shape and name not in known
-    ]
-    with_friction = replace(problem, effects=(*problem.effects, *friction), filters=prepared.settings)
-    model = converged(prepare(with_friction))
+    friction = [name for name in usual_friction(problem.catalogue) if name not in known]
+    places = places_in(prepared.model.geometry, problem.dataset.weighed)
+    instances = select_effects(friction, places, problem.catalogue, prepared.logs)
+    model = converged(with_effects(prepared, (*prepared.effects, *instances)))
     here, rejected = fit(model), list[FilterSettings]()
     while (half := narrower(model)) is not None:
         there = fit(half)

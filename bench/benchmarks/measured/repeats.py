@@ -3,7 +3,7 @@
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
 from itertools import combinations
-from math import hypot, isfinite
+from math import hypot
 from pathlib import Path
 from typing import Literal
 
@@ -12,13 +12,12 @@ import numpy as np
 from bench.basics.files.atomic import write_json_atomically
 from bench.dataset.dataset import Dataset, load_dataset
 from bench.effects import CATALOGUE
-from bench.identification.by_unknown import estimates
-from bench.identification.chosen_band import prepare_checked
+from bench.identification.by_unknown import in_both
+from bench.identification.chosen_band import prepare_checked, usual_friction
 from bench.identification.identify import identify
 from bench.identification.problem import problem_of
-from bench.identification.result import Identification
 
-FRICTION = tuple(name for name, effect in CATALOGUE.items() if effect.varies_by_run and not effect.shape)
+FRICTION = tuple(usual_friction(CATALOGUE))
 WITHIN = 2.0  # standard errors
 GOAL_RMS, GOAL_WITHIN = 1.3, 0.92
 Kind = Literal["logs", "halves"]
@@ -52,7 +51,8 @@ def repeats_of(machine: str, folder: Path, kind: Kind, logs: Sequence[str] = ())
         dataset = replace(dataset, recordings=tuple(kept))
     parts = _each(dataset) if kind == "logs" else _halves(dataset)
     answers = [identify(prepare_checked(problem_of(part, FRICTION))) for part in parts]
-    z = np.array([value for a, b in combinations(answers, 2) for value in _apart(a, b)])
+    pairs = [pair for both in combinations(answers, 2) for pair in in_both(*both).values()]
+    z = np.array([(a.value - b.value) / hypot(a.std, b.std) for a, b in pairs])
     size = np.abs(z)
     return Repeats(
         machine,
@@ -77,16 +77,6 @@ def _halves(dataset: Dataset) -> Iterator[Dataset]:
             log.part(slice(half * len(log.time) // 2, (half + 1) * len(log.time) // 2)) for log in fitted
         ]
         yield replace(dataset, recordings=tuple(parts))
-
-
-def _apart(a: Identification, b: Identification) -> list[float]:
-    first, second = estimates(a), estimates(b)
-    pairs = [(value, second[unknown]) for unknown, value in first.items() if unknown in second]
-    return [
-        (x.value - y.value) / hypot(x.std, y.std)
-        for x, y in pairs
-        if x.std > 0.0 and y.std > 0.0 and isfinite(x.std) and isfinite(y.std)
-    ]
 
 
 COMPARED: Sequence[tuple[str, Kind, Sequence[str]]] = (

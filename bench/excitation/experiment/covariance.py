@@ -73,7 +73,13 @@ class RelativeErrors:
         inverse, noise = _sides(self, relative)
         left = inverse * (0.5 / self._variances(relative))
         mean = left / len(self.targets)
-        return _slopes(left[:, near], noise[:, near], inverse[:, near], mean, noise, inverse)
+        return ErrorSlopes(
+            left[:, near],
+            noise[:, near],
+            inverse[:, near],
+            _symmetric(mean @ noise.T),
+            _symmetric(mean @ inverse.T),
+        )
 
     def _variances(self, relative: "_Relative") -> np.ndarray:
         return np.maximum(np.diag(relative.covariance)[self.targets], np.finfo(float).tiny)
@@ -100,7 +106,7 @@ class Volume:
         inverse, noise = _sides(self, relative)
         left = inverse @ np.linalg.inv(self._block(relative)) * (0.5 / len(self.targets))
         none = np.zeros((len(left), 0))
-        return _slopes(none, none, none, left, noise, inverse)
+        return ErrorSlopes(none, none, none, _symmetric(left @ noise.T), _symmetric(left @ inverse.T))
 
     def _block(self, relative: "_Relative") -> np.ndarray:
         return relative.covariance[np.ix_(self.targets, self.targets)]
@@ -117,19 +123,6 @@ def _sides(errors: Errors, relative: "_Relative") -> tuple[np.ndarray, np.ndarra
     inverse = relative.inverse[:, errors.targets] * errors.sizes[:, None]
     noise = relative.noise[:, errors.targets] * errors.sizes[:, None]
     return inverse, -2.0 * noise
-
-
-def _slopes(
-    left: np.ndarray,
-    by_normal: np.ndarray,
-    by_score: np.ndarray,
-    mean: np.ndarray,
-    mean_by_normal: np.ndarray,
-    mean_by_score: np.ndarray,
-) -> ErrorSlopes:
-    return ErrorSlopes(
-        left, by_normal, by_score, _symmetric(mean @ mean_by_normal.T), _symmetric(mean @ mean_by_score.T)
-    )
 
 
 def _symmetric(matrix: np.ndarray) -> np.ndarray:
