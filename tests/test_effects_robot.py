@@ -359,10 +359,10 @@ def test_friction_of_a_bearing_counts_what_friction_presses_on_it(tmp_path: Path
     assert set(torques) == {"left_elbow", "right_elbow"}
     borne = robot.borne("left_elbow", robot.every)
     force = robot.refined(borne.force + 1.5 * borne.of_mass)
-    force += sum(robot.refined(borne.by_torque(name)) * torques[name][:, None] for name in torques)
+    force += sum(robot.refined(borne.by_torque(name))[:, :, 0] * torques[name] for name in torques)
     index = robot.geometry.joints[robot.geometry.joint_index("left_elbow")].v.start
     friction = 0.02 * np.hypot(*force.T) * np.sign(robot.tree.v[:, index])
-    close(torques["left_elbow"][:, None], friction[:, None], 5e-3)  # a few rounds of what presses on itself
+    close(torques["left_elbow"], friction[:, None], 5e-3)  # a few rounds of what presses on itself
     found = columns_at(robot, "passive_load_friction", "left_elbow", mu=0.02, mum=0.03) @ np.array(
         [0.02, 0.03]
     )

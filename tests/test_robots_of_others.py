@@ -32,7 +32,7 @@ def test_they_are_accepted(name, measured_data):
     for check in report.checks:
         if check.code == CheckCode.JOINT_FORCE_NOT_MODELLED:  # what is offered exists
             places = {effect.partition(":")[2] for effect in check.values["effects"]}
-            assert places <= {line.name for line in report.joints if line.kind in ("hinge", "slide")}
+            assert places <= {line.name for line in report.joints if line.kind in ("hinge", "slide", "ball")}
             assert places | set(check.values["unfitted"]) == set(check.values["joints"])
     assert (CheckCode.DRAWING_ROUNDED in codes) == (name in ROUNDED)
     home = next(check for check in report.checks if check.code == CheckCode.HOME_CLOSED)

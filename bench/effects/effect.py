@@ -96,7 +96,8 @@ class Effect(ABC):
     much between few, as friction does where a joint is slow: a search must not take few of them. of_velocity: its
     torque is an odd function of its joint's velocity alone. varies_by_run: it may have another value from one recording
     to the next, as an amplifier's offset has, and a diagnosis looks for that. of_instant: it follows from acceleration
-    or torque of the same instant, and from nothing before. in_mjcf: the term of an MJCF's joint that has its law.
+    or torque of the same instant, and from nothing before. in_balls: of those at passive joints, one that a ball joint
+    can have, too. in_mjcf: the term of an MJCF's joint that has its law.
     """
 
     name: ClassVar[str]
@@ -116,6 +117,7 @@ class Effect(ABC):
     of_velocity: ClassVar[bool] = False
     varies_by_run: ClassVar[bool] = False
     of_instant: ClassVar[bool] = False
+    in_balls: ClassVar[bool] = False
     in_mjcf: ClassVar[MjcfTerm | None] = None
 
     @abstractmethod
@@ -126,7 +128,10 @@ class Effect(ABC):
         """
 
     def in_joint(self, robot: RobotSignals, joint: str) -> np.ndarray | None:  # noqa: ARG002 - by default none
-        """Torque or force (N, p) in its joint without a motor for a value of one of each parameter; None elsewhere."""
+        """Torque or force (N, d, p) in its joint without a motor for a value of one of each parameter; None elsewhere.
+
+        d: 1 in a hinge or slide, 3 in a ball joint.
+        """
         return None
 
     def shape_values(self) -> dict[str, float]:

@@ -7,6 +7,7 @@ import numpy as np
 
 from bench.effects.effect import Effect
 from bench.effects.signals import RobotSignals
+from bench.model.joint_rates import joint_rates
 
 
 def passive_position(robot: RobotSignals, joint: str) -> np.ndarray:
@@ -20,15 +21,13 @@ def passive_velocity(robot: RobotSignals, joint: str) -> np.ndarray:
     return robot.tree.v[:, robot.geometry.joints[robot.geometry.joint_index(joint)].v.start]
 
 
-def passive_acceleration(robot: RobotSignals, joint: str) -> np.ndarray:
-    """Acceleration (N,) of a hinge or slide of the opened tree, rad/s2 or m/s2."""
-    return robot.tree.a[:, robot.geometry.joints[robot.geometry.joint_index(joint)].v.start]
-
-
 def seen_by_motors(robot: RobotSignals, joint: str, torque: np.ndarray) -> np.ndarray:
-    """What the motors need against a torque or force (N,) in a joint, (N, n): virtual work, J_t' torque."""
-    index = robot.geometry.joints[robot.geometry.joint_index(joint)].v.start
-    return robot.tree.jacobian[:, index, :] * torque[:, None]
+    """What the motors need against a torque or force in a joint, (N, n): virtual work, J_t' torque.
+
+    torque: (N,) of a hinge or slide; (N, 3) of a ball joint, in the frame of its body.
+    """
+    own = robot.geometry.joints[robot.geometry.joint_index(joint)].v
+    return np.einsum("kdn,kd->kn", robot.tree.jacobian[:, own], torque.reshape(len(torque), -1))
 
 
 @dataclass(frozen=True)
@@ -39,18 +38,18 @@ class PassiveEffect(Effect):
 
     @abstractmethod
     def torque(self, position: np.ndarray, velocity: np.ndarray, acceleration: np.ndarray) -> np.ndarray:
-        """Torque or force (N, p) in the joint for a value of one of each parameter.
+        """Torque or force (N, d, p) in the joint for a value of one of each parameter.
 
-        position, velocity, acceleration: (N,) of the joint, rad or m, zero where the MJCF has it, and its rates.
+        position (N, 1): rad or m, zero where the MJCF has it; nothing to go by in a ball joint. velocity, acceleration
+        (N, d): d is 1 in a hinge or slide, 3 in a ball joint, see `joint_rates`.
         """
 
     def in_joint(self, robot: RobotSignals, joint: str) -> np.ndarray:
-        """`torque` (N, p)."""
-        return self.torque(
-            passive_position(robot, joint), passive_velocity(robot, joint), passive_acceleration(robot, joint)
-        )
+        """`torque` (N, d, p)."""
+        rates = joint_rates(robot.geometry, robot.tree, robot.geometry.joint_index(joint))
+        return self.torque(passive_position(robot, joint)[:, None], *rates)
 
     def columns(self, robot: RobotSignals, joint: str) -> np.ndarray:
         """Columns (N, n, p): what the motors need against `torque`."""
         torque = self.in_joint(robot, joint)
-        return np.stack([seen_by_motors(robot, joint, column) for column in torque.T], axis=2)
+        return np.stack([seen_by_motors(robot, joint, column) for column in np.moveaxis(torque, 2, 0)], axis=2)

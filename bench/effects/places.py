@@ -14,7 +14,7 @@ from bench.model.reaction import undetermined_by
 class Places:
     """Names of all that can have an effect: joints with and without a motor, bodies with a length, payloads.
 
-    redundant: joints with a motor that do not move independently. geometry: what tells whose force follows from the
+    passive: hinges and slides; balls: ball joints, which some effects of passive joints can have, too. redundant: joints with a motor that do not move independently. geometry: what tells whose force follows from the
     motion.
     """
 
@@ -23,6 +23,7 @@ class Places:
     body: tuple[str, ...]
     payload: tuple[str, ...]
     redundant: tuple[str, ...] = ()
+    balls: tuple[str, ...] = ()
     geometry: Geometry | None = field(default=None, compare=False, repr=False)
 
     @cached_property
@@ -38,12 +39,14 @@ class Places:
     @property
     def names(self) -> frozenset[str]:
         """All of them."""
-        return frozenset((*self.actuator, *self.redundant, *self.passive, *self.body, *self.payload))
+        return frozenset((*self.actuator, *self.redundant, *self.passive, *self.balls, *self.body, *self.payload))
 
     def where(self, effect: Effect) -> tuple[str, ...]:
         """Where an effect can sit. At a redundant motor, what shows in its motor's torque and needs no model."""
         alone = isinstance(effect, ActuatorEffect) and type(effect).columns is ActuatorEffect.columns
         more = self.redundant if alone and not effect.depends_on_model else ()
+        if effect.place == "passive" and effect.in_balls:
+            more = self.balls
         return (*self.of(effect.place), *more)
 
     def of(self, place: Place) -> tuple[str, ...]:
@@ -68,6 +71,7 @@ def places_in(geometry: Geometry, payloads: Iterable[str]) -> Places:
         body=tuple(lengths(geometry)),
         payload=tuple(payloads),
         redundant=tuple(actuator.joint for actuator in geometry.robot.redundant),
+        balls=tuple(joint.name for joint in geometry.joints if joint.kind == "ball"),
         geometry=geometry,
     )
 

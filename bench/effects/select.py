@@ -14,7 +14,7 @@ TAG = "@recording"  # behind an effect or its place: a value for each recording
 
 NOWHERE: dict[Place, str] = {
     "actuator": "the robot has no motor",
-    "passive": "the robot has no joint without a motor",
+    "passive": "the robot has no joint without a motor that can have it",
     "bearing": "the robot has no joint without a motor whose force follows from the motion",
     "body": "no body of the robot has a length",
     "payload": "the dataset has no payload of known mass",

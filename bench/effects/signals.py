@@ -97,7 +97,8 @@ class Borne:
 
     force (K, 2) N, at every so many-th sample; of_mass (K, 2) N/kg: what a mass on the joint's axis, beyond it, adds.
     mass: kg, how much of that the force of equal bars, as heavy as the model, has in addition. by_torque: what a
-    torque or force of one that another joint without a motor needs, by name, or the joint itself, adds to it (K, 2).
+    torque or force of one that another joint without a motor needs, by name, or the joint itself, adds to it (K, 2, d),
+    d: 1 of a hinge or slide, 3 of a ball joint.
     """
 
     force: np.ndarray
@@ -145,8 +146,8 @@ class RobotSignals:
     joints: the actuated ones that move independently by name, in actuator order; redundant: the others with a motor.
     `moved` computes `tree`. payload: the name of what it carries, None without; payload_mass kg, as declared, zero
     where unknown; `carried` computes `payload_torque`. torque: the rigid-body torque of the present model, less what
-    redundant motors give. borne: what joints bear by it; in_joints: what its effects need (N,) in joints without a
-    motor, by name, N*m or N. An effect that depends on the model is linearised about the present one, and the fit
+    redundant motors give. borne: what joints bear by it; in_joints: what its effects need (N, d) in joints without
+    a motor, by name, N*m or N. An effect that depends on the model is linearised about the present one, and the fit
     repeats until it converges. gaps: stretches of samples in which each joint stands still.
     offsets: of the present model's encoders by joint, rad or m. log: the recording whose own values hold here, of
     effects that have a value for each. lasting: rows of effects that do not depend on the present model, kept as long

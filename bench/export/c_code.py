@@ -39,8 +39,16 @@ def c_text(model: IdentifiedModel, payload: str | None = None) -> tuple[str, tup
     chosen = chosen_effects(model)
     at_motors = (*chosen.at_motors, *chosen.between)
     known = [effect for effect in at_motors if effect.name in LAWS]
-    passive = [effect for effect in chosen.in_passive if effect.name in PASSIVE_LAWS]
-    unknown = [f"{effect.name} at {effect.place}" for effect in at_motors if effect.name not in LAWS]
+    balls = {joint.name for joint in geometry.joints if joint.kind == "ball"}
+    passive = [effect for effect in chosen.in_passive if effect.name in PASSIVE_LAWS and effect.place not in balls]
+    unknown = [
+        *(f"{effect.name} at {effect.place}" for effect in at_motors if effect.name not in LAWS),
+        *(
+            f"{effect.name} at {effect.place}: a ball joint"
+            for effect in chosen.in_passive
+            if effect.place in balls
+        ),
+    ]
     left_out = (*chosen.left_out, *unknown)
     units = ", ".join(f"{motor.joint} ({motor.gain_unit.split('/')[-1]})" for motor in model.robot.actuators)
     names = {

@@ -11,6 +11,7 @@ from bench.effects.passive_joint import PassiveEffect
 from bench.export.carried import carried
 from bench.export.identified import EffectValues, IdentifiedModel
 from bench.model.geometry import Geometry
+from bench.model.joint_rates import joint_rates
 from bench.model.motion import Motion, motion_of, rates_at
 from bench.model.regressor import projected_regressor
 from bench.twin.laws import Memoryless, joint_law_of
@@ -124,7 +125,7 @@ def _passive(geometry: Geometry, motion: Motion, fitted_effect: EffectValues) ->
     if not isinstance(effect, PassiveEffect):
         raise TypeError(effect.name)
     joint = geometry.joints[geometry.joint_index(fitted_effect.place)]
-    position = motion.q[:1, joint.q.start] + joint.offset
-    velocity, acceleration = motion.v[:1, joint.v.start], motion.a[:1, joint.v.start]
-    torque = effect.torque(position, velocity, acceleration) @ np.array(list(fitted_effect.values.values()))
-    return np.asarray(motion.jacobian[0, joint.v.start] * torque[0])
+    position = motion.q[:1, joint.q.start, None] + joint.offset
+    rates = joint_rates(geometry, motion, geometry.joint_index(fitted_effect.place))
+    torque = effect.torque(position, *rates) @ np.array(list(fitted_effect.values.values()))
+    return np.asarray(torque[0] @ motion.jacobian[0, joint.v])

@@ -179,10 +179,9 @@ def _set_joints(
         joint.damping = terms.damping
         joint.frictionloss = terms.frictionloss
         joint.stiffness = [terms.stiffness, 0.0, 0.0]
-        if joint.type not in kinds:
-            continue
-        joint.springref = degrees * terms.springref
-        joint.springdamper = [0.0, 0.0]
+        if joint.type in kinds:
+            joint.springref = degrees * terms.springref
+            joint.springdamper = [0.0, 0.0]
         exact[f"joint {joint.name}"] = {
             "armature": _text(terms.armature),
             "damping": _text(terms.damping),

@@ -13,7 +13,7 @@ from bench.export.physical import PhysicalSet
 
 @dataclass
 class JointTerms:
-    """What acts in one joint: SI at the joint.
+    """What acts in one joint: SI at the joint. ball: a ball joint, in each coordinate of its angular velocity.
 
     damping: d0 + d1 |v| + d2 v2, times v; stiffness times (q - springref) pulls back.
     """
@@ -25,6 +25,7 @@ class JointTerms:
     springref: float = 0.0
     offset: float = 0.0
     """Torque or force that the motor has to overcome, whatever the motion."""
+    ball: bool = False
 
 
 @dataclass(frozen=True)
@@ -54,6 +55,7 @@ def placed_effects(physical: PhysicalSet, log: str = "") -> Placed:
         joint: JointTerms(armature=float(rotor))
         for joint, rotor in zip(model.robot.joints, physical.rotors, strict=True)
     }
+    balls = {joint.name for joint in model.model.geometry.joints if joint.kind == "ball"}
     left = []
     gravity = model.model.geometry.gravity
     for effect in model.effects_in(log):
@@ -66,7 +68,8 @@ def placed_effects(physical: PhysicalSet, log: str = "") -> Placed:
                     NotPlaced(effect, "tilted gravity would move masses of which the data say nothing")
                 )
             continue
-        terms = joints.setdefault(effect.place, JointTerms()) if effect.name in RULES else None
+        known = effect.name in RULES
+        terms = joints.setdefault(effect.place, JointTerms(ball=effect.place in balls)) if known else None
         why = NO_PLACE if terms is None else RULES[effect.name](effect.values, terms)
         if why:
             left.append(NotPlaced(effect, why))
@@ -93,6 +96,8 @@ def _drag(values: Mapping[str, float], terms: JointTerms) -> str:
 
 
 def _coulomb(values: Mapping[str, float], terms: JointTerms) -> str:
+    if terms.ball:
+        return "MuJoCo's frictionloss brakes each axis of a ball joint by itself, not its angular velocity as a whole"
     if values["Fc"] < 0.0:
         return f"frictionloss cannot be negative ({values['Fc']:.3g})"
     terms.frictionloss += values["Fc"]

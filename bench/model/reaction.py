@@ -160,9 +160,12 @@ def bearing_rows(bearing: Bearing, held: HeldMotion, columns: np.ndarray) -> np.
 
 
 def bearing_torques(bearing: Bearing, held: HeldMotion, other: int) -> np.ndarray:
-    """Force (N, 2), N, along both slides for a torque or force of one that a joint without a motor (index) needs."""
+    """Force (N, 2, d), N, along both slides for a torque or force of one that a joint without a motor (index) needs.
+
+    d: 1 of a hinge or slide, 3 of a ball joint.
+    """
     joint = bearing.geometry.joints[_index(other, bearing.joint)]
-    return np.asarray(bearing_motion(bearing, held).jacobian[:, joint.v.start])
+    return np.asarray(bearing_motion(bearing, held).jacobian[:, joint.v].transpose(0, 2, 1))
 
 
 @lru_cache(maxsize=KEPT)

@@ -3,34 +3,43 @@ joint of the tree or a loop closure.
 
 No loop closure holds such a spin and no motor drives it. With the mass on that line and no friction in the joints
 nothing turns the rod about it either, so that its absolute angular velocity along the line stays as it is: none.
+With friction or armature in the ball joints these drive the spin, see `bench.model.joint_rates`.
 """
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 
 from bench.model.geometry import Geometry, Joint
 
+KEPT = 16  # geometries whose spins are kept
 ON_LINE = 1e-4  # of the distance between the joints: how far a third point may lie off their line
 POINT = 1e-9  # m: nearer points are one
 
 
 @dataclass(frozen=True)
 class Spin:
-    """What joint `joint` (a ball or free joint) carries has no angular velocity along `axis` (3,), in its frame."""
+    """What joint `joint` (a ball or free joint) carries has no angular velocity along `axis` (3,), in its frame.
+
+    ends: the ball joints of the tree at its other end, each with that axis (3,) as the ball sees it before it turns.
+    """
 
     joint: int
     axis: np.ndarray
+    ends: tuple[tuple[int, np.ndarray], ...] = ()
 
 
+@lru_cache(maxsize=KEPT)
 def idle_spins(geometry: Geometry) -> tuple[Spin, ...]:
     """The spins of a robot's rods, one equation each."""
     found = []
     for index, joint in enumerate(geometry.joints):
         if joint.kind in ("ball", "free"):
-            axis = _line(geometry, index, joint)
+            carried = _carried(geometry, index)
+            axis = _line(geometry, joint, carried)
             if axis is not None:
-                found.append(Spin(index, axis))
+                found.append(Spin(index, axis, _ends(geometry, axis, carried)))
     return tuple(found)
 
 
@@ -44,9 +53,18 @@ class _Carried:
     ends: dict[int, int]
 
 
-def _line(geometry: Geometry, index: int, joint: Joint) -> np.ndarray | None:
+def _ends(geometry: Geometry, axis: np.ndarray, carried: _Carried) -> tuple[tuple[int, np.ndarray], ...]:
+    ends = []
+    for ball, holder in carried.ends.items():
+        place = carried.places[holder]
+        if place is not None:  # as on every line
+            turned = place[0][:3, :3] @ geometry.joints[ball].placement.rotation
+            ends.append((ball, turned.T @ axis))
+    return tuple(ends)
+
+
+def _line(geometry: Geometry, joint: Joint, carried: _Carried) -> np.ndarray | None:
     """The line (3,) about which all that a joint carries can turn, every loop closed; None where there is none."""
-    carried = _carried(geometry, index)
     if geometry.tool is not None and geometry.tool.joint in carried.places:
         return None
     holders = [(end, geometry.joints[ball].placement.translation) for ball, end in carried.ends.items()]

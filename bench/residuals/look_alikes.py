@@ -53,7 +53,7 @@ class LookAlike:
 def possible_effects(problem: Problem) -> dict[str, Effect]:
     """The known effects that have a place in the robot."""
     places = places_of(problem)
-    return {name: effect for name, effect in problem.catalogue.items() if places.of(effect.place)}
+    return {name: effect for name, effect in problem.catalogue.items() if places.where(effect)}
 
 
 def look_alikes(

@@ -56,11 +56,22 @@ def _notes(compiled: mujoco.MjModel, robot: Robot) -> Iterator[tuple[CheckCode, 
         if term == "armature":  # a driven joint's is a base parameter, or part of one
             joints = [joint for joint in joints if joint not in robot.driven]
         if joints:
-            balls = [joint for joint in joints if joint in _without_an_angle(compiled)]
-            with_angle = [joint for joint in joints if joint not in balls]
-            driven_first = sorted(with_angle, key=lambda joint: joint not in robot.driven)
+            balls, free = (
+                [joint for joint in joints if joint in _of_kind(compiled, kind)]
+                for kind in (mujoco.mjtJoint.mjJNT_BALL, mujoco.mjtJoint.mjJNT_FREE)
+            )
+            unfitted = free if CATALOGUE[_effect_of(term, "passive")].in_balls else [*balls, *free]
+            fitted = [joint for joint in joints if joint not in unfitted]
+            driven_first = sorted(fitted, key=lambda joint: joint not in robot.driven)
             effects = [f"{_effect_of(term, _place(joint, robot))}:{joint}" for joint in driven_first]
-            values = {"term": term, "joints": joints, "effects": effects, "unfitted": balls}
+            as_a_whole = balls if term == "frictionloss" else []
+            values = {
+                "term": term,
+                "joints": joints,
+                "effects": effects,
+                "unfitted": unfitted,
+                "as_a_whole": as_a_whole,
+            }
             yield CheckCode.JOINT_FORCE_NOT_MODELLED, values
     gap = home_gap(robot.mjcf_as_drawn())
     if CLOSED < gap <= ROUNDING:
@@ -79,13 +90,11 @@ def _notes(compiled: mujoco.MjModel, robot: Robot) -> Iterator[tuple[CheckCode, 
         yield CheckCode.TENDON_UNUSED, {"tendon": label_of(compiled, mujoco.mjtObj.mjOBJ_TENDON, tendon)}
 
 
-def _without_an_angle(compiled: mujoco.MjModel) -> list[str]:
-    """Ball and free joints, in which the catalogue has no friction, no spring and no rotor."""
-    kinds = (int(mujoco.mjtJoint.mjJNT_BALL), int(mujoco.mjtJoint.mjJNT_FREE))
+def _of_kind(compiled: mujoco.MjModel, kind: mujoco.mjtJoint) -> list[str]:
     return [
         label_of(compiled, mujoco.mjtObj.mjOBJ_JOINT, joint)
         for joint in range(compiled.njnt)
-        if int(compiled.jnt_type[joint]) in kinds
+        if int(compiled.jnt_type[joint]) == int(kind)
     ]
 
 

@@ -68,10 +68,21 @@ def _equality_inactive(equality: str) -> str:
     return f"equality {equality!r} is inactive and ignored"
 
 
-def _joint_force(term: str, joints: Sequence[str], effects: Sequence[str], unfitted: Sequence[str]) -> str:
+def _joint_force(
+    term: str,
+    joints: Sequence[str],
+    effects: Sequence[str],
+    unfitted: Sequence[str],
+    as_a_whole: Sequence[str],
+) -> str:
     said = f"{TERMS[term]} on {', '.join(joints)}: the simulator adds it, the model does not contain it"
     if effects:
         said += f"; fit it with --with {' --with '.join(effects)}"
+    if as_a_whole:
+        said += (
+            f"; in a ball joint ({', '.join(as_a_whole)}) law and simulated machine oppose the angular velocity as a "
+            "whole, MuJoCo by itself brakes each of its axes"
+        )
     if unfitted:
         said += (
             f"; the catalogue has no such effect for a ball or free joint ({', '.join(unfitted)}): for a simulation "

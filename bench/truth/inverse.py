@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bench.truth.assembly import close_loops, followed, following, loop_rows
+from bench.truth.balls import directions
 from bench.truth.machine import Machine
 
 Array = NDArray[np.float64]
@@ -46,7 +47,7 @@ def motor_torque(
         given = data.qfrc_actuator.copy()
         given[machine.motor_dofs] -= data.actuator_force[: len(machine.dofs)]
         force = mass @ acceleration + data.qfrc_bias - data.qfrc_passive - given
-        force += model.dof_frictionloss * np.sign(velocity)
+        force += model.dof_frictionloss * directions(model, velocity)
         torque[k] = follow.T @ force
     return torque
 

@@ -17,12 +17,14 @@ from bench.dataset.robot import Robot
 from bench.scenario.scenario import Scenario, payload_truth, per_joint
 from bench.scenario.tables import Controller, PayloadTable
 from bench.truth.assembly import felt_inertia
+from bench.truth.balls import ball_joints
 from bench.truth.hidden import (
     LAWS,
     PAYLOAD_BODY,
     Draft,
     EncoderOffset,
     HiddenEffect,
+    JointEffect,
     has_law,
 )
 from bench.truth.hidden.base import harden_friction
@@ -133,7 +135,7 @@ def _built(scenario: Scenario) -> Machine:
     home = home_pose(robot)
     inertia = felt_inertia(plain, home, dofs, len(robot.joints))
     hidden = hidden_effects(settings.hidden, robot.driven, plain)
-    laws = any(has_law(effect, law) for effect in hidden for law in LAWS)
+    laws = _rubbing_ball(plain, hidden) or any(has_law(effect, law) for effect in hidden for law in LAWS)
     drive = _drive(robot, settings.controller, true_gains(scenario), inertia, _encoder_offset(hidden, robot))
     payloads = {name: _true_payload(name, table, hidden) for name, table in settings.payloads.items()}
     models: dict[str | None, mujoco.MjModel] = {}
@@ -177,6 +179,14 @@ def _built(scenario: Scenario) -> Machine:
         dofs,
         motor_addresses,
         motor_dofs,
+    )
+
+
+def _rubbing_ball(plain: mujoco.MjModel, hidden: Sequence[HiddenEffect]) -> bool:
+    """Whether a ball joint may have dry friction: by the file, or as an effect is hidden in it."""
+    balls = ball_joints(plain)
+    return any(np.any(plain.dof_frictionloss[dofs]) for dofs in balls.values()) or any(
+        isinstance(effect, JointEffect) and effect.joint in balls for effect in hidden
     )
 
 

@@ -11,6 +11,7 @@ from mujoco.batch import Batch
 from numpy.typing import NDArray
 
 from bench.basics.errors import BenchError
+from bench.truth.balls import balls_of
 from bench.truth.bearings import bearings_of
 from bench.truth.hidden import Clock, Signals
 from bench.truth.indices import as_slice, live_columns
@@ -103,6 +104,7 @@ class Stepper:
         ]
         self._dry = dry_friction
         self._bearings = bearings_of(machine, batch)
+        self._balls = balls_of(machine.models[None], qvel)
         self._own_friction = np.stack([model.dof_frictionloss[machine.motor_dofs] for model in self._models])
         # the arrays of the models themselves: looking them up takes longer than a law does
         self._frictions = [model.dof_frictionloss for model in self._models]
@@ -143,7 +145,7 @@ class Stepper:
             self._control[:] = torque
             self._oppose()
             keep = k % every == 0
-            if self._dry or self._bearings:
+            if self._dry or self._bearings or self._balls:
                 self._set_friction(keep)
             if keep:
                 before.keep(sample)
@@ -199,4 +201,7 @@ class Stepper:
         for bearing in self._bearings:
             for friction, own in zip(self._frictions, bearing.size(), strict=True):
                 friction[bearing.dof] = own
+        for ball in self._balls:
+            for friction, own in zip(self._frictions, ball.size(), strict=True):
+                friction[ball.dofs] = own
         self._batch.set_models(self._models)

@@ -12,21 +12,27 @@ from bench.effects.passive_joint import PassiveEffect
 class PassiveCoulombFriction(PassiveEffect):
     """Coulomb friction in a passive joint p, carried to the motors by the loops.
 
-    Valid while the joint turns; a bearing under load has more. Source: Briot and Khalil, "Dynamics of Parallel
+    In a ball joint it opposes the angular velocity, wherever that points. MuJoCo's frictionloss brakes each of a ball's
+    three coordinates by itself, up to 1.7 times as much about one axis as about another by how the ball's frame is
+    turned in its body, and that frame spins with a rod: no fit can know it, and no ball has one. The simulated machine
+    reads the frictionloss of a ball as this law. Valid while the joint turns, and in the balls at both ends of a rod
+    where they have nearly the same friction, see `bench.model.joint_rates`; a bearing under load has more. Source: Briot and Khalil, "Dynamics of Parallel
     Robots", 2015, chapter 8 (principle of virtual work).
     """
 
     name = "passive_coulomb_friction"
-    law = "τ = J_p' Fc sign(q̇_p): coulomb friction in a passive joint p, carried to the motors by the loops."
+    law = "τ = J_p' Fc q̇_p/|q̇_p|: coulomb friction in a passive joint p, carried to the motors by the loops."
     symbols = (
-        "Fc: Coulomb friction, positive, N·m or N; q̇_p: velocity of the passive joint; J_p (1, n): its "
-        "velocity for the motors' velocities."
+        "Fc: Coulomb friction, positive, N·m or N; q̇_p: velocity of the passive joint, of a ball "
+        "joint its angular velocity (3); J_p (1, n) or (3, n): that for the motors' velocities."
     )
     shown_by = "move one motor alone, slowly"
     seen = ("opposes",)
     in_key = ("is there at several motors at once, and varies with the pose",)
     parameters = (EffectParameter("Fc", "{effort}", positive=True),)
+    in_balls = True
     in_mjcf = "frictionloss"
 
     def torque(self, position: np.ndarray, velocity: np.ndarray, acceleration: np.ndarray) -> np.ndarray:  # noqa: ARG002 - of the velocity alone
-        return np.sign(velocity)[:, None]
+        speed = np.linalg.norm(velocity, axis=1, keepdims=True)
+        return np.divide(velocity, speed, out=np.zeros_like(velocity), where=speed > 0.0)[:, :, None]

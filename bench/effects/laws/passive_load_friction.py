@@ -51,25 +51,25 @@ class PassiveLoadFriction(Effect):
     mum: float = 0.0
 
     def in_joint(self, robot: RobotSignals, joint: str) -> np.ndarray:
-        """Torque or force (N, 2) in the joint by mu and mum."""
+        """Torque or force (N, 1, 2) in the joint by mu and mum."""
         direction = np.sign(passive_velocity(robot, joint))
         borne = robot.borne(joint, robot.every)
         force, of_mass, torques = borne.force, borne.of_mass, robot.in_joints()
         if torques:  # which change at once where a joint turns back
             force, of_mass = robot.refined(force), robot.refined(of_mass)
         for other, torque in torques.items():
-            force = force + robot.refined(borne.by_torque(other)) * torque[:, None]
+            force = force + np.einsum("kud,kd->ku", robot.refined(borne.by_torque(other)), torque)
         whole = force + self._mass(borne) * of_mass
         size = np.linalg.norm(whole, axis=1, keepdims=True)
         along = whole / np.maximum(size, NOTHING * max(float(size.max()), np.finfo(float).tiny))
         parts = np.column_stack([(along * part).sum(axis=1) for part in (force, of_mass)])
         if not torques:
             parts = robot.refined(parts)
-        return np.asarray(parts * direction[:, None])
+        return np.asarray(parts * direction[:, None])[:, None]
 
     def columns(self, robot: RobotSignals, joint: str) -> np.ndarray:
         torque = self.in_joint(robot, joint)
-        return np.stack([seen_by_motors(robot, joint, column) for column in torque.T], axis=2)
+        return np.stack([seen_by_motors(robot, joint, column) for column in np.moveaxis(torque, 2, 0)], axis=2)
 
     def _mass(self, borne: Borne) -> float:
         """kg on the axis: where there is no friction yet that would tell it, as bars would have."""

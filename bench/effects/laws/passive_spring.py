@@ -30,4 +30,4 @@ class PassiveSpring(PassiveEffect):
     in_mjcf = "stiffness"
 
     def torque(self, position: np.ndarray, velocity: np.ndarray, acceleration: np.ndarray) -> np.ndarray:  # noqa: ARG002 - of the position alone
-        return np.column_stack((position, -np.ones(len(position))))
+        return np.stack((position, -np.ones_like(position)), axis=2)

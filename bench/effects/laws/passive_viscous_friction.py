@@ -10,9 +10,10 @@ from bench.effects.passive_joint import PassiveEffect
 
 @dataclass(frozen=True)
 class PassiveViscousFriction(PassiveEffect):
-    """Viscous friction in a passive joint p, carried to the motors by the loops.
+    """Viscous friction in a passive joint p, carried to the motors by the loops; in a ball joint, by its angular velocity.
 
-    Valid at constant temperature. Source: Briot and Khalil, "Dynamics of Parallel Robots", 2015, chapter 8
+    Valid at constant temperature, and in the balls at both ends of a rod where they have the same friction and hold the
+    rod, rather than its inertia, from spinning about its line (`bench.model.joint_rates`). Source: Briot and Khalil, "Dynamics of Parallel Robots", 2015, chapter 8
     (principle of virtual work).
     """
 
@@ -20,13 +21,14 @@ class PassiveViscousFriction(PassiveEffect):
     law = "τ = J_p' Fv q̇_p: viscous friction in a passive joint p, carried to the motors by the loops."
     symbols = (
         "Fv: viscous friction coefficient, positive, N·m·s/rad or N·s/m; q̇_p: velocity of the passive "
-        "joint; J_p (1, n): its velocity for the motors' velocities."
+        "joint, of a ball joint its angular velocity (3); J_p (1, n) or (3, n): that for the motors' velocities."
     )
     shown_by = "move one motor alone, fast"
     seen = ("velocity",)
     in_key = ("a line whose slope depends on the pose, at several motors",)
     parameters = (EffectParameter("Fv", "{effort}*s/{angle}", positive=True),)
+    in_balls = True
     in_mjcf = "damping"
 
     def torque(self, position: np.ndarray, velocity: np.ndarray, acceleration: np.ndarray) -> np.ndarray:  # noqa: ARG002 - of the velocity alone
-        return velocity[:, None]
+        return velocity[:, :, None]

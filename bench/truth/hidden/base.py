@@ -109,6 +109,8 @@ class JointEffect(HiddenEffect):
 
     where: ClassVar[Literal["actuated", "passive", "any"]] = "actuated"
     """The joints that can have it. All actuated, or all passive ones have it if none is named."""
+    in_balls: ClassVar[bool] = False
+    """Whether ball joints can have it, too: of those at passive joints, each coordinate of the angular velocity."""
     joint: str
 
     @staticmethod

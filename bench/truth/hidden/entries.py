@@ -20,7 +20,8 @@ def hidden_effects(
 ) -> tuple[HiddenEffect, ...]:
     """The effects of the entries, one a joint; without a joint, in all joints that can have it.
 
-    model: the robot's; its hinges and slides that are not `actuated` are passive.
+    model: the robot's; its hinges and slides that are not `actuated` are passive, and its ball joints for what can be in
+    them.
     Raises BenchError for an effect, a joint or a parameter that does not exist, and for a missing or wrong
     parameter.
     """
@@ -72,8 +73,10 @@ def _parameters(entry: Hidden, kind: type[HiddenEffect], where: str) -> dict[str
 def _joints(
     entry: Hidden, kind: type[JointEffect], actuated: Sequence[str], model: mujoco.MjModel, where: str
 ) -> Sequence[str]:
-    scalar = (int(mujoco.mjtJoint.mjJNT_HINGE), int(mujoco.mjtJoint.mjJNT_SLIDE))
-    known = [model.joint(j).name for j in range(model.njnt) if model.jnt_type[j] in scalar]
+    kinds = [int(mujoco.mjtJoint.mjJNT_HINGE), int(mujoco.mjtJoint.mjJNT_SLIDE)]
+    kinds += [int(mujoco.mjtJoint.mjJNT_BALL)] if kind.in_balls else []
+    what = "hinge, slide or ball joint" if kind.in_balls else "hinge or slide joint"
+    known = [model.joint(j).name for j in range(model.njnt) if model.jnt_type[j] in kinds]
     passive = [joint for joint in known if joint not in actuated]
     allowed = {"actuated": list(actuated), "passive": passive, "any": known}[kind.where]
     if entry.joint is None:
@@ -83,11 +86,11 @@ def _joints(
                 f"{where}: {entry.effect}: a passive joint has no name: name the joints in the MJCF"
             )
         if not joints:
-            raise BenchError(f"{where}: {entry.effect}: the robot has no passive hinge or slide joint")
+            raise BenchError(f"{where}: {entry.effect}: the robot has no passive {what}")
         return joints
     if entry.joint not in known or not entry.joint:
         raise BenchError(
-            f"{where}.joint: no hinge or slide joint {entry.joint!r}; there are {', '.join(allowed)}"
+            f"{where}.joint: no {what} {entry.joint!r}; there are {', '.join(allowed)}"
         )
     if entry.joint not in allowed:
         has = "no motor" if kind.where == "actuated" else "a motor"

@@ -10,9 +10,9 @@ from bench.truth.hidden.base import Draft, JointEffect, hard_friction
 
 @dataclass(frozen=True)
 class PassiveCoulombFriction(JointEffect):
-    """Fc · sign(q̇) in a passive joint; the motors feel it through the loops.
+    """Fc · sign(q̇) in a passive joint; the motors feel it through the loops. In a ball joint, Fc · ω / |ω|.
 
-    Exact above some 1e-3 rad/s of the passive joint, see `hard_friction`.
+    Exact above some 1e-3 rad/s of the passive joint, see `hard_friction`; for ball joints, see `bench.truth.balls`.
 
     Fc: N·m or N, at least 0. Balls that close a loop are no joints of the machine: none there.
     """
@@ -22,6 +22,7 @@ class PassiveCoulombFriction(JointEffect):
     scaled: ClassVar[tuple[str, float] | None] = ("Fc", 0.01)
     not_negative: ClassVar[tuple[str, ...]] = ("Fc",)
     where = "passive"
+    in_balls: ClassVar[bool] = True
     Fc: float
 
     def change(self, draft: Draft) -> None:

@@ -10,7 +10,7 @@ from bench.truth.hidden.base import Draft, JointEffect
 
 @dataclass(frozen=True)
 class PassiveRotorInertia(JointEffect):
-    """Ia · q̈ in a passive joint, in addition to the armature of the MJCF; the motors feel it through the loops.
+    """Ia · q̈ in a passive joint, in each coordinate of a ball joint's angular velocity, in addition to the armature of the MJCF; the motors feel it through the loops.
 
     Ia: kg·m² or kg, at least 0. Balls that close a loop are no joints of the machine: none there.
     """
@@ -21,6 +21,7 @@ class PassiveRotorInertia(JointEffect):
     scaled: ClassVar[tuple[str, float] | None] = ("Ia", 0.01)
     not_negative: ClassVar[tuple[str, ...]] = ("Ia",)
     where = "passive"
+    in_balls: ClassVar[bool] = True
     Ia: float
 
     def change(self, draft: Draft) -> None:

@@ -10,7 +10,7 @@ from bench.truth.hidden.base import Draft, JointEffect, add_damping
 
 @dataclass(frozen=True)
 class PassiveViscousFriction(JointEffect):
-    """Fv · q̇ in a passive joint; the motors feel it through the loops.
+    """Fv · q̇ in a passive joint, of a ball joint its angular velocity; the motors feel it through the loops.
 
     Fv: N·m·s/rad or N·s/m, at least 0. Balls that close a loop are no joints of the machine: none there.
     """
@@ -20,6 +20,7 @@ class PassiveViscousFriction(JointEffect):
     scaled: ClassVar[tuple[str, float] | None] = ("Fv", 0.01)
     not_negative: ClassVar[tuple[str, ...]] = ("Fv",)
     where = "passive"
+    in_balls: ClassVar[bool] = True
     Fv: float
 
     def change(self, draft: Draft) -> None:
