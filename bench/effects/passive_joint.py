@@ -7,7 +7,7 @@ import numpy as np
 
 from bench.effects.effect import Effect
 from bench.effects.signals import RobotSignals
-from bench.model.joint_rates import joint_rates
+from bench.model.joint_rates import JointRates, joint_rates
 
 
 def passive_position(robot: RobotSignals, joint: str) -> np.ndarray:
@@ -22,12 +22,9 @@ def passive_velocity(robot: RobotSignals, joint: str) -> np.ndarray:
 
 
 def seen_by_motors(robot: RobotSignals, joint: str, torque: np.ndarray) -> np.ndarray:
-    """What the motors need against a torque or force in a joint, (N, n): virtual work, J_t' torque.
-
-    torque: (N,) of a hinge or slide; (N, 3) of a ball joint, in the frame of its body.
-    """
-    own = robot.geometry.joints[robot.geometry.joint_index(joint)].v
-    return np.einsum("kdn,kd->kn", robot.tree.jacobian[:, own], torque.reshape(len(torque), -1))
+    """What the motors need against a torque or force (N,) in a hinge or slide, (N, n): virtual work, J_t' torque."""
+    index = robot.geometry.joints[robot.geometry.joint_index(joint)].v.start
+    return robot.tree.jacobian[:, index, :] * torque[:, None]
 
 
 @dataclass(frozen=True)
@@ -46,10 +43,14 @@ class PassiveEffect(Effect):
 
     def in_joint(self, robot: RobotSignals, joint: str) -> np.ndarray:
         """`torque` (N, d, p)."""
-        rates = joint_rates(robot.geometry, robot.tree, robot.geometry.joint_index(joint))
-        return self.torque(passive_position(robot, joint)[:, None], *rates)
+        return self._with_rates(robot, joint)[1]
 
     def columns(self, robot: RobotSignals, joint: str) -> np.ndarray:
-        """Columns (N, n, p): what the motors need against `torque`."""
-        torque = self.in_joint(robot, joint)
-        return np.stack([seen_by_motors(robot, joint, column) for column in np.moveaxis(torque, 2, 0)], axis=2)
+        """Columns (N, n, p): what the motors need against `torque`, by virtual work."""
+        rates, torque = self._with_rates(robot, joint)
+        return np.einsum("kdn,kdp->knp", rates.jacobian, torque)
+
+    def _with_rates(self, robot: RobotSignals, joint: str) -> tuple[JointRates, np.ndarray]:
+        rates = joint_rates(robot.geometry, robot.tree, robot.geometry.joint_index(joint))
+        position = passive_position(robot, joint)[:, None]
+        return rates, self.torque(position, rates.velocity, rates.acceleration)

@@ -127,5 +127,5 @@ def _passive(geometry: Geometry, motion: Motion, fitted_effect: EffectValues) ->
     joint = geometry.joints[geometry.joint_index(fitted_effect.place)]
     position = motion.q[:1, joint.q.start, None] + joint.offset
     rates = joint_rates(geometry, motion, geometry.joint_index(fitted_effect.place))
-    torque = effect.torque(position, *rates) @ np.array(list(fitted_effect.values.values()))
-    return np.asarray(torque[0] @ motion.jacobian[0, joint.v])
+    torque = effect.torque(position, rates.velocity, rates.acceleration)[0]
+    return np.asarray(torque @ np.array(list(fitted_effect.values.values())) @ rates.jacobian[0])

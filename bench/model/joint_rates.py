@@ -6,6 +6,8 @@ angular velocities in its balls are the smallest, their squares added. That is e
 equal armature in all balls of the tree that hold the rod, one or two; balls that close a loop have neither.
 """
 
+from dataclasses import dataclass
+
 import numpy as np
 
 from bench.model.geometry import Geometry
@@ -13,25 +15,35 @@ from bench.model.motion import Motion
 from bench.model.spin import Spin, idle_spins
 
 
-def joint_rates(geometry: Geometry, motion: Motion, joint: int) -> tuple[np.ndarray, np.ndarray]:
-    """Velocity and acceleration (N, d) of a joint (index) in its own coordinates, rad/s or m/s and their rates.
+@dataclass(frozen=True)
+class JointRates:
+    """Of one joint, in its own d coordinates: 1 of a hinge or slide, 3 of a ball joint, in the frame of its body.
 
-    d: 1 of a hinge or slide, 3 of a ball joint, whose angular velocity is in the frame of its body. Rods spin as their
-    balls make them.
+    velocity and acceleration (N, d), rad/s or m/s and their rates; jacobian (N, d, n): that velocity for the active
+    joints' velocities.
     """
+
+    velocity: np.ndarray
+    acceleration: np.ndarray
+    jacobian: np.ndarray
+
+
+def joint_rates(geometry: Geometry, motion: Motion, joint: int) -> JointRates:
+    """The rates of a joint (index), rods spinning as their balls make them."""
     own = geometry.joints[joint].v
-    velocity, acceleration = motion.v[:, own], motion.a[:, own]
+    velocity, acceleration, jacobian = motion.v[:, own], motion.a[:, own], motion.jacobian[:, own]
     for spin in idle_spins(geometry):
         members = _members(geometry, motion, spin)
         if joint not in members:
             continue
-        rate, growth = (_along(geometry, members, rates) for rates in (motion.v, motion.a))
+        rate, growth = (_along(geometry, members, rates[:, :, None]) for rates in (motion.v, motion.a))
         axis = members[joint]
         # the frame of a rod that spins otherwise turns otherwise; the frame behind its other end does not
         bend = np.cross(axis, velocity) if joint == spin.joint else np.cross(velocity, axis)
         velocity = velocity - rate * axis
         acceleration = acceleration - growth * axis + rate * bend
-    return velocity, acceleration
+        jacobian = jacobian - axis[:, :, None] * _along(geometry, members, motion.jacobian)[:, None]
+    return JointRates(velocity, acceleration, jacobian)
 
 
 def _members(geometry: Geometry, motion: Motion, spin: Spin) -> dict[int, np.ndarray]:
@@ -45,9 +57,11 @@ def _members(geometry: Geometry, motion: Motion, spin: Spin) -> dict[int, np.nda
 
 
 def _along(geometry: Geometry, members: dict[int, np.ndarray], rates: np.ndarray) -> np.ndarray:
-    """The spin (N, 1) in rates (N, nv): less it, the squares of those of the balls are the smallest."""
-    along = [(axis * rates[:, geometry.joints[ball].v]).sum(axis=1) for ball, axis in members.items()]
-    return np.asarray(np.mean(along, axis=0))[:, None]
+    """The spin (N, k) in rates (N, nv, k): less it, the squares of those of the balls are the smallest."""
+    along = [
+        np.einsum("kd,kdn->kn", axis, rates[:, geometry.joints[ball].v]) for ball, axis in members.items()
+    ]
+    return np.asarray(np.mean(along, axis=0))
 
 
 def _turned_back(quaternion: np.ndarray, vector: np.ndarray) -> np.ndarray:

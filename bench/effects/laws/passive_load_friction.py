@@ -68,8 +68,8 @@ class PassiveLoadFriction(Effect):
         return np.asarray(parts * direction[:, None])[:, None]
 
     def columns(self, robot: RobotSignals, joint: str) -> np.ndarray:
-        torque = self.in_joint(robot, joint)
-        return np.stack([seen_by_motors(robot, joint, column) for column in np.moveaxis(torque, 2, 0)], axis=2)
+        torque = self.in_joint(robot, joint)[:, 0]
+        return np.stack([seen_by_motors(robot, joint, column) for column in torque.T], axis=2)
 
     def _mass(self, borne: Borne) -> float:
         """kg on the axis: where there is no friction yet that would tell it, as bars would have."""
