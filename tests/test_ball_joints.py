@@ -2,6 +2,7 @@
 
 from types import SimpleNamespace
 
+import mujoco
 import numpy as np
 import pytest
 
@@ -19,6 +20,7 @@ from bench.identification.problem import problem_of
 from bench.model.geometry import read_geometry
 from bench.model.joint_rates import joint_rates
 from bench.model.motion import motion_of
+from bench.model.regressor import projected_regressor
 from bench.robot_check.check import check_robot
 from bench.robot_check.outcome import CheckCode
 from bench.robot_check.words import detail_of
@@ -51,6 +53,7 @@ ROBOTS = {
     "two balls": CRANK.format(near="", end=FAR[0], closed=FAR[1]),
 }
 LAWS = {"passive_viscous_friction": 0.3, "passive_coulomb_friction": 0.4, "passive_rotor_inertia": 0.02}
+NOISE = 0.01
 USES = ("identify", "validate")
 PARAMETER = {name: CATALOGUE[name].parameters[0].name for name in LAWS}
 
@@ -61,7 +64,7 @@ def scenario_of(robot, hidden=()):
     content = {
         "robot": str(robot.folder),
         "step": 0.0005,
-        "sensors": {"current_noise_ratio": 0.01},
+        "sensors": {"current_noise_ratio": NOISE},
         "design": design,
         "recordings": [{"name": use, "use": use, "design": {"seed": k}} for k, use in enumerate(USES)],
         "hidden": list(hidden),
@@ -112,15 +115,76 @@ def test_the_rates_of_balls_are_the_smallest_that_a_rod_s_spin_allows(tmp_path):
 
 @pytest.fixture(scope="module")
 def found(tmp_path_factory):
-    """What a fit makes of a machine with all three in both balls."""
+    """A machine with friction in both balls of its rod, and what a fit makes of its measurements."""
     folder = tmp_path_factory.mktemp("balls")
     robot = write_robot(folder, ROBOTS["two balls"], ("crank",))
     dataset = as_dataset(simulate(scenario_of(robot, hidden_in("near", "far"))))
-    return identify(prepare(problem_of(dataset, [*LAWS, "passive_viscous_friction:slide"][:3]))), folder
+    effects = [f"{law}:{ball}" for law in LAWS if "friction" in law for ball in ("near", "far")]
+    result = identify(prepare(problem_of(dataset, effects)))
+    save_model(result, folder / "model.json")
+    return robot, result, load_identified(folder / "model.json", folder)
 
 
 def test_a_fit_finds_what_the_machine_has(found):
-    result, _ = found
+    """Friction of MuJoCo's own kind, which brakes each axis by itself, would leave several times the noise."""
+    _, result, _ = found
     passed = np.sqrt(noise_bandwidth(result.settings.decimation))
-    print(result.error, passed, result.effect_parameters)
-    assert result.error.validate < 1.1 * 0.01 * passed
+    assert result.error.validate < 1.1 * NOISE * passed
+    for law, size in LAWS.items():
+        for values in result.effect_parameters.get(law, {}).values():
+            value = values[PARAMETER[law]]
+            assert abs(value.value - size) < 3.0 * value.std
+
+
+def test_exports_have_it_or_say_that_they_do_not(found, tmp_path):
+    _, _, model = found
+    physical = physical_set(model)
+    exported = write_mjcf(tmp_path / "out.xml", physical)
+    left = {(one.effect.name, one.effect.place) for one in exported.placed.left}
+    assert left == {("passive_coulomb_friction", "near"), ("passive_coulomb_friction", "far")}
+    assert "each axis of a ball joint by itself" in exported.placed.left[0].why
+    made = mujoco.MjModel.from_xml_path(str(tmp_path / "out.xml"))
+    values = {
+        effect.place: effect.values for effect in physical.model.effects_in() if "viscous" in effect.name
+    }
+    for ball in ("near", "far"):
+        first = made.joint(ball).dofadr[0]
+        assert made.dof_damping[first : first + 3] == pytest.approx(values[ball]["Fv"])
+        assert not made.dof_frictionloss[first : first + 3].any()
+    _, left_out = c_text(model)
+    assert [line for line in left_out if "ball" in line] == [
+        f"{effect.name} at {effect.place}: a ball joint" for effect in model.effects_in()
+    ]
+
+
+def test_a_feed_forward_has_it(found):
+    _, _, model = found
+    geometry = model.model.geometry
+    state = geometry.home[geometry.active_configuration], np.array([0.7]), np.array([2.0])
+    tree = motion_of(geometry, np.zeros(1), *(values[None] for values in state))
+    seen = SimpleNamespace(geometry=geometry, tree=tree)
+    wanted = projected_regressor(geometry, tree, model.model.base.columns) @ model.base
+    for effect in model.effects_in():
+        columns = effect.instance.effect.columns(seen, effect.place)
+        wanted = wanted + columns @ np.array(list(effect.values.values()))
+    assert Feedforward(model)(*state) * model.gains == pytest.approx(wanted[0], rel=1e-9)
+
+
+def test_the_check_offers_what_the_catalogue_has(tmp_path):
+    near = 'frictionloss="0.1" stiffness="0.2"'
+    robot = write_robot(tmp_path, CRANK.format(near=near, end=HELD[0], closed=HELD[1]), ("crank",))
+    notes = [check for check in check_robot(robot).checks if check.code == CheckCode.JOINT_FORCE_NOT_MODELLED]
+    words = {check.values["term"]: detail_of(check) for check in notes}
+    assert "--with passive_coulomb_friction:near" in words["frictionloss"]
+    assert "as a whole" in words["frictionloss"]
+    assert "no such effect" in words["stiffness"]
+
+
+def test_a_spring_is_not_for_a_ball(found):
+    robot, *_ = found
+    with pytest.raises(BenchError, match="no hinge or slide joint 'near'"):
+        build_machine(
+            scenario_of(robot, [{"effect": "passive_spring", "k": 1.0, "q0": 0.0, "joint": "near"}])
+        )
+    with pytest.raises(BenchError, match="no joint 'near' where it can sit"):
+        select_effects(["passive_spring:near"], places_in(read_geometry(robot), ()))

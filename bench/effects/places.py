@@ -14,8 +14,8 @@ from bench.model.reaction import undetermined_by
 class Places:
     """Names of all that can have an effect: joints with and without a motor, bodies with a length, payloads.
 
-    passive: hinges and slides; balls: ball joints, which some effects of passive joints can have, too. redundant: joints with a motor that do not move independently. geometry: what tells whose force follows from the
-    motion.
+    passive: hinges and slides; balls: ball joints, which some effects of passive joints can have, too. redundant:
+    joints with a motor that do not move independently. geometry: what tells whose force follows from the motion.
     """
 
     actuator: tuple[str, ...]
@@ -39,7 +39,9 @@ class Places:
     @property
     def names(self) -> frozenset[str]:
         """All of them."""
-        return frozenset((*self.actuator, *self.redundant, *self.passive, *self.balls, *self.body, *self.payload))
+        return frozenset(
+            (*self.actuator, *self.redundant, *self.passive, *self.balls, *self.body, *self.payload)
+        )
 
     def where(self, effect: Effect) -> tuple[str, ...]:
         """Where an effect can sit. At a redundant motor, what shows in its motor's torque and needs no model."""

@@ -40,7 +40,9 @@ def c_text(model: IdentifiedModel, payload: str | None = None) -> tuple[str, tup
     at_motors = (*chosen.at_motors, *chosen.between)
     known = [effect for effect in at_motors if effect.name in LAWS]
     balls = {joint.name for joint in geometry.joints if joint.kind == "ball"}
-    passive = [effect for effect in chosen.in_passive if effect.name in PASSIVE_LAWS and effect.place not in balls]
+    passive = [
+        effect for effect in chosen.in_passive if effect.name in PASSIVE_LAWS and effect.place not in balls
+    ]
     unknown = [
         *(f"{effect.name} at {effect.place}" for effect in at_motors if effect.name not in LAWS),
         *(

@@ -169,7 +169,7 @@ def needed_torque(seen: Callable[[], RobotSignals], present: PresentModel) -> Ca
 def torques_in_joints(
     seen: Callable[[], RobotSignals], present: PresentModel
 ) -> Callable[[], Mapping[str, np.ndarray]]:
-    """What the present model's effects need (N, d) in joints without a motor, by name, in a recording that is `seen` so.
+    """What the present model's effects need (N, d) in joints without a motor, by name, in a recording `seen` so.
 
     Where one of them asks for it, as friction does that goes by the force in its joint, it is told what was found
     before: the first time nothing, then what the others and it make of that.

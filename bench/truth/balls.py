@@ -39,14 +39,18 @@ class BallFriction:
 def ball_joints(model: mujoco.MjModel) -> dict[str, slice]:
     """The velocity coordinates of every ball joint, by name."""
     ball = int(mujoco.mjtJoint.mjJNT_BALL)
-    starts = {model.joint(j).name: int(model.jnt_dofadr[j]) for j in range(model.njnt) if model.jnt_type[j] == ball}
+    starts = {
+        model.joint(j).name: int(model.jnt_dofadr[j]) for j in range(model.njnt) if model.jnt_type[j] == ball
+    }
     return {name: slice(start, start + 3) for name, start in starts.items()}
 
 
 def balls_of(model: mujoco.MjModel, velocity: Array) -> tuple[BallFriction, ...]:
     """One for each ball joint with dry friction; velocity: live (R, nv)."""
     return tuple(
-        BallFriction(dofs, float(model.dof_frictionloss[dofs.start]), velocity[:, dofs], np.ones((len(velocity), 3)))
+        BallFriction(
+            dofs, float(model.dof_frictionloss[dofs.start]), velocity[:, dofs], np.ones((len(velocity), 3))
+        )
         for dofs in ball_joints(model).values()
         if model.dof_frictionloss[dofs.start] > 0.0
     )

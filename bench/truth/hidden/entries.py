@@ -20,8 +20,8 @@ def hidden_effects(
 ) -> tuple[HiddenEffect, ...]:
     """The effects of the entries, one a joint; without a joint, in all joints that can have it.
 
-    model: the robot's; its hinges and slides that are not `actuated` are passive, and its ball joints for what can be in
-    them.
+    model: the robot's; its hinges and slides that are not `actuated` are passive, and its ball joints where
+    the effect can be in them.
     Raises BenchError for an effect, a joint or a parameter that does not exist, and for a missing or wrong
     parameter.
     """
@@ -89,9 +89,7 @@ def _joints(
             raise BenchError(f"{where}: {entry.effect}: the robot has no passive {what}")
         return joints
     if entry.joint not in known or not entry.joint:
-        raise BenchError(
-            f"{where}.joint: no {what} {entry.joint!r}; there are {', '.join(allowed)}"
-        )
+        raise BenchError(f"{where}.joint: no {what} {entry.joint!r}; there are {', '.join(allowed)}")
     if entry.joint not in allowed:
         has = "no motor" if kind.where == "actuated" else "a motor"
         raise BenchError(

@@ -10,7 +10,8 @@ from bench.truth.hidden.base import Draft, JointEffect
 
 @dataclass(frozen=True)
 class PassiveRotorInertia(JointEffect):
-    """Ia · q̈ in a passive joint, in each coordinate of a ball joint's angular velocity, in addition to the armature of the MJCF; the motors feel it through the loops.
+    """Ia · q̈ in a passive joint, in each coordinate of a ball joint's angular velocity, in addition to the armature of
+    the MJCF; the motors feel it through the loops.
 
     Ia: kg·m² or kg, at least 0. Balls that close a loop are no joints of the machine: none there.
     """
