@@ -52,7 +52,7 @@ ROBOTS = {
     "one ball": CRANK.format(near="", end=HELD[0], closed=HELD[1]),
     "two balls": CRANK.format(near="", end=FAR[0], closed=FAR[1]),
 }
-LAWS = {"passive_viscous_friction": 0.3, "passive_coulomb_friction": 0.4, "passive_rotor_inertia": 0.02}
+LAWS = {"passive_viscous_friction": 0.075, "passive_coulomb_friction": 0.1, "passive_rotor_inertia": 0.02}
 NOISE = 0.01
 USES = ("identify", "validate")
 PARAMETER = {name: CATALOGUE[name].parameters[0].name for name in LAWS}
@@ -126,7 +126,7 @@ def found(tmp_path_factory):
 
 
 def test_a_fit_finds_what_the_machine_has(found):
-    """Friction of MuJoCo's own kind, which brakes each axis by itself, would leave several times the noise."""
+    """Friction of MuJoCo's own kind, which brakes each axis by itself, would leave nearly twice the noise."""
     _, result, _ = found
     passed = np.sqrt(noise_bandwidth(result.settings.decimation))
     assert result.error.validate < 1.1 * NOISE * passed
@@ -178,6 +178,13 @@ def test_the_check_offers_what_the_catalogue_has(tmp_path):
     assert "--with passive_coulomb_friction:near" in words["frictionloss"]
     assert "as a whole" in words["frictionloss"]
     assert "no such effect" in words["stiffness"]
+
+
+def test_a_body_too_light_for_its_friction_is_refused(found):
+    robot, *_ = found
+    for law, parameter in (("passive_coulomb_friction", "Fc"), ("passive_viscous_friction", "Fv")):
+        with pytest.raises(BenchError, match="ball joint 'near': what it carries is too light"):
+            build_machine(scenario_of(robot, [{"effect": law, parameter: 10.0, "joint": "near"}]))
 
 
 def test_a_spring_is_not_for_a_ball(found):

@@ -261,7 +261,8 @@ def test_what_a_robot_or_scenario_lacks_is_named(tmp_path):
         ("payload_mass_error", "the scenario has no payload"),
         ("platform_force", "the robot 'cart' has no \\[tool\\] site"),
         ("tool_drag", "the robot 'cart' has no \\[tool\\] site"),
-        ("passive_viscous_friction", "the robot has no passive hinge or slide joint"),
+        ("passive_viscous_friction", "the robot has no passive hinge, slide or ball joint"),
+        ("passive_spring", "the robot has no passive hinge or slide joint"),
         ("current_crosstalk", "the robot 'cart' has one motor only"),
         ("geometric_error", "the link of joint .* has no length"),
     ):

@@ -12,9 +12,15 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
+from bench.basics.errors import BenchError
+from bench.truth.assembly import REPEATED, loop_rows
+
 Array = NDArray[np.float64]
 
 SLOW = 1e-3  # rad/s: below, MuJoCo's friction constraint holds a joint rather than brakes it, see `harden_friction`
+LARGEST_TURN = (
+    0.5  # rad/s by dry friction within a step: at four times as much its direction begins to get lost
+)
 
 
 @dataclass(frozen=True, eq=False)
@@ -36,13 +42,11 @@ class BallFriction:
         return self.whole * self.shares
 
 
-def ball_joints(model: mujoco.MjModel) -> dict[str, slice]:
-    """The velocity coordinates of every ball joint, by name."""
+def ball_joints(model: mujoco.MjModel) -> list[tuple[str, slice]]:
+    """Name, empty where it has none, and velocity coordinates of every ball joint."""
     ball = int(mujoco.mjtJoint.mjJNT_BALL)
-    starts = {
-        model.joint(j).name: int(model.jnt_dofadr[j]) for j in range(model.njnt) if model.jnt_type[j] == ball
-    }
-    return {name: slice(start, start + 3) for name, start in starts.items()}
+    starts = [(model.joint(j).name, int(model.jnt_dofadr[j])) for j in np.flatnonzero(model.jnt_type == ball)]
+    return [(name, slice(start, start + 3)) for name, start in starts]
 
 
 def balls_of(model: mujoco.MjModel, velocity: Array) -> tuple[BallFriction, ...]:
@@ -51,7 +55,7 @@ def balls_of(model: mujoco.MjModel, velocity: Array) -> tuple[BallFriction, ...]
         BallFriction(
             dofs, float(model.dof_frictionloss[dofs.start]), velocity[:, dofs], np.ones((len(velocity), 3))
         )
-        for dofs in ball_joints(model).values()
+        for _, dofs in ball_joints(model)
         if model.dof_frictionloss[dofs.start] > 0.0
     )
 
@@ -59,7 +63,43 @@ def balls_of(model: mujoco.MjModel, velocity: Array) -> tuple[BallFriction, ...]
 def directions(model: mujoco.MjModel, velocity: Array) -> Array:
     """Of dry friction (nv,) for a velocity (nv,): what it opposes, one for a whole joint."""
     along = np.sign(velocity)
-    for dofs in ball_joints(model).values():
+    for _, dofs in ball_joints(model):
         speed = np.linalg.norm(velocity[dofs])
         along[dofs] = velocity[dofs] / speed if speed > 0.0 else 0.0
     return along
+
+
+def refuse_too_light(model: mujoco.MjModel, home: Array) -> None:
+    """Raise BenchError for a ball joint whose friction turns a body too fast in one step for its axis to be followed.
+
+    home: pose (nq,) with all loops closed. A rod without inertia about its line is such a body.
+    """
+    step = float(model.opt.timestep)
+    least = [  # kg·m²
+        step * max(model.dof_frictionloss[dofs.start] / LARGEST_TURN, model.dof_damping[dofs.start])
+        for _, dofs in ball_joints(model)
+    ]
+    if not any(least):
+        return
+    mobility = _mobility(model, home)
+    for (name, dofs), inertia in zip(ball_joints(model), least, strict=True):
+        if inertia * float(np.linalg.eigvalsh(mobility[dofs, dofs])[-1]) > 1.0:
+            raise BenchError(
+                f"ball joint {name!r}: what it carries is too light for its friction and a step of {step:g} s; give "
+                f"the body an inertia, or the joint an armature, of {inertia:.1g} kg·m² (a rod: about its line), or "
+                "use a smaller step"
+            )
+
+
+def _mobility(model: mujoco.MjModel, pose: Array) -> Array:
+    """Accelerations (nv, nv) by torques in all joints, loops closed."""
+    data = mujoco.MjData(model)
+    data.qpos[:] = pose
+    _, jacobian = loop_rows(model, data)
+    free = np.eye(model.nv)
+    if len(jacobian):
+        _, sizes, rows = np.linalg.svd(jacobian)
+        free = rows[int((sizes > REPEATED * sizes[0]).sum()) :].T
+    mass = np.zeros((model.nv, model.nv))
+    mujoco.mj_fullM(model, data, mass)
+    return np.asarray(free @ np.linalg.solve(free.T @ mass @ free, free.T))

@@ -17,7 +17,7 @@ from bench.dataset.robot import Robot
 from bench.scenario.scenario import Scenario, payload_truth, per_joint
 from bench.scenario.tables import Controller, PayloadTable
 from bench.truth.assembly import felt_inertia
-from bench.truth.balls import ball_joints
+from bench.truth.balls import ball_joints, refuse_too_light
 from bench.truth.hidden import (
     LAWS,
     PAYLOAD_BODY,
@@ -160,6 +160,7 @@ def _built(scenario: Scenario) -> Machine:
         models[name] = _compiled(draft.spec, robot)
         for effect in hidden:
             effect.adjust(models[name], draft)
+        refuse_too_light(models[name], np.append(home, np.zeros(models[name].nq - len(home))))
     model = models[None]
     ends = [draft.motor_side(joint).name for joint in robot.driven]
     addresses, motor_addresses = (
@@ -185,8 +186,9 @@ def _built(scenario: Scenario) -> Machine:
 def _rubbing_ball(plain: mujoco.MjModel, hidden: Sequence[HiddenEffect]) -> bool:
     """Whether a ball joint may have dry friction: by the file, or as an effect is hidden in it."""
     balls = ball_joints(plain)
-    return any(np.any(plain.dof_frictionloss[dofs]) for dofs in balls.values()) or any(
-        isinstance(effect, JointEffect) and effect.joint in balls for effect in hidden
+    names = [name for name, _ in balls]
+    return any(np.any(plain.dof_frictionloss[dofs]) for _, dofs in balls) or any(
+        isinstance(effect, JointEffect) and effect.joint in names for effect in hidden
     )
 
 

@@ -20,7 +20,7 @@ def effects_table() -> str:
         (
             (
                 f"`{name}`",
-                SITS.get(one.place, one.place),
+                SITS.get(one.place, one.place) + (", ball joint" if one.in_balls else ""),
                 named(parameter.name for parameter in one.parameters),
                 named(parameter.name for parameter in one.shape),
                 named(one.contains),

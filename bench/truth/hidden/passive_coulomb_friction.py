@@ -18,7 +18,7 @@ class PassiveCoulombFriction(JointEffect):
     """
 
     name: ClassVar[str] = "passive_coulomb_friction"
-    law: ClassVar[str] = "Fc sign(q̇) in a joint without a motor"
+    law: ClassVar[str] = "Fc q̇/|q̇| in a joint without a motor, balls included"
     scaled: ClassVar[tuple[str, float] | None] = ("Fc", 0.01)
     not_negative: ClassVar[tuple[str, ...]] = ("Fc",)
     where = "passive"

@@ -17,7 +17,7 @@ class PassiveRotorInertia(JointEffect):
     """
 
     name: ClassVar[str] = "passive_rotor_inertia"
-    law: ClassVar[str] = "Ia q̈ in a joint without a motor"
+    law: ClassVar[str] = "Ia q̈ in a joint without a motor, balls included"
     shares: ClassVar[tuple[float, float]] = (0.01, 0.1)
     scaled: ClassVar[tuple[str, float] | None] = ("Ia", 0.01)
     not_negative: ClassVar[tuple[str, ...]] = ("Ia",)

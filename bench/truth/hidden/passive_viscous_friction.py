@@ -16,7 +16,7 @@ class PassiveViscousFriction(JointEffect):
     """
 
     name: ClassVar[str] = "passive_viscous_friction"
-    law: ClassVar[str] = "Fv q̇ in a joint without a motor"
+    law: ClassVar[str] = "Fv q̇ in a joint without a motor, balls included"
     scaled: ClassVar[tuple[str, float] | None] = ("Fv", 0.01)
     not_negative: ClassVar[tuple[str, ...]] = ("Fv",)
     where = "passive"
