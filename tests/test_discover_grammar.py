@@ -197,6 +197,19 @@ def test_what_is_left_beside_terms_is_known_from_what_was_left_without_them(cont
     np.testing.assert_allclose(wide.explained(), anew.explained(), rtol=1e-6, atol=1e-9 * wide.squares)
 
 
+def test_a_term_that_is_there_already_takes_nothing_away(context):
+    places = places_of(context.prepared)
+    terms = grammar(scope_of(context.prepared, context.left, places))
+    rows = few_rows(len(context.left.remainder))
+    known = [Known(seen_at(context.prepared, place), rows, terms) for place in places]
+    wide = left_without(context.left, known, rows)
+    (first,) = screened(wide, terms, 1)
+    once = wide.beside(first)
+    again = once.beside(first)
+    assert again.basis[0].shape == once.basis[0].shape
+    np.testing.assert_allclose(again.explained(), once.explained(), rtol=1e-6, atol=1e-9 * wide.squares)
+
+
 def test_a_table_is_its_values_with_straight_lines_between(seen: Seen):
     table = table_over(V, seen.values[V], 5, [0.0])
     assert 0.0 in table.knots

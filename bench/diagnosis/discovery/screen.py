@@ -170,7 +170,9 @@ class Left:
         new = [values[:, before.basis[j].shape[1] :] for j, values in enumerate(self.basis)]
         along = [(values * self.weights[j][:, None]).T @ columns[j] for j, values in enumerate(new)]
         count = len(products.normal)
-        within = np.concatenate([entry.reshape(len(entry), count, -1) for entry in along], axis=2)
+        within = np.concatenate(  # of no new columns, too
+            [entry.reshape(len(entry), count, entry.shape[1] // count) for entry in along], axis=2
+        )
         taken = sum(values.T @ before.error[j] for j, values in enumerate(new))
         return products.without(within, np.asarray(taken))
 
