@@ -90,7 +90,7 @@ def test_the_force_in_a_joint_is_mujocos(name):
     bearings = {joint: bearing_of(geometry, geometry.joint_index(joint)) for joint in joints}
     found = {joint: bearing_rows(bearing, held, every) @ parameters for joint, bearing in bearings.items()}
     resisted = {
-        joint: found[joint] + RESISTANCE * bearing_torques(bearing, held, stiff)
+        joint: found[joint] + RESISTANCE * bearing_torques(bearing, held, stiff)[:, :, 0]
         for joint, bearing in bearings.items()
     }
     more = RESISTANCE * motion.jacobian[:, geometry.joints[stiff].v.start]
