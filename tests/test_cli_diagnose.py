@@ -14,7 +14,7 @@ from bench.cli import main
 from bench.dataset.dataset import load_dataset
 from bench.dataset.robot import load_robot
 from bench.diagnosis.as_json import diagnosis_json
-from bench.diagnosis.pruning import impossible_effects, refused, superfluous_effect
+from bench.diagnosis.pruning import impossible_effects, refused
 from bench.diagnosis.reason import Because, Reason
 from bench.diagnosis.reason_words import reason_sentence
 from bench.diagnosis.result import LadderStep
@@ -122,15 +122,6 @@ def test_a_friction_that_drives_is_refused(found):
     assert verdict.verdict == "not supported"
     assert "Stribeck friction would need a negative Fs" in reason_sentence(verdict)
     assert refused(VISCOUS, None) is VISCOUS
-
-
-def test_an_effect_that_the_others_do_without_goes():
-    steps = [LadderStep((), 0.1, 0.1), LadderStep(("a_b",), 0.02, 0.02)]
-    assert superfluous_effect(steps) == {}
-    assert superfluous_effect([*steps, LadderStep(("a_b", "c_d"), 0.01, 0.0190)]) == {}
-    (out,) = superfluous_effect([*steps, LadderStep(("a_b", "c_d"), 0.01, 0.0199)]).items()
-    assert out[0] == "c_d"
-    assert out[1] == Reason(Because.NOT_NEEDED)
 
 
 def test_columns_with_nothing_in_them_are_left_out(nothing):

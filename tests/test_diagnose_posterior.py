@@ -1,16 +1,13 @@
 """Probabilities of effects: over the sets that a search has solved."""
 
 from dataclasses import replace
-from types import SimpleNamespace
-from typing import Any
 
 import numpy as np
-import pytest
 
 from bench.api.diagnose import diagnose
 from bench.diagnosis import posterior
 from bench.diagnosis.as_json import diagnosis_json
-from bench.diagnosis.posterior import COARSENING, _weights, with_probability
+from bench.diagnosis.posterior import shares_of, with_probability
 from bench.diagnosis.reason import Because, Reason
 from bench.diagnosis.result import EffectVerdict, ProbableSet
 from bench.scenario.scenario import load_scenario
@@ -43,29 +40,8 @@ def test_where_nothing_is_hidden_nothing_is_probable() -> None:
     assert all((verdict.probability or 0.0) < 0.005 for verdict in answer.ranking)
 
 
-def set_of(chosen, squares, columns=10) -> Any:
-    return SimpleNamespace(chosen=chosen, columns=range(columns + len(chosen)), by_motor=np.array(squares))
-
-
-def system_of(rows) -> Any:
-    part = SimpleNamespace(rows_of_motor=np.array([rows, rows]))
-    return SimpleNamespace(fitted=part, judged=part, memory=1.0, repeats=1.0, prior_of=lambda _: 0.0)
-
-
-@pytest.mark.parametrize("rows", [1e3, 1e6])
-def test_evidence_does_not_grow_without_bound(rows) -> None:
-    """An error that falls by 3 % at one motor is as good as nothing, however long the log."""
-    nothing, something = set_of((), [[1.0, 1.0], [1.0, 1.0]]), set_of((0,), [[0.97**2, 1.0], [0.97**2, 1.0]])
-    weights = _weights(system_of(rows), [nothing, something])
-    assert weights[1] < 0.5
-    assert abs(COARSENING - 328.3) < 0.1
-    far = set_of((0,), [[0.5, 1.0], [0.5, 1.0]])
-    assert _weights(system_of(rows), [nothing, far])[1] > 0.99
-
-
 def test_sets_that_do_as_well_share_the_probability() -> None:
-    lag, delay = (set_of((i,), [[0.1, 1.0], [0.1, 1.0]]) for i in (0, 1))
-    np.testing.assert_allclose(_weights(system_of(500.0), [lag, delay]), 0.5)
+    np.testing.assert_allclose(shares_of([1e4, 1e4, 1e4 - 50.0]), [0.5, 0.5, 0.0], atol=1e-12)
 
 
 def test_an_effect_less_probable_than_not_is_undecided() -> None:

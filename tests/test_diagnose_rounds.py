@@ -12,35 +12,34 @@ from bench.basics.deadline import NEVER
 from bench.dataset.dataset import load_dataset
 from bench.diagnosis import rounds
 from bench.diagnosis.catalogue_search import diagnose_with_catalogue
-from bench.diagnosis.leaves_less import SquaresLeft, leaves_clearly_less
+from bench.diagnosis.evidence import ResidualSquares, Samples
 from bench.identification.bilinear import AWAY, run_away
 from bench.identification.problem import problem_of
 
-SYSTEM: Any = SimpleNamespace(
-    fitted=SimpleNamespace(rows=4000), judged=SimpleNamespace(rows=2000), memory=10.0, repeats=1.0
-)
+SYSTEM: Any = SimpleNamespace(samples=Samples(np.full(2, 400.0), np.full(2, 200.0)))
 
 
-def left(fitted: float, judged: float, unknowns: int = 5, *, away: bool = False) -> SquaresLeft:
+def left(fitted: float, judged: float, unknowns: int = 5, *, away: bool = False) -> ResidualSquares:
     """Two motors, the second of which has a hundredth of the first one's current."""
-    return SquaresLeft(fitted * np.array([1.0, 1e-4]), judged * np.array([1.0, 1e-4]), unknowns, away)
+    squares = np.array([[fitted], [judged]]) * np.array([1.0, 1e-4])
+    return ResidualSquares(squares, unknowns, 0.0, away)
 
 
 @pytest.mark.parametrize(
-    ("model", "clearly"),
+    ("model", "more"),
     [
         (left(0.8, 0.8), True),
-        (left(0.8, 0.96), False),  # 2 % of the error on recordings that were not fitted
-        (left(0.99, 0.93), False),  # a handful of nats
+        (left(0.8, 1.5), True),  # fitted recordings count by how long they are
+        (left(0.9, 1.4), False),
         (left(0.8, 0.8, unknowns=60), False),  # less than its unknowns cost
         (
-            SquaresLeft(np.array([1.0, 0.5e-4]), np.array([1.0, 0.5e-4]), 5, False),
+            ResidualSquares(np.array([[1.0, 0.5e-4], [1.0, 0.5e-4]]), 5, 0.0),
             True,
         ),  # a small motor counts as much
     ],
 )
-def test_a_model_leaves_clearly_less(model: SquaresLeft, clearly: bool) -> None:
-    assert leaves_clearly_less(SYSTEM, model, left(1.0, 1.0)) is clearly
+def test_a_model_is_more_probable_by_what_it_leaves(model: ResidualSquares, more: bool) -> None:
+    assert (model.weight(SYSTEM.samples) > left(1.0, 1.0).weight(SYSTEM.samples)) is more
 
 
 @dataclass(frozen=True)
@@ -48,11 +47,11 @@ class FakeRound:
     """A set of effects with what its own model leaves, where it has one."""
 
     chosen: tuple[int, ...]
-    model: SquaresLeft | None = None
+    model: ResidualSquares | None = None
     proposals: tuple[str, ...] = ("a", "b", "c", "d")
 
     @property
-    def left(self) -> SquaresLeft | None:
+    def residual(self) -> ResidualSquares | None:
         return self.model
 
     @property
@@ -66,7 +65,7 @@ class FakeRound:
 
 def again(
     monkeypatch: pytest.MonkeyPatch,
-    leaves: dict[tuple[int, ...], SquaresLeft],
+    leaves: dict[tuple[int, ...], ResidualSquares],
     promised: dict[tuple[int, ...], tuple[int, ...]],
     alike: tuple[tuple[int, ...], ...] = (),
 ) -> tuple[Any, list[tuple[int, ...]]]:
@@ -79,7 +78,7 @@ def again(
         seen.append(here.chosen)
         return replace(here, model=leaves[here.chosen])
 
-    def judged(_: object, model: SquaresLeft, *__: object) -> FakeRound:
+    def judged(_: object, model: ResidualSquares, *__: object) -> FakeRound:
         here = next(key for key, value in leaves.items() if value is model)
         return FakeRound(promised[here], model)
 

@@ -8,87 +8,60 @@ from typing import Any
 import numpy as np
 import pytest
 
-from bench.diagnosis import catalogue_search, noise, rounds, search
+from bench.diagnosis import catalogue_search, noise, rounds
+from bench.diagnosis.decision import RULE
+from bench.diagnosis.evidence import Samples
 from bench.diagnosis.normal_equations import SetFit
-from bench.diagnosis.search import NEEDED, Scored, earned, score
+from bench.diagnosis.search import score
 
 
-@pytest.mark.parametrize(
-    ("judged", "fitted", "total", "enough"),
-    [
-        (5.0 * NEEDED, 5.0 * NEEDED, 9.0 * NEEDED, True),
-        (5.0 * NEEDED, 0.2 * NEEDED, 3.0 * NEEDED, False),
-        (0.5 * NEEDED, 5.0 * NEEDED, 3.0 * NEEDED, False),
-        (2.0 * NEEDED, 2.0 * NEEDED, 0.5 * NEEDED, False),
-    ],
-    ids=[
-        "on both",
-        "only where it was not fitted",
-        "only where it was fitted",
-        "less than its unknowns cost",
-    ],
-)
-def test_an_effect_earns_its_place_on_fitted_recordings_and_on_others(
-    judged: float, fitted: float, total: float, enough: bool, monkeypatch: pytest.MonkeyPatch
+def system_of(rows: list[float], judged: list[float] | None = None) -> SimpleNamespace:
+    """Whose motors have so many independent samples, fitted and judged; as many judged where not said."""
+    samples = Samples(np.array(rows), np.array(rows if judged is None else judged))
+    counts = SimpleNamespace(rows_of_motor=np.array(rows))
+    return SimpleNamespace(
+        samples=samples, judged=counts, memory=1.0, prior_of=lambda chosen: RULE.prior * len(chosen)
+    )
+
+
+def fit_of(chosen: tuple[int, ...], columns: int, by_motor: list[list[float]]) -> SetFit:
+    """A set that leaves these squares, fitted and judged, of every motor."""
+    return SetFit(
+        chosen, np.arange(columns), np.zeros(columns), np.ones(2), 0.0, 0.0, np.array(by_motor, dtype=float)
+    )
+
+
+@pytest.mark.parametrize("samples", [1e3, 1e9])
+@pytest.mark.parametrize(("error", "more"), [(0.93, True), (0.97, False)])
+def test_an_effect_must_take_a_share_of_the_error_away_however_long_the_log(
+    samples: float, error: float, more: bool
 ) -> None:
-    """A redundant robot's current noise, carried through closures, made errors of the gains look like an effect."""
-    squares = {(): 1.0, (3,): 0.8}
-    scores = {(): (0.0, 0.0, 0.0), (3,): (judged, fitted, total)}
-    monkeypatch.setattr(
-        search,
-        "solve_set",
-        lambda _, key: SimpleNamespace(
-            chosen=key, judged=squares[tuple(key)], by_motor=np.full((2, 1), squares[tuple(key)])
-        ),
-    )
-    monkeypatch.setattr(search, "score", lambda _, fit, __: Scored(fit, *scores[tuple(fit.chosen)]))
-    fit = search.solve_set(None, (3,))  # type: ignore[arg-type]
-    one = search.score(None, fit, None)  # type: ignore[arg-type]
-    assert earned(None, one, None) is enough  # type: ignore[arg-type]
+    system = system_of([samples, samples])
+    without = score(system, fit_of((), 3, [[1.0, 1.0]] * 2))  # type: ignore[arg-type]
+    with_it = score(system, fit_of((0,), 4, [[error**2, 1.0]] * 2))  # type: ignore[arg-type]
+    assert (with_it.total > without.total) is more
 
 
-@pytest.mark.parametrize(
-    ("left", "enough"), [((1.0, 0.03), True), ((1.0, 0.3), False)], ids=["little is left", "half of it"]
-)
-def test_an_effect_that_leaves_little_of_the_error_of_one_motor_matters(
-    left: tuple[float, float], enough: bool, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """A law at one motor of a hexapod that took its error from 4 to 0.13 % was 2 % of what was weighted in all."""
-    squares = {(): 1.0, (3,): 0.98}
-    by_motor = {(): np.array([1.0, 1.0]), (3,): np.array(left)}
-    monkeypatch.setattr(
-        search,
-        "solve_set",
-        lambda _, key: SimpleNamespace(
-            chosen=key, judged=squares[tuple(key)], by_motor=np.stack([by_motor[tuple(key)]] * 2)
-        ),
-    )
-    far = 5.0 * NEEDED
-    monkeypatch.setattr(
-        search, "score", lambda _, fit, __: Scored(fit, *((far,) * 3 if fit.chosen else (0.0,) * 3))
-    )
-    fit = search.solve_set(None, (3,))  # type: ignore[arg-type]
-    one = search.score(None, fit, None)  # type: ignore[arg-type]
-    assert earned(None, one, None) is enough  # type: ignore[arg-type]
+def test_where_samples_are_few_they_count_in_full() -> None:
+    """Half of an error says little of an effect with five samples, and enough with a hundred."""
+    for samples, more in ((5.0, False), (100.0, True)):
+        system = system_of([samples, samples])
+        without = score(system, fit_of((), 3, [[1.0, 1.0]] * 2))  # type: ignore[arg-type]
+        with_it = score(system, fit_of((0,), 4, [[0.25, 1.0]] * 2))  # type: ignore[arg-type]
+        assert (with_it.total > without.total) is more
 
 
 @pytest.mark.parametrize("heavy", [1.0, 1e6])
 def test_evidence_is_summed_motor_by_motor(heavy: float) -> None:
     """What one motor gains does not saturate because the present model counts another for far more."""
-    rows = SimpleNamespace(rows=300, rows_of_motor=np.array([100.0, 200.0]))
-    system = SimpleNamespace(
-        fitted=rows, judged=rows, memory=2.0, repeats=1.0, prior_of=lambda _: 0.0, start=SimpleNamespace()
+    system = system_of([100.0, 200.0])
+    with_it, without = (
+        score(system, fit_of((), 3, [[left, heavy]] * 2))  # type: ignore[arg-type]
+        for left in (1e-4, 1.0)
     )
-
-    def fit(left: float, columns: int) -> SetFit:
-        by_motor = np.array([[left, heavy], [left, heavy]])
-        return SetFit((), np.arange(columns), np.zeros(columns), np.ones(2), 0.0, 0.0, by_motor)
-
-    scored = score(system, fit(1e-4, 3), fit(1.0, 3))  # type: ignore[arg-type]
-    expected = 0.5 * 100.0 / 2.0 * np.log(1e4)
-    assert scored.judged == pytest.approx(expected)
-    assert scored.fitted == pytest.approx(expected)
-    assert scored.total == pytest.approx(2.0 * expected)
+    assert with_it.judged - without.judged == pytest.approx(0.5 * 100.0 * np.log(1e4))
+    share = RULE.coarsening / (RULE.coarsening + 200.0)
+    assert with_it.total - without.total == pytest.approx(share * 100.0 * np.log(1e4))
 
 
 @dataclass(frozen=True)
@@ -114,6 +87,7 @@ def test_a_search_ends_with_a_settled_set_that_leaves_clearly_less(
 
     monkeypatch.setattr(rounds, "_again", again)
     monkeypatch.setattr(rounds, "_with_partner", lambda *_: FakeRound((next(names),), 1.0))
+    monkeypatch.setattr(rounds, "_with_rival", lambda *_: None)
     found = rounds.searched(None, FakeRound((0,), 1.0), ())  # type: ignore[arg-type]
     assert found == FakeRound((last,), factor**last, converged=True)
 
@@ -143,7 +117,7 @@ def test_no_effect_goes_because_of_what_is_only_nearly_so(
 ) -> None:
     asked: list[str] = []
 
-    def where_possible(_: object, model: str, __: object) -> tuple[Any, Any, dict[str, str]]:
+    def where_possible(_: object, model: str, __: object, ___: object) -> tuple[Any, Any, dict[str, str]]:
         asked.append(model)
         out = {} if possible and model == "exact" else {"found": "of an impossible sign"}
         return SimpleNamespace(effects=()), model, out
@@ -151,18 +125,24 @@ def test_no_effect_goes_because_of_what_is_only_nearly_so(
     def searched(_: object, first: str, barred: dict[str, str], __: object) -> Any:
         if barred:
             raise StopIteration(first, dict(barred))
-        return SimpleNamespace(model="near", cut=False)
+        return SimpleNamespace(
+            model="near", cut=False, system=SimpleNamespace(samples=Samples(np.ones(2), np.ones(2)))
+        )
 
     monkeypatch.setattr(catalogue_search, "searched", searched)
-    monkeypatch.setattr(catalogue_search, "_where_possible", where_possible)
-    monkeypatch.setattr(catalogue_search, "leaving", lambda _, model, after, __: (model, after, ()))
+    monkeypatch.setattr(catalogue_search, "where_possible", where_possible)
+    monkeypatch.setattr(catalogue_search, "leaving", lambda _, model, after, __, ___: (model, after, ()))
     monkeypatch.setattr(catalogue_search, "fits_of", lambda *_: None)
     monkeypatch.setattr(catalogue_search, "ladder_of", lambda *_: ())
+    for name in ("superfluous_effect", "gain_like_effect"):
+        monkeypatch.setattr(catalogue_search, name, lambda *_: {})
+    monkeypatch.setattr(catalogue_search, "excess", lambda *_: 0.0)
     origin: Any = SimpleNamespace(
         start=SimpleNamespace(effects=()), exactly=lambda _: "exact", in_search=None, with_instances=None
     )
     origin.at_leisure = origin
-    case: Any = SimpleNamespace(start=SimpleNamespace(effects=()), before=None)
+    problem = SimpleNamespace(dataset=SimpleNamespace(recordings=()))
+    case: Any = SimpleNamespace(start=SimpleNamespace(effects=()), before=None, problem=problem)
     if possible:
         assert catalogue_search.search_from(case, origin, None).after == "exact"  # type: ignore[arg-type, comparison-overlap]
     else:

@@ -13,6 +13,7 @@ from bench.diagnosis.summary import summary_sentences
 from bench.identification.problem import problem_of
 from tests.workbench_kit import RECORDINGS, write_dataset
 
+DELAYS = ("current_loop_lag", "current_delay")
 PUBLISHED = ("viscous_friction", "coulomb_friction", "constant_offset")
 
 
@@ -85,15 +86,11 @@ def test_both_ways_lead_to_the_same_set_on_measured_data(measured_data, tmp_path
     def names(found: Diagnosis) -> set[str]:
         return set(found.after.effect_parameters)
 
-    assert (
-        names(published)
-        == names(bare)
-        == {
-            "asymmetric_viscous_friction",
-            "coulomb_friction",
-            "current_loop_lag",
-        }
-    )
+    assert names(published) == names(bare)
+    assert names(bare) - {*DELAYS} == {"asymmetric_viscous_friction", "coulomb_friction"}
+    named, other = sorted(DELAYS, key=lambda name: name not in names(bare))
+    verdicts = {verdict.effect: verdict for verdict in bare.ranking}
+    assert other in verdicts[named].alternatives, "0.7 ms at 1 kHz: 0.2 nats tell a lag from a delay"
     assert published.after.error.validate == pytest.approx(bare.after.error.validate, rel=1e-3)
     assert published.superfluous == (
         Superfluous("viscous_friction", "asymmetric_viscous_friction"),

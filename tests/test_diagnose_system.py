@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from bench.diagnosis.batched_sets import solve_sets
+from bench.diagnosis.motor_products import summed
 from bench.diagnosis.motor_rows import combined, folded, motor_rows, products
 from bench.diagnosis.normal_equations import (
     Candidate,
@@ -52,9 +53,15 @@ def system_of(columns, kappa, current, start):
     torque = columns[:, :, :OWN] @ start.theta + kappa
     rows = np.concatenate((columns, torque[:, :, None], (current - torque / start.gains)[:, :, None]), axis=2)
     change, sizes = _orthonormal(_triangle(by_motor(rows, 200), OWN + ADDED, start), OWN)
-    seen = SimpleNamespace(use="identify", current=current, moving=np.ones(current.shape, dtype=bool))
-    prepared = SimpleNamespace(present=SimpleNamespace(gains=start.gains), observations=[seen])
-    products = _products(prepared, by_motor(rows, 100), change, "identify")
+    moving = np.ones(current.shape, dtype=bool)
+    seen = [
+        SimpleNamespace(use="identify", current=current[some], moving=moving[some])
+        for some in (slice(100), slice(100, None))
+    ]
+    logs = [SimpleNamespace(recording=SimpleNamespace(log=log)) for log in ("first", "second")]
+    prepared = SimpleNamespace(observations=seen, measured=logs)
+    by_log = _products(prepared, {"identify": by_motor(rows, 100)}, change)
+    products = summed([by_use["identify"] for by_use in by_log.values()], change.shape[1] + 3, 2)
     listed = tuple(Candidate((), np.array([OWN + i]), sizes[[i]]) for i in range(ADDED))
     return System(listed, OWN, start, products, products, 1.0)
 

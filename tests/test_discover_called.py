@@ -20,9 +20,9 @@ def test_what_an_effect_does_as_well_is_called_by_its_name(
 ) -> None:
     totals = {frozenset({0, 2, 3}): with_offset, frozenset({0, 2, 4}): 105.0}
 
-    def scored(_: Any, fit: Any, __: Any) -> Scored:
+    def scored(_: Any, fit: Any) -> Scored:
         total = totals.get(frozenset(fit.chosen), 0.0)
-        return Scored(fit, total, total, total)
+        return Scored(fit, total, total)
 
     monkeypatch.setattr(called, "solve_set", lambda _, chosen: SimpleNamespace(chosen=chosen))
     monkeypatch.setattr(called, "score", scored)
@@ -31,6 +31,6 @@ def test_what_an_effect_does_as_well_is_called_by_its_name(
     here: Any = SimpleNamespace(
         system=None,
         proposals=[SimpleNamespace(name=name) for name in NAMES],
-        found=SimpleNamespace(best=best, singles=dict.fromkeys(range(5)), empty=None),
+        found=SimpleNamespace(best=best, singles=dict.fromkeys(range(5))),
     )
     assert called.stood_for(here, ("law_left", "law_right"), barred) == found

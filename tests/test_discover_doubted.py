@@ -31,7 +31,9 @@ def test_what_may_make_up_for_an_inexact_law_is_not_sure(
 ) -> None:
     errors = {frozenset({"ripple"}): 0.030, frozenset({"law"}): without}
     finding: Any = SimpleNamespace(
-        names=("law", "ripple"), after=_fitted(0.001), fits=lambda names: _fitted(errors[names]).error
+        names=("law", "ripple"),
+        after=_fitted(0.001),
+        fits=lambda names: SimpleNamespace(step=_fitted(errors[names]).error),
     )
     law: Any = SimpleNamespace(name="law", places=(SimpleNamespace(name="left"),))
     named = EffectVerdict("ripple", "missing", without, 0.001, 50.0, places, (), {}, Reason(Because.EXPLAINS))

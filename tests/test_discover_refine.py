@@ -8,59 +8,64 @@ import pytest
 
 from bench.basics.deadline import NEVER
 from bench.diagnosis.discovery import find, refine
-from bench.diagnosis.discovery.refine import NEARBY, THERE, Refined, refined
+from bench.diagnosis.discovery.refine import NEARBY, Refined, refined
 from bench.diagnosis.rounds import Round
-from bench.diagnosis.search import MATERIAL, Found
-
-LESS = 1.0 - MATERIAL  # times the error of the found model: where a variant is clearly better
+from bench.diagnosis.search import Found
 
 
-def model(error: float, *, near: bool, values: str = "") -> Any:
-    """With an error of its own where nothing was fitted; values: of what was found for it."""
-    return SimpleNamespace(error=error, nearby=object() if near else None, effects=(), present=values)
+def model(weight: float, *, near: bool, values: str = "") -> Any:
+    """With a weight in nats; values: of what was found for it."""
+    return SimpleNamespace(weight=weight, nearby=object() if near else None, effects=(), present=values)
+
+
+class Judge:
+    """Who weighs a model by what it says."""
+
+    def refined(self, of: Any, terms: Mapping[str, Any]) -> Refined:
+        """The model with its weight."""
+        return Refined(of, terms, of.weight)
+
+
+JUDGE: Any = Judge()
 
 
 def tried(monkeypatch: pytest.MonkeyPatch, near: float, there: float, exact: float) -> tuple[Refined, bool]:
-    """What is best of a model with an error of 1, and one that has these: nearby, with the values found nearby as it
-    is, and converged as it is; and whether it was converged as it is.
+    """What is best of a model of weight 0, and one that has these: nearby, with the values found nearby as it is, and
+    converged as it is; and whether it was converged as it is.
     """
     found: list[Any] = []
     start = model(0.0, near=False)
-    nearby_too = model(1.01, near=True)  # as it is known nearby, it leaves a little more
+    nearby_too = model(-1.0, near=True)  # as it is known nearby, it leaves a little more
     origin: Any = SimpleNamespace(start=start, again_nearby=lambda _: nearby_too)
 
     def exactly() -> Any:
         found.append(model(exact, near=False, values="converged"))
         return found[-1]
 
-    variant = refine._Variant(Refined(model(1.01 * near, near=True), {}, 1.01 * near), exactly)
+    variant = refine._Variant(JUDGE.refined(model(near - 1.0, near=True), {}), exactly)
     monkeypatch.setattr(refine, "_tried", lambda *_: iter([variant]))
     monkeypatch.setattr(refine, "_slower", lambda *_: False)
-    monkeypatch.setattr(refine, "error_of", lambda of: of.error)
     monkeypatch.setattr(refine, "with_effects", lambda *_: model(there, near=False))
-    terms: Mapping[str, Any] = {}
-    return refined(origin, model(1.0, near=False), terms, ()), bool(found)
+    return refined(origin, model(0.0, near=False), {}, (), JUDGE), bool(found)
 
 
-@pytest.mark.parametrize(
-    ("near", "there"), [(LESS * (1.0 + 2.0 * NEARBY), 0.5), (0.5, LESS * (1.0 + 2.0 * THERE))]
-)
+@pytest.mark.parametrize(("near", "there"), [(-2.0 * NEARBY, 50.0), (50.0, -2.0 * NEARBY)])
 def test_a_variant_that_does_no_better_nearby_is_not_converged(
     near: float, there: float, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    best, converged = tried(monkeypatch, near, there, 0.5)
+    best, converged = tried(monkeypatch, near, there, 50.0)
     assert not converged
-    assert best.error == 1.0
+    assert best.weight == 0.0
 
 
-@pytest.mark.parametrize(("exact", "taken"), [(0.99 * LESS, True), (1.01 * LESS, False)])
+@pytest.mark.parametrize(("exact", "taken"), [(1.0, True), (-1.0, False)])
 def test_one_that_is_nearly_better_is_judged_once_it_is_converged(
     exact: float, taken: bool, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    best, converged = tried(monkeypatch, LESS * (1.0 + 0.5 * NEARBY), LESS * (1.0 + 0.5 * THERE), exact)
+    best, converged = tried(monkeypatch, -0.5 * NEARBY, -0.5 * NEARBY, exact)
     assert converged
     assert (best.model.present == "converged") is taken
-    assert best.error == (exact if taken else 1.0)
+    assert best.weight == (exact if taken else 0.0)
 
 
 def test_an_effect_that_is_not_needed_goes_before_a_number_is_set_free(
@@ -68,23 +73,22 @@ def test_an_effect_that_is_not_needed_goes_before_a_number_is_set_free(
 ) -> None:
     """A law beside a length that it makes superfluous came out with an exponent that nothing asked for."""
     law, length = (SimpleNamespace(effect=SimpleNamespace(name=name)) for name in ("law", "length"))
-    whole = SimpleNamespace(error=1.0, nearby=None, effects=(law, length), present="")
-    fewer = SimpleNamespace(error=1.001, nearby=None, effects=(law,), present="")
+    whole = SimpleNamespace(weight=0.0, nearby=None, effects=(law, length), present="")
+    fewer = SimpleNamespace(weight=9.0, nearby=None, effects=(law,), present="")
     origin: Any = SimpleNamespace(
         start=SimpleNamespace(effects=()), again_nearby=lambda of: of, exactly=lambda of: of
     )
     asked: list[set[str]] = []
 
-    def without(_: Any, __: Any, kept: set[str], ___: float) -> Any:
+    def without(_: Any, __: Any, kept: set[str], *___: Any) -> Any:
         asked.append(kept)
         return fewer
 
-    monkeypatch.setattr(refine, "error_of", lambda of: of.error)
     monkeypatch.setattr(refine, "_without", without)
     monkeypatch.setattr(refine, "_tried", lambda *_: iter(()))
     monkeypatch.setattr(refine, "_slower", lambda *_: False)
     term: Any = "term"
-    best = refined(origin, whole, {"law": term}, ())  # type: ignore[arg-type]
+    best = refined(origin, whole, {"law": term}, (), JUDGE)  # type: ignore[arg-type]
     assert best.model is fewer  # type: ignore[comparison-overlap]
     assert asked == [{"law"}], "the law itself is not what goes"
     assert best.terms == {"law": term}
@@ -97,7 +101,7 @@ def test_the_set_of_a_converged_model_is_one_that_a_search_begins_with(
     proposals: Any = [SimpleNamespace(name=name) for name in ("a", "b", "c")]
     model: Any = SimpleNamespace(effects=[SimpleNamespace(effect=SimpleNamespace(name=n)) for n in "bc"])
     origin: Any = SimpleNamespace(start=SimpleNamespace(effects=()), deadline=NEVER)
-    found = Found(SimpleNamespace(total=10.0, fit=SimpleNamespace(chosen=(0,))), {}, None)  # type: ignore[arg-type]
+    found = Found(SimpleNamespace(total=10.0, fit=SimpleNamespace(chosen=(0,))), {})  # type: ignore[arg-type]
     monkeypatch.setattr(find, "judged", lambda *_: Round(model, proposals, None, found))  # type: ignore[arg-type]
     monkeypatch.setattr(find, "usable", lambda *_: [0, 1, 2])
     for total, chosen in ((20.0, (1, 2)), (5.0, (0,))):

@@ -4,9 +4,11 @@ from collections.abc import Iterator, Sequence
 
 from bench.diagnosis.batched_sets import solve_sets
 from bench.diagnosis.candidates import Proposal
+from bench.diagnosis.decision import RULE
+from bench.diagnosis.evidence import answer_weight
 from bench.diagnosis.origin import Origin
 from bench.diagnosis.rounds import Round
-from bench.diagnosis.search import MATERIAL, Scored, close, score
+from bench.diagnosis.search import Scored, close, score
 from bench.effects import EffectInstance
 from bench.identification.findings import runaway
 from bench.identification.identify import fit
@@ -27,14 +29,17 @@ def with_spread_over_models(
     one stands for similar effects, too, whatever its sign: each has the shape of a torque that is not modelled. model:
     with the identified effects where they show. Raises TimeUpError after the deadline.
     """
+    samples = last.system.samples
+    least = answer_weight(samples, model, after) - RULE.undecided
     others, added = [], model.effects[len(origin.start.effects) :]
     for chosen in _as_good(last, instead=left):
         instances = [
             instance for i in chosen for instance in _instances(last.proposals[i], i in last.chosen, added)
         ]
         origin.deadline.check()
-        other = fit(origin.beside(model, instances))
-        if runaway(other) is None and _no_worse(other, after):
+        wider = origin.beside(model, instances)
+        other = fit(wider)
+        if runaway(other) is None and answer_weight(samples, wider, other) > least:
             others.append(other)
     return gains_widened(after, others)
 
@@ -52,12 +57,10 @@ def _as_good(last: Round, *, instead: bool) -> Iterator[tuple[int, ...]]:
 
     def scored(sets: Sequence[tuple[int, ...]]) -> list[Scored]:
         fits = solve_sets(system, sets)
-        return sorted(
-            (score(system, fit, last.found.empty) for fit in fits), key=lambda scored_set: -scored_set.total
-        )
+        return sorted((score(system, fit) for fit in fits), key=lambda scored_set: -scored_set.total)
 
     more = scored([(*last.chosen, i) for i in usable])
-    found = [larger for larger in more if larger.total > best.total][:MOST_MORE]
+    found = [larger for larger in more if larger.total + RULE.prior > best.total][:MOST_MORE]
     for k in last.chosen if instead else ():
         others = scored([(*(c for c in last.chosen if c != k), i) for i in usable])
         found += [other for other in others if close(best, other)][:1]
@@ -72,9 +75,3 @@ def _instances(proposal: Proposal, found: bool, added: Sequence[EffectInstance])
         if found
         else proposal.instances
     )
-
-
-def _no_worse(other: Identification, after: Identification) -> bool:
-    """Whether another answer's error on what was not fitted is as small."""
-    errors = other.error.validate, after.error.validate
-    return errors[0] is not None and errors[1] is not None and errors[0] < (1.0 + MATERIAL) * errors[1]

@@ -5,6 +5,7 @@ from typing import Any
 
 from bench.basics.plain_data import finite
 from bench.dataset.robot_locked import locked_as_data
+from bench.diagnosis.decision import RULE
 from bench.diagnosis.reason_words import judged_on, left_words
 from bench.diagnosis.result import Diagnosis, Discovered, EffectVerdict, Unfinished
 from bench.diagnosis.summary import error_share, reason, summary_sentences
@@ -53,6 +54,8 @@ def diagnosis_json(diagnosis: Diagnosis, *, words: bool = True) -> dict[str, Any
         ],
         "ranking": [_verdict(diagnosis, verdict, words) for verdict in diagnosis.ranking],
         "sets": [asdict(probable) for probable in diagnosis.sets],
+        "decision_rule": asdict(RULE),
+        "without_logs": [asdict(without) for without in diagnosis.without_logs],
         "unexplained": _left(diagnosis, words),
         "differs_by_recording": [
             {**asdict(differing), "request": differing.request} for differing in diagnosis.differs

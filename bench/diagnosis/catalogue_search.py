@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 
 from bench.basics.deadline import NEVER, Deadline, TimeUpError
 from bench.basics.progress import SILENT, Progress
@@ -11,6 +12,7 @@ from bench.diagnosis.candidates import Proposal
 from bench.diagnosis.differs import differing
 from bench.diagnosis.elsewhere import differing_elsewhere, worse_elsewhere
 from bench.diagnosis.encoder_noise import encoder_error
+from bench.diagnosis.evidence import Samples, answer_weight
 from bench.diagnosis.ladder import (
     Fits,
     ends_of_ladder,
@@ -34,10 +36,7 @@ from bench.diagnosis.own_values import (
 )
 from bench.diagnosis.posterior import posterior_of, with_probability
 from bench.diagnosis.pruning import (
-    cancelling_effect,
-    impossible_but_needed,
-    impossible_effects,
-    poorer,
+    gain_like_effect,
     refused,
     superfluous_effect,
 )
@@ -52,12 +51,13 @@ from bench.diagnosis.result import (
 )
 from bench.diagnosis.rounds import Round, first_round, searched, staying
 from bench.diagnosis.search import Found, judged_error
-from bench.diagnosis.showing import shows, wrong_sign
 from bench.diagnosis.sizes import sizes_of
 from bench.diagnosis.split import with_held_out_parts
-from bench.diagnosis.starting import given_wholly, kept_and_new, leaving, origins_of, worse
-from bench.diagnosis.unexplained import unexplained
+from bench.diagnosis.starting import given_wholly, kept_and_new, leaving, origins_of
+from bench.diagnosis.unexplained import excess, unexplained
 from bench.diagnosis.verdicts import undecided, verdicts
+from bench.diagnosis.where_possible import where_possible
+from bench.diagnosis.without_log import without_logs
 from bench.effects import EffectInstance
 from bench.identification.bandwidth import with_band_checked
 from bench.identification.chosen_band import prepare_checked
@@ -111,6 +111,20 @@ class SearchResult:
     differs: tuple[Differing, ...] = ()
     differently: Identification | None = None
     unfinished: tuple[Unfinished, ...] = ()
+
+    def weight_by(self, samples: Samples) -> float:
+        """Of the identified model, with its laws as improbable as its proposals say: see `Samples.log_posterior`."""
+        priors = {proposal.name: proposal.prior for proposal in self.last.proposals}
+        return answer_weight(samples, self.model, self.after) - sum(
+            priors.get(name, 0.0) for name in self.names
+        )
+
+    def more_probable_than(self, other: "SearchResult", excess: float) -> bool:
+        """Whether the identified model is more probable than that of another search, which leaves so much more than
+        noise, as a logarithm.
+        """
+        samples = self.last.system.samples.beyond(excess)
+        return self.weight_by(samples) > other.weight_by(samples)
 
 
 @on_one_thread
@@ -185,7 +199,8 @@ def _search_beside(
     for start in origins_of(model):
         origin = origin_of(start, case.deadline)
         finding = search_from(case, origin, first_round(origin, case.problem.catalogue, progress), progress)
-        if start is model or not worse(finding.after, before):
+        samples = finding.last.system.samples
+        if start is model or finding.weight_by(samples) >= answer_weight(samples, model, before):
             break
     return finding
 
@@ -222,19 +237,23 @@ def search_from(
         if cut and wholly:
             raise TimeUpError
         progress.phase("fitting what was found")
-        model, after, out = _where_possible(origin, last.model, given)
+        model, after, out = where_possible(origin, last.model, given, last.system.samples)
         exact = origin.exactly(last.model) if out else last.model
         if exact is not last.model:  # nothing goes because of what is only nearly so
-            model, after, out = _where_possible(origin, exact, given)
+            model, after, out = where_possible(origin, exact, given, last.system.samples)
         if not out:
-            model, after, superfluous = leaving(origin, model, after, given)
+            model, after, superfluous = leaving(origin, model, after, given, last.system.samples)
             kept, new = kept_and_new(model.effects[own:], given)
             names = tuple(dict.fromkeys(instance.effect.name for instance in new))
             each = dict.fromkeys(instance.request for instance in own_values(origin.start, given))
             without = fit(origin.with_instances(kept)) if each else case.before
             fits = fits_of(origin, kept, new, without, after)
             ladder = ends_of_ladder(names, fits) if cut else ladder_of(names, fits)
-            out = {} if cut else superfluous_effect(ladder)
+            if not cut:
+                beyond = excess(after, case.problem.dataset.recordings, partial(encoder_error, model))
+                samples = last.system.samples
+                out = superfluous_effect(fits, names, samples)
+                out = out or gain_like_effect(fits, names, samples.beyond(beyond), after)
             if each:
                 ladder = (
                     step_of((), case.before.recordings),
@@ -324,61 +343,13 @@ def answered(case: SplitProblem, finding: SearchResult, progress: Progress = SIL
         superfluous=finding.superfluous,
         unfinished=tuple(unfinished),
         sets=posterior.sets,
+        without_logs=without_logs(model, system, best, proposals),
     )
 
 
 def band_checked(finding: SearchResult, diagnosis: Diagnosis) -> Diagnosis:
     """The answer with standard errors that hold what it is in half of the band."""
     return replace(diagnosis, after=with_band_checked(finding.model, diagnosis.after, fit))
-
-
-def _where_possible(
-    origin: Origin, model: Prepared, given: Sequence[EffectInstance]
-) -> tuple[Prepared, Identification, dict[str, Reason]]:
-    """The identified effects where they show, converged and fitted; and those that cannot be, with why they go."""
-    whole = fit(model)
-    kept, after = _where_it_shows(origin, model, whole, given)
-    stayed = {(instance.effect.name, instance.place) for instance in kept.effects}
-    dropped = [instance for instance in model.effects if (instance.effect.name, instance.place) not in stayed]
-    found = kept.effects[len(origin.start.effects) :]
-    out = impossible_effects(after, found) | impossible_but_needed(whole, after, dropped)
-    return kept, after, out or cancelling_effect(after, found)
-
-
-def _where_it_shows(
-    origin: Origin, model: Prepared, result: Identification, given: Sequence[EffectInstance]
-) -> tuple[Prepared, Identification]:
-    """The identified effects without the joints at which they are nothing or have an impossible sign; given: those
-    that the starting model has there, which stay. result: of the model with all of them; where that is converged only
-    as it is known nearby, they are looked at again once it is converged as it is. Where recordings that were not fitted
-    are explained clearly worse without what shows nowhere by itself, only an impossible sign is a reason to leave.
-    """
-    added = model.effects[len(origin.start.effects) :]
-    there = {(instance.effect.name, instance.joint) for instance in given}
-    kept = [
-        instance
-        for instance in added
-        if (instance.effect.name, instance.joint) in there or shows(result, instance)
-    ]
-    for instance in added:
-        if not any(other.effect.name == instance.effect.name for other in kept):
-            kept.append(instance)
-    if len(kept) < len(added):
-        there_only = origin.beside(model, [instance for instance in added if instance in kept])
-    else:
-        there_only = origin.exactly(model)
-    if there_only is model:
-        return model, result
-    fitted, nearly = fit(there_only), model.nearby is not None or model.provisional
-    able = [
-        instance
-        for instance in added
-        if (instance.effect.name, instance.joint) in there or not wrong_sign(result, instance)
-    ]
-    if len(able) > len(kept) and poorer(fitted, result):
-        there_only = origin.beside(model, able)
-        fitted = fit(there_only)
-    return _where_it_shows(origin, there_only, fitted, given) if nearly else (there_only, fitted)
 
 
 def _relative(after: Identification, system: System, found: Found) -> float:

@@ -6,10 +6,9 @@ from itertools import combinations
 
 import numpy as np
 
+from bench.diagnosis.decision import RULE
 from bench.diagnosis.halves import halves_of
-from bench.diagnosis.pruning import SHOWS
 from bench.diagnosis.result import Differing
-from bench.diagnosis.search import NEEDED
 from bench.effects import Effect, EffectInstance
 from bench.effects.select import TAG
 from bench.identification.identify import fit
@@ -62,7 +61,7 @@ def differing(
             evidence = halves.evidence(before, after)
             j = motors.index(candidate.joint)
             errors = np.sqrt(before[j] / halves.measured[j]), np.sqrt(after[j] / halves.measured[j])
-            if evidence > NEEDED and errors[1] < (1.0 - MATERIAL) * errors[0]:
+            if evidence > RULE.prior and errors[1] < (1.0 - MATERIAL) * errors[0]:
                 tried.append((candidate, evidence, float(errors[0]), float(errors[1])))
         if not tried:
             break
@@ -118,7 +117,7 @@ def _that_show(
         (parameter,) = candidate.effect.parameters
         told = result.effect_parameters[candidate.effect.name]
         values = {log: told[f"{candidate.joint}@{log}"][parameter.name] for log in logs}
-        impossible = parameter.positive and any(x.value < -SHOWS * x.std for x in values.values())
+        impossible = parameter.positive and any(x.value < -RULE.shows * x.std for x in values.values())
         if not impossible and _apart(list(values.values()), result.covariance[own, own]):
             found.append(Differing(candidate.effect.name, candidate.joint, values, evidence, before, after))
     return tuple(sorted(found, key=lambda difference: -difference.evidence)), result if found else None
@@ -128,6 +127,6 @@ def _apart(values: Sequence[Quantity], covariance: np.ndarray) -> bool:
     """Whether two of the values (k,) differ by more than chance makes of them; covariance (k, k)."""
     return any(
         abs(values[a].value - values[b].value)
-        > SHOWS * np.sqrt(covariance[a, a] + covariance[b, b] - 2.0 * covariance[a, b])
+        > RULE.shows * np.sqrt(covariance[a, a] + covariance[b, b] - 2.0 * covariance[a, b])
         for a, b in combinations(range(len(values)), 2)
     )

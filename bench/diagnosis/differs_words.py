@@ -2,11 +2,10 @@
 
 from collections.abc import Collection, Sequence
 
+from bench.diagnosis.decision import RULE
 from bench.diagnosis.result import Differing
 from bench.effects.display_names import spoken
 from bench.identification.wording import and_list, in_percent
-
-DOMINANT = 3.0  # times what is left with it, must be left without it, where no effect explains that
 
 
 def from_run_to_run(
@@ -18,7 +17,7 @@ def from_run_to_run(
     if not differs:
         return ()
     first, *others = differs
-    sure = clear or first.error_before > DOMINANT * first.error_after
+    sure = clear or first.error_before > RULE.dominant * first.error_after
     verb = "differs" if sure else "seems to differ"
     low = min(first.values, key=lambda log: first.values[log].value)
     high = max(first.values, key=lambda log: first.values[log].value)

@@ -4,8 +4,8 @@ from collections.abc import Collection, Iterator, Mapping, Sequence
 
 import numpy as np
 
-from bench.diagnosis.own_values import MOST_OF_IT, Place
-from bench.diagnosis.search import MATERIAL
+from bench.diagnosis.decision import RULE
+from bench.diagnosis.own_values import Place
 from bench.effects import Effect, EffectInstance
 from bench.identification.effect_rows import effect_rows
 from bench.identification.findings import unlike
@@ -38,7 +38,7 @@ def differing_elsewhere(
         for _, joint in places
     }
     return frozenset(
-        (places[i][0].name, joint) for joint, i in best.items() if after[i] < MOST_OF_IT * before[i]
+        (places[i][0].name, joint) for joint, i in best.items() if after[i] < RULE.most * before[i]
     )
 
 
@@ -60,7 +60,7 @@ def worse_elsewhere(
         )
         for each in (answer, other)
     )
-    return there < (1.0 - MATERIAL) ** 2 * here
+    return there < (1.0 - RULE.material) ** 2 * here
 
 
 def _elsewhere(

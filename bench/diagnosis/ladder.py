@@ -1,9 +1,10 @@
 """The ladder of a diagnosis: what a model with some of the identified effects leaves, each fitted by itself."""
 
-from collections.abc import Callable, Sequence
-from dataclasses import replace
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
 from functools import cache
 
+from bench.diagnosis.evidence import ResidualSquares, answer_squares
 from bench.diagnosis.normal_equations import solve_set
 from bench.diagnosis.origin import Origin
 from bench.diagnosis.result import LadderStep
@@ -11,10 +12,20 @@ from bench.diagnosis.rounds import Round
 from bench.diagnosis.search import judged_error
 from bench.effects import EffectInstance
 from bench.identification.identify import fitted_currents
-from bench.identification.result import CurrentSeries, Identification, relative_error
+from bench.identification.result import CurrentSeries, DriveGain, Identification, relative_error
 
-Fits = Callable[[frozenset[str]], LadderStep]
-"""From the names of effects to the step of the model that has them."""
+
+@dataclass(frozen=True)
+class FittedSet:
+    """A model with some effects, fitted by itself: the step of a ladder, what it leaves, and its drive gains."""
+
+    step: LadderStep
+    residual: ResidualSquares
+    gains: Mapping[str, float]
+
+
+Fits = Callable[[frozenset[str]], FittedSet]
+"""From the names of effects to the model that has them."""
 
 
 def fits_of(
@@ -29,20 +40,27 @@ def fits_of(
     """
 
     @cache
-    def fitted(names: frozenset[str]) -> LadderStep:
-        if not names:
-            return step_of((), before.recordings)
+    def fitted(names: frozenset[str]) -> FittedSet:
         chosen = [instance for instance in new if instance.effect.name in names]
-        if len(chosen) == len(new):
-            return step_of(tuple(names), after.recordings)
-        return step_of(tuple(names), fitted_currents(origin.with_instances([*kept, *chosen])))
+        if not names:
+            series, gains = before.recordings, values_of(before.drive_gains)
+        elif len(chosen) == len(new):
+            series, gains = after.recordings, values_of(after.drive_gains)
+        else:
+            series, gains = fitted_currents(origin.with_instances([*kept, *chosen]))
+        return FittedSet(step_of(tuple(names), series), answer_squares([*kept, *chosen], series), gains)
 
     return fitted
 
 
+def values_of(gains: Mapping[str, DriveGain]) -> dict[str, float]:
+    """Drive gains by joint, without their standard errors."""
+    return {joint: gain.value for joint, gain in gains.items()}
+
+
 def errors_without(names: Sequence[str], fits: Fits) -> dict[str, float]:
     """Relative error on recordings that were not fitted, by effect, of the identified model without it, fitted anew."""
-    return {name: fits(frozenset(names) - {name}).validate or 0.0 for name in names}
+    return {name: fits(frozenset(names) - {name}).step.validate or 0.0 for name in names}
 
 
 def errors_nearly_without(names: Sequence[str], last: Round, scale: float) -> dict[str, float]:
@@ -57,11 +75,11 @@ def errors_nearly_without(names: Sequence[str], last: Round, scale: float) -> di
 
 def ladder_of(names: Sequence[str], fits: Fits) -> tuple[LadderStep, ...]:
     """Errors after each added effect, the one that helps most first. names: of all that are added."""
-    steps = [fits(frozenset())]
+    steps = [fits(frozenset()).step]
     left = list(names)
     taken: list[str] = []
     while left:
-        tried = [replace(fits(frozenset((*taken, name))), effects=(*taken, name)) for name in left]
+        tried = [replace(fits(frozenset((*taken, name))).step, effects=(*taken, name)) for name in left]
         best = min(tried, key=lambda step: step.validate or step.identify or 0.0)
         taken.append(best.effects[-1])
         left.remove(best.effects[-1])
@@ -71,8 +89,8 @@ def ladder_of(names: Sequence[str], fits: Fits) -> tuple[LadderStep, ...]:
 
 def ends_of_ladder(names: Sequence[str], fits: Fits) -> tuple[LadderStep, ...]:
     """The first and the last step of a ladder."""
-    first = fits(frozenset())
-    return (first, replace(fits(frozenset(names)), effects=tuple(names))) if names else (first,)
+    first = fits(frozenset()).step
+    return (first, replace(fits(frozenset(names)).step, effects=tuple(names))) if names else (first,)
 
 
 def step_of(effects: tuple[str, ...], fitted: Sequence[CurrentSeries]) -> LadderStep:

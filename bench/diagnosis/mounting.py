@@ -7,8 +7,8 @@ import numpy as np
 
 from bench.basics.threads import on_one_thread
 from bench.dataset.payload import Payload
+from bench.diagnosis.decision import RULE
 from bench.diagnosis.halves import halves_of
-from bench.diagnosis.search import NEEDED
 from bench.identification.finding import Code, Finding
 from bench.identification.layout import parameter_layout, payload_parameters
 from bench.identification.observation import Observation
@@ -52,7 +52,7 @@ def _differing(prepared: Prepared, payload: str, logs: Mapping[str, str]) -> Fin
     further = np.concatenate([stack.phi[:, :, rows] for rows in own[:-1]], axis=2)
     halves = halves_of(*solved_quickly(common), further)
     before, after = halves.judged([]), halves.judged(range(further.shape[2]))
-    if halves.evidence(before, after) < NEEDED or not np.any(np.sqrt(after / before) < BETTER):
+    if halves.evidence(before, after) < RULE.prior or not np.any(np.sqrt(after / before) < BETTER):
         return None
     covariance = uncertainty(stack, solution, "autocorrelated").covariance
     values = np.array([solution.theta[rows] for rows in own])

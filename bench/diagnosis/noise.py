@@ -2,8 +2,8 @@
 
 import numpy as np
 
+from bench.diagnosis.decision import RULE
 from bench.diagnosis.normal_equations import System
-from bench.diagnosis.search import NEEDED
 from bench.identification.current_noise import current_noise
 from bench.identification.prepare import Prepared
 from bench.identification.solve_only import solved_quickly, spread
@@ -39,4 +39,4 @@ def leaves_only_noise(system: System, model: Prepared, noise: np.ndarray | None)
     least = float(noise @ weights)
     samples = system.fitted.rows / system.memory
     nats = 0.5 * samples * np.log(left / max(least, np.finfo(float).tiny))
-    return bool(WHITE * least < left and nats < NEEDED)
+    return bool(WHITE * least < left and nats < RULE.prior)

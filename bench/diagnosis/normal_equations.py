@@ -6,13 +6,16 @@ so that squares do not spoil the conditioning. A set then costs a Cholesky facto
 unknowns, whatever the number of samples.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
 
 from bench.basics.deadline import NEVER, Deadline
+from bench.diagnosis.decision import RULE
+from bench.diagnosis.evidence import Samples
+from bench.diagnosis.motor_products import MotorProducts, summed
 from bench.diagnosis.motor_rows import MotorRows, apart_from, combined, folded, motor_rows, products
 from bench.effects import EffectInstance, RobotSignals
 from bench.identification.bilinear import (
@@ -54,26 +57,6 @@ class Candidate:
 
 
 @dataclass(frozen=True)
-class MotorProducts:
-    """Inner products of every motor's [columns, torque, error] over so many rows.
-
-    torque and error: what the present model's solution needs, and leaves of the current. with_zeros
-    (n, C + 3, C + 3): with one more column, of zeros, for sets of different size that are solved side by side.
-    measured: sum of squares of all currents. rows_of_motor (n,): how many of the rows are each motor's.
-    """
-
-    with_zeros: np.ndarray
-    rows: int
-    measured: float
-    rows_of_motor: np.ndarray
-
-    @property
-    def inner(self) -> np.ndarray:
-        """The inner products (n, C + 2, C + 2), without the zeros."""
-        return self.with_zeros[:, :-1, :-1]
-
-
-@dataclass(frozen=True)
 class SetFit:
     """A set of candidates, solved on the fitted recordings; weighted squares left there and on the judged ones.
 
@@ -96,7 +79,8 @@ class System:
 
     base: how many independent columns the present model has. start: its solution, whose weights are one over each
     motor's current error. memory: rows that count as one, since neighbouring errors are alike. priors: nats that each
-    candidate must bring beyond what every one must, none where empty. solved: sets that were asked for already.
+    candidate must bring beyond what every one must, none where empty. by_log: the products by use
+    of every log alone. solved: sets that were asked for already.
     """
 
     candidates: tuple[Candidate, ...]
@@ -107,11 +91,19 @@ class System:
     memory: float
     repeats: float = 1.0
     priors: tuple[float, ...] = ()
+    by_log: Mapping[str, Mapping[str, MotorProducts]] = field(default_factory=dict)
     solved: dict[tuple[int, ...], SetFit] = field(default_factory=dict, compare=False, repr=False)
 
     def prior_of(self, chosen: Sequence[int]) -> float:
-        """Nats that the chosen candidates together must bring beyond what every one must."""
-        return sum(self.priors[i] for i in chosen) if self.priors else 0.0
+        """Nats that the chosen candidates together must bring."""
+        return RULE.prior * len(chosen) + (sum(self.priors[i] for i in chosen) if self.priors else 0.0)
+
+    @cached_property
+    def samples(self) -> Samples:
+        """Independent ones; every period of a motion that returns counts once, with the errors that return with it."""
+        together = self.memory * self.repeats
+        fitted, judged = (part.rows_of_motor / together for part in (self.fitted, self.judged))
+        return Samples(fitted, judged)
 
     def columns_of(self, chosen: Sequence[int]) -> np.ndarray:
         """Indices of the base columns and those of the chosen candidates."""
@@ -171,8 +163,16 @@ def build_system(
         some = np.arange(at, at + sum(len(instance.effect.parameters) for instance in instances))
         listed.append(Candidate(tuple(instances), base + some, lengths[some]))
         at += len(some)
-    fitted, judged = (_products(prepared, blocks[use], change, use) for use in ("identify", "validate"))
-    system = System(tuple(listed), base, start, fitted, judged, 1.0)
+    by_log = _products(prepared, blocks, change)
+    fitted, judged = (
+        summed(
+            [by_use[use] for by_use in by_log.values() if use in by_use],
+            change.shape[1] + 3,
+            len(start.gains),
+        )
+        for use in ("identify", "validate")
+    )
+    system = System(tuple(listed), base, start, fitted, judged, 1.0, by_log=by_log)
     plain = [
         i
         for i, candidate in enumerate(listed)
@@ -357,18 +357,24 @@ def _orthonormal(triangle: np.ndarray, p: int) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _products(
-    prepared: Prepared, blocks: Sequence[Sequence[MotorRows]], change: np.ndarray, use: str
-) -> MotorProducts:
-    """Of all recordings of a use, their columns combined by `change`."""
+    prepared: Prepared, blocks: Mapping[str, Sequence[Sequence[MotorRows]]], change: np.ndarray
+) -> dict[str, dict[str, MotorProducts]]:
+    """Of every log and use, their columns combined by `change`."""
     size = change.shape[1] + 2
-    with_zeros = np.zeros((len(prepared.present.gains), size + 1, size + 1))
-    for motors in blocks:
+    found: dict[str, dict[str, MotorProducts]] = {}
+    left = {use: iter(motors) for use, motors in blocks.items()}
+    for observation, measured in zip(prepared.observations, prepared.measured, strict=True):
+        motors = next(left[observation.use])
+        with_zeros = np.zeros((len(motors), size + 1, size + 1))
         for inner, rows in zip(with_zeros, motors, strict=True):
-            inner[:size, :size] += products(rows, change)
-    seen = [observation for observation in prepared.observations if observation.use == use]
-    measured = sum(float(((observation.current * observation.moving) ** 2).sum()) for observation in seen)
-    of_motor = sum((observation.moving.sum(axis=0) for observation in seen), np.zeros(len(with_zeros)))
-    return MotorProducts(with_zeros, int(of_motor.sum()), measured, of_motor)
+            inner[:size, :size] = products(rows, change)
+        of_motor = observation.moving.sum(axis=0)
+        squares = float(((observation.current * observation.moving) ** 2).sum())
+        own = MotorProducts(with_zeros, int(of_motor.sum()), squares, of_motor)
+        by_use = found.setdefault(measured.recording.log, {})
+        before = by_use.get(observation.use)
+        by_use[observation.use] = own if before is None else summed([before, own], size + 1, len(motors))
+    return found
 
 
 def _errors(motors: Sequence[MotorRows], change: np.ndarray, fit: SetFit, start: Solution) -> np.ndarray:

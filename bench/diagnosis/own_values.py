@@ -5,17 +5,14 @@ from dataclasses import replace
 
 import numpy as np
 
+from bench.diagnosis.decision import RULE
 from bench.diagnosis.halves import Halves, halves_of
 from bench.diagnosis.result import Differing
-from bench.diagnosis.search import NEEDED
 from bench.effects import Effect, EffectInstance
 from bench.effects.select import TAG
 from bench.identification.nonlinear import converged
 from bench.identification.prepare import Prepared, with_effects
 from bench.identification.solve_only import solved_quickly
-
-MOST_OF_IT = 0.5  # share of a motor's squared error: what takes more away is looked for before all else
-
 
 Place = tuple[str, str]
 """An effect and the joint at which it is."""
@@ -28,7 +25,7 @@ def places_of(differs: Sequence[Differing]) -> frozenset[Place]:
 
 def leading(differs: Sequence[Differing]) -> bool:
     """Whether values for each recording take most of a motor's error away: effects found without them may be theirs."""
-    return any(differing.error_after**2 < MOST_OF_IT * differing.error_before**2 for differing in differs)
+    return any(differing.error_after**2 < RULE.most * differing.error_before**2 for differing in differs)
 
 
 def with_own_values(start: Prepared, places: Collection[Place], catalogue: Mapping[str, Effect]) -> Prepared:
@@ -82,7 +79,7 @@ def explains_more(model: Prepared, other: Prepared) -> bool:
     here, there = _by_halves(model), _by_halves(other)
     samples = np.minimum(here.samples, there.samples)
     ratio = (there.judged(()) / there.measured) / (here.judged(()) / here.measured)
-    return 0.5 * float(samples @ np.log(ratio)) > NEEDED
+    return 0.5 * float(samples @ np.log(ratio)) > RULE.prior
 
 
 def _by_halves(model: Prepared) -> Halves:

@@ -1,9 +1,4 @@
-"""How probable each effect is: a posterior over all sets of effects that a search has solved.
-
-Its likelihood is coarsened (Miller and Dunson, "Robust Bayesian inference via coarsening", Journal of the American
-Statistical Association 114, 2019): no model is exact, so that evidence does not grow without bound with the length of a
-log. A motor's samples count in full where they are few, and never for more than COARSENING of them.
-"""
+"""How probable each effect is: a posterior over all sets of effects that a search has solved."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -11,14 +6,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from bench.diagnosis.candidates import Proposal
-from bench.diagnosis.normal_equations import SetFit, System
+from bench.diagnosis.normal_equations import System
 from bench.diagnosis.result import EffectVerdict, ProbableSet
-from bench.diagnosis.search import MATERIAL, NEEDED, Found, earned, judged_error, possible, score
+from bench.diagnosis.search import Found, judged_error, possible, score
 
-COARSENING = -NEEDED / np.log(1.0 - MATERIAL)
-"""Independent samples: where they are many, an error that falls by MATERIAL is worth NEEDED nats."""
 LEADING = 8  # sets that an answer lists
-LOOKED_AT = 100  # sets of largest weight: of these the ones count in which every effect earns its place
 EVEN = 0.5  # probability
 DECIDED = ("missing", "resembles")
 LIKELY = 0.01  # probability of such a set
@@ -37,19 +29,21 @@ class Posterior:
 def posterior_of(
     system: System, found: Found, proposals: Sequence[Proposal], scale: float = 1.0
 ) -> Posterior:
-    """Over the sets of usable effects that were solved, about one model, and in which every effect earns its place.
+    """Over the possible sets of usable effects that were solved, about one model: see `Samples.log_posterior`.
 
-    With squares R of motor j, N samples that are independent, fitted and judged, and k unknowns, the logarithm of a
-    set's weight is -1/2 sum_j z_j (N_j log R_j + N'_j log R'_j) - 1/2 k log(sum_j z_j N_j), less NEEDED for each
-    effect, where z_j = COARSENING / (COARSENING + N_j + N'_j). scale: of errors, see `verdicts`.
+    What seems more probable than the best set was converged, and was not. scale: of errors, see `verdicts`.
     """
     usable = {*found.singles, *found.best.fit.chosen}
     solved = [
-        fit for fit in system.solved.values() if usable.issuperset(fit.chosen) and possible(system, fit)
+        score(system, fit)
+        for fit in system.solved.values()
+        if usable.issuperset(fit.chosen) and possible(system, fit)
     ]
-    order = np.argsort(-_weights(system, solved), kind="stable")[:LOOKED_AT]
-    fits = [fit for fit in (solved[i] for i in order) if _stays(system, found, fit)]
-    weights = _weights(system, fits)
+    ordered = sorted(
+        (each for each in solved if each.total <= found.best.total), key=lambda each: -each.total
+    )
+    fits = [each.fit for each in ordered]
+    weights = shares_of([each.total for each in ordered])
     probability = np.zeros(len(proposals))
     for fit, weight in zip(fits, weights, strict=True):
         probability[list(fit.chosen)] += weight
@@ -84,23 +78,7 @@ def with_probability(
     return replace(verdict, verdict="indistinguishable", alternatives=others) if others else verdict
 
 
-def _stays(system: System, found: Found, fit: SetFit) -> bool:
-    return (
-        not fit.chosen
-        or fit.chosen == found.best.fit.chosen
-        or earned(system, score(system, fit, found.empty), found.empty)
-    )
-
-
-def _weights(system: System, fits: Sequence[SetFit]) -> np.ndarray:
-    """The probability (S,) of each set."""
-    together = system.memory * system.repeats
-    fitted, judged = (part.rows_of_motor / together for part in (system.fitted, system.judged))
-    share = COARSENING / (COARSENING + fitted + judged)
-    squares = np.log(np.array([fit.by_motor for fit in fits]) + np.finfo(float).tiny)  # (S, 2, n)
-    likelihood = -0.5 * (squares[:, 0] @ (share * fitted) + squares[:, 1] @ (share * judged))
-    unknowns = np.array([len(fit.columns) for fit in fits])
-    prior = np.array([NEEDED * len(fit.chosen) + system.prior_of(fit.chosen) for fit in fits])
-    logarithm = likelihood - 0.5 * unknowns * np.log(max(float(share @ fitted), 1.0)) - prior
-    weights = np.exp(logarithm - logarithm.max())
+def shares_of(totals: Sequence[float]) -> np.ndarray:
+    """Probabilities (S,) of sets with these logarithms of their weights."""
+    weights = np.exp(np.array(totals) - max(totals))
     return np.asarray(weights / weights.sum())

@@ -5,16 +5,13 @@ from dataclasses import replace
 
 import numpy as np
 
+from bench.diagnosis.decision import RULE
+from bench.diagnosis.evidence import Samples
+from bench.diagnosis.ladder import Fits
 from bench.diagnosis.reason import Because, Reason
-from bench.diagnosis.result import EffectVerdict, LadderStep
-from bench.diagnosis.search import MATERIAL
+from bench.diagnosis.result import EffectVerdict
 from bench.effects import EffectInstance
 from bench.identification.result import Identification
-
-CANCELS = (
-    5.0  # times a motor's torque: a spring that balances 80 % of a weight has four times what the motor gives
-)
-SHOWS = 3.0  # deviations by which a parameter must differ from zero for its effect to show at a joint
 
 
 def impossible_effects(result: Identification, added: Sequence[EffectInstance]) -> dict[str, Reason]:
@@ -25,34 +22,24 @@ def impossible_effects(result: Identification, added: Sequence[EffectInstance]) 
         wrong = [
             parameter.name
             for parameter in instance.effect.parameters
-            if parameter.positive and values[parameter.name].value < -SHOWS * values[parameter.name].std
+            if parameter.positive and values[parameter.name].value < -RULE.shows * values[parameter.name].std
         ]
         found.setdefault(instance.effect.name, []).append(wrong[0] if wrong else "")
     return {name: Reason(Because.IMPOSSIBLE, (wrong[0],)) for name, wrong in found.items() if all(wrong)}
 
 
-def poorer(after: Identification, whole: Identification) -> bool:
-    """Whether a model explains recordings that were not fitted clearly worse than another."""
-    before, now = whole.error.validate, after.error.validate
-    return before is not None and now is not None and now >= (1.0 + MATERIAL) * before
-
-
-def impossible_but_needed(
-    whole: Identification, after: Identification, dropped: Sequence[EffectInstance]
-) -> dict[str, Reason]:
-    """Effects omitted where their sign is impossible, if the model is clearly poorer for it; and why they go.
+def impossible_but_needed(whole: Identification, dropped: Sequence[EffectInstance]) -> dict[str, Reason]:
+    """Effects omitted where their sign is impossible, if the model is less probable for it; and why they go.
 
     What they did there is needed: a part of theirs that is possible, as Stribeck's law has Coulomb friction in it, or
     something that no effect accounts for. Either is looked for without them. whole: before they were omitted.
     """
-    if not poorer(after, whole):
-        return {}
     reasons: dict[str, Reason] = {}
     for instance in dropped:
         values = whole.effect_parameters[instance.effect.name][instance.place]
         for parameter in instance.effect.parameters:
             value = values[parameter.name]
-            if parameter.positive and value.value < -SHOWS * value.std:
+            if parameter.positive and value.value < -RULE.shows * value.std:
                 reasons[instance.effect.name] = Reason(Because.IMPOSSIBLE, (parameter.name, instance.place))
     return reasons
 
@@ -66,28 +53,44 @@ def cancelling_effect(result: Identification, added: Sequence[EffectInstance]) -
         for j, (joint, gain) in enumerate((joint, result.drive_gains[joint]) for joint in result.joints):
             torque = sum(np.nansum(trace.by_effect[name][:, j] ** 2) for trace in fitted)
             whole = sum(np.sum((gain.value * trace.measured * trace.moving)[:, j] ** 2) for trace in fitted)
-            if torque > CANCELS**2 * whole:
+            if torque > RULE.cancels**2 * whole:
                 return {name: Reason(Because.CANCELS, (joint,))}
     return {}
 
 
-def superfluous_effect(ladder: Sequence[LadderStep]) -> dict[str, Reason]:
-    """The effect added last, if the others do as well without it; and why it goes.
+def superfluous_effect(fits: Fits, names: Sequence[str], samples: Samples) -> dict[str, Reason]:
+    """The effect that is needed least, if the others, converged without it, are more probable; and why it goes.
 
-    A search compares sets about one model, and every step of the ladder is converged by itself. What made a
-    difference there and makes none here only mended how the others were linearised.
+    A search compares sets about one model. What made a difference there and makes none here only mended how the others
+    were linearised.
     """
-    if len(ladder) < 3:  # a single effect competes with nothing at all, which is converged in the search
+    every = frozenset(names)
+    without = {name: fits(every - {name}).residual.weight(samples) for name in names}
+    name = max(without, key=lambda name: without[name], default=None)
+    if name is None or without[name] < fits(every).residual.weight(samples):
         return {}
-    before, after = ladder[-2:]
-    if (
-        before.validate is None
-        or after.validate is None
-        or after.validate < (1.0 - MATERIAL) * before.validate
-    ):
-        return {}
-    (name,) = set(after.effects) - set(before.effects)
     return {name: Reason(Because.NOT_NEEDED)}
+
+
+def gain_like_effect(
+    fits: Fits, names: Sequence[str], samples: Samples, after: Identification
+) -> dict[str, Reason]:
+    """The effect that moves a drive gain by more than its standard error and is needed least, if the others are more
+    probable without it; and why it goes.
+
+    samples: as they count where the model's error is no noise: an effect that trades against a gain, as a saturation or
+    a friction that grows with the load, may then only make up for a law that is nearly right, and take the gain along.
+    """
+    every = frozenset(names)
+    least = fits(every).residual.weight(samples)
+    moved: list[tuple[float, str, str]] = []
+    for name in names:
+        without = fits(every - {name})
+        for joint, gain in after.drive_gains.items():
+            if abs(without.gains[joint] - gain.value) > RULE.shows * gain.std > 0.0:
+                moved.append((without.residual.weight(samples), name, joint))
+    weight, name, joint = max(moved, default=(-np.inf, "", ""))
+    return {name: Reason(Because.MOVES_GAIN, (joint,))} if weight > least else {}
 
 
 def refused(verdict: EffectVerdict, why: Reason | None) -> EffectVerdict:

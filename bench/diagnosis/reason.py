@@ -17,6 +17,9 @@ class Because(StrEnum):
         "impossible"  # a parameter is negative that cannot be [parameter, its place if not everywhere]
     )
     CANCELS = "cancels"  # its torque is many times all that a motor gives [the motor]
+    MOVES_GAIN = (
+        "moves a gain"  # where the model's error is no noise, and explains too little for that [the motor]
+    )
     NOT_NEEDED = "not needed"  # the other found effects do as well without it
 
 

@@ -120,6 +120,10 @@ WORDS: Mapping[Because, Callable[[EffectVerdict], str]] = {
         f"{begun(verdict.effect)} would need a torque at {verdict.why.names[0]} many times all that the motor gives, "
         "which other terms of the model would have to cancel"
     ),
+    Because.MOVES_GAIN: lambda verdict: (
+        f"{begun(verdict.effect)} would change the drive gain of {verdict.why.names[0]}, and explains too little "
+        "for that, compared with what the model leaves unexplained"
+    ),
     Because.NOT_NEEDED: lambda verdict: (
         f"{begun(verdict.effect)} is not needed: without it, the other effects explain the data as well"
     ),

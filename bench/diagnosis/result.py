@@ -6,7 +6,7 @@ import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from enum import StrEnum
-from math import hypot
+from math import hypot, inf, log
 from typing import TYPE_CHECKING, Literal
 
 from bench.diagnosis.reason import Reason
@@ -88,6 +88,17 @@ class ProbableSet:
 
 
 @dataclass(frozen=True)
+class WithoutLog:
+    """What the answer is with one log omitted: `gone`, the effects that the other logs do not support. gains: by joint;
+    empty where only that log has the payload which gives the gains their scale.
+    """
+
+    log: str
+    gone: tuple[str, ...]
+    gains: Mapping[str, float]
+
+
+@dataclass(frozen=True)
 class Unexplained:
     """What no effect of the catalogue accounts for. error and noise_floor: relative, on recordings not fitted.
 
@@ -111,6 +122,17 @@ class Unexplained:
     def much(self) -> bool:
         """Whether so much is left, whatever it varies with, that noise alone cannot be it."""
         return self.error > MUCH_LEFT * hypot(self.noise_floor, self.encoders)
+
+    @property
+    def excess(self) -> float:
+        """Logarithm, at least zero, of the error over what noise leaves, and what the logs do not repeat."""
+        return excess_of(self.error, self.noise_floor, self.encoders, self.repeats)
+
+
+def excess_of(error: float, noise_floor: float, encoders: float, repeats: float | None) -> float:
+    """See `Unexplained.excess`."""
+    floor = max(hypot(noise_floor, encoders), repeats or 0.0)
+    return log(max(error / floor, 1.0)) if floor else inf
 
 
 @dataclass(frozen=True)
@@ -214,6 +236,7 @@ class Diagnosis:
     superfluous: effects of the starting model that `after` does without.
     discovered: laws that are in no catalogue, motor by motor; `after` and the ladder have them, too. unfinished: what
     was not looked at, since the time was up. sets: of effects, the most probable first.
+    without_logs: what hangs on one log, where there are several.
     """
 
     robot: str
@@ -229,6 +252,7 @@ class Diagnosis:
     discovered: tuple[Discovered, ...] = ()
     unfinished: tuple[Unfinished, ...] = ()
     sets: tuple[ProbableSet, ...] = ()
+    without_logs: tuple[WithoutLog, ...] = ()
 
     @property
     def finished(self) -> bool:

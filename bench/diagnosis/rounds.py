@@ -10,13 +10,14 @@ from bench.basics.deadline import NEVER, TimeUpError
 from bench.basics.progress import SILENT, Progress
 from bench.diagnosis.batched_sets import solve_sets, swapped
 from bench.diagnosis.candidates import Context, Proposal, propose, shaped
-from bench.diagnosis.leaves_less import SquaresLeft, leaves_clearly_less, left_by
+from bench.diagnosis.decision import RULE
+from bench.diagnosis.evidence import ResidualSquares, residual_squares
 from bench.diagnosis.noise import leaves_only_noise
 from bench.diagnosis.normal_equations import System, build_system, solve_set
 from bench.diagnosis.origin import Origin
 from bench.diagnosis.restart import restarted
 from bench.diagnosis.revealed import beside, partners
-from bench.diagnosis.search import NEEDED, Found, contains, neighbours, score, search
+from bench.diagnosis.search import Found, contains, neighbours, score, search
 from bench.diagnosis.special_case import explaining_most, explains, with_shapes_of
 from bench.effects import Effect, EffectInstance
 from bench.identification.nonlinear import settles
@@ -44,9 +45,11 @@ class Round:
     cut: bool = False
 
     @cached_property
-    def left(self) -> SquaresLeft:
-        """What its model leaves."""
-        return left_by(self.model)
+    def residual(self) -> ResidualSquares:
+        """Of its model; nats against its effects and laws are those of the proposals."""
+        priors = {proposal.name: proposal.prior for proposal in self.proposals}
+        names = {instance.effect.name for instance in self.model.effects}
+        return residual_squares(self.model, sum(RULE.prior + priors.get(name, 0.0) for name in names))
 
     @property
     def chosen(self) -> tuple[int, ...]:
@@ -99,20 +102,20 @@ def searched(origin: Origin, first: Round, barred: Collection[str], progress: Pr
     here = _again(origin, given.pop(), barred, progress, before)
     tried = {frozenset(here.chosen)}
     for _ in range(ROUNDS - 1):
-        if here.cut:
+        before = here
+        for seek in (_with_partner, _with_rival):
+            if here.cut:
+                return here
+            progress.phase("searching for partners and rivals")
+            try:
+                better = seek(origin, here, barred)
+            except TimeUpError:
+                return replace(here, cut=True)
+            if better is not None and frozenset(better.chosen) not in tried:
+                here = _again(origin, better, barred, progress, here)
+                tried |= {frozenset(better.chosen), frozenset(here.chosen)}
+        if here is before:
             break
-        progress.phase("searching for partners")
-        try:
-            better = _with_partner(origin, here, barred)
-        except TimeUpError:
-            return replace(here, cut=True)
-        if better is None or frozenset(better.chosen) in tried:
-            break
-        there = _again(origin, better, barred, progress, here)
-        if there is here:
-            break
-        here = there
-        tried.add(frozenset(here.chosen))
     return here
 
 
@@ -192,9 +195,12 @@ def _converged(origin: Origin, here: Round) -> Round:
     return replace(here, model=origin.in_search(here.system, here.proposals, here.chosen))
 
 
-def _alike(here: Round, chosen: tuple[int, ...], barred: Collection[str]) -> list[Round]:
-    """The best sets of a round's system that are this one but for one effect, more, less or another."""
-    scored = neighbours(here.system, here.found, chosen, usable(here.proposals, barred))
+def _alike(here: Round, chosen: tuple[int, ...], barred: Collection[str], less: float = 0.0) -> list[Round]:
+    """The best sets of a round's system that are this one but for one effect, more, less or another, and less probable
+    by no more than so many nats.
+    """
+    present = score(here.system, solve_set(here.system, chosen))
+    scored = neighbours(here.system, present, usable(here.proposals, barred), present.total - less)
     return [
         replace(here, found=replace(here.found, best=found))
         for found in scored
@@ -203,22 +209,20 @@ def _alike(here: Round, chosen: tuple[int, ...], barred: Collection[str]) -> lis
 
 
 def _better(here: Round, before: Round) -> bool:
-    """Whether a converged model leaves clearly less than the one before, or less is unknown to it and it leaves hardly
-    more; its gains have not run away if those of the other have not.
+    """Whether a converged model is more probable than the one before, and its gains have not run away if those of the
+    other have not.
     """
-    new, old = here.left, before.left
+    new, old = here.residual, before.residual
     if new.away and not old.away:
         return False
-    if new.unknowns < old.unknowns:
-        return not leaves_clearly_less(before.system, old, new)
-    return leaves_clearly_less(before.system, new, old)
+    return new.weight(before.system.samples) > old.weight(before.system.samples)
 
 
 def _with_set(here: Round, chosen: Sequence[int]) -> Round:
     """The round with this set as its best."""
     found = here.found
     fit = solve_set(here.system, chosen)
-    return replace(here, found=replace(found, best=score(here.system, fit, found.empty)))
+    return replace(here, found=replace(found, best=score(here.system, fit)))
 
 
 def _with_partner(origin: Origin, here: Round, barred: Collection[str]) -> Round | None:
@@ -236,11 +240,22 @@ def _with_partner(origin: Origin, here: Round, barred: Collection[str]) -> Round
                 break
             others = beside(here.proposals, joined, len(origin.start.effects))
             wider = judged(origin, joined, others, barred)
-            without = score(wider.system, solve_set(wider.system, here.chosen), wider.found.empty)
-            if wider.found.best.total <= without.total + NEEDED:
+            without = score(wider.system, solve_set(wider.system, here.chosen))
+            if wider.found.best.total <= without.total:
                 break
         else:
             return wider
+    return None
+
+
+def _with_rival(origin: Origin, here: Round, barred: Collection[str]) -> Round | None:
+    """What is found from a set one effect away that is hardly less probable about this model, and more where it is
+    converged; None if none is.
+    """
+    for rival in _alike(here, here.chosen, barred, RULE.undecided):
+        there = _converged(origin, rival)
+        if _better(there, here):
+            return judged(origin, there.model, reshaped(origin, there, SILENT), barred)
     return None
 
 
@@ -305,7 +320,9 @@ def reshaped(origin: Origin, here: Round, progress: Progress) -> list[Proposal]:
         if not _has_shape(proposal):
             result.append(proposal)
             continue
-        rival = _rival(here.system, here.found, i)
+        rival = _part(here.system, here.found, i)
+        if rival is None:
+            rival = _rival(here.system, here.found, i)
         if rival is None:
             instances = (
                 proposal.instances
@@ -334,6 +351,12 @@ def _whole(system: System, found: Found, i: int) -> int | None:
     return next(wholes, None)
 
 
+def _part(system: System, found: Found, i: int) -> int | None:
+    """The identified effect that is a special case of effect i."""
+    parts = (k for k in found.best.fit.chosen if contains(system.candidates[i], system.candidates[k]))
+    return next(parts, None)
+
+
 def _has_shape(proposal: Proposal) -> bool:
     """Whether the columns of an effect depend on the model to which it is added."""
     return not proposal.absorbed and settles(proposal.instances)
@@ -342,6 +365,8 @@ def _has_shape(proposal: Proposal) -> bool:
 def _rival(system: System, found: Found, i: int) -> int | None:
     """The identified effect in whose place effect i does best, where that is better than most of what it explains."""
     best = found.best.fit
+    if not best.chosen:
+        return None
     sets = zip(best.chosen, swapped(best.chosen, [i]), strict=True)
     swaps = {k: solve_set(system, pair).fitted for k, pair in sets}
     rival = min(swaps, key=lambda k: swaps[k])

@@ -1,6 +1,6 @@
 """Search all small sets of effects for the one that the data support."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from itertools import combinations
 
@@ -8,143 +8,129 @@ import numpy as np
 
 from bench.basics.deadline import NEVER, Deadline
 from bench.diagnosis.batched_sets import enlarged, reduced, solve_sets, swapped
+from bench.diagnosis.decision import RULE
 from bench.diagnosis.normal_equations import Candidate, SetFit, System, solve_set, squared_errors
 
 EXHAUSTIVE = 3  # up to this size all sets of the shortlist compete; larger ones grow by one effect at a time
 LARGEST_SET = 6
+STEPS = 6  # changes of a set
+BEGUN = 4  # sets from which a search sets out, besides the empty one
 ALONE, BESIDE = (
     9,
     7,
 )  # how many effects the shortlist has for what they do alone, and beside the best set so far
-NEEDED = 10.0  # nats that an effect must bring (odds of some 20,000 to 1)
-FEW = 8  # sets like another of which it is asked whether their effects earn their place
-LITTLE = 0.2  # of a motor's error on judged recordings: an effect that leaves no more of it matters
-MATERIAL = 0.03  # share of the error on judged recordings that an effect must take away
 
 
 @dataclass(frozen=True)
 class Scored:
-    """A set with its evidence against the present model, in nats: on judged recordings, on fitted ones beyond what
-    noise alone gives as many unknowns, and in all.
-    """
+    """A set with the logarithm of its weight, `total`, and of its likelihood on judged recordings, nats."""
 
     fit: SetFit
     judged: float
-    fitted: float
     total: float
 
 
-def score(system: System, fit: SetFit, reference: SetFit) -> Scored:
-    """Log-likelihood ratios against `reference`, with as many samples as are independent.
-
-    On judged recordings no parameter was fitted, so that it needs no penalty; on fitted ones half the logarithm
-    of their number is subtracted for each parameter (Schwarz 1978). So are the priors of the set. Noise alone gives
-    half a nat a parameter there (Wilks 1938). In all, every period of a motion that returns counts once, with the
-    errors that return with it: recordings that were not fitted are no others than those that were, then.
+def score(system: System, fit: SetFit) -> Scored:
+    """See `Samples.log_posterior`. On judged recordings no parameter was fitted, so that the likelihood, there of all
+    samples, needs no penalty.
     """
-    tiny = np.finfo(float).tiny
-    ratios = np.log((reference.by_motor + tiny) / (fit.by_motor + tiny))
-    fitted = 0.5 * float(system.fitted.rows_of_motor @ ratios[0]) / system.memory
-    judged = 0.5 * float(system.judged.rows_of_motor @ ratios[1]) / system.memory
-    samples = system.fitted.rows / system.memory
-    extra = len(fit.columns) - len(reference.columns)
-    penalty = 0.5 * extra * np.log(max(samples / system.repeats, 1.0))
-    penalty += system.prior_of(fit.chosen) - system.prior_of(reference.chosen)
-    total = (judged + fitted) / system.repeats - penalty
-    return Scored(fit, float(judged), float(fitted - 0.5 * extra), float(total))
+    logs = np.log(fit.by_motor[1] + np.finfo(float).tiny)
+    judged = -0.5 * float(system.judged.rows_of_motor @ logs) / system.memory
+    prior = system.prior_of(fit.chosen)
+    return Scored(fit, judged, float(system.samples.log_posterior(fit.by_motor, len(fit.columns), prior)))
 
 
 @dataclass(frozen=True)
 class Found:
-    """The supported set, every single effect scored alone, and the model without any."""
+    """The most probable set, and every single effect alone."""
 
     best: Scored
     singles: dict[int, Scored]
-    empty: SetFit
 
 
 def search(system: System, usable: Sequence[int], deadline: Deadline = NEVER) -> Found:
-    """The supported set among the usable candidates (indices).
+    """The most probable set among the usable candidates (indices) of which no effect has an impossible sign.
 
-    A larger set wins only if each of its effects earns NEEDED nats and MATERIAL of the error on recordings that
-    were not fitted, and if none of its effects has an impossible sign. All pairs and triples of the shortlist
-    compete, so that a first choice that a better pair makes superfluous does not stay. Raises TimeUpError after the
+    All pairs and triples of the shortlist compete, so that a first choice that a better pair makes superfluous does not
+    stay; larger sets are reached one change after the other. Raises TimeUpError after the deadline.
+    """
+    singles = dict(zip(usable, scored(system, [(i,) for i in usable]), strict=True))
+    best = score(system, solve_set(system, ()))
+    for size in range(1, EXHAUSTIVE + 1):
+        deadline.check()
+        best = _best(system, best, combinations(_shortlist(system, usable, singles, best), size))
+    return Found(climbed(system, best, usable, deadline), singles)
+
+
+def best_set(
+    system: System, begin: Iterable[Sequence[int]], usable: Sequence[int], deadline: Deadline = NEVER
+) -> Scored:
+    """The most probable set that is reached from the empty one and from others, one change after the other.
+
+    begin: start sets. usable: candidates (indices) that may join or stand in for a member. Raises TimeUpError after the
     deadline.
     """
-    empty = solve_set(system, ())
-    alone = solve_sets(system, [(i,) for i in usable])
-    singles = {i: score(system, fit, empty) for i, fit in zip(usable, alone, strict=True)}
-    best = score(system, empty, empty)
-    for size in range(1, LARGEST_SET + 1):
-        deadline.check()
-        order = _shortlist(system, usable, singles, best, empty)
-        if size <= EXHAUSTIVE:
-            sets = list(combinations(order, size))
-        else:
-            sets = [(*best.fit.chosen, i) for i in order if i not in best.fit.chosen]
-        scored = [score(system, fit, empty) for fit in solve_sets(system, sets)]
-        able = [
-            scored_law
-            for scored_law in sorted(scored, key=lambda candidate: -candidate.total)
-            if possible(system, scored_law.fit)
-        ]
-        before = best
-        for candidate in able[:20]:
-            if candidate.total > best.total + NEEDED and earned(system, candidate, empty):
-                best = simplest(system, candidate, able)
-                break
-        if size >= EXHAUSTIVE and best is before:
-            break
-    return Found(best, singles, empty)
+    starts = [score(system, solve_set(system, ())), *sorted(scored(system, [*begin]), key=_total)[-BEGUN:]]
+    return max((climbed(system, start, usable, deadline) for start in starts), key=_total)
 
 
-def neighbours(system: System, found: Found, chosen: tuple[int, ...], usable: Sequence[int]) -> list[Scored]:
-    """Sets with one effect more than the chosen one, another or one less, the best first: those of which every effect
-    earns its place.
+def climbed(system: System, start: Scored, usable: Sequence[int], deadline: Deadline = NEVER) -> Scored:
+    """The set that is reached by adding, exchanging or omitting one effect after the other, each time the best, as long
+    as the set becomes more probable.
+
+    Where a sign is impossible, any possible neighbour is better: what the sign belongs to may stand for that, as a
+    spring that pushes stands for an offset.
     """
+    here = start
+    for _ in range(STEPS):
+        deadline.check()
+        chosen, able = here.fit.chosen, possible(system, here.fit)
+        near = neighbours(system, here, usable, -np.inf if not able else here.total)
+        best = simplest(system, near[0], [*near, here] if able else near) if near else here
+        if best is not here:
+            here = best
+        elif able:
+            break
+        else:
+            here = max(scored(system, reduced(chosen)), key=_total)
+    return here
+
+
+def neighbours(system: System, here: Scored, usable: Sequence[int], least: float) -> list[Scored]:
+    """Sets with one effect more than this one, another or one less, whose weight is above the least, the best first."""
+    chosen = here.fit.chosen
     others = [i for i in usable if i not in chosen]
-    sets = enlarged(chosen, others) + swapped(chosen, others)
-    if len(chosen) > 1:
-        sets += reduced(chosen)
-    here = score(system, solve_set(system, chosen), found.empty)
-    scored = (score(system, fit, found.empty) for fit in solve_sets(system, sets))
-    best = sorted(
-        (s for s in scored if s.total > here.total + NEEDED and possible(system, s.fit)),
-        key=lambda s: -s.total,
-    )
-    return [s for s in best[:FEW] if earned(system, s, found.empty)]
+    sets = swapped(chosen, others) + (reduced(chosen) if chosen else [])
+    if len(chosen) < LARGEST_SET:
+        sets += enlarged(chosen, others)
+    better = [each for each in scored(system, sets) if each.total > least and possible(system, each.fit)]
+    return sorted(better, key=_total, reverse=True)
 
 
-def _shortlist(
-    system: System, usable: Sequence[int], singles: dict[int, Scored], best: Scored, empty: SetFit
-) -> list[int]:
+def _best(system: System, best: Scored, sets: Iterable[Sequence[int]]) -> Scored:
+    """The most probable possible set, or a special case that is as good; `best` where none is better."""
+    better = [each for each in scored(system, [*sets]) if each.total > best.total]
+    able = [each for each in better if possible(system, each.fit)]
+    return simplest(system, max(able, key=_total), able) if able else best
+
+
+def scored(system: System, sets: Sequence[Sequence[int]]) -> list[Scored]:
+    """Each of the sets, in their order."""
+    return [score(system, fit) for fit in solve_sets(system, sets)]
+
+
+def _total(each: Scored) -> float:
+    return each.total
+
+
+def _shortlist(system: System, usable: Sequence[int], singles: dict[int, Scored], best: Scored) -> list[int]:
     """Effects that explain most alone, and most beside the best set so far: one may hide the other."""
     chosen = best.fit.chosen
     alone = sorted(usable, key=lambda i: -singles[i].total)[:ALONE]
     others = [i for i in usable if i not in chosen]
-    wider = solve_sets(system, enlarged(chosen, others)) if chosen else []
-    beside = {i: score(system, fit, empty).total for i, fit in zip(others, wider, strict=False)}
+    wider = scored(system, enlarged(chosen, others)) if chosen else []
+    beside = {i: each.total for i, each in zip(others, wider, strict=False)}
     return list(dict.fromkeys([*chosen, *alone, *sorted(beside, key=lambda i: -beside[i])[:BESIDE]]))
-
-
-def earned(system: System, scored: Scored, empty: SetFit) -> bool:
-    """Whether the set is clearly poorer without any of its effects, on recordings that were not fitted, and on fitted
-    ones: where those say nothing of an effect, what it does elsewhere makes up for errors of the other parameters.
-    """
-    chosen = scored.fit.chosen
-    for i in range(len(chosen)):
-        fewer = solve_set(system, chosen[:i] + chosen[i + 1 :])
-        without = score(system, fewer, empty)
-        gained = (
-            scored.judged - without.judged,
-            scored.fitted - without.fitted,
-            scored.total - without.total,
-        )
-        if min(gained) < NEEDED:
-            return False
-        if not (material(fewer, scored.fit) or little_left_at_a_motor(fewer, scored.fit)):
-            return False
-    return True
 
 
 def judged_error(system: System, fit: SetFit) -> float:
@@ -154,23 +140,9 @@ def judged_error(system: System, fit: SetFit) -> float:
     return float(np.sqrt(error.sum() / measured)) if measured else 0.0
 
 
-def little_left_at_a_motor(before: SetFit, after: SetFit) -> bool:
-    """Whether little of the error of one motor is left on recordings that were not fitted.
-
-    Each motor's error is weighted by what the present model leaves there of the fitted recordings: where that is far
-    more than of others, all that goes there is little of the whole.
-    """
-    return bool(np.any(after.by_motor[1] <= LITTLE**2 * before.by_motor[1]))
-
-
-def material(before: SetFit, after: SetFit) -> bool:
-    """Whether the error on recordings that were not fitted falls by more than MATERIAL."""
-    return bool(np.sqrt(after.judged) < (1.0 - MATERIAL) * np.sqrt(before.judged))
-
-
 def close(scored: Scored, other: Scored) -> bool:
     """Whether the data cannot tell two sets apart: the second is hardly worse than the first."""
-    return scored.judged - other.judged < NEEDED or not material(other.fit, scored.fit)
+    return scored.total - other.total < RULE.undecided
 
 
 def simplest(system: System, scored: Scored, rivals: Sequence[Scored]) -> Scored:

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from bench.diagnosis.normal_equations import MotorProducts
+from bench.diagnosis.motor_products import MotorProducts
 from bench.identification.bilinear import TINY
 
 

@@ -6,13 +6,10 @@ from math import log, prod
 import numpy as np
 
 from bench.basics.chi_squared import exceeded_with
-from bench.diagnosis.pruning import SHOWS
-from bench.diagnosis.search import NEEDED
+from bench.diagnosis.decision import RULE
 from bench.effects import EffectInstance
 from bench.identification.finding import Unknown
 from bench.identification.result import Identification
-
-BY_CHANCE = 0.0027  # probability of SHOWS deviations
 
 
 def shows(result: Identification, instance: EffectInstance) -> bool:
@@ -31,13 +28,13 @@ def shows(result: Identification, instance: EffectInstance) -> bool:
         return False
     found = np.array([values[parameter.name].value for parameter in parameters])
     covariance = _at_its_shape(result, instance)
-    if not np.any(np.abs(found) > SHOWS * np.sqrt(np.diag(covariance))):
+    if not np.any(np.abs(found) > RULE.shows * np.sqrt(np.diag(covariance))):
         return False
     known = np.isfinite(np.diag(covariance)) & (np.diag(covariance) > 0.0)
     if known.sum() < 2:
         return True
     tried = prod(parameter.unlike for parameter in instance.effect.shape)
-    needed = 2.0 * (NEEDED + log(tried)) if tried > 1 else exceeded_with(BY_CHANCE, int(known.sum()))
+    needed = 2.0 * (RULE.prior + log(tried)) if tried > 1 else exceeded_with(RULE.by_chance, int(known.sum()))
     inverse = np.linalg.pinv(covariance[np.ix_(known, known)], hermitian=True)
     return bool(found[known] @ inverse @ found[known] > needed)
 
@@ -46,7 +43,7 @@ def wrong_sign(result: Identification, instance: EffectInstance) -> bool:
     """Whether a parameter that must be positive is clearly negative there."""
     values = result.effect_parameters[instance.effect.name][instance.place]
     return any(
-        parameter.positive and values[parameter.name].value < -SHOWS * values[parameter.name].std
+        parameter.positive and values[parameter.name].value < -RULE.shows * values[parameter.name].std
         for parameter in instance.effect.parameters
     )
 

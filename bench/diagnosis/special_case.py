@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 
 from bench.diagnosis.candidates import Context
-from bench.diagnosis.search import MATERIAL
+from bench.diagnosis.decision import RULE
 from bench.effects import EffectInstance
 from bench.identification.solve_only import candidate_columns, reshaped
 
@@ -29,7 +29,7 @@ def explaining_most(context: Context, *tried: tuple[EffectInstance, ...]) -> tup
 
 def explains(context: Context, instances: Sequence[EffectInstance]) -> bool:
     """Whether instances take a clear share away of what a model leaves of the fitted recordings."""
-    return _explained(context, instances) > (1.0 - (1.0 - MATERIAL) ** 2) * context.left.sum_of_squares
+    return _explained(context, instances) > (1.0 - (1.0 - RULE.material) ** 2) * context.left.sum_of_squares
 
 
 def _explained(context: Context, instances: Sequence[EffectInstance]) -> float:

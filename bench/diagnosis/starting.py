@@ -4,9 +4,9 @@ from collections.abc import Collection, Sequence
 from dataclasses import replace
 
 from bench.diagnosis.candidates import Proposal
+from bench.diagnosis.evidence import Samples, answer_weight
 from bench.diagnosis.origin import Origin
 from bench.diagnosis.result import Superfluous
-from bench.diagnosis.search import MATERIAL
 from bench.effects import EffectInstance
 from bench.identification.identify import fit
 from bench.identification.nonlinear import converged
@@ -25,11 +25,6 @@ def origins_of(start: Prepared) -> list[Prepared]:
     return [converged(with_effects(start, fixed)), start]
 
 
-def worse(after: Identification, before: Identification) -> bool:
-    """Whether a model that was identified explains clearly less than the starting model, on recordings not fitted."""
-    return _judged(before) < (1.0 - MATERIAL) * _judged(after)
-
-
 def kept_and_new(
     found: Sequence[EffectInstance], given: Sequence[EffectInstance]
 ) -> tuple[tuple[EffectInstance, ...], tuple[EffectInstance, ...]]:
@@ -40,7 +35,7 @@ def kept_and_new(
 
 
 def leaving(
-    origin: Origin, model: Prepared, after: Identification, given: Sequence[EffectInstance]
+    origin: Origin, model: Prepared, after: Identification, given: Sequence[EffectInstance], samples: Samples
 ) -> tuple[Prepared, Identification, tuple[Superfluous, ...]]:
     """The identified model, named as the user did, and those of the given effects that it does without.
 
@@ -62,7 +57,7 @@ def leaving(
             [*added, *(instance for instance in left if instance.effect.name == name)]
         )
         result = fit(wider)
-        if _judged(result) < (1.0 - MATERIAL) * _judged(after):
+        if answer_weight(samples, wider, result) > answer_weight(samples, model, after):
             model, after = wider, result
             added = list(model.effects[own:])
         elif name not in each:  # else it has a value for each recording somewhere
@@ -91,7 +86,3 @@ def _named(found: Sequence[EffectInstance], given: Sequence[EffectInstance]) -> 
 
 def _places(given: Sequence[EffectInstance]) -> set[tuple[str, str]]:
     return {(instance.effect.name, instance.joint) for instance in given}
-
-
-def _judged(result: Identification) -> float:
-    return result.error.validate or 0.0

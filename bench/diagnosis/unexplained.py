@@ -6,15 +6,14 @@ import numpy as np
 
 from bench.basics.chi_squared import exceeded_with
 from bench.dataset.recording import Recording
+from bench.diagnosis.decision import RULE
 from bench.diagnosis.repeats import not_repeated
-from bench.diagnosis.result import Remainder, Unexplained
+from bench.diagnosis.result import Remainder, Unexplained, excess_of
 from bench.identification.current_noise import current_noise
 from bench.identification.result import CurrentSeries, Identification, relative_error
 from bench.signals.settings import FilterSettings
 
 BINS = 12
-SURPRISING = 1e-4  # probability of so strong a dependence by chance, all tests together
-MATERIAL = 1.15  # times the noise floor: less is not worth a word
 SHUFFLES = 400
 SEED = 20120606
 FIRST_LAG, LAGS = 6, 12  # rows: beyond the memory of the fit's low-pass
@@ -41,6 +40,18 @@ def relative_noise_floor(
     return float(np.sqrt(noise / measured)) if measured else 0.0
 
 
+def excess(result: Identification, recordings: Sequence[Recording], encoders: Callable[[], float]) -> float:
+    """Logarithm, at least zero, of the error on recordings that were not fitted over what noise leaves of them, and
+    what the logs do not repeat. encoders: see `unexplained`.
+    """
+    judged = [trace for trace in result.recordings if trace.use == "validate"] or list(result.recordings)
+    error = relative_error(judged) or 0.0
+    floor = relative_noise_floor(recordings, judged, result.settings)
+    if error <= RULE.beyond_noise * floor:
+        return 0.0
+    return excess_of(error, floor, encoders(), not_repeated(result.recordings))
+
+
 def unexplained(
     result: Identification, recordings: Sequence[Recording], encoders: Callable[[], float] = lambda: 0.0
 ) -> Unexplained:
@@ -51,10 +62,10 @@ def unexplained(
     judged = [trace for trace in result.recordings if trace.use == "validate"] or list(result.recordings)
     error = relative_error(judged) or 0.0
     floor = relative_noise_floor(recordings, judged, result.settings)
-    if error <= MATERIAL * floor:
+    if error <= RULE.beyond_noise * floor:
         return Unexplained(Remainder.NOISE, error, floor, ())
     from_encoders = encoders()
-    if error <= MATERIAL * np.hypot(floor, from_encoders):
+    if error <= RULE.beyond_noise * np.hypot(floor, from_encoders):
         return Unexplained(Remainder.NOISE_AND_ENCODERS, error, floor, (), from_encoders)
     found: dict[str, float] = {}
     random = np.random.default_rng(SEED)
@@ -98,7 +109,7 @@ def _variables(series: Sequence[CurrentSeries], j: int) -> dict[str, np.ndarray]
 
 
 def _dependence(errors: np.ndarray, values: np.ndarray, random: np.random.Generator) -> float:
-    """How far the variation between bins is beyond chance: over one is beyond SURPRISING.
+    """How far the variation between bins is beyond chance: over one is beyond RULE.surprising.
 
     Chance is what shuffled blocks of the same errors give, so that their autocorrelation counts.
     """
@@ -128,7 +139,7 @@ def _dependence(errors: np.ndarray, values: np.ndarray, random: np.random.Genera
     # the sum of squares of bin means is close to a scaled chi-squared; its tail is carried on from its moments
     mean, variance = chance.mean(), chance.var()
     freedom = 2.0 * mean**2 / max(variance, 1e-300)
-    limit = mean / freedom * exceeded_with(SURPRISING, freedom)
+    limit = mean / freedom * exceeded_with(RULE.surprising, freedom)
     return between(errors) / limit
 
 
@@ -156,4 +167,4 @@ def _lasting(series: Sequence[CurrentSeries]) -> bool:
             correlation = (errors[lag:] * errors[:-lag]).sum(axis=0) / np.where(scale > 0, scale, 1.0)
             squares += float((correlation**2 * trace.moving.sum(axis=0)).sum())
             count += correlation.size
-    return count > 0 and squares > exceeded_with(SURPRISING, count)
+    return count > 0 and squares > exceeded_with(RULE.surprising, count)

@@ -4,12 +4,12 @@ from collections.abc import Mapping, Sequence
 
 from bench.diagnosis.batched_sets import solve_sets, swapped
 from bench.diagnosis.candidates import Proposal
+from bench.diagnosis.decision import RULE
 from bench.diagnosis.normal_equations import System, solve_set
 from bench.diagnosis.reason import Because, Doubt, Reason
 from bench.diagnosis.result import EffectVerdict, Unexplained, Verdict
-from bench.diagnosis.search import NEEDED, Found, Scored, close, contains, judged_error, material, score
+from bench.diagnosis.search import Found, Scored, close, contains, judged_error, score
 
-DOMINANT = 3.0
 DOMINANT_BESIDE = 10.0  # so many times the residual, an effect must explain where much is left
 
 
@@ -27,7 +27,7 @@ def verdicts(
     places: joints at which each found effect shows. scale: error of the converged model over that of its set here.
     without: error of the identified model without each of its effects, fitted anew.
     left: where it is significant, no effect accounts for it, and a found effect is only sure if the error without
-    it is DOMINANT times the residual with it, or DOMINANT_BESIDE times where much is left.
+    it is RULE.dominant times the residual with it, or DOMINANT_BESIDE times where much is left.
     """
     best = found.best
     chosen = set(best.fit.chosen)
@@ -36,7 +36,7 @@ def verdicts(
     solve_sets(
         system, [*more, *swapped(best.fit.chosen, others)]
     )  # together, and kept: each is asked for below
-    sure = (DOMINANT_BESIDE if left.much else DOMINANT) if left.significant else 0.0
+    sure = (DOMINANT_BESIDE if left.much else RULE.dominant) if left.significant else 0.0
     rows: list[EffectVerdict] = []
     for i, proposal in enumerate(proposals):
         if proposal.absorbed:
@@ -69,7 +69,7 @@ def verdicts(
 
 def undecided(verdict: EffectVerdict) -> bool:
     """Whether an effect explains so much of the residual that a complete search would have to decide on it."""
-    return verdict.why.because is Because.GAINS_LITTLE and verdict.evidence > NEEDED
+    return verdict.why.because is Because.GAINS_LITTLE and verdict.evidence > RULE.prior
 
 
 def _error(system: System, scored: Scored, scale: float) -> float:
@@ -94,13 +94,13 @@ def _found(
 ) -> EffectVerdict:
     best, chosen = found.best, found.best.fit.chosen
     others = tuple(k for k in chosen if k != i)
-    without = score(system, solve_set(system, others), found.empty)
+    without = score(system, solve_set(system, others))
     alternatives = [
         proposals[k].name
         for k in found.singles
         if k not in chosen
         and not contains(system.candidates[k], system.candidates[i])
-        and close(best, score(system, solve_set(system, (*others, k)), found.empty))
+        and close(best, score(system, solve_set(system, (*others, k))))
     ]
     after = _error(system, best, scale)
     unsure = without.fit.judged < sure**2 * best.fit.judged
@@ -123,13 +123,13 @@ def _other(
     system: System, proposals: Sequence[Proposal], found: Found, i: int, scale: float
 ) -> EffectVerdict:
     best, chosen = found.best, found.best.fit.chosen
-    added = score(system, solve_set(system, (*chosen, i)), found.empty)
+    added = score(system, solve_set(system, (*chosen, i)))
     before, after = _error(system, best, scale), _error(system, added, scale)
     rivals = [
         proposals[k].name
         for k in chosen
         if not contains(system.candidates[i], system.candidates[k])
-        and close(best, score(system, solve_set(system, (*(c for c in chosen if c != k), i)), found.empty))
+        and close(best, score(system, solve_set(system, (*(c for c in chosen if c != k), i))))
     ]
     if rivals:
         return EffectVerdict(
@@ -143,7 +143,7 @@ def _other(
             {},
             Reason(Because.AS_GOOD),
         )
-    nothing = after >= before or not material(best.fit, added.fit)
+    nothing = after >= before or added.total + RULE.prior < best.total
     why = Reason(Because.GAINS_NOTHING if nothing else Because.GAINS_LITTLE)
     return EffectVerdict(
         proposals[i].name, "not supported", before, after, added.judged - best.judged, (), (), {}, why

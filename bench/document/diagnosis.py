@@ -107,6 +107,19 @@ def sets_table(diagnosis: Diagnosis) -> Table:
     return Table(columns)
 
 
+def without_logs_table(diagnosis: Diagnosis) -> Table:
+    """A row for each log that is omitted: the effects that the others do not support, and the drive gains."""
+    rows = diagnosis.without_logs
+    gone = [", ".join(effect_name(name) for name in row.gone) or "none" for row in rows]
+    columns = [Column("without log", [row.log for row in rows]), Column("effects not supported", gone)]
+    if any(row.gains for row in rows):
+        columns += [
+            Column(f"gain {joint}", [row.gains.get(joint) for row in rows], "number", 2, ".4g")
+            for joint in diagnosis.after.joints
+        ]
+    return Table(tuple(columns))
+
+
 def gains_before_after(before: Identification, after: Identification) -> Table:
     """Drive gains of the model as it is and with what is missing."""
     gains = list(after.drive_gains.values())

@@ -74,12 +74,16 @@ def fit(
 
 
 @on_one_thread
-def fitted_currents(prepared: Prepared) -> tuple[CurrentSeries, ...]:
-    """Measured and modelled currents of every recording as `fit` has them, without the rest of its answer."""
+def fitted_currents(prepared: Prepared) -> tuple[tuple[CurrentSeries, ...], dict[str, float]]:
+    """Measured and modelled currents of every recording as `fit` has them, and drive gains by joint, without the rest
+    of its answer.
+    """
     found = _solved(prepared, DEFAULT_METHOD, "autocorrelated", essential=False)
     theta = with_zeros(found.solution.theta, found.kept, found.prepared.layout.size)
     solution = replace(found.solution, theta=theta)
-    return tuple(modelled_series(found.prepared, seen, solution) for seen in found.prepared.observations)
+    series = tuple(modelled_series(found.prepared, seen, solution) for seen in found.prepared.observations)
+    joints = prepared.dataset.robot.joints
+    return series, dict(zip(joints, solution.gains.tolist(), strict=True))
 
 
 @dataclass(frozen=True)

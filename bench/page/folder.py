@@ -32,6 +32,7 @@ from bench.diagnosis.result import (
     Superfluous,
     Unexplained,
     Unfinished,
+    WithoutLog,
 )
 from bench.diagnosis.split import with_held_out_parts
 from bench.identification.model_file import load_model, read_identification, save_model
@@ -134,6 +135,7 @@ def _told(diagnosis: Diagnosis) -> dict[str, Any]:
         "unexplained": asdict(diagnosis.unexplained),
         "differs": [asdict(differing) for differing in diagnosis.differs],
         "sets": [asdict(probable) for probable in diagnosis.sets],
+        "without_logs": [asdict(without) for without in diagnosis.without_logs],
         "superfluous": [asdict(effect) for effect in diagnosis.superfluous],
         "discovered": [asdict(law) for law in diagnosis.discovered],
         "unfinished": diagnosis.unfinished,
@@ -260,6 +262,10 @@ def _diagnosis(
             sets=tuple(
                 ProbableSet(tuple(entry["effects"]), float(entry["probability"]), float(entry["error"]))
                 for entry in told.get("sets", ())
+            ),
+            without_logs=tuple(
+                WithoutLog(entry["log"], tuple(entry["gone"]), dict(entry["gains"]))
+                for entry in told.get("without_logs", ())
             ),
             superfluous=tuple(Superfluous(**effect) for effect in told.get("superfluous", ())),
             discovered=_discovered(told),

@@ -10,7 +10,7 @@ from bench.diagnosis.summary import reason
 from bench.document import table as document
 from bench.document.charts.chart import Role
 from bench.document.charts.models import gains_chart
-from bench.document.diagnosis import gains_before_after, ranking_table, sets_table
+from bench.document.diagnosis import gains_before_after, ranking_table, sets_table, without_logs_table
 from bench.document.identification import effects_table, gains_table
 from bench.document.typeset import effect_name, typeset
 from bench.effects import Effect
@@ -34,6 +34,10 @@ SETS_AID = (
     "Probability: that these effects are there together, given that the catalogue holds what is there. These "
     "recordings cannot tell sets of like probability apart."
 )
+LOGS_AID = (
+    "Which effects the other logs do not support, and what the drive gains are by them alone. An effect that hangs on "
+    "one log may be an event of that log."
+)
 LAWS_AID = (
     "τ: torque or force that the motors have to overcome beside the rigid bodies'; q, q̇, q̈: a joint's position, "
     "velocity and acceleration; sign: of a number, as +1 or −1."
@@ -50,6 +54,8 @@ def ranking_section(diagnosis: Diagnosis, catalogue: Mapping[str, Effect]) -> Se
         parts.append(on_page(ranking_table(diagnosis, shown), "Effects that count", VERDICTS_AID))
         if len(diagnosis.sets) > 1:
             parts.append(on_page(sets_table(diagnosis), "Sets of effects", SETS_AID))
+        if diagnosis.without_logs:
+            parts.append(on_page(without_logs_table(diagnosis), "With each log omitted", LOGS_AID))
         if diagnosis.after.effect_parameters:
             parts.append(on_page(effects_table(diagnosis.after), "How large they are", SIZES_AID))
         parts += _laws(diagnosis, catalogue)

@@ -22,7 +22,7 @@ def stood_for(here: Round, laws: Sequence[str], barred: Collection[str]) -> dict
             continue
         others = tuple(i for i in chosen if i != place)
         tried = [
-            (score(system, solve_set(system, (*others, i)), found.empty), i)
+            (score(system, solve_set(system, (*others, i))), i)
             for i in found.singles
             if i not in chosen and proposals[i].name not in (*laws, *barred)
         ]

@@ -44,7 +44,9 @@ def _doubted(why: Reason) -> Reason:
 def _small(finding: SearchResult, effect: str, laws: Collection[str]) -> bool:
     """Whether an effect explains little compared with the laws."""
     found = frozenset(finding.names)
-    own, by_laws = (_taken_away(finding, finding.fits(found.difference(out))) for out in ([effect], laws))
+    own, by_laws = (
+        _taken_away(finding, finding.fits(found.difference(out)).step) for out in ([effect], laws)
+    )
     return own < INEXACT**2 * by_laws
 
 

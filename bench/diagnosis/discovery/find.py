@@ -19,13 +19,12 @@ from bench.diagnosis.catalogue_search import (
     search_from,
     split_and_fitted,
 )
+from bench.diagnosis.decision import RULE
 from bench.diagnosis.discovery.called import stood_for
-from bench.diagnosis.discovery.choose import best_set
 from bench.diagnosis.discovery.doubted import doubted
 from bench.diagnosis.discovery.laws import Law, laws_of
 from bench.diagnosis.discovery.merged import merged
-from bench.diagnosis.discovery.parts import parts_of, unknowns
-from bench.diagnosis.discovery.refine import AS_GOOD, Refined
+from bench.diagnosis.discovery.refine import Judge, Refined
 from bench.diagnosis.discovery.search import Laws, search_laws
 from bench.diagnosis.discovery.seen import places_of
 from bench.diagnosis.discovery.smooth import tabled_laws
@@ -40,7 +39,7 @@ from bench.diagnosis.result import (
     Unfinished,
 )
 from bench.diagnosis.rounds import Round, judged, usable
-from bench.diagnosis.search import MATERIAL, NEEDED
+from bench.diagnosis.search import best_set
 from bench.effects import EffectInstance
 from bench.identification.finding import Finding
 from bench.identification.identify import fit
@@ -49,7 +48,6 @@ from bench.identification.prepare import Prepared
 from bench.identification.problem import Problem
 from bench.identification.widened import gains_widened
 
-LEFT = 1.15  # times what noise leaves: where more is left, laws are looked for, whatever it varies with
 TRIED = 1000  # laws that might represent several effects, as many as a search looks at
 UNIT = 10.0  # times the nominal gain, or a tenth: as far off, a unit or a load is wrong
 
@@ -166,7 +164,7 @@ def _never_beside(finding: SearchResult, named: Sequence[EffectInstance]) -> dic
 
 def something_left(left: Unexplained) -> bool:
     """Whether there is enough beyond the noise to look for laws in."""
-    return left.significant or left.error > LEFT * hypot(left.noise_floor, left.encoders)
+    return left.significant or left.error > RULE.beyond_noise * hypot(left.noise_floor, left.encoders)
 
 
 def _with_laws(
@@ -176,14 +174,11 @@ def _with_laws(
     refined: Refined,
     progress: Progress,
     prior: float | None = None,
-    *,
-    fewer: bool = False,
 ) -> _Answer:
     """The answer with the laws that were identified, converged and judged with all effects; without, if they do not
     stay.
 
-    prior: of the laws, by default that of the terms they were found with. fewer: as small an error is enough, since
-    they represent several effects.
+    prior: of the laws, by default that of the terms they were found with.
     """
     origin, last = plain.finding.origin, searched.last
     own = len(origin.start.effects)
@@ -220,9 +215,9 @@ def _with_laws(
         return plain
     finding = search_from(case, origin, here, progress, barred, wholly=True)
     staying = tuple(law for law in laws if law.name in finding.names)
-    simpler = fewer and _unknowns(finding, staying) < _unknowns(plain.finding, plain.laws)
-    good = _better(finding, plain.diagnosis, -AS_GOOD if simpler else MATERIAL)
-    if not (staying or called) or not good:
+    if not (staying or called) or not finding.more_probable_than(
+        plain.finding, plain.diagnosis.unexplained.excess
+    ):
         return plain
     return _Answer(finding, staying, _told(finding, staying, laws, answered(case, finding, progress)))
 
@@ -243,19 +238,15 @@ def _with_one_for_several(case: SplitProblem, plain: _Answer, progress: Progress
     """The answer with one law for several frictions, where that has fewer unknowns and leaves as little."""
     progress.phase("trying one law for several frictions")
     finding, left = plain.finding, plain.diagnosis.unexplained
-    much = (1.0 - MATERIAL) * left.error > hypot(left.noise_floor, left.encoders)
-    prior = NEEDED + float(np.log(TRIED))
+    much = (1.0 - RULE.material) * left.error > hypot(left.noise_floor, left.encoders)
+    prior = RULE.prior + float(np.log(TRIED))
     searched = Laws(finding.last, {law.name: law.terms[0] for law in plain.laws})
-    for single in merged(finding, plain.laws, case.problem.catalogue, much=much):
-        answer = _with_laws(case, plain, searched, single, progress, prior=prior, fewer=True)
+    judge = Judge(finding.last.system.samples, prior)
+    for single in merged(finding, plain.laws, case.problem.catalogue, judge, much=much):
+        answer = _with_laws(case, plain, searched, single, progress, prior=prior)
         if answer is not plain:
             return _with_one_for_several(case, answer, progress)
     return plain
-
-
-def _unknowns(finding: SearchResult, laws: Sequence[Law]) -> int:
-    """Of all that was identified beyond the starting model."""
-    return unknowns(parts_of(finding.new, laws))
 
 
 def _with_tables(case: SplitProblem, plain: _Answer, progress: Progress) -> _Answer:
@@ -276,13 +267,14 @@ def _with_tables(case: SplitProblem, plain: _Answer, progress: Progress) -> _Ans
     instances = [*finding.model.effects[own:], *(instance for law in laws for instance in law.instances)]
     model = origin.with_instances(instances)
     proposals = [proposal for proposal in finding.last.proposals if proposal.name in finding.names]
-    proposals += _proposed(model, laws, NEEDED)
+    proposals += _proposed(model, laws, RULE.prior)
     here = _judged_from(origin, model, proposals, finding.barred)
     if here.names.isdisjoint(law.name for law in laws):
         return plain
     wider = search_from(case, origin, here, progress, finding.barred, wholly=True)
     staying = tuple(law for law in (*plain.laws, *laws) if law.name in wider.names)
-    if not {law.name for law in laws}.intersection(wider.names) or not _better(wider, plain.diagnosis):
+    tabled = {law.name for law in laws}.intersection(wider.names)
+    if not tabled or not wider.more_probable_than(finding, left.excess):
         return plain
     told = _told(wider, staying, (*plain.laws, *laws), answered(case, wider, progress))
     told = replace(told, after=gains_widened(told.after, [plain.diagnosis.after]))
@@ -310,11 +302,6 @@ def _as_in(model: Prepared, proposal: Proposal) -> Proposal:
     there = {instance.joint: instance for instance in model.effects if instance.effect.name == proposal.name}
     instances = tuple(there.get(instance.joint, instance) for instance in proposal.instances)
     return replace(proposal, instances=instances)
-
-
-def _better(finding: SearchResult, plain: Diagnosis, by: float = MATERIAL) -> bool:
-    error = finding.after.error.validate
-    return error is not None and error < (1.0 - by) * plain.unexplained.error
 
 
 def _told(

@@ -5,10 +5,10 @@ from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import count
 
+from bench.diagnosis.decision import RULE
 from bench.diagnosis.discovery.source import labelled, law_effect
 from bench.diagnosis.discovery.term import Term
 from bench.diagnosis.discovery.variables import Place
-from bench.diagnosis.pruning import SHOWS
 from bench.effects import EffectInstance
 from bench.identification.result import Identification
 
@@ -49,7 +49,7 @@ def laws_of(
                 continue
             values = result.effect_parameters[instance.effect.name][instance.place]
             linear = [values[parameter.name] for parameter in instance.effect.parameters]
-            if any(abs(value.value) > SHOWS * value.std for value in linear):
+            if any(abs(value.value) > RULE.shows * value.std for value in linear):
                 term = terms[instance.effect.name].with_numbers(list(instance.effect.shape_values().values()))
                 shown.setdefault(place.index, []).append(term)
     groups: dict[object, list[int]] = {}

@@ -9,14 +9,12 @@ from bench.diagnosis.discovery.factors import Power
 from bench.diagnosis.discovery.grammar import V
 from bench.diagnosis.discovery.laws import Law
 from bench.diagnosis.discovery.parts import Part, parts_of, unknowns
-from bench.diagnosis.discovery.refine import AS_GOOD, Refined, instances_of
+from bench.diagnosis.discovery.refine import Judge, Refined, instances_of
 from bench.diagnosis.discovery.screen import Screened
 from bench.diagnosis.discovery.seen import places_of
 from bench.diagnosis.discovery.term import Term
 from bench.diagnosis.discovery.variables import Place
 from bench.diagnosis.origin import Origin
-from bench.diagnosis.rounds import error_of
-from bench.diagnosis.search import MATERIAL
 from bench.effects import Effect
 from bench.identification.prepare import Prepared
 
@@ -26,7 +24,7 @@ OWN = 2  # unknowns of a power
 
 
 def merged(
-    finding: SearchResult, laws: Sequence[Law], catalogue: Mapping[str, Effect], *, much: bool
+    finding: SearchResult, laws: Sequence[Law], catalogue: Mapping[str, Effect], judge: Judge, *, much: bool
 ) -> Iterator[Refined]:
     """The identified model with a power of the velocity for some of its functions of the velocity at some motors,
     wherever that has fewer unknowns and leaves as little, or as many and leaves clearly less.
@@ -36,7 +34,7 @@ def merged(
     """
     origin = finding.origin
     parts = parts_of(finding.model.effects[len(origin.start.effects) :], laws)
-    error = error_of(finding.model)
+    least = finding.weight_by(judge.samples)
     for alike in together(parts):
         others = [part for part in parts if part not in alike]
         at = {part.instance.joint for part in alike}
@@ -49,12 +47,10 @@ def merged(
         sets = sorted(fewer(alike, own - much, catalogue), key=size)
         for _, alternatives in groupby(sets, key=size):
             tried = [
-                (_with_power(origin, finding.model, [*others, *kept], places), unknowns(kept))
-                for kept in alternatives
+                _with_power(origin, finding.model, [*others, *kept], places, judge) for kept in alternatives
             ]
-            best, beside = min(tried, key=lambda each: each[0].error)
-            saves = beside + own < unknowns(alike)
-            if best.error < ((1.0 + AS_GOOD) if saves else (1.0 - MATERIAL)) * error:
+            best = max(tried, key=lambda each: each.weight)
+            if best.weight > least:
                 yield best
                 break
 
@@ -77,7 +73,7 @@ def together(parts: Sequence[Part]) -> list[list[Part]]:
 
 
 def _with_power(
-    origin: Origin, found_model: Prepared, stay: Sequence[Part], places: Sequence[Place]
+    origin: Origin, found_model: Prepared, stay: Sequence[Part], places: Sequence[Place], judge: Judge
 ) -> Refined:
     """What stays of the identified model, and a power of the velocity at some places, with the best exponent."""
     terms = {part.name: part.term for part in stay if part.term is not None}
@@ -86,8 +82,8 @@ def _with_power(
         term = Term((Power(V, exponent, free=True),))
         instances = instances_of(NAME, Screened(term, {}, 0.0), places)
         model = origin.beside(found_model, [*(part.instance for part in stay), *instances])
-        found.append(Refined(model, {**terms, NAME: term}, error_of(model)))
-    return min(found, key=lambda refined: refined.error)
+        found.append(judge.refined(model, {**terms, NAME: term}))
+    return max(found, key=lambda refined: refined.weight)
 
 
 def fewer(alike: Sequence[Part], own: int, catalogue: Mapping[str, Effect]) -> list[list[Part]]:

@@ -1,44 +1,57 @@
 """Found terms with an exponent or a frequency set free, where that does better or makes others superfluous."""
 
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import partial
 from itertools import islice
 
+from bench.diagnosis.decision import RULE
 from bench.diagnosis.discovery.grammar import LOAD
 from bench.diagnosis.discovery.named import name_of
 from bench.diagnosis.discovery.screen import Screened, at_place
 from bench.diagnosis.discovery.source import law_effect
 from bench.diagnosis.discovery.term import Term, about_its_mean, at_other_harmonics, freed
 from bench.diagnosis.discovery.variables import Place
+from bench.diagnosis.evidence import Samples, residual_squares
 from bench.diagnosis.origin import Origin, at_its_solution
-from bench.diagnosis.rounds import error_of
-from bench.diagnosis.search import MATERIAL
 from bench.effects import EffectInstance
 from bench.identification.nonlinear import converged
 from bench.identification.prepare import Prepared, with_effects
 from bench.identification.solve_only import solved_quickly
 
 MOST = 18  # models that are tried
-AS_GOOD = 0.5 * MATERIAL  # by which the error may grow where fewer effects do
-NEARBY = 0.5 * MATERIAL  # of the error, by which a model may seem worse as it is known nearby
-THERE = (
-    0.005  # of the error, by which it may seem worse as it is, with the values that were identified nearby
-)
-FAR_LESS = 1.5  # times the best error: a model that starts from there is not converged
+NEARBY = 0.5 * RULE.prior  # nats by which a model may seem less probable, as it is known nearby
+FAR_LESS = 1.5**2  # times the best squared error: a model that starts from there is not converged
 
 
 @dataclass(frozen=True)
 class Refined:
-    """A converged model, its terms of the grammar by their effect's name, and its error where nothing was fitted."""
+    """A converged model, its terms of the grammar by their effect's name, and its weight: see `Samples.log_posterior`;
+    judged: sum of squares where nothing was fitted.
+    """
 
     model: Prepared
     terms: Mapping[str, Term]
-    error: float
+    weight: float
+    judged: float = 0.0
 
     def size(self, own: int) -> int:
         """How many effects it has beyond the first `own` instances."""
         return len({instance.effect.name for instance in self.model.effects[own:]})
+
+
+@dataclass(frozen=True)
+class Judge:
+    """How models are weighed: samples that count, and nats that a term of the grammar must bring beyond an effect."""
+
+    samples: Samples
+    price: float
+
+    def refined(self, model: Prepared, terms: Mapping[str, Term]) -> Refined:
+        """A converged model with its weight."""
+        names = {instance.effect.name for instance in model.effects}
+        residual = residual_squares(model, RULE.prior * len(names) + self.price * len(names & terms.keys()))
+        return Refined(model, terms, residual.weight(self.samples), float(residual.squares[1].sum()))
 
 
 def instances_of(name: str, screened: Screened, places: Sequence[Place]) -> tuple[EffectInstance, ...]:
@@ -59,7 +72,9 @@ class _Variant:
     exactly: Callable[[], Prepared]
 
 
-def refined(origin: Origin, model: Prepared, terms: Mapping[str, Term], places: Sequence[Place]) -> Refined:
+def refined(
+    origin: Origin, model: Prepared, terms: Mapping[str, Term], places: Sequence[Place], judge: Judge
+) -> Refined:
     """The best of the identified model and those with one number more to be adapted, or with a wave at another
     harmonic.
 
@@ -70,64 +85,61 @@ def refined(origin: Origin, model: Prepared, terms: Mapping[str, Term], places: 
     the other effects first. Raises TimeUpError after the deadline.
     """
     own = len(origin.start.effects)
-    best = Refined(model, terms, error_of(model))
-    near = origin.again_nearby(model)
-    looked_at = Refined(near, terms, error_of(near))
+    best = judge.refined(model, terms)
+    looked_at = judge.refined(origin.again_nearby(model), terms)
     for _ in range(best.size(own)):
         fewer = (
             (new, variant.looked_at)
-            for variant in _fewer(origin, looked_at)
-            if (new := _converged_if_better(origin, variant, looked_at, best))
+            for variant in _fewer(origin, looked_at, judge)
+            if (new := _converged_if_better(origin, variant, looked_at, best, judge))
         )
         simpler = next(fewer, None)
         if simpler is None:
             break
         best, looked_at = simpler
-    for variant in islice(_tried(origin, looked_at, places), MOST):
-        if new := _converged_if_better(origin, variant, looked_at, best):
+    for variant in islice(_tried(origin, looked_at, places, judge), MOST):
+        if new := _converged_if_better(origin, variant, looked_at, best, judge):
             best, looked_at = new, variant.looked_at
     return best
 
 
 def _converged_if_better(
-    origin: Origin, variant: _Variant, looked_at: Refined, best: Refined
+    origin: Origin, variant: _Variant, looked_at: Refined, best: Refined, judge: Judge
 ) -> Refined | None:
     """A model that is tried, converged as it is; None where the best is as good. looked_at: see `_promises`."""
     own = len(origin.start.effects)
-    if variant.looked_at.size(own) > best.size(own) or not _promises(origin, variant, looked_at, best):
+    if variant.looked_at.size(own) > best.size(own) or not _promises(origin, variant, looked_at, best, judge):
         return None
-    exact = variant.exactly()
-    new = replace(variant.looked_at, model=exact, error=error_of(exact))
-    return new if better(new, best, own) and not _slower(new, own) else None
+    new = judge.refined(variant.exactly(), variant.looked_at.terms)
+    return new if new.weight > best.weight and not _slower(new, own) else None
 
 
-def _promises(origin: Origin, variant: _Variant, looked_at: Refined, best: Refined) -> bool:
+def _promises(origin: Origin, variant: _Variant, looked_at: Refined, best: Refined, judge: Judge) -> bool:
     """Whether a model may be better than the best: by what it leaves nearby, then as it is with the values found there.
 
     looked_at: the best as it is known nearby.
     """
-    own = len(origin.start.effects)
     near = variant.looked_at
-    if not better(near, looked_at, own, NEARBY):
+    if near.weight < looked_at.weight - NEARBY:
         return False
     if near.model.nearby is None:
         return True
     there = with_effects(origin.start, near.model.effects, near.model.present)
-    return better(replace(near, model=there, error=error_of(there)), best, own, THERE)
+    return judge.refined(there, near.terms).weight > best.weight - NEARBY
 
 
-def _fewer(origin: Origin, found: Refined) -> Iterator[_Variant]:
+def _fewer(origin: Origin, found: Refined, judge: Judge) -> Iterator[_Variant]:
     """The model without one of its effects, where a term is left."""
     own = len(origin.start.effects)
     names = {instance.effect.name for instance in found.model.effects[own:]}
     for name in sorted(names):
         terms = {key: term for key, term in found.terms.items() if key != name}
-        fewer = _without(origin, found.model, names - {name}, found.error) if terms else None
+        fewer = _without(origin, found.model, names - {name}, found, judge) if terms else None
         if fewer is not None:
-            yield _Variant(Refined(fewer, terms, error_of(fewer)), partial(origin.exactly, fewer))
+            yield _Variant(judge.refined(fewer, terms), partial(origin.exactly, fewer))
 
 
-def _tried(origin: Origin, found: Refined, places: Sequence[Place]) -> Iterator[_Variant]:
+def _tried(origin: Origin, found: Refined, places: Sequence[Place], judge: Judge) -> Iterator[_Variant]:
     """Models with a number of one term set free, with all other effects, none of them, and all but one.
 
     found: the model that they start from, converged as it is known nearby.
@@ -138,7 +150,7 @@ def _tried(origin: Origin, found: Refined, places: Sequence[Place]) -> Iterator[
     def told(look: Prepared, exactly: Callable[[], Prepared], name: str, variant: Term) -> _Variant:
         kept = {instance.effect.name for instance in look.effects[own:]}
         terms = {key: found_term for key, found_term in found.terms.items() if key in kept} | {name: variant}
-        return _Variant(Refined(look, terms, error_of(look)), exactly)
+        return _Variant(judge.refined(look, terms), exactly)
 
     def beside(others: Sequence[EffectInstance], name: str, variant: Term) -> _Variant:
         added = instances_of(name, Screened(variant, {}, 0.0), places)
@@ -168,7 +180,7 @@ def _tried(origin: Origin, found: Refined, places: Sequence[Place]) -> Iterator[
             )
     for whole_model, free, variant, names in wholes:
         for name in sorted(names) if len(names) > 1 else ():
-            fewer = _without(origin, whole_model, {*names, free} - {name}, found.error)
+            fewer = _without(origin, whole_model, {*names, free} - {name}, found, judge)
             if fewer is not None:
                 yield told(fewer, partial(origin.exactly, fewer), free, variant)
 
@@ -215,7 +227,9 @@ def _slower(new: Refined, own: int) -> bool:
     )
 
 
-def _without(origin: Origin, whole: Prepared, kept: Collection[str], error: float) -> Prepared | None:
+def _without(
+    origin: Origin, whole: Prepared, kept: Collection[str], found: Refined, judge: Judge
+) -> Prepared | None:
     """A converged model without some of its effects; None where that explains far less, the others as they are.
 
     As the whole: as it is known nearby, or as it is.
@@ -223,15 +237,6 @@ def _without(origin: Origin, whole: Prepared, kept: Collection[str], error: floa
     own = len(origin.start.effects)
     left = [instance for i, instance in enumerate(whole.effects) if i < own or instance.effect.name in kept]
     fewer = with_effects(whole, left)
-    if error_of(fewer) > FAR_LESS * error:
+    if judge.refined(fewer, {}).judged > FAR_LESS * found.judged:
         return None
     return at_its_solution(converged(fewer, nearly=True, deadline=origin.deadline))
-
-
-def better(new: Refined, old: Refined, own: int, nearly: float = 0.0) -> bool:
-    """Whether a model's error is clearly smaller, or as small with fewer effects beyond the first `own` instances.
-
-    nearly: share of the error by which it may miss that.
-    """
-    fewer = new.size(own) < old.size(own)
-    return new.error < ((1.0 + AS_GOOD) if fewer else (1.0 - MATERIAL)) * (1.0 + nearly) * old.error

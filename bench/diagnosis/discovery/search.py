@@ -7,18 +7,18 @@ import numpy as np
 
 from bench.basics.progress import SILENT, Progress
 from bench.diagnosis.candidates import Proposal
-from bench.diagnosis.discovery.choose import best_set
+from bench.diagnosis.decision import RULE
 from bench.diagnosis.discovery.grammar import grammar
 from bench.diagnosis.discovery.named import BASICS, name_of
-from bench.diagnosis.discovery.refine import Refined, better, instances_of, refined
+from bench.diagnosis.discovery.refine import Judge, Refined, instances_of, refined
 from bench.diagnosis.discovery.screen import Known, few_rows, left_without
 from bench.diagnosis.discovery.seen import places_of, scope_of, seen_at
 from bench.diagnosis.discovery.states import State, best_states
 from bench.diagnosis.discovery.term import Term
 from bench.diagnosis.normal_equations import solve_set
 from bench.diagnosis.origin import Origin
-from bench.diagnosis.rounds import Round, error_of, reshaped, system_about
-from bench.diagnosis.search import NEEDED, Found, score
+from bench.diagnosis.rounds import Round, reshaped, system_about
+from bench.diagnosis.search import Found, best_set, score
 from bench.identification.partial_regression import partial_regression
 from bench.identification.prepare import Prepared
 from bench.identification.solve_only import solved_quickly
@@ -50,8 +50,7 @@ def search_laws(
     catalogue, with its converged model; barred: names that may not be found. Raises TimeUpError after the deadline.
     """
     last = replace(last, model=origin.exactly(last.model))
-    laws, own = Laws(last, {}), len(origin.start.effects)
-    best = Refined(last.model, {}, error_of(last.model))
+    laws, judge = Laws(last, {}), Judge(last.system.samples, 0.0)
     for number in range(ROUNDS):
         origin.deadline.check()
         progress.phase(f"searching for laws, round {number + 1}")
@@ -64,14 +63,15 @@ def search_laws(
         if new.last.names == laws.last.names:
             laws = new
             break
+        judge = Judge(new.last.system.samples, RULE.prior + float(np.log(count)))
         model = origin.with_proposals(new.last.proposals, new.last.chosen)
-        converged = Refined(model, new.found, error_of(model))
-        if not better(converged, best, own):
+        converged = judge.refined(model, new.found)
+        if converged.weight <= judge.refined(laws.last.model, laws.found).weight:
             break
-        laws, best = replace(new, last=replace(new.last, model=model)), converged
+        laws = replace(new, last=replace(new.last, model=model))
     if not laws.found:
         return None
-    return laws, refined(origin, laws.last.model, laws.found, places_of(origin.start))
+    return laws, refined(origin, laws.last.model, laws.found, places_of(origin.start), judge)
 
 
 def _round(origin: Origin, laws: Laws, barred: Collection[str], states: Sequence[State], count: int) -> Laws:
@@ -85,7 +85,7 @@ def _round(origin: Origin, laws: Laws, barred: Collection[str], states: Sequence
     taken = {proposal.name for proposal in proposals}
     own = {term.structure: name for name, term in terms.items()}
     fresh = [screened for state in states for screened in state.terms]
-    prior = NEEDED + float(np.log(count))
+    prior = RULE.prior + float(np.log(count))
     numbers = iter(range(len(fresh) + len(taken)))
     for screened in fresh:
         if len(terms) >= MOST_TERMS:
@@ -108,9 +108,8 @@ def _round(origin: Origin, laws: Laws, barred: Collection[str], states: Sequence
         begin.append(sorted(chosen.intersection(usable)))
     system = system_about(origin, here.model, proposals)
     best = best_set(system, begin, usable, origin.deadline)
-    empty = solve_set(system, ())
-    singles = {i: score(system, solve_set(system, (i,)), empty) for i in usable}
-    return Laws(Round(here.model, proposals, system, Found(best, singles, empty)), terms)
+    singles = {i: score(system, solve_set(system, (i,))) for i in usable}
+    return Laws(Round(here.model, proposals, system, Found(best, singles)), terms)
 
 
 def _states(origin: Origin, laws: Laws) -> tuple[list[State], int]:

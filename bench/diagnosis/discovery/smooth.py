@@ -6,6 +6,7 @@ from collections.abc import Collection, Sequence
 import numpy as np
 
 from bench.diagnosis.catalogue_search import SearchResult
+from bench.diagnosis.decision import RULE
 from bench.diagnosis.discovery.factors import Factor, Power
 from bench.diagnosis.discovery.grammar import TOOL, A, Q, T, V
 from bench.diagnosis.discovery.laws import Law
@@ -15,7 +16,6 @@ from bench.diagnosis.discovery.source import law_effect
 from bench.diagnosis.discovery.table import table_over
 from bench.diagnosis.discovery.term import Term
 from bench.diagnosis.discovery.variables import Kind, Place, Seen, Variable
-from bench.diagnosis.search import NEEDED
 from bench.effects import EffectInstance
 from bench.identification.partial_regression import partial_regression
 from bench.identification.prepare import Prepared
@@ -70,7 +70,7 @@ def _terms(model: Prepared, place: Place, seen: Seen) -> list[Term]:
 def _chosen(left: Left, motor: int, terms: Sequence[Term]) -> list[Term]:
     """One term after the other, as long as it is worth its unknowns."""
     chosen: list[Term] = []
-    price = NEEDED + float(np.log(len(terms)))
+    price = RULE.prior + float(np.log(len(terms)))
     for _ in range(TERMS):
         usable = [term for term in terms if not _overlaps(term, chosen)]
         gains = [_worth(left, motor, term, price) for term in usable]

@@ -7,9 +7,9 @@ from itertools import zip_longest
 import numpy as np
 
 from bench.basics.deadline import NEVER, Deadline
+from bench.diagnosis.decision import RULE
 from bench.diagnosis.discovery.screen import Left, Screened, screened
 from bench.diagnosis.discovery.term import Term
-from bench.diagnosis.search import NEEDED
 
 WIDTH = 6  # sets that are kept
 WIDER = 5  # terms that each of them is tried with
@@ -41,10 +41,10 @@ def best_states(
     basics: terms with which others may show; each model is tried with them as well. Raises TimeUpError after the
     deadline.
     """
-    price = NEEDED + float(np.log(len(terms)))
+    price = RULE.prior + float(np.log(len(terms)))
     levels: list[list[State]] = []
     alone = [
-        _state(names, (), left, _charge(left, unknowns, NEEDED * len(names)), price)
+        _state(names, (), left, _charge(left, unknowns, RULE.prior * len(names)), price)
         for names, (left, unknowns) in lefts.items()
     ]
     beam = list(alone)

@@ -25,7 +25,7 @@ def discovered_at(finding: SearchResult, law: Law, i: int) -> Discovered:
         for k, formula in enumerate(term.formulas(place))
     ]
     error = finding.after.error
-    without = finding.fits(frozenset(finding.names) - {law.name})
+    without = finding.fits(frozenset(finding.names) - {law.name}).step
     single = {name_of(term) for term in law.terms}
     return Discovered(
         place=place.name,

@@ -14,6 +14,7 @@ from bench.document.diagnosis import (
     parameters_before_after,
     ranking_table,
     sets_table,
+    without_logs_table,
 )
 from bench.document.identification import effects_table
 from bench.document.numbers import STD_FROM, effect_name
@@ -53,6 +54,8 @@ def diagnosis_report(diagnosis: Diagnosis, console: Console | None = None, *, ve
     if left_out:
         names = ", ".join(effect_name(verdict.effect) for verdict in left_out)
         console.print(Text(f"not supported, too: {names}", "dim"))
+    if diagnosis.without_logs and diagnosis.missing:
+        section(console, "With each log omitted", printed(without_logs_table(diagnosis), width))
     if len(diagnosis.sets) > 1:
         section(console, "Sets of effects, by probability", printed(sets_table(diagnosis), width))
     explained = [

@@ -11,7 +11,7 @@ from bench.basics.threads import on_one_thread
 from bench.dataset.dataset import Dataset
 from bench.dataset.payload import Payload
 from bench.dataset.robot import refuse_redundant
-from bench.diagnosis.search import NEEDED
+from bench.diagnosis.decision import RULE
 from bench.diagnosis.split import HELD_OUT
 from bench.excitation.discrimination.evidence import error_over_noise, own_estimate, shown_nats
 from bench.excitation.discrimination.limits import Envelope, envelope
@@ -75,7 +75,7 @@ def discriminate(
     asked = tuple(query for query in asked if query.truth.request not in imitated)
     motion = best_motion(asked, around, loads, duration, seed, progress) if asked else None
     shown = {rival.request: 0.0 if rival.absorbed else shown_nats(rival) for rival in rivals}
-    nothing = motion is not None and motion.nats < FAINT and max(shown.values()) < NEEDED
+    nothing = motion is not None and motion.nats < FAINT and max(shown.values()) < RULE.prior
     motion = None if nothing else motion
     found = Discrimination(
         robot=dataset.robot.name,

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from bench.diagnosis.search import MATERIAL, NEEDED
+from bench.diagnosis.decision import RULE
 from bench.excitation.discrimination.limits import Envelope
 from bench.excitation.discrimination.search import DesignedMotion
 from bench.excitation.discrimination.separation import Question
@@ -107,9 +107,11 @@ class Discrimination:
         pairs = list(zip(self.given.values(), self.motion.answers, strict=True))
         shares = [2.0 * nats * answer.memory / self.judged_rows for nats, answer in pairs]
         growth = float(np.sqrt(1.0 + min(shares)) - 1.0)
-        return min(self.given.values()) >= NEEDED and growth >= MATERIAL
+        return min(self.given.values()) >= RULE.prior and growth >= RULE.material
 
     @property
     def tells(self) -> bool:
         """Whether the motion is enough for a verdict of `bench diagnose`."""
-        return bool(self.promised) and min(self.promised.values()) >= NEEDED and self.growth >= MATERIAL
+        return (
+            bool(self.promised) and min(self.promised.values()) >= RULE.prior and self.growth >= RULE.material
+        )

@@ -4,8 +4,8 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from bench.basics.joint_units import units_of_gain
+from bench.diagnosis.decision import RULE
 from bench.diagnosis.motions import telling_motions
-from bench.diagnosis.search import MATERIAL, NEEDED
 from bench.effects.display_names import begun, spoken
 from bench.excitation.discrimination.result import Discrimination, MotionFacts
 from bench.identification.wording import and_list, in_percent, motor_words, or_list
@@ -68,19 +68,19 @@ def _answer(found: Discrimination) -> list[str]:
     if found.nothing:
         shown = and_list([f"{_number(nats)} nats ({_spoken(name)})" for name, nats in found.shown.items()])
         lines.append(
-            f"Neither effect shows in these data: they explain {shown}; a verdict needs {NEEDED:g} ({NATS}). "
+            f"Neither effect shows in these data: they explain {shown}; a verdict needs {RULE.prior:g} ({NATS}). "
             "No motion inside the limits would show effects as small as the fitted ones, so there is nothing to "
             f"distinguish. If you still suspect one of them, excite it first: "
             f"{or_list(telling_motions(_names(found)))}."
         )
         return lines
-    if max(found.shown.values(), default=0.0) < NEEDED:
+    if max(found.shown.values(), default=0.0) < RULE.prior:
         lines.append(
             "Neither effect is certain in these data: the following holds for effects as small as the fitted ones."
         )
     lines.append(
         f"The expected evidence of the given data, {found.given_seconds:.3g} s, is {_nats(found.given)}; a verdict "
-        f"needs {NEEDED:g} nats and errors that differ by {100 * MATERIAL:.3g} % ({NATS})."
+        f"needs {RULE.prior:g} nats and errors that differ by {100 * RULE.material:.3g} % ({NATS})."
     )
     if found.given_tells:
         lines.append("That is enough: bench diagnose can distinguish them without a new motion.")

@@ -43,6 +43,5 @@ def _about_the_found(origin: Origin, model: FoundModel, proposals: list[Proposal
     groups = [tuple(instance for instance in model.effects if instance.effect.name == name) for name in names]
     every = [*(Proposal(each[0].effect.name, each, False, "") for each in groups), *some]
     system = system_about(origin, model.found, every)
-    empty = solve_set(system, ())
-    best = score(system, solve_set(system, range(len(groups))), empty)
-    return reshaped(origin, Round(model.found, every, system, Found(best, {}, empty)), SILENT)
+    best = score(system, solve_set(system, range(len(groups))))
+    return reshaped(origin, Round(model.found, every, system, Found(best, {})), SILENT)

@@ -1,0 +1,101 @@
+"""How probable a model is, given all recordings: one coarsened posterior, for sets of effects and converged models.
+
+No model is exact, so that evidence does not grow without bound with the length of a log (Miller and Dunson, "Robust
+Bayesian inference via coarsening", Journal of the American Statistical Association 114, 2019): a motor's independent
+samples count in full where they are few, and never for more than `DecisionRule.coarsening` of them.
+"""
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from bench.diagnosis.decision import RULE
+from bench.effects import EffectInstance
+from bench.identification.bilinear import run_away
+from bench.identification.prepare import Prepared
+from bench.identification.result import CurrentSeries, Identification
+from bench.identification.solve_only import solved_quickly
+from bench.identification.summary import modelled_current
+
+
+@dataclass(frozen=True)
+class Samples:
+    """How many independent samples of each motor there are, fitted (n,) and judged (n,); and most that count."""
+
+    fitted: np.ndarray
+    judged: np.ndarray
+    coarsening: float = RULE.coarsening
+
+    def beyond(self, excess: float) -> "Samples":
+        """As they count for a model whose error's logarithm exceeds that of the noise by so much."""
+        return replace(self, coarsening=RULE.coarsening_beyond(excess))
+
+    def log_posterior(
+        self,
+        squares: np.ndarray,
+        unknowns: np.ndarray | int,
+        prior: np.ndarray | float,
+    ) -> np.ndarray:
+        """Logarithm (...,) of the weight of models, of squares (..., 2, n) of motors' errors, fitted and judged.
+
+        With N samples of motor j, fitted, and N' judged, squares R and R', and k unknowns: -1/2 sum_j z_j (N_j log R_j
+        + N'_j log R'_j) - 1/2 k log(sum_j z_j N_j) - prior, where z_j = coarsening / (coarsening + N_j + N'_j).
+        unknowns, prior (...,): nats that the effects must bring.
+        """
+        share = self.coarsening / (self.coarsening + self.fitted + self.judged)
+        logs = np.log(squares + np.finfo(float).tiny)
+        fit = logs[..., 0, :] @ (share * self.fitted) + logs[..., 1, :] @ (share * self.judged)
+        penalty = unknowns * np.log(max(float(share @ self.fitted), 1.0))
+        return np.asarray(-0.5 * (fit + penalty) - prior)
+
+
+@dataclass(frozen=True)
+class ResidualSquares:
+    """Squares (2, n) of every motor's error in a converged model, of fitted and judged recordings, drive units squared;
+    how many unknowns its effects have, and nats that its effects must bring; away: whether a gain has run away.
+    """
+
+    squares: np.ndarray
+    unknowns: int
+    prior: float
+    away: bool = False
+
+    def weight(self, samples: Samples) -> float:
+        """See `Samples.log_posterior`."""
+        return float(samples.log_posterior(self.squares, self.unknowns, self.prior))
+
+
+def residual_squares(model: Prepared, prior: float | None = None) -> ResidualSquares:
+    """Of a converged model. prior: by default that of so many effects of the catalogue."""
+    _, solution = solved_quickly(model)
+    squares = np.zeros((2, len(solution.gains)))
+    for observation in model.observations:
+        error = (observation.current - modelled_current(model, observation, solution)) * observation.moving
+        squares[int(observation.use == "validate")] += (error**2).sum(axis=0)
+    away = bool(run_away(solution.gains / model.dataset.robot.nominal_gains))
+    prior = effects_prior(model.effects) if prior is None else prior
+    return ResidualSquares(squares, effects_unknowns(model.effects), prior, away)
+
+
+def answer_squares(effects: Sequence[EffectInstance], series: Sequence[CurrentSeries]) -> ResidualSquares:
+    """Of a model with these effects, by the currents that its answer gives."""
+    squares = np.zeros((2, series[0].error.shape[1]))
+    for trace in series:
+        squares[int(trace.use == "validate")] += ((trace.error * trace.moving) ** 2).sum(axis=0)
+    return ResidualSquares(squares, effects_unknowns(effects), effects_prior(effects))
+
+
+def answer_weight(samples: Samples, model: Prepared, answer: Identification) -> float:
+    """Of a model with its answer: see `Samples.log_posterior`."""
+    return answer_squares(model.effects, answer.recordings).weight(samples)
+
+
+def effects_unknowns(effects: Iterable[EffectInstance]) -> int:
+    """How many parameters effects have, linear and of shape."""
+    return sum(len(instance.effect.parameters) + len(instance.effect.shape) for instance in effects)
+
+
+def effects_prior(effects: Iterable[EffectInstance]) -> float:
+    """Nats that effects must bring, each once for all places."""
+    return RULE.prior * len({instance.effect.name for instance in effects})

@@ -1,0 +1,66 @@
+"""Effects that leave an answer: the others do as well, or it only moves a drive gain."""
+
+from dataclasses import replace
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from bench.dataset.robot import load_robot
+from bench.diagnosis.decision import RULE
+from bench.diagnosis.evidence import ResidualSquares, Samples
+from bench.diagnosis.pruning import gain_like_effect, superfluous_effect
+from bench.diagnosis.reason import Because, Reason
+from bench.identification.result import Identification
+from tests.shown import dataset_of, identification_of
+
+NAMES = ("friction", "saturation")
+MANY = Samples(np.full(2, 1e4), np.full(2, 1e4))
+
+
+@pytest.fixture(scope="module")
+def answer() -> Identification:
+    """With a standard error of each gain."""
+    return identification_of(dataset_of(load_robot("five_bar")))
+
+
+def fits_with(answer: Identification, error: float, moved: float) -> Any:
+    """Sets of effects: without the saturation both motors' errors are so much larger, and the left gain has moved by
+    so many standard errors; without the friction errors are ten times as large.
+    """
+    gain = answer.drive_gains["left"]
+    at = {joint: each.value for joint, each in answer.drive_gains.items()}
+
+    def fits(names: frozenset[str]) -> Any:
+        size = (1.0 if "saturation" in names else error) * (1.0 if "friction" in names else 10.0)
+        residual = ResidualSquares(np.full((2, 2), size**2), 2 * len(names), RULE.prior * len(names))
+        away = 0.0 if "saturation" in names else moved * gain.std
+        return SimpleNamespace(residual=residual, gains={**at, "left": gain.value + away})
+
+    return fits
+
+
+@pytest.mark.parametrize(("error", "goes"), [(1.005, True), (1.1, False)])
+def test_an_effect_that_the_others_do_without_goes(answer: Identification, error: float, goes: bool) -> None:
+    out = superfluous_effect(fits_with(answer, error, 0.0), NAMES, MANY)
+    assert out == ({"saturation": Reason(Because.NOT_NEEDED)} if goes else {})
+
+
+@pytest.mark.parametrize(
+    ("error", "moved", "excess", "goes"),
+    [(1.08, 10.0, 1.0, True), (1.08, 10.0, 0.0, False), (1.08, 1.0, 1.0, False), (1.5, 10.0, 1.0, False)],
+    ids=["it goes", "no more than noise is left", "no gain moves", "it explains much"],
+)
+def test_what_moves_a_gain_must_explain_more_where_the_model_leaves_more(
+    answer: Identification, error: float, moved: float, excess: float, goes: bool
+) -> None:
+    """A gain saturation of a measured arm took a tenth of two joints' errors, and two gains 7 % along."""
+    out = gain_like_effect(fits_with(answer, error, moved), NAMES, MANY.beyond(excess), answer)
+    assert out == ({"saturation": Reason(Because.MOVES_GAIN, ("left",))} if goes else {})
+
+
+def test_without_effects_nothing_goes(answer: Identification) -> None:
+    whole = replace(answer, effects=())
+    assert superfluous_effect(fits_with(answer, 1.0, 0.0), (), MANY) == {}
+    assert gain_like_effect(fits_with(answer, 1.0, 0.0), (), MANY, whole) == {}

@@ -1,0 +1,61 @@
+"""Which names of an answer hang on one log."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from bench.api.diagnose import diagnose
+from bench.dataset.dataset import Dataset
+from bench.diagnosis.as_json import diagnosis_json
+from bench.document.diagnosis import without_logs_table
+from bench.scenario.scenario import load_scenario
+from bench.truth.dataset import as_dataset
+from bench.truth.simulate import simulate
+
+SPRING = {"effect": "joint_spring", "joint": "elbow", "k": 2.0, "q0": 0.0}
+VISCOUS = {"effect": "viscous_friction", "joint": "elbow", "Fv": 0.5}
+
+
+def dataset_of(*hidden: dict[str, object]) -> Dataset:
+    """Of a serial arm of two links."""
+    changes = {"design": {"optimise": False, "duration": 6.0}, "hidden": list(hidden)}
+    return as_dataset(simulate(load_scenario("two_link", changes)))
+
+
+@pytest.fixture(scope="module")
+def everywhere() -> Dataset:
+    return dataset_of(VISCOUS)
+
+
+def test_a_friction_that_is_always_there_hangs_on_no_log(everywhere: Dataset) -> None:
+    answer = diagnose(everywhere, discover=False)
+    fitted = [recording for recording in everywhere.recordings if recording.use == "identify"]
+    assert [row.log for row in answer.without_logs] == [recording.name for recording in fitted]
+    assert all(row.gone == () for row in answer.without_logs)
+    loaded = {recording.name for recording in fitted if recording.payload}
+    for row in answer.without_logs:
+        if row.log in loaded:
+            assert row.gains == {}, "without it, no payload gives the gains their scale"
+        else:
+            for joint, gain in answer.after.drive_gains.items():
+                assert row.gains[joint] == pytest.approx(gain.value, rel=0.05)
+    assert diagnosis_json(answer)["without_logs"][0]["gone"] == []
+    assert "\N{EN DASH}" in without_logs_table(answer).columns[2].texts
+
+
+def test_what_happened_in_one_log_hangs_on_it() -> None:
+    """A spring that the first log, and the logs that judge, have; a second one, which is short, has none."""
+    everywhere, plain = dataset_of(SPRING), dataset_of()
+    first = next(recording.name for recording in everywhere.recordings if recording.use == "identify")
+    with_it = {recording.name: recording for recording in everywhere.recordings}
+    recordings = tuple(
+        with_it[recording.name]
+        if recording.name == first or recording.use == "validate"
+        else recording.part(slice(0, len(recording.time) // 5))
+        for recording in plain.recordings
+    )
+    answer = diagnose(replace(plain, recordings=recordings), discover=False)
+    assert "joint_spring" in answer.missing
+    gone = {row.log: row.gone for row in answer.without_logs}
+    assert np.any(["joint_spring" in names for log, names in gone.items() if log == first])
