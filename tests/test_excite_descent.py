@@ -57,7 +57,7 @@ def test_slopes_of_errors_are_difference_quotients(either, monkeypatch):
         search.tried(scaled(m.trajectory, 0.7), load) for m, load in zip(starts[0], search.loads, strict=True)
     ]
     candidate = tuple(smaller)
-    about, at = linearised(search, candidate), 0
+    (about,), at = linearised(search, [candidate]), 0
     random = np.random.default_rng(3)
     for number, motion in enumerate(candidate):
         sizes = coefficient_sizes(search.room, motion.trajectory)
@@ -82,7 +82,7 @@ def test_slopes_of_limits_are_difference_quotients(five_bar, monkeypatch):
     sizes = coefficient_sizes(search.room, candidate[0].trajectory)
     smaller = -np.sign(np.stack((candidate[0].trajectory.a, candidate[0].trajectory.b)))
     other = changed(search, candidate, 0, STEP * smaller * sizes)
-    before, after = (linearised(search, motions).limits for motions in (candidate, other))
+    before, after = (about.limits for about in linearised(search, [candidate, other]))
     slope = before.slopes[:, : sizes.size] @ smaller.ravel()
     off = np.abs((after.values - before.values) / STEP - slope)
     bends = (
@@ -100,7 +100,7 @@ def test_steps_never_get_worse_and_get_far_better(criterion, share):
     start = begun(search, starts[0])
     way = [start]
     for _ in range(8):
-        way.append(descended(search, way[-1], 1))
+        way += descended(search, way[-1:], 1)
     merits = [place.merit for place in way]
     assert all(after <= before for before, after in pairwise(merits))
     assert search.value(way[-1].candidate) < share * search.value(start.candidate)
@@ -118,4 +118,4 @@ def test_a_solver_that_fails_is_told_in_a_line(five_bar, monkeypatch):
     monkeypatch.setattr(descent, "linprog", lambda *_, **__: Failed)
     search, starts = five_bar
     with pytest.raises(BenchError, match="linear program failed: time limit reached"):
-        descended(search, begun(search, starts[0]), 1)
+        descended(search, [begun(search, starts[0])], 1)

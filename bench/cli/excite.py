@@ -118,7 +118,9 @@ def excite(
     The command predicts the standard errors before a motor turns.
     """
     search = {name: options.pop(name) for name in ("criterion", "steps", "seed")}
-    with shown_progress(quiet) as progress:
+    from bench.studies.pooled import PooledMapper
+
+    with shown_progress(quiet) as progress, PooledMapper() as mapper:
         from bench.basics.errors import BenchError
         from bench.dataset.dataset import load_dataset
         from bench.dataset.robot import load_robot
@@ -143,7 +145,9 @@ def excite(
         table = asked_table(limits, options, described)
         if after is None:
             catalogue = catalogue_for(effect_files)
-            plan = plan_experiment(described, table, aim, effects, catalogue=catalogue, progress=progress)
+            plan = plan_experiment(
+                described, table, aim, effects, catalogue=catalogue, mapper=mapper, progress=progress
+            )
         else:
             data = load_dataset(after)
             if data.robot.folder != described.folder:
@@ -153,7 +157,7 @@ def excite(
             if gain_accuracy is not None:
                 raise BenchError("--gain-accuracy: omit it with --after, where the payloads are given")
             problem = problem_of(data, effects, effect_files=effect_files)
-            plan = plan_after(problem, table, aim, progress=progress)
+            plan = plan_after(problem, table, aim, mapper=mapper, progress=progress)
         progress.phase("predicting the standard errors")
         told = forecast(plan, gain_accuracy)
         rehearsal = rehearse(plan, progress=progress)

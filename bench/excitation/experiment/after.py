@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 
 from bench.basics.errors import BenchError
+from bench.basics.mapper import IN_TURN, Mapper
 from bench.basics.progress import SILENT, Progress
 from bench.basics.threads import on_one_thread
 from bench.excitation.experiment.nominal import Evidence, Noise, Nominal, equations
@@ -35,7 +36,12 @@ NEXT = "next"
 
 @on_one_thread
 def plan_after(
-    problem: Problem, table: ExperimentTable, aim: Aim = WHOLE, *, progress: Progress = SILENT
+    problem: Problem,
+    table: ExperimentTable,
+    aim: Aim = WHOLE,
+    *,
+    mapper: Mapper = IN_TURN,
+    progress: Progress = SILENT,
 ) -> ExperimentPlan:
     """The motion, with a payload of the dataset or without, that tells most beside its fitted recordings.
 
@@ -59,12 +65,22 @@ def plan_after(
         if load is None or nominal.payloads[load].mass is not None:
             sizes = begun[0].sizes if begun else None
             begun.append(
-                started(nominal, room, shape, (load,), aim, known=known, sizes=sizes, progress=progress)
+                started(
+                    nominal,
+                    room,
+                    shape,
+                    (load,),
+                    aim,
+                    known=known,
+                    sizes=sizes,
+                    mapper=mapper,
+                    progress=progress,
+                )
             )
     if not begun:
         raise BenchError(f"{dataset.folder}: every fitted recording carries a payload of unknown mass")
     best = min(begun, key=lambda start: min(map(start.search.value, [*start.random, *start.sparse])))
-    plan = searched(dataset.robot, best, (NEXT,), aim, progress)
+    plan = searched(dataset.robot, best, (NEXT,), aim, mapper, progress)
     return replace(plan, before=largest_of(best.search.errors, equations(known)))
 
 

@@ -8,15 +8,19 @@ linear programming", Mathematical Programming 43, 1989).
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from itertools import islice
 
 import numpy as np
 from scipy.optimize import linprog
 
 from bench.basics.errors import BenchError
+from bench.basics.mapper import IN_TURN, Mapper
 from bench.basics.progress import SILENT, Progress
 from bench.excitation.experiment.linearised import Linearised, coefficient_sizes, linearised, moved
 from bench.excitation.experiment.room import filled
-from bench.excitation.experiment.search import Candidate, Search
+from bench.excitation.experiment.search import Candidate, Search, Tried
+from bench.model.motion import Motion
+from bench.scenario.trajectory import FourierTrajectory
 
 FIRST, SMALLEST, MOST = 0.1, 1e-4, 0.5  # of the step that is trusted, of the largest size of a coefficient
 ENOUGH, GOOD = 0.1, 0.6  # of what was predicted: to be taken, and to be trusted further
@@ -46,37 +50,61 @@ def begun(search: Search, candidate: Candidate) -> Descent:
     return Descent(candidate, merit(search.errors(search.fit(candidate))))
 
 
-def descended(search: Search, start: Descent, steps: int, progress: Progress = SILENT) -> Descent:
-    """So many programs further, fewer where nothing falls any more."""
-    now = start
-    for step in range(steps):
-        if now.trusted < SMALLEST:
-            progress.advance(steps - step)
-            break
-        progress.advance()
-        now = _stepped(search, now)
+def descended(
+    search: Search,
+    starts: Sequence[Descent],
+    steps: int,
+    mapper: Mapper = IN_TURN,
+    progress: Progress = SILENT,
+) -> list[Descent]:
+    """Each so many programs further, fewer where nothing falls any more: all make a step, then all the next."""
+    now = list(starts)
+    for _ in range(steps):
+        going = [k for k, descent in enumerate(now) if descent.trusted >= SMALLEST]
+        stepped = _stepped(search, [now[k] for k in going], mapper)
+        for k, descent in zip(going, stepped, strict=True):
+            now[k] = descent
+        progress.advance(len(now))
     return now
 
 
-def _stepped(search: Search, now: Descent) -> Descent:
-    about = linearised(search, now.candidate) if now.about is None else now.about
-    step, predicted = _program(about, now.trusted)
-    smaller = replace(now, trusted=0.4 * now.trusted, about=about)
-    if not predicted > 0.0:
+def _stepped(search: Search, descents: Sequence[Descent], mapper: Mapper) -> list[Descent]:
+    """Each one program further."""
+    new = [descent.candidate for descent in descents if descent.about is None]
+    about = iter(linearised(search, new, mapper))
+    known = [next(about) if descent.about is None else descent.about for descent in descents]
+    asked = list(zip(known, (descent.trusted for descent in descents), strict=True))
+    programs = list(mapper.map(_program, search, asked))
+    changes = [
+        _changes(search, descent.candidate, step) if predicted > 0.0 else []
+        for descent, (step, predicted) in zip(descents, programs, strict=True)
+    ]
+    tried = mapper.map(_tried, search, [change for of_one in changes for change in of_one])
+    return [
+        _judged(search, replace(descent, about=about), predicted, list(islice(tried, len(of_one))))
+        for descent, about, (_, predicted), of_one in zip(descents, known, programs, changes, strict=True)
+    ]
+
+
+def _judged(search: Search, now: Descent, predicted: float, other: Sequence[Tried | None]) -> Descent:
+    """What a step leads to: other motions, or a smaller step. other: None where one does not keep the limits, empty
+    where the program predicts no fall.
+    """
+    smaller = replace(now, trusted=0.4 * now.trusted)
+    kept = tuple(trial for trial in other if trial is not None)
+    if not kept or len(kept) < len(other):
         return smaller
-    other = _moved(search, now.candidate, step)
-    if other is None:
-        return smaller
-    value = merit(search.errors(search.fit(other)))
+    value = merit(search.errors(search.fit(kept)))
     fallen = (now.merit - value) / predicted
     if fallen < ENOUGH:
         return smaller
     trusted = min(2.0 * now.trusted, MOST) if fallen > GOOD else now.trusted
-    return Descent(other, value, trusted)
+    return Descent(kept, value, trusted)
 
 
-def _program(about: Linearised, trusted: float) -> tuple[np.ndarray, float]:
+def _program(_: Search, asked: tuple[Linearised, float]) -> tuple[np.ndarray, float]:
     """The best step (c,), in units of `coefficient_sizes`, and by how much the merit falls by it."""
+    about, trusted = asked
     errors, limits = about.errors, about.limits
     count = errors.slopes.shape[1]
     mean = ALSO_MEAN * about.mean
@@ -100,23 +128,38 @@ def _program(about: Linearised, trusted: float) -> tuple[np.ndarray, float]:
     return step, float(errors.values.max() - found.x[-1] - mean @ step)
 
 
-def _moved(search: Search, candidate: Candidate, step: np.ndarray) -> Candidate | None:
-    """The candidate with other coefficients; None where it does not keep the limits."""
+@dataclass(frozen=True)
+class _Change:
+    """A trajectory beside the motion of which it is a change, with its payload."""
+
+    trajectory: FourierTrajectory
+    load: str | None
+    near: Motion
+
+
+def _changes(search: Search, candidate: Candidate, step: np.ndarray) -> list[_Change]:
+    """The motions of a candidate with other coefficients."""
     found, at = [], 0
-    for number, before in enumerate(candidate):
+    for before, load in zip(candidate, search.loads, strict=True):
         sizes = coefficient_sizes(search.room, before.trajectory)
         own = step[at : at + sizes.size].reshape(sizes.shape) * sizes
         at += sizes.size
         trajectory = filled(search.room, moved(before.trajectory, own))
-        tried = search.tried(trajectory, search.loads[number], before.motion)
-        if tried is None:
-            return None
-        found.append(tried)
-    return tuple(found)
+        found.append(_Change(trajectory, load, before.motion))
+    return found
+
+
+def _tried(search: Search, change: _Change) -> Tried | None:
+    """None where it does not keep the limits."""
+    return search.tried(change.trajectory, change.load, change.near)
 
 
 def best_near(
-    search: Search, starts: Sequence[Candidate], steps: int, progress: Progress = SILENT
+    search: Search,
+    starts: Sequence[Candidate],
+    steps: int,
+    mapper: Mapper = IN_TURN,
+    progress: Progress = SILENT,
 ) -> Candidate:
     """The best of the starts, improved in rounds: fewer go on to each, with more steps for each of them (successive
     halving, Jamieson and Talwalkar 2016), since how good a start is does not tell how far it comes.
@@ -124,5 +167,5 @@ def best_near(
     pool = [begun(search, start) for start in starts]
     for count, share in ROUNDS:
         pool = sorted(pool, key=lambda descent: descent.merit)[:count]
-        pool = [descended(search, descent, round(share * steps / len(pool)), progress) for descent in pool]
+        pool = descended(search, pool, round(share * steps / len(pool)), mapper, progress)
     return min(pool, key=lambda descent: descent.merit).candidate

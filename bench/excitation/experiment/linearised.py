@@ -4,15 +4,18 @@ A motion is perturbed sample by sample: positions, velocities and accelerations 
 again. What a coefficient does is a combination of these, since the series is linear in its coefficients.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
+from itertools import islice
 
 import numpy as np
 
+from bench.basics.mapper import IN_TURN, Mapper
 from bench.excitation.current_band import band_shares, current_above, hann
 from bench.excitation.experiment.covariance import ErrorSlopes
 from bench.excitation.experiment.nominal import (
+    Equations,
     Evidence,
     Noise,
     SeenMotion,
@@ -69,26 +72,40 @@ def moved(trajectory: FourierTrajectory, steps: np.ndarray) -> FourierTrajectory
     return replace(trajectory, a=trajectory.a + steps[0], b=trajectory.b + steps[1])
 
 
-def linearised(search: Search, candidate: Candidate) -> Linearised:
-    """Errors and limits about a candidate."""
-    recordings = [*search.known, *(motion.evidence for motion in candidate)]
-    fit = equations(recordings)
+def linearised(search: Search, candidates: Sequence[Candidate], mapper: Mapper = IN_TURN) -> list[Linearised]:
+    """Errors and limits about each candidate."""
+    motions = [(candidate, number) for candidate in candidates for number in range(len(candidate))]
+    parts = mapper.map(_by_one_motion, search, motions)
+    return [_joined(search, candidate, list(islice(parts, len(candidate)))) for candidate in candidates]
+
+
+def _joined(search: Search, candidate: Candidate, parts: list[tuple[np.ndarray, Linear]]) -> Linearised:
+    """What the coefficients of all motions of a candidate do, from what those of each do."""
+    errors, near = _near(search, search.fit(candidate))
+    *each, mean = np.hstack([slopes for slopes, _ in parts])
+    limits = _beside_each_other([limits for _, limits in parts])
+    return Linearised(Linear(errors[near], np.array(each) if each else mean[None]), mean, limits)
+
+
+def _near(search: Search, fit: Equations) -> tuple[np.ndarray, np.ndarray]:
+    """The logarithms (k,) of the errors, and which of them are nearly as large as the largest."""
     errors = search.errors(fit)
-    near = np.exp(errors - errors.max()) > NEAR
-    gradient = search.errors.slopes(fit, near)
-    slopes, limits = [], []
-    for number, motion in enumerate(candidate):
-        sizes = coefficient_sizes(search.room, motion.trajectory)
-        basis = _basis(motion.trajectory, search.shape.times)
-        told = _perturbed(search, motion, search.loads[number])
-        slopes.append(
-            _error_slopes(search, told, basis, sizes, gradient, recordings, len(search.known) + number)
-        )
-        limits.append(_limits(search, motion, told, basis, sizes))
-    *each, mean = np.hstack(slopes)
-    return Linearised(
-        Linear(errors[near], np.array(each) if each else mean[None]), mean, _beside_each_other(limits)
-    )
+    return errors, np.exp(errors - errors.max()) > NEAR
+
+
+def _by_one_motion(search: Search, motion: tuple[Candidate, int]) -> tuple[np.ndarray, Linear]:
+    """Slopes (m + 1, 2 n H) of the errors and of their mean, and limits, by the coefficients of one motion."""
+    candidate, number = motion
+    recordings = [*search.known, *(trial.evidence for trial in candidate)]
+    fit = equations(recordings)
+    gradient = search.errors.slopes(fit, _near(search, fit)[1])
+    tried = candidate[number]
+    sizes = coefficient_sizes(search.room, tried.trajectory)
+    basis = _basis(tried.trajectory, search.shape.times)
+    told = _perturbed(search, tried, search.loads[number])
+    at = len(search.known) + number
+    slopes = _error_slopes(search, told, basis, sizes, gradient, recordings, at)
+    return slopes, _limits(search, tried, told, basis, sizes)
 
 
 @dataclass(frozen=True)

@@ -7,6 +7,7 @@ from typing import Literal
 import numpy as np
 
 from bench.basics.errors import BenchError
+from bench.basics.mapper import IN_TURN, Mapper
 from bench.basics.progress import SILENT, Progress
 from bench.basics.threads import on_one_thread
 from bench.dataset.names import Use
@@ -30,9 +31,9 @@ from bench.excitation.experiment.search import (
     Search,
     Shape,
     Tried,
+    all_proven,
     check_proven_at_home,
     check_standing,
-    proven,
     random_candidates,
     random_checks,
     random_values,
@@ -227,31 +228,33 @@ def plan_experiment(
     effects: Sequence[str] = (),
     *,
     catalogue: Mapping[str, Effect] = CATALOGUE,
+    mapper: Mapper = IN_TURN,
     progress: Progress = SILENT,
 ) -> ExperimentPlan:
     """Design motions, without and with the payload, that make the standard errors of what is wanted small.
 
-    effects: what the model has beside, not aimed at. Raises BenchError for names that are unknown and limits that leave
-    no room.
+    effects: what the model has beside, not aimed at. The plan is the same with every mapper. Raises BenchError for
+    names that are unknown and limits that leave no room.
     """
     progress.phase("reading the robot")
     nominal = nominal_machine(robot, table, [*effects, *aim.effects], catalogue)
     room = room_of(nominal.model.geometry, table)
     loads: tuple[str | None, ...] = (None, *nominal.payloads)
-    begun = started(nominal, room, shape_of(room, table), loads, aim, progress=progress)
-    return searched(robot, begun, NAMES[: len(loads)], aim, progress)
+    begun = started(nominal, room, shape_of(room, table), loads, aim, mapper=mapper, progress=progress)
+    return searched(robot, begun, NAMES[: len(loads)], aim, mapper, progress)
 
 
 def searched(
-    robot: Robot, begun: Started, names: tuple[str, ...], aim: Aim, progress: Progress
+    robot: Robot, begun: Started, names: tuple[str, ...], aim: Aim, mapper: Mapper, progress: Progress
 ) -> ExperimentPlan:
     """The best motions that a search finds, one for each name."""
     search = begun.search
     progress.phase("improving the best motions", aim.steps)
-    best = best_near(search, [*begun.random, *begun.sparse], aim.steps, progress)
+    best = best_near(search, [*begun.random, *begun.sparse], aim.steps, mapper, progress)
     progress.phase("proving that the limits are kept")
-    proofs = tuple(proven(search, trial, load) for trial, load in zip(best, search.loads, strict=True))
-    checks = random_checks(search, aim.seed)
+    both = [*best, *random_checks(search, aim.seed, mapper)]
+    proven = all_proven(search, list(zip(both, 2 * search.loads, strict=True)), mapper)
+    proofs, checks = proven[: len(best)], proven[len(best) :]
     motions = tuple(proof.tried for proof in proofs)
     return ExperimentPlan(
         robot=robot,
@@ -279,6 +282,7 @@ def started(
     *,
     known: tuple[Evidence, ...] = (),
     sizes: np.ndarray | None = None,
+    mapper: Mapper = IN_TURN,
     progress: Progress = SILENT,
 ) -> Started:
     """The search with motions at random to begin with."""
@@ -288,8 +292,8 @@ def started(
     check_standing(first)
     check_proven_at_home(first)
     progress.phase("trying motions at random", 2 * RANDOM)
-    starts = random_candidates(first, RANDOM, aim.seed, progress=progress)
-    sparse = random_candidates(first, RANDOM, aim.seed, few=True, progress=progress)
+    starts = random_candidates(first, RANDOM, aim.seed, mapper=mapper, progress=progress)
+    sparse = random_candidates(first, RANDOM, aim.seed, few=True, mapper=mapper, progress=progress)
     if sizes is None:
         sizes = _sizes(nominal, loads, starts)
     search = Search(nominal, room, shape, loads, known, measure(sizes, targets))

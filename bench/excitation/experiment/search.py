@@ -7,6 +7,7 @@ import numpy as np
 
 from bench.basics.errors import BenchError
 from bench.basics.joint_units import drive_unit
+from bench.basics.mapper import IN_TURN, Mapper
 from bench.basics.progress import SILENT, Progress
 from bench.excitation.current_band import band_shares
 from bench.excitation.experiment.covariance import Errors
@@ -164,6 +165,15 @@ def scaled(trajectory: FourierTrajectory, factor: float) -> FourierTrajectory:
     return replace(trajectory, a=trajectory.a * factor, b=trajectory.b * factor)
 
 
+@dataclass(frozen=True)
+class _Drawn:
+    """Trajectories at random, one for each recording; seed: of others, where one keeps the limits at no size."""
+
+    trajectories: tuple[FourierTrajectory, ...]
+    few: bool
+    seed: tuple[int, ...]
+
+
 def random_candidates(
     search: Search,
     count: int,
@@ -171,6 +181,7 @@ def random_candidates(
     *,
     few: bool = False,
     stream: int = 0,
+    mapper: Mapper = IN_TURN,
     progress: Progress = SILENT,
 ) -> list[Candidate]:
     """Motions with random coefficients, each as large as its limits allow. Raises BenchError where none keeps them.
@@ -179,38 +190,54 @@ def random_candidates(
     one have nothing in common with these.
     """
     random = np.random.default_rng([seed, stream + int(few)])
-    shape, room = search.shape, search.room
-    found = []
-    for _ in range(count):
-        progress.advance()
-        candidate: list[Tried] = []
+    shape = search.shape
+    drawn = []
+    for number in range(count):
         frequency = shape.base_frequency
         if few:
             frequency = float(np.exp(random.uniform(np.log(shape.lowest), np.log(shape.highest))))
-        for load in search.loads:
-            for _ in range(TRIES):
-                drawn = random_trajectory(
-                    int(random.integers(2**31)),
-                    room.home,
-                    room.joint.high - room.joint.low,
-                    room.velocity,
-                    acceleration_limit=room.acceleration,
-                    harmonics=shape.harmonics,
-                    base_frequency=frequency,
-                    duration=shape.duration,
-                    ramp=shape.ramp,
-                )
-                if few:
-                    drawn = _with_few(drawn, random)
-                drawn = filled(room, drawn, grow=True)
-                shrunk = search.shrunk(drawn, load)
-                if shrunk is not None:
-                    candidate.append(shrunk)
-                    break
-            else:
-                raise _no_room(search, scaled(drawn, SHRINK ** (MOST_SHRINKS - 1)), load)
-        found.append(tuple(candidate))
+        trajectories = tuple(_drawn(search, frequency, few, random) for _ in search.loads)
+        drawn.append(_Drawn(trajectories, few, (seed, stream + int(few), number)))
+    found = []
+    for candidate in mapper.map(_largest, search, drawn):
+        progress.advance()
+        found.append(candidate)
     return found
+
+
+def _drawn(search: Search, frequency: float, few: bool, random: np.random.Generator) -> FourierTrajectory:
+    """A trajectory at random."""
+    shape, room = search.shape, search.room
+    drawn = random_trajectory(
+        int(random.integers(2**31)),
+        room.home,
+        room.joint.high - room.joint.low,
+        room.velocity,
+        acceleration_limit=room.acceleration,
+        harmonics=shape.harmonics,
+        base_frequency=frequency,
+        duration=shape.duration,
+        ramp=shape.ramp,
+    )
+    return _with_few(drawn, random) if few else drawn
+
+
+def _largest(search: Search, drawn: _Drawn) -> Candidate:
+    """The drawn motions, or others at random, as large as the limits allow."""
+    random = np.random.default_rng(drawn.seed)
+    found: list[Tried] = []
+    for first, load in zip(drawn.trajectories, search.loads, strict=True):
+        trajectory = first
+        for _ in range(TRIES):
+            full = filled(search.room, trajectory, grow=True)
+            shrunk = search.shrunk(full, load)
+            if shrunk is not None:
+                found.append(shrunk)
+                break
+            trajectory = _drawn(search, first.base_frequency, drawn.few, random)
+        else:
+            raise _no_room(search, scaled(full, SHRINK ** (MOST_SHRINKS - 1)), load)
+    return tuple(found)
 
 
 def _no_room(search: Search, smallest: FourierTrajectory, load: str | None) -> BenchError:
@@ -242,10 +269,17 @@ class Proven:
     given_way: tuple[Unproven, ...] = ()
 
 
-def proven(search: Search, trial: Tried, load: str | None) -> Proven:
-    """A motion, shrunk until it is proven that it keeps every limit at all times. Raises BenchError naming the limit
-    that leaves no room.
+def all_proven(
+    search: Search, motions: Sequence[tuple[Tried, str | None]], mapper: Mapper = IN_TURN
+) -> tuple[Proven, ...]:
+    """Motions with their payloads, each shrunk until it is proven that it keeps every limit at all times. Raises
+    BenchError naming the limit that leaves no room.
     """
+    return tuple(mapper.map(_proven, search, motions))
+
+
+def _proven(search: Search, motion: tuple[Tried, str | None]) -> Proven:
+    trial, load = motion
     given_way: list[Unproven] = []
     trajectory = filled(search.room, trial.trajectory)
     less = 0.2 * (1.0 - SHRINK)
@@ -264,12 +298,11 @@ def proven(search: Search, trial: Tried, load: str | None) -> Proven:
     raise BenchError(f"robot {robot}: of no motion from home it could be proven that it keeps {what}")
 
 
-def random_checks(search: Search, seed: int) -> tuple[Proven, ...]:
-    """Motions at random to judge a fit on, one for each payload, that keep every limit at all times: of a few that have
-    nothing in common with those of the search the ones that tell most.
+def random_checks(search: Search, seed: int, mapper: Mapper = IN_TURN) -> Candidate:
+    """Motions at random to judge a fit on, one for each payload: of a few that have nothing in common with those of the
+    search the ones that tell most.
     """
-    best = min(random_candidates(search, CHECKS, seed, stream=2), key=search.value)
-    return tuple(proven(search, trial, load) for trial, load in zip(best, search.loads, strict=True))
+    return min(random_candidates(search, CHECKS, seed, stream=2, mapper=mapper), key=search.value)
 
 
 def random_values(search: Search, candidates: Sequence[Candidate]) -> Mapping[str, float]:
