@@ -118,6 +118,7 @@ _CARRIES = {  # names, numbers, whether it is of unknowns
     Code.ROWS_REPEATED: (_SOME, "share", False),
     Code.BAND_NARROWED: (_NONE, "band rejected decimation", False),
     Code.BAND_MATTERS: (_NONE, "band decimation", False),
+    Code.BAND_UNCHECKED: (_NONE, "band", False),
     Code.GAINS_A_THOUSAND: (_NONE, "", False),
     Code.GAINS_A_THOUSANDTH: (_NONE, "", False),
     Code.NO_MODEL_IS_BETTER: (_NONE, "error", False),

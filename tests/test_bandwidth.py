@@ -8,6 +8,7 @@ import pytest
 from bench.basics.chi_squared import WITHIN_95
 from bench.benchmarks.measured.machines import MACHINES
 from bench.benchmarks.measured.repeats import COMPARED, repeats_markdown, repeats_of
+from bench.identification import bandwidth
 from bench.identification.by_unknown import estimates
 from bench.identification.chosen_band import prepare_checked
 from bench.identification.finding import Code, Unknown
@@ -101,3 +102,10 @@ def test_measured_logs_of_a_machine_agree(measured_data, tmp_path, compared):
     repeats = repeats_of(name, folder, kind, logs)
     assert repeats.reached, repeats
     assert f"| {name} |" in repeats_markdown([repeats], {"commit": "abc"})
+
+
+def test_a_band_that_cannot_be_checked_is_named(clean, monkeypatch):
+    prepared = prepare_checked(problem_of(clean))
+    assert Code.BAND_UNCHECKED not in {finding.code for finding in identify(prepared).findings}
+    monkeypatch.setattr(bandwidth, "narrower", lambda _: None)
+    assert Code.BAND_UNCHECKED in {finding.code for finding in identify(prepared).findings}

@@ -154,9 +154,9 @@ def test_what_the_project_keeps_is_whole(project_root: Path) -> None:
 
 
 def test_diagnosed_gains_and_frictions_are_as_near_as_asked(project_root: Path) -> None:
-    """Of what the project keeps. Two are missed: psm's j2 moves by 0.23 % with a millimetre of its payload's lever, and
-    j5 of the UR10e from a model with three frictions, where tables join it, is off by less than twice its error. Of two
-    machines without a payload, one of them with a counterbalance that no model has, parameters are missed by name.
+    """Of what the project keeps. One is missed: psm's j2 moves by 0.23 % with a millimetre of its payload's lever. Of
+    two machines without a payload, one of them with a counterbalance that no model has, parameters are missed by name.
+    The TX40's friction is named as shear thinning, which has no value to compare with a published viscous one.
     """
     diagnosed = [
         (record.name, row)
@@ -168,10 +168,13 @@ def test_diagnosed_gains_and_frictions_are_as_near_as_asked(project_root: Path) 
     outside = {(name, row.place) for name, row in diagnosed if row.inside is False}
     assert outside <= {("double_pendulum", "mz(lower)"), ("kuka", "A2"), ("kuka", "A5")}
     missed = {(name, row.quantity, row.place) for name, row in diagnosed if row.reached is False}
-    weighed = {entry for entry in missed if entry[0] not in ("double_pendulum", "kuka")}
-    assert weighed <= {("psm", "drive_gain", "j2"), ("ur10e", "drive_gain", "j5")}
+    weighed = {entry for entry in missed if entry[0] not in ("double_pendulum", "kuka", "tx40")}
+    assert weighed <= {("psm", "drive_gain", "j2")}
+    assert not [
+        row for name, row in diagnosed if name == "tx40" and row.value is not None and row.reached is False
+    ]
     links = {place for name, _, place in missed if name == "double_pendulum"}
-    assert links <= {"mz(lower)", "Iyy(upper)", "Iyy(lower)"}
+    assert not links
     assert {place for name, _, place in missed if name == "kuka"} <= {"A4", "A5", "A6"}
     assert len([row for _, row in diagnosed if row.reached]) >= 18
 

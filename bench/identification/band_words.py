@@ -23,6 +23,14 @@ def _matters(finding: Finding) -> str:
     )
 
 
+def _unchecked(finding: Finding) -> str:
+    return (
+        f"The band of {finding.numbers['band']:.3g} Hz is not checked by its result: half of it would leave too few "
+        "samples. Noise of the positions that is not white would bias the answer by more than its standard errors; "
+        "longer recordings allow the check."
+    )
+
+
 def _repeated(finding: Finding) -> str:
     return (
         f"Of {and_list(finding.names)} up to {in_percent(finding.numbers['share'])} of the rows repeat the row before, "
@@ -34,4 +42,5 @@ BAND_WORDS: Mapping[Code, Callable[[Finding], str]] = {
     Code.ROWS_REPEATED: _repeated,
     Code.BAND_NARROWED: _narrowed,
     Code.BAND_MATTERS: _matters,
+    Code.BAND_UNCHECKED: _unchecked,
 }

@@ -40,15 +40,16 @@ def with_band_checked(prepared: Prepared, result: Identification, fitted: Fit) -
     lower = None if half is None else fitted(half)
     wider = [fitted(_with_settings(prepared, settings)) for settings in prepared.rejected[-1:]]
     others = [*wider, *([] if lower is None else [lower])]
+    rate = prepared.dataset.recordings[0].rate
+    numbers = {"band": prepared.settings.band(rate), "decimation": float(prepared.settings.decimation)}
     if not others:
-        return result
+        unchecked = Finding(Code.BAND_UNCHECKED, numbers={"band": numbers["band"]})
+        return replace(result, findings=(*result.findings, unchecked))
     points = tuple(
         sorted((_point(prepared, answer) for answer in (here, *others)), key=lambda point: -point.band)
     )
     apart = _apart(here, others, all_of_it=bool(prepared.rejected))
     answer = replace(widened(result, apart, "bandwidth"), bandwidths=points)
-    rate = prepared.dataset.recordings[0].rate
-    numbers = {"band": prepared.settings.band(rate), "decimation": float(prepared.settings.decimation)}
     if prepared.rejected:
         numbers["rejected"] = prepared.rejected[0].band(rate)
         return replace(answer, findings=(*answer.findings, Finding(Code.BAND_NARROWED, numbers=numbers)))

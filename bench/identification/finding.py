@@ -40,6 +40,7 @@ class Code(StrEnum):
     ROWS_REPEATED = auto()
     BAND_NARROWED = auto()
     BAND_MATTERS = auto()
+    BAND_UNCHECKED = auto()
     # what cannot be so
     GAINS_A_THOUSAND = auto()
     GAINS_A_THOUSANDTH = auto()

@@ -274,7 +274,7 @@ def _with_tables(case: SplitProblem, plain: _Answer, progress: Progress) -> _Ans
     wider = search_from(case, origin, here, progress, finding.barred, wholly=True)
     staying = tuple(law for law in (*plain.laws, *laws) if law.name in wider.names)
     tabled = {law.name for law in laws}.intersection(wider.names)
-    if not tabled or not wider.more_probable_than(finding, left.excess):
+    if not tabled or not wider.more_probable_than(finding, 0.0):
         return plain
     told = _told(wider, staying, (*plain.laws, *laws), answered(case, wider, progress))
     told = replace(told, after=gains_widened(told.after, [plain.diagnosis.after]))
