@@ -63,9 +63,10 @@ def test_models_that_are_as_good_have_one_effect_more_or_another_for_each_found_
     totals = {(0, 4): 100.0, (0, 4, 1): 130.0, (0, 4, 2): 120.0, (0, 4, 3): 110.0}
     totals |= {(4, 1): 50.0, (4, 2): 95.0, (4, 3): 99.0, (0, 1): 97.0, (0, 2): 92.0, (0, 3): 10.0}
     monkeypatch.setattr(
-        as_good, "solve_sets", lambda _, sets: [SimpleNamespace(chosen=tuple(chosen)) for chosen in sets]
+        as_good,
+        "scored",
+        lambda _, sets: [Scored(SimpleNamespace(chosen=chosen), 0.0, totals[chosen]) for chosen in sets],
     )
-    monkeypatch.setattr(as_good, "score", lambda _, fit: Scored(fit, 0.0, totals[fit.chosen]))
     monkeypatch.setattr(as_good, "close", lambda one, other: one.total - other.total < 10.0)
     best = Scored(SimpleNamespace(chosen=(0, 4)), 0.0, 100.0)
     last = SimpleNamespace(

@@ -56,11 +56,11 @@ def test_what_moves_a_gain_must_explain_more_where_the_model_leaves_more(
     answer: Identification, error: float, moved: float, excess: float, goes: bool
 ) -> None:
     """A gain saturation of a measured arm took a tenth of two joints' errors, and two gains 7 % along."""
-    out = gain_like_effect(fits_with(answer, error, moved), NAMES, MANY.beyond(excess), answer)
+    out = gain_like_effect(fits_with(answer, error, moved), NAMES, MANY, answer, lambda: excess)
     assert out == ({"saturation": Reason(Because.MOVES_GAIN, ("left",))} if goes else {})
 
 
 def test_without_effects_nothing_goes(answer: Identification) -> None:
     whole = replace(answer, effects=())
     assert superfluous_effect(fits_with(answer, 1.0, 0.0), (), MANY) == {}
-    assert gain_like_effect(fits_with(answer, 1.0, 0.0), (), MANY, whole) == {}
+    assert gain_like_effect(fits_with(answer, 1.0, 0.0), (), MANY, whole, lambda: 1.0) == {}

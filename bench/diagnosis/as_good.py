@@ -2,13 +2,12 @@
 
 from collections.abc import Iterator, Sequence
 
-from bench.diagnosis.batched_sets import solve_sets
 from bench.diagnosis.candidates import Proposal
 from bench.diagnosis.decision import RULE
 from bench.diagnosis.evidence import answer_weight
 from bench.diagnosis.origin import Origin
 from bench.diagnosis.rounds import Round
-from bench.diagnosis.search import Scored, close, score
+from bench.diagnosis.search import Scored, close, scored
 from bench.effects import EffectInstance
 from bench.identification.findings import runaway
 from bench.identification.identify import fit
@@ -55,14 +54,13 @@ def _as_good(last: Round, *, instead: bool) -> Iterator[tuple[int, ...]]:
         i for i, proposal in enumerate(last.proposals) if not proposal.absorbed and i not in last.chosen
     ]
 
-    def scored(sets: Sequence[tuple[int, ...]]) -> list[Scored]:
-        fits = solve_sets(system, sets)
-        return sorted((score(system, fit) for fit in fits), key=lambda scored_set: -scored_set.total)
+    def best_first(sets: Sequence[tuple[int, ...]]) -> list[Scored]:
+        return sorted(scored(system, sets), key=lambda each: -each.total)
 
-    more = scored([(*last.chosen, i) for i in usable])
+    more = best_first([(*last.chosen, i) for i in usable])
     found = [larger for larger in more if larger.total + RULE.prior > best.total][:MOST_MORE]
     for k in last.chosen if instead else ():
-        others = scored([(*(c for c in last.chosen if c != k), i) for i in usable])
+        others = best_first([(*(c for c in last.chosen if c != k), i) for i in usable])
         found += [other for other in others if close(best, other)][:1]
     for candidate in found:
         yield candidate.fit.chosen

@@ -12,7 +12,7 @@ from bench.diagnosis.candidates import Proposal
 from bench.diagnosis.differs import differing
 from bench.diagnosis.elsewhere import differing_elsewhere, worse_elsewhere
 from bench.diagnosis.encoder_noise import encoder_error
-from bench.diagnosis.evidence import Samples, answer_weight
+from bench.diagnosis.evidence import Samples, answer_squares, answer_weight
 from bench.diagnosis.ladder import (
     Fits,
     ends_of_ladder,
@@ -114,10 +114,8 @@ class SearchResult:
 
     def weight_by(self, samples: Samples) -> float:
         """Of the identified model, with its laws as improbable as its proposals say: see `Samples.log_posterior`."""
-        priors = {proposal.name: proposal.prior for proposal in self.last.proposals}
-        return answer_weight(samples, self.model, self.after) - sum(
-            priors.get(name, 0.0) for name in self.names
-        )
+        effects = self.model.effects
+        return answer_squares(effects, self.after.recordings, self.last.prior_of(effects)).weight(samples)
 
     def more_probable_than(self, other: "SearchResult", excess: float) -> bool:
         """Whether the identified model is more probable than that of another search, which leaves so much more than
@@ -250,10 +248,9 @@ def search_from(
             fits = fits_of(origin, kept, new, without, after)
             ladder = ends_of_ladder(names, fits) if cut else ladder_of(names, fits)
             if not cut:
-                beyond = excess(after, case.problem.dataset.recordings, partial(encoder_error, model))
-                samples = last.system.samples
-                out = superfluous_effect(fits, names, samples)
-                out = out or gain_like_effect(fits, names, samples.beyond(beyond), after)
+                left = partial(excess, after, case.problem.dataset.recordings, partial(encoder_error, model))
+                out = superfluous_effect(fits, names, last.system.samples)
+                out = out or gain_like_effect(fits, names, last.system.samples, after, left)
             if each:
                 ladder = (
                     step_of((), case.before.recordings),

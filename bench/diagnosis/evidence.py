@@ -66,24 +66,34 @@ class ResidualSquares:
         return float(samples.log_posterior(self.squares, self.unknowns, self.prior))
 
 
-def residual_squares(model: Prepared, prior: float | None = None) -> ResidualSquares:
-    """Of a converged model. prior: by default that of so many effects of the catalogue."""
+def residual_squares(model: Prepared, prior: float) -> ResidualSquares:
+    """Of a converged model; prior: nats that its effects must bring."""
     _, solution = solved_quickly(model)
-    squares = np.zeros((2, len(solution.gains)))
-    for observation in model.observations:
-        error = (observation.current - modelled_current(model, observation, solution)) * observation.moving
-        squares[int(observation.use == "validate")] += (error**2).sum(axis=0)
+    squares = _squares(
+        (seen.use, (seen.current - modelled_current(model, seen, solution)) * seen.moving)
+        for seen in model.observations
+    )
     away = bool(run_away(solution.gains / model.dataset.robot.nominal_gains))
-    prior = effects_prior(model.effects) if prior is None else prior
     return ResidualSquares(squares, effects_unknowns(model.effects), prior, away)
 
 
-def answer_squares(effects: Sequence[EffectInstance], series: Sequence[CurrentSeries]) -> ResidualSquares:
-    """Of a model with these effects, by the currents that its answer gives."""
-    squares = np.zeros((2, series[0].error.shape[1]))
-    for trace in series:
-        squares[int(trace.use == "validate")] += ((trace.error * trace.moving) ** 2).sum(axis=0)
-    return ResidualSquares(squares, effects_unknowns(effects), effects_prior(effects))
+def answer_squares(
+    effects: Sequence[EffectInstance], series: Sequence[CurrentSeries], prior: float | None = None
+) -> ResidualSquares:
+    """Of a model with these effects, by the currents that its answer gives. prior: by default of the catalogue's."""
+    squares = _squares((trace.use, trace.error * trace.moving) for trace in series)
+    return ResidualSquares(
+        squares, effects_unknowns(effects), effects_prior(effects) if prior is None else prior
+    )
+
+
+def _squares(errors: Iterable[tuple[str, np.ndarray]]) -> np.ndarray:
+    """Sums of squares (2, n) of errors (M, n) of recordings, each with its use: fitted and judged."""
+    parts = [(use, (error**2).sum(axis=0)) for use, error in errors]
+    nothing = np.zeros_like(parts[0][1])
+    return np.stack(
+        [sum((own for use, own in parts if use == which), nothing) for which in ("identify", "validate")]
+    )
 
 
 def answer_weight(samples: Samples, model: Prepared, answer: Identification) -> float:

@@ -1,6 +1,6 @@
 """Found effects that do not stay: of an impossible sign, or needed no more where the others are converged anew."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -73,23 +73,28 @@ def superfluous_effect(fits: Fits, names: Sequence[str], samples: Samples) -> di
 
 
 def gain_like_effect(
-    fits: Fits, names: Sequence[str], samples: Samples, after: Identification
+    fits: Fits, names: Sequence[str], samples: Samples, after: Identification, excess: Callable[[], float]
 ) -> dict[str, Reason]:
     """The effect that moves a drive gain by more than its standard error and is needed least, if the others are more
     probable without it; and why it goes.
 
-    samples: as they count where the model's error is no noise: an effect that trades against a gain, as a saturation or
-    a friction that grows with the load, may then only make up for a law that is nearly right, and take the gain along.
+    excess: of the model, asked for only where a gain moves. Samples count as they do where the model's error is no
+    noise: an effect that trades against a gain, as a saturation or a friction that grows with the load, may then only
+    make up for a law that is nearly right, and take the gain along.
     """
     every = frozenset(names)
+    without = {name: fits(every - {name}) for name in names}
+    moved = [
+        (name, joint)
+        for name in names
+        for joint, gain in after.drive_gains.items()
+        if abs(without[name].gains[joint] - gain.value) > RULE.shows * gain.std > 0.0
+    ]
+    if not moved:
+        return {}
+    samples = samples.beyond(excess())
+    weight, name, joint = max((without[name].residual.weight(samples), name, joint) for name, joint in moved)
     least = fits(every).residual.weight(samples)
-    moved: list[tuple[float, str, str]] = []
-    for name in names:
-        without = fits(every - {name})
-        for joint, gain in after.drive_gains.items():
-            if abs(without.gains[joint] - gain.value) > RULE.shows * gain.std > 0.0:
-                moved.append((without.residual.weight(samples), name, joint))
-    weight, name, joint = max(moved, default=(-np.inf, "", ""))
     return {name: Reason(Because.MOVES_GAIN, (joint,))} if weight > least else {}
 
 

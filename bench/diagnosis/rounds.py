@@ -11,7 +11,7 @@ from bench.basics.progress import SILENT, Progress
 from bench.diagnosis.batched_sets import solve_sets, swapped
 from bench.diagnosis.candidates import Context, Proposal, propose, shaped
 from bench.diagnosis.decision import RULE
-from bench.diagnosis.evidence import ResidualSquares, residual_squares
+from bench.diagnosis.evidence import ResidualSquares, effects_prior, residual_squares
 from bench.diagnosis.noise import leaves_only_noise
 from bench.diagnosis.normal_equations import System, build_system, solve_set
 from bench.diagnosis.origin import Origin
@@ -22,10 +22,8 @@ from bench.diagnosis.special_case import explaining_most, explains, with_shapes_
 from bench.effects import Effect, EffectInstance
 from bench.identification.nonlinear import settles
 from bench.identification.prepare import Prepared, with_effects
-from bench.identification.result import relative_error
 from bench.identification.solution import Solution
 from bench.identification.solve_only import solved_quickly
-from bench.identification.summary import modelled_series
 
 ROUNDS = 6
 MOST_ALIKE = 2  # sets like the present one that are converged where a search's best does no better
@@ -46,10 +44,13 @@ class Round:
 
     @cached_property
     def residual(self) -> ResidualSquares:
-        """Of its model; nats against its effects and laws are those of the proposals."""
-        priors = {proposal.name: proposal.prior for proposal in self.proposals}
-        names = {instance.effect.name for instance in self.model.effects}
-        return residual_squares(self.model, sum(RULE.prior + priors.get(name, 0.0) for name in names))
+        """Of its model."""
+        return residual_squares(self.model, self.prior_of(self.model.effects))
+
+    def prior_of(self, effects: Sequence[EffectInstance]) -> float:
+        """Nats that effects must bring, with what its proposals must bring beyond an effect of the catalogue."""
+        names = {instance.effect.name for instance in effects}
+        return effects_prior(effects) + sum(each.prior for each in self.proposals if each.name in names)
 
     @property
     def chosen(self) -> tuple[int, ...]:
@@ -123,17 +124,6 @@ def staying(origin: Origin, here: Round, barred: Collection[str]) -> Round:
     """What stays of a round's set where some effects may not be found, converged, without another search."""
     stayed = [i for i in here.chosen if here.proposals[i].name not in barred]
     return replace(_with_set(here, stayed), model=origin.with_proposals(here.proposals, stayed), cut=True)
-
-
-def error_of(model: Prepared) -> float:
-    """Relative error of a converged model on recordings that were not fitted, without anything else of its answer."""
-    _, solution = solved_quickly(model)
-    judged = [
-        modelled_series(model, observation, solution)
-        for observation in model.observations
-        if observation.use == "validate"
-    ]
-    return relative_error(judged) or 0.0
 
 
 def _again(

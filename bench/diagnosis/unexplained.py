@@ -44,9 +44,7 @@ def excess(result: Identification, recordings: Sequence[Recording], encoders: Ca
     """Logarithm, at least zero, of the error on recordings that were not fitted over what noise leaves of them, and
     what the logs do not repeat. encoders: see `unexplained`.
     """
-    judged = [trace for trace in result.recordings if trace.use == "validate"] or list(result.recordings)
-    error = relative_error(judged) or 0.0
-    floor = relative_noise_floor(recordings, judged, result.settings)
+    _, error, floor = _judged(result, recordings)
     if error <= RULE.beyond_noise * floor:
         return 0.0
     return excess_of(error, floor, encoders(), not_repeated(result.recordings))
@@ -59,9 +57,7 @@ def unexplained(
 
     encoders: relative error that the encoders' noise alone makes; asked for only where the currents' does not do.
     """
-    judged = [trace for trace in result.recordings if trace.use == "validate"] or list(result.recordings)
-    error = relative_error(judged) or 0.0
-    floor = relative_noise_floor(recordings, judged, result.settings)
+    judged, error, floor = _judged(result, recordings)
     if error <= RULE.beyond_noise * floor:
         return Unexplained(Remainder.NOISE, error, floor, ())
     from_encoders = encoders()
@@ -85,6 +81,14 @@ def unexplained(
     depends = tuple(name for name, ratio in sorted(found.items(), key=lambda pair: -pair[1]) if ratio >= 1.0)
     what = Remainder.PATTERN if depends else Remainder.NO_PATTERN
     return Unexplained(what, error, floor, depends, from_encoders, not_repeated(result.recordings))
+
+
+def _judged(
+    result: Identification, recordings: Sequence[Recording]
+) -> tuple[list[CurrentSeries], float, float]:
+    """The series that were not fitted, all where there are none; their relative error, and what noise leaves of it."""
+    judged = [trace for trace in result.recordings if trace.use == "validate"] or list(result.recordings)
+    return judged, relative_error(judged) or 0.0, relative_noise_floor(recordings, judged, result.settings)
 
 
 def _variables(series: Sequence[CurrentSeries], j: int) -> dict[str, np.ndarray]:

@@ -8,7 +8,7 @@ from bench.diagnosis.candidates import Proposal
 from bench.diagnosis.motor_products import summed
 from bench.diagnosis.normal_equations import System, solve_set
 from bench.diagnosis.result import WithoutLog
-from bench.diagnosis.search import Found, possible, score
+from bench.diagnosis.search import Found, possible, score, scored
 from bench.identification.prepare import Prepared
 
 
@@ -26,7 +26,7 @@ def without_logs(
         others = _without(system, log)
         chosen = found.best.fit.chosen
         whole = score(others, solve_set(others, chosen))
-        fewer = [score(others, solve_set(others, some)) for some in reduced(chosen)]
+        fewer = scored(others, reduced(chosen))
         gone = [
             proposals[i].name
             for i, without in zip(chosen, fewer, strict=True)

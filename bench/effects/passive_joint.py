@@ -7,13 +7,9 @@ import numpy as np
 
 from bench.effects.effect import Effect
 from bench.effects.signals import RobotSignals
+from bench.model.geometry import Geometry
 from bench.model.joint_rates import JointRates, joint_rates
-
-
-def passive_position(robot: RobotSignals, joint: str) -> np.ndarray:
-    """Position (N,) of a hinge or slide of the opened tree, rad or m, zero where the MJCF has it."""
-    own = robot.geometry.joints[robot.geometry.joint_index(joint)]
-    return robot.tree.q[:, own.q.start] + own.offset
+from bench.model.motion import Motion
 
 
 def passive_velocity(robot: RobotSignals, joint: str) -> np.ndarray:
@@ -43,14 +39,17 @@ class PassiveEffect(Effect):
 
     def in_joint(self, robot: RobotSignals, joint: str) -> np.ndarray:
         """`torque` (N, d, p)."""
-        return self._with_rates(robot, joint)[1]
+        return self.with_rates(robot.geometry, robot.tree, joint)[1]
 
     def columns(self, robot: RobotSignals, joint: str) -> np.ndarray:
         """Columns (N, n, p): what the motors need against `torque`, by virtual work."""
-        rates, torque = self._with_rates(robot, joint)
+        rates, torque = self.with_rates(robot.geometry, robot.tree, joint)
         return np.einsum("kdn,kdp->knp", rates.jacobian, torque)
 
-    def _with_rates(self, robot: RobotSignals, joint: str) -> tuple[JointRates, np.ndarray]:
-        rates = joint_rates(robot.geometry, robot.tree, robot.geometry.joint_index(joint))
-        position = passive_position(robot, joint)[:, None]
+    def with_rates(self, geometry: Geometry, motion: Motion, joint: str) -> tuple[JointRates, np.ndarray]:
+        """The rates of its joint in a motion of the opened tree, and `torque` (N, d, p)."""
+        index = geometry.joint_index(joint)
+        rates = joint_rates(geometry, motion, index)
+        own = geometry.joints[index]
+        position = motion.q[:, own.q.start, None] + own.offset
         return rates, self.torque(position, rates.velocity, rates.acceleration)

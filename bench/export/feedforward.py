@@ -11,7 +11,6 @@ from bench.effects.passive_joint import PassiveEffect
 from bench.export.carried import carried
 from bench.export.identified import EffectValues, IdentifiedModel
 from bench.model.geometry import Geometry
-from bench.model.joint_rates import joint_rates
 from bench.model.motion import Motion, motion_of, rates_at
 from bench.model.regressor import projected_regressor
 from bench.twin.laws import Memoryless, joint_law_of
@@ -124,8 +123,5 @@ def _passive(geometry: Geometry, motion: Motion, fitted_effect: EffectValues) ->
     effect = fitted_effect.instance.effect
     if not isinstance(effect, PassiveEffect):
         raise TypeError(effect.name)
-    joint = geometry.joints[geometry.joint_index(fitted_effect.place)]
-    position = motion.q[:1, joint.q.start, None] + joint.offset
-    rates = joint_rates(geometry, motion, geometry.joint_index(fitted_effect.place))
-    torque = effect.torque(position, rates.velocity, rates.acceleration)[0]
-    return np.asarray(torque @ np.array(list(fitted_effect.values.values())) @ rates.jacobian[0])
+    rates, torque = effect.with_rates(geometry, motion, fitted_effect.place)
+    return np.asarray(torque[0] @ np.array(list(fitted_effect.values.values())) @ rates.jacobian[0])

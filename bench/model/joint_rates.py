@@ -32,10 +32,11 @@ def joint_rates(geometry: Geometry, motion: Motion, joint: int) -> JointRates:
     """The rates of a joint (index), rods spinning as their balls make them."""
     own = geometry.joints[joint].v
     velocity, acceleration, jacobian = motion.v[:, own], motion.a[:, own], motion.jacobian[:, own]
-    for spin in idle_spins(geometry):
-        members = _members(geometry, motion, spin)
-        if joint not in members:
+    spins = idle_spins(geometry) if geometry.joints[joint].kind == "ball" else ()
+    for spin in spins:
+        if joint not in (spin.joint, *(ball for ball, _ in spin.ends)):
             continue
+        members = _members(geometry, motion, spin)
         rate, growth = (_along(geometry, members, rates[:, :, None]) for rates in (motion.v, motion.a))
         axis = members[joint]
         # the frame of a rod that spins otherwise turns otherwise; the frame behind its other end does not

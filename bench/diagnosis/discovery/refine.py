@@ -12,7 +12,7 @@ from bench.diagnosis.discovery.screen import Screened, at_place
 from bench.diagnosis.discovery.source import law_effect
 from bench.diagnosis.discovery.term import Term, about_its_mean, at_other_harmonics, freed
 from bench.diagnosis.discovery.variables import Place
-from bench.diagnosis.evidence import Samples, residual_squares
+from bench.diagnosis.evidence import Samples, effects_prior, residual_squares
 from bench.diagnosis.origin import Origin, at_its_solution
 from bench.effects import EffectInstance
 from bench.identification.nonlinear import converged
@@ -50,7 +50,9 @@ class Judge:
     def refined(self, model: Prepared, terms: Mapping[str, Term]) -> Refined:
         """A converged model with its weight."""
         names = {instance.effect.name for instance in model.effects}
-        residual = residual_squares(model, RULE.prior * len(names) + self.price * len(names & terms.keys()))
+        residual = residual_squares(
+            model, effects_prior(model.effects) + self.price * len(names & terms.keys())
+        )
         return Refined(model, terms, residual.weight(self.samples), float(residual.squares[1].sum()))
 
 
