@@ -119,6 +119,8 @@ _CARRIES = {  # names, numbers, whether it is of unknowns
     Code.BAND_NARROWED: (_NONE, "band rejected decimation", False),
     Code.BAND_MATTERS: (_NONE, "band decimation", False),
     Code.BAND_UNCHECKED: (_NONE, "band", False),
+    Code.EXTRAPOLATED: (_NONE, "share", False),
+    Code.JUDGED_BEYOND: (_SOME, "", False),
     Code.GAINS_A_THOUSAND: (_NONE, "", False),
     Code.GAINS_A_THOUSANDTH: (_NONE, "", False),
     Code.NO_MODEL_IS_BETTER: (_NONE, "error", False),

@@ -13,6 +13,7 @@ from bench.diagnosis.differs import differing
 from bench.diagnosis.elsewhere import differing_elsewhere, worse_elsewhere
 from bench.diagnosis.encoder_noise import encoder_error
 from bench.diagnosis.evidence import Samples, answer_squares, answer_weight
+from bench.diagnosis.extrapolated import without_extrapolation
 from bench.diagnosis.ladder import (
     Fits,
     ends_of_ladder,
@@ -61,6 +62,7 @@ from bench.diagnosis.without_log import without_logs
 from bench.effects import EffectInstance
 from bench.identification.bandwidth import with_band_checked
 from bench.identification.chosen_band import prepare_checked
+from bench.identification.finding import Finding
 from bench.identification.findings import with_other_values
 from bench.identification.identify import fit
 from bench.identification.impossible_payload import with_possible_payloads
@@ -79,7 +81,7 @@ OWN_VALUES_TRIED = 3  # sets of values for each recording with which effects are
 class SplitProblem:
     """A problem that is diagnosed: in parts to fit and to judge on, its starting model, and that model's fit.
 
-    deadline: after which the best answer so far is given.
+    deadline: after which the best answer so far is given. extrapolated: of rows that are not judged.
     """
 
     problem: Problem
@@ -87,6 +89,7 @@ class SplitProblem:
     start: Prepared
     before: Identification
     deadline: Deadline = NEVER
+    extrapolated: tuple[Finding, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -147,8 +150,8 @@ def split_and_fitted(
     problem = replace(problem, dataset=dataset)
     start = prepare_checked(problem)
     progress.phase("fitting the model as it is")
-    start = converged(start)
-    return SplitProblem(problem, held_out, start, fit(start), deadline)
+    start, extrapolated = without_extrapolation(converged(start))
+    return SplitProblem(problem, held_out, start, fit(start), deadline, extrapolated)
 
 
 def search_catalogue(case: SplitProblem, progress: Progress = SILENT) -> SearchResult:
@@ -335,7 +338,7 @@ def answered(case: SplitProblem, finding: SearchResult, progress: Progress = SIL
         ranking=ranking,
         unexplained=left,
         before=case.before,
-        after=replace(after, findings=(*mounted_otherwise(model), *after.findings)),
+        after=replace(after, findings=(*mounted_otherwise(model), *case.extrapolated, *after.findings)),
         differs=finding.differs,
         superfluous=finding.superfluous,
         unfinished=tuple(unfinished),

@@ -12,6 +12,11 @@ from bench.model.joint_rates import JointRates, joint_rates
 from bench.model.motion import Motion
 
 
+def passive_position(robot: RobotSignals, joint: str) -> np.ndarray:
+    """Position (N,) of a hinge or slide of the opened tree, rad or m, zero where the MJCF has it."""
+    return _position(robot.geometry, robot.tree, joint)
+
+
 def passive_velocity(robot: RobotSignals, joint: str) -> np.ndarray:
     """Velocity (N,) of a hinge or slide of the opened tree, rad/s or m/s."""
     return robot.tree.v[:, robot.geometry.joints[robot.geometry.joint_index(joint)].v.start]
@@ -48,8 +53,11 @@ class PassiveEffect(Effect):
 
     def with_rates(self, geometry: Geometry, motion: Motion, joint: str) -> tuple[JointRates, np.ndarray]:
         """The rates of its joint in a motion of the opened tree, and `torque` (N, d, p)."""
-        index = geometry.joint_index(joint)
-        rates = joint_rates(geometry, motion, index)
-        own = geometry.joints[index]
-        position = motion.q[:, own.q.start, None] + own.offset
+        rates = joint_rates(geometry, motion, geometry.joint_index(joint))
+        position = _position(geometry, motion, joint)[:, None]
         return rates, self.torque(position, rates.velocity, rates.acceleration)
+
+
+def _position(geometry: Geometry, motion: Motion, joint: str) -> np.ndarray:
+    own = geometry.joints[geometry.joint_index(joint)]
+    return np.asarray(motion.q[:, own.q.start] + own.offset)

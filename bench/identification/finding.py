@@ -41,6 +41,8 @@ class Code(StrEnum):
     BAND_NARROWED = auto()
     BAND_MATTERS = auto()
     BAND_UNCHECKED = auto()
+    EXTRAPOLATED = auto()
+    JUDGED_BEYOND = auto()
     # what cannot be so
     GAINS_A_THOUSAND = auto()
     GAINS_A_THOUSANDTH = auto()

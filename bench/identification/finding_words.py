@@ -370,6 +370,14 @@ WORDS: Mapping[Code, Callable[[Finding], str]] = {
     Code.CLOSURE_CONTRADICTED: _contradicted,
     Code.VELOCITY_UNLIKE: _velocity_unlike,
     Code.VELOCITY_TAKEN: _velocity_taken,
+    Code.EXTRAPOLATED: lambda finding: (
+        f"{in_percent(finding.numbers['share'])} of the held-out samples are not judged: the fitted motions do not "
+        "determine what the model gives there. Motions that reach further would."
+    ),
+    Code.JUDGED_BEYOND: lambda finding: (
+        f"In most of the held-out samples of {and_list(finding.names)} the fitted motions do not determine what the "
+        "model gives, so that their error says little about effects. Extend the fitted motions to the same range."
+    ),
     Code.CHECKED_UNLIKE_FITTED: _unlike,
     Code.CHECKED_HAS_OTHER_VALUES: _other_values,
     Code.PHYSICAL: _physical,
