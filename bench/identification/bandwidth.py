@@ -81,7 +81,9 @@ def narrower(prepared: Prepared) -> Prepared | None:
 
 def _with_settings(prepared: Prepared, settings: FilterSettings) -> Prepared:
     """The same model by other filters; shapes stay, since what a narrower band does not show would be lost in it."""
-    plain = prepare(Problem(prepared.dataset, {}, (), settings, fit_gains=False))
+    plain = prepared.halved
+    if plain is None or plain.settings != settings:
+        plain = prepare(Problem(prepared.dataset, {}, (), settings, fit_gains=False))
     model = with_effects(replace(plain, scale=prepared.scale), prepared.effects, prepared.present)
     return replace(model, converged=True)
 

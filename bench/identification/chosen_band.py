@@ -5,6 +5,7 @@ from dataclasses import replace
 
 from bench.effects import Effect, places_in, select_effects
 from bench.identification.bandwidth import moved, narrower, sharper
+from bench.identification.filtered import forget_motions
 from bench.identification.identify import fit
 from bench.identification.nonlinear import converged
 from bench.identification.prepare import Prepared, prepare, with_effects
@@ -38,6 +39,10 @@ def prepare_checked(problem: Problem) -> Prepared:
             break
         rejected.append(model.settings)
         model, here = half, there
-    if not rejected:
-        return prepared
-    return replace(prepare(replace(problem, filters=model.settings)), rejected=tuple(rejected))
+    if rejected:
+        prepared = replace(prepare(replace(problem, filters=model.settings)), rejected=tuple(rejected))
+    if half is not None:
+        forget_motions(half.measured)
+        for seen in half.signals:
+            seen.forget()
+    return replace(prepared, halved=half)

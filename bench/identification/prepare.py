@@ -41,8 +41,8 @@ class Prepared:
     linearised about this very model; provisional: though not to the end, as is enough in a search. nearby: where small
     changes of the torque are taken from, in place of what effects compute exactly. contradicted: loop closures that
     other encoders deny. bands: what the spectra of the recordings to identify from say, None where nobody has read
-    them. rejected: filters that were rejected for narrower ones, the widest first. kept: what models of these
-    recordings have in common.
+    them. rejected: filters that were rejected for narrower ones, the widest first. halved: the same recordings in half
+    of the band, where they are known. kept: what models of these recordings have in common.
     """
 
     dataset: Dataset
@@ -61,6 +61,7 @@ class Prepared:
     contradicted: tuple[Finding, ...] = ()
     bands: Bands | None = None
     rejected: tuple[FilterSettings, ...] = ()
+    halved: "Prepared | None" = field(default=None, compare=False, repr=False)
     kept: dict[str, FixedColumns | None] = field(default_factory=dict, compare=False, repr=False)
 
     @property

@@ -252,8 +252,9 @@ def _with_one_for_several(case: SplitProblem, plain: _Answer, progress: Progress
 def _with_tables(case: SplitProblem, plain: _Answer, progress: Progress) -> _Answer:
     """The answer with functions as they were measured, where much is left that no formula fits.
 
-    They compete only with the identified model: what the effects of the catalogue are worth has been judged before. A
-    table is no law: the gains' standard errors hold what they are without it, where they have not run away there.
+    They compete only with the identified model: what the effects of the catalogue are worth has been judged before, and
+    where more than noise is left beside them, too, they must explain a share of it. A table is no law: the gains'
+    standard errors hold what they are without it, where they have not run away there.
     """
     finding, left = plain.finding, plain.diagnosis.unexplained
     if not (left.significant or left.much):
@@ -274,9 +275,11 @@ def _with_tables(case: SplitProblem, plain: _Answer, progress: Progress) -> _Ans
     wider = search_from(case, origin, here, progress, finding.barred, wholly=True)
     staying = tuple(law for law in (*plain.laws, *laws) if law.name in wider.names)
     tabled = {law.name for law in laws}.intersection(wider.names)
-    if not tabled or not wider.more_probable_than(finding, 0.0):
+    if not tabled:
         return plain
     told = _told(wider, staying, (*plain.laws, *laws), answered(case, wider, progress))
+    if not wider.more_probable_than(finding, told.unexplained.excess):
+        return plain
     told = replace(told, after=gains_widened(told.after, [plain.diagnosis.after]))
     judged_before = {verdict.effect for verdict in told.ranking}
     others = tuple(verdict for verdict in plain.diagnosis.ranking if verdict.effect not in judged_before)
