@@ -16,7 +16,7 @@ from bench.diagnosis.discovery.term import Term
 from bench.diagnosis.discovery.variables import Place
 from bench.diagnosis.origin import Origin
 from bench.effects import Effect
-from bench.identification.prepare import Prepared
+from bench.identification.prepare import Prepared, with_effects
 
 EXPONENTS = (0.5, 1.5, 2.5)
 NAME = "power"
@@ -75,15 +75,18 @@ def together(parts: Sequence[Part]) -> list[list[Part]]:
 def _with_power(
     origin: Origin, found_model: Prepared, stay: Sequence[Part], places: Sequence[Place], judge: Judge
 ) -> Refined:
-    """What stays of the identified model, and a power of the velocity at some places, with the best exponent."""
+    """What stays of the identified model, and a power of the velocity at some places, converged from the exponent that
+    does best beside it as it is.
+    """
     terms = {part.name: part.term for part in stay if part.term is not None}
-    found = []
+    begun = []
     for exponent in EXPONENTS:
         term = Term((Power(V, exponent, free=True),))
-        instances = instances_of(NAME, Screened(term, {}, 0.0), places)
-        model = origin.beside(found_model, [*(part.instance for part in stay), *instances])
-        found.append(judge.refined(model, {**terms, NAME: term}))
-    return max(found, key=lambda refined: refined.weight)
+        added = *(part.instance for part in stay), *instances_of(NAME, Screened(term, {}, 0.0), places)
+        model = with_effects(found_model, (*origin.start.effects, *added))
+        begun.append((judge.refined(model, {**terms, NAME: term}), term, added))
+    _, term, added = max(begun, key=lambda each: each[0].weight)
+    return judge.refined(origin.beside(found_model, added), {**terms, NAME: term})
 
 
 def fewer(alike: Sequence[Part], own: int, catalogue: Mapping[str, Effect]) -> list[list[Part]]:
