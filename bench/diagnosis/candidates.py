@@ -68,7 +68,7 @@ def propose(
     present = {(instance.effect.name, instance.joint) for instance in prepared.effects}
     every = {
         name: [
-            EffectInstance(effect, joint, f"{name}:{joint}" if joint else name)
+            EffectInstance(places.effect_at(effect, joint), joint, f"{name}:{joint}" if joint else name)
             for joint in places.where(effect)
             if (name, joint) not in present
         ]

@@ -11,6 +11,7 @@ from bench.basics.errors import BenchError
 from bench.basics.joint_units import joint_units
 from bench.effects.samples import JointSamples
 from bench.effects.signals import JointSignals, RobotSignals
+from bench.model.geometry import Geometry
 
 Place = Literal["actuator", "passive", "bearing", "body", "payload", "robot"]
 Seen = Literal["opposes", "fades", "load", "velocity", "repeats", "position", "current", "acceleration"]
@@ -133,6 +134,10 @@ class Effect(ABC):
         d: 1 in a hinge or slide, 3 in a ball joint.
         """
         return None
+
+    def in_joints_of(self, geometry: Geometry) -> "Mapping[str, Effect]":  # noqa: ARG002 - by default in none
+        """What an effect of the whole robot is in single joints, in addition, by their names."""
+        return {}
 
     def shape_values(self) -> dict[str, float]:
         """The values of the shape parameters of this instance."""

@@ -49,7 +49,15 @@ class Places:
         more = self.redundant if alone and not effect.depends_on_model else ()
         if effect.place == "passive" and effect.in_balls:
             more = self.balls
+        if effect.place == "robot" and self.geometry is not None:
+            more = tuple(effect.in_joints_of(self.geometry))
         return (*self.of(effect.place), *more)
+
+    def effect_at(self, effect: Effect, place: str) -> Effect:
+        """The effect as it is at one of the places where it can sit."""
+        if effect.place != "robot" or not place or self.geometry is None:
+            return effect
+        return effect.in_joints_of(self.geometry)[place]
 
     def of(self, place: Place) -> tuple[str, ...]:
         """Where effects of that kind can sit; one empty name for the whole robot."""

@@ -103,7 +103,10 @@ def select_effects(
         for at in [joint] if joint else possible:
             if any(instance.effect.name == name and instance.joint == at for instance in instances):
                 raise BenchError(f"effect {name!r} is given twice for {at or 'the robot'!r}")
-            instances += [EffectInstance(effect, at, request, word, among) for word in among or [""]]
+            instances += [
+                EffectInstance(places.effect_at(effect, at), at, request, word, among)
+                for word in among or [""]
+            ]
     return tuple(instances)
 
 

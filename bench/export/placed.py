@@ -60,8 +60,9 @@ def placed_effects(physical: PhysicalSet, log: str = "") -> Placed:
     gravity = model.model.geometry.gravity
     for effect in model.effects_in(log):
         if effect.name == BaseTilt.name:
-            turned = tilted(gravity, effect)
-            if still_determined(model, turned):
+            whole = isinstance(effect.instance.effect, BaseTilt)
+            turned = tilted(gravity, effect) if whole else gravity
+            if whole and still_determined(model, turned):
                 gravity = turned
             else:
                 left.append(
