@@ -57,15 +57,15 @@ def test_columns_are_finite_of_the_right_shape_and_the_same_again(robot_name: st
     payload = None if robot_name in ("ball", "welded", "emps") else "disc"
     robot, _, measured, _ = moving_robot(robot_name, tmp_path, payload, samples=401)
     seen = {}
-    for name, effect in CATALOGUE.items():
+    for name in CATALOGUE:
         for instance in instances_of(name, robot):
             columns = effect_columns(instance, robot)
-            assert columns.shape == (*measured.position.shape, len(effect.parameters))
-            seen[name, instance.joint] = columns
+            assert columns.shape == (*measured.position.shape, len(instance.effect.parameters))
+            seen[instance] = columns
     again, *_ = moving_robot(robot_name, tmp_path, payload, samples=401)
-    for (name, place), columns in seen.items():
-        assert np.array_equal(columns, columns_at(again, name, place)), name
-    motors = {place for name, place in seen if name == "viscous_friction"}
+    for instance, columns in seen.items():
+        assert np.array_equal(columns, effect_columns(instance, again)), instance.request
+    motors = {instance.joint for instance in seen if instance.effect.name == "viscous_friction"}
     assert motors == {*robot.joints, *robot.redundant}
 
 
@@ -295,7 +295,7 @@ def test_effects_are_refused_where_they_cannot_sit(tmp_path: Path) -> None:
     for request, message in (
         ("passive_viscous_friction", "no joint without a motor"),
         ("payload_mass_error", "no payload of known mass"),
-        ("base_tilt:axis", "only the robot as a whole"),
+        ("platform_force:axis", "only the robot as a whole"),
         ("viscous_friction:elbow", "no joint 'elbow'.*there are: axis"),
         ("glue", "unknown effect 'glue'; known: asymmetric"),
     ):
