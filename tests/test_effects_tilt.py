@@ -10,6 +10,13 @@ import pytest
 from bench.api.diagnose import diagnose
 from bench.dataset.robot import load_robot
 from bench.effects.laws.base_tilt import BaseTilt
+from bench.export.identified import load_identified
+from bench.export.physical import physical_set
+from bench.export.replay.replay import replay
+from bench.identification.identify import identify
+from bench.identification.model_file import save_model
+from bench.identification.prepare import prepare
+from bench.identification.problem import problem_of
 from bench.model.geometry import Geometry
 from bench.model.model import build_model
 from bench.model.motion import Motion
@@ -102,3 +109,17 @@ def test_a_tilt_of_a_robot_whose_cranks_turn_about_the_vertical_is_named_alone()
     tilt = answer.after.effect_parameters["base_tilt"]["robot"]
     for parameter, value in (("tilt_x", 0.01), ("tilt_y", -0.02)):
         assert abs(tilt[parameter].value - value) < 3.0 * tilt[parameter].std
+
+
+def test_a_saved_model_has_the_weights_at_their_joints(tmp_path: Path) -> None:
+    hidden = [{"effect": "base_tilt", "about_x": 0.01, "about_y": -0.02}]
+    changes = {"design": {"optimise": False, "duration": 5.0}, "hidden": hidden}
+    dataset = as_dataset(simulate(load_scenario("three_rrr", changes)))
+    result = identify(prepare(problem_of(dataset, ["base_tilt"])))
+    assert result.effects == ("base_tilt",)
+    save_model(result, tmp_path / "model.json")
+    model = load_identified(tmp_path / "model.json")
+    assert [effect.place for effect in model.effects_in()] == ["", "motor_1", "motor_2", "motor_3"]
+    found = replay(problem_of(dataset), physical_set(model))
+    assert found.left_out == ("base_tilt", *(f"base_tilt at motor_{k}" for k in (1, 2, 3)))
+    assert found.model.error.identify == pytest.approx(result.error.identify, rel=1e-3)

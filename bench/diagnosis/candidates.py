@@ -68,7 +68,11 @@ def propose(
     present = {(instance.effect.name, instance.joint) for instance in prepared.effects}
     every = {
         name: [
-            EffectInstance(places.effect_at(effect, joint), joint, f"{name}:{joint}" if joint else name)
+            EffectInstance(
+                places.effect_at(effect, joint),
+                joint,
+                name if effect.place == "robot" else f"{name}:{joint}",
+            )
             for joint in places.where(effect)
             if (name, joint) not in present
         ]

@@ -99,6 +99,7 @@ class Effect(ABC):
     to the next, as an amplifier's offset has, and a diagnosis looks for that. of_instant: it follows from acceleration
     or torque of the same instant, and from nothing before. in_balls: of those at passive joints, one that a ball joint
     can have, too. in_mjcf: the term of an MJCF's joint that has its law.
+    in_single_joints: what an effect of the whole robot is in single joints, see `in_joints_of`.
     """
 
     name: ClassVar[str]
@@ -120,6 +121,7 @@ class Effect(ABC):
     of_instant: ClassVar[bool] = False
     in_balls: ClassVar[bool] = False
     in_mjcf: ClassVar[MjcfTerm | None] = None
+    in_single_joints: "ClassVar[tuple[Effect, ...]]" = ()
 
     @abstractmethod
     def columns(self, robot: RobotSignals, joint: str) -> np.ndarray:
@@ -136,7 +138,7 @@ class Effect(ABC):
         return None
 
     def in_joints_of(self, geometry: Geometry) -> "Mapping[str, Effect]":  # noqa: ARG002 - by default in none
-        """What an effect of the whole robot is in single joints, in addition, by their names."""
+        """Which of `in_single_joints` an effect has in a robot in addition, by the joints' names."""
         return {}
 
     def shape_values(self) -> dict[str, float]:

@@ -68,10 +68,9 @@ def _effect(
     values, shape = entry["values"], entry["shape"]
     if not isinstance(values, dict) or not isinstance(shape, dict):
         raise TypeError(f"values of {name}")
-    effect = replace(catalogue[name], **shape).about(values)
-    wanted = {parameter.name for parameter in effect.parameters}
-    if set(values) != wanted:
-        raise BenchError(
-            f"{path}: {name}: values of {', '.join(values)} instead of {', '.join(sorted(wanted))}"
-        )
-    return EffectInstance(effect, place, name), values
+    whole = replace(catalogue[name], **shape).about(values)
+    for effect in (whole, *whole.in_single_joints):
+        if set(values) == {parameter.name for parameter in effect.parameters}:
+            return EffectInstance(effect, place, name), values
+    wanted = ", ".join(sorted(parameter.name for parameter in whole.parameters))
+    raise BenchError(f"{path}: {name}: values of {', '.join(values)} instead of {wanted}")

@@ -17,57 +17,6 @@ NOTHING = 1e-9  # of the model's torque: a smaller derivative is rounding
 
 
 @dataclass(frozen=True)
-class BaseTilt(Effect):
-    """The base turned about its y axis by tilt_y, then about the x axis of the floor by tilt_x.
-
-    Valid for a robot whose masses the model knows. What gravity never moved in the model, since it turns with a
-    vertical joint of the base, is estimated beside it, see `TiltedWeight`. Source: Khalil and Dombre, "Modeling,
-    Identification and Control of Robots", 2002, chapter 9 (gravity in the base frame).
-    """
-
-    name = "base_tilt"
-    law = "The base turned about its y axis by tilt_y, then about the x axis of the floor by tilt_x."
-    symbols = (
-        "Gravity in the base is then g' = Ry(−tilt_y) Rx(−tilt_x) g, and τ = τ(g') − τ(g) in the present "
-        "model. tilt_x, tilt_y: rad, of either sign; where gravity points along another axis than z, the "
-        "two axes are those that follow it in the order x y z."
-    )
-    shown_by = "move slowly over the whole range"
-    seen = ("position",)
-    in_key = ("that of a part of the weight, at all motors",)
-    parameters = (EffectParameter("tilt_x", "rad"), EffectParameter("tilt_y", "rad"))
-    place = "robot"
-    depends_on_model = True
-
-    tilt_x: float = 0.0
-    tilt_y: float = 0.0
-
-    def in_joints_of(self, geometry: Geometry) -> Mapping[str, Effect]:
-        """The weight in joints that gravity does not move as long as the base is level."""
-        return {
-            joint.name: TiltedWeight() if joint.kind == "hinge" else TiltedLoad()
-            for joint in geometry.joints
-            if _level(geometry, joint)
-        }
-
-    def columns(self, robot: RobotSignals, joint: str) -> np.ndarray:  # noqa: ARG002 - it sits nowhere in particular
-        gravity = turned = robot.geometry.gravity
-        vertical = int(np.argmax(np.abs(gravity)))
-        columns = []
-        for axis, given in ((vertical + 1) % 3, self.tilt_x), ((vertical + 2) % 3, self.tilt_y):
-            angle = float(np.clip(given, -LARGEST, LARGEST))
-            column = robot.torque_change(gravity=gravity - np.cross(np.eye(3)[axis], turned))
-            after = _turned(turned, axis, -angle)
-            if np.abs(column).max() <= NOTHING * np.abs(robot.coarse.torque).max():
-                column = np.zeros_like(column)  # the turn only scales gravity, in second order
-            elif abs(angle) > SMALLEST:
-                column = robot.torque_change(gravity=gravity + after - turned) / angle
-            columns.append(column)
-            turned = after
-        return np.stack(columns, axis=2)
-
-
-@dataclass(frozen=True)
 class TiltedWeight(Effect):
     """What a tilted base makes a vertical hinge bear that nothing but vertical slides carries.
 
@@ -98,6 +47,59 @@ class TiltedLoad(Effect):
 
     def columns(self, robot: RobotSignals, joint: str) -> np.ndarray:
         return seen_by_motors(robot, joint, np.ones(len(robot.time)))[:, :, None]
+
+
+@dataclass(frozen=True)
+class BaseTilt(Effect):
+    """The base turned about its y axis by tilt_y, then about the x axis of the floor by tilt_x.
+
+    Valid for a robot whose masses the model knows. What gravity never moved in the model, since it turns with a
+    vertical joint of the base, is estimated beside it, see `TiltedWeight`. Source: Khalil and Dombre, "Modeling,
+    Identification and Control of Robots", 2002, chapter 9 (gravity in the base frame).
+    """
+
+    name = "base_tilt"
+    law = "The base turned about its y axis by tilt_y, then about the x axis of the floor by tilt_x."
+    symbols = (
+        "Gravity in the base is then g' = Ry(−tilt_y) Rx(−tilt_x) g, and τ = τ(g') − τ(g) in the present "
+        "model. tilt_x, tilt_y: rad, of either sign; where gravity points along another axis than z, the "
+        "two axes are those that follow it in the order x y z."
+    )
+    shown_by = "move slowly over the whole range"
+    seen = ("position",)
+    in_key = ("that of a part of the weight, at all motors",)
+    parameters = (EffectParameter("tilt_x", "rad"), EffectParameter("tilt_y", "rad"))
+    place = "robot"
+    in_single_joints = (TiltedWeight(), TiltedLoad())
+    depends_on_model = True
+
+    tilt_x: float = 0.0
+    tilt_y: float = 0.0
+
+    def in_joints_of(self, geometry: Geometry) -> Mapping[str, Effect]:
+        """The weight in joints that gravity does not move as long as the base is level."""
+        weight, load = self.in_single_joints
+        return {
+            joint.name: weight if joint.kind == "hinge" else load
+            for joint in geometry.joints
+            if _level(geometry, joint)
+        }
+
+    def columns(self, robot: RobotSignals, joint: str) -> np.ndarray:  # noqa: ARG002 - it sits nowhere in particular
+        gravity = turned = robot.geometry.gravity
+        vertical = int(np.argmax(np.abs(gravity)))
+        columns = []
+        for axis, given in ((vertical + 1) % 3, self.tilt_x), ((vertical + 2) % 3, self.tilt_y):
+            angle = float(np.clip(given, -LARGEST, LARGEST))
+            column = robot.torque_change(gravity=gravity - np.cross(np.eye(3)[axis], turned))
+            after = _turned(turned, axis, -angle)
+            if np.abs(column).max() <= NOTHING * np.abs(robot.coarse.torque).max():
+                column = np.zeros_like(column)  # the turn only scales gravity, in second order
+            elif abs(angle) > SMALLEST:
+                column = robot.torque_change(gravity=gravity + after - turned) / angle
+            columns.append(column)
+            turned = after
+        return np.stack(columns, axis=2)
 
 
 def _level(geometry: Geometry, joint: Joint) -> bool:
