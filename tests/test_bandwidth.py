@@ -16,6 +16,7 @@ from bench.identification.identify import fit, identify
 from bench.identification.model_json import from_json, to_json
 from bench.identification.prepare import prepare
 from bench.identification.problem import problem_of
+from bench.page.section_band import band_figure
 from bench.scenario.scenario import load_scenario
 from bench.truth.dataset import as_dataset
 from bench.truth.simulate import simulate
@@ -92,6 +93,29 @@ def test_the_curve_is_kept(clean):
     assert len(answer.bandwidths) == 2
     assert from_json(to_json(answer)).bandwidths == answer.bandwidths
     assert all(Unknown("gain", "gain", joint) in answer.bandwidths[0].values for joint in answer.drive_gains)
+
+
+def test_the_report_draws_the_curve(clean):
+    answer = identify(prepare_checked(problem_of(clean)))
+    (figure,) = band_figure(answer)
+    errors, changes = figure.variants[""].charts[0].spec["panels"]
+    bands = sorted(point.band for point in answer.bandwidths)
+    fitted, held_out, chosen = errors["series"]
+    assert fitted["x"] == held_out["x"] == pytest.approx(bands, rel=1e-2)
+    assert chosen["at"] == pytest.approx(answer.settings.band(clean.recordings[0].rate), rel=1e-3)
+    assert all(0.0 in line["y"] for line in changes["series"][:-1]), (
+        "in the band of the answer nothing changes"
+    )
+    assert band_figure(replace(answer, bandwidths=answer.bandwidths[:1])) == []
+
+
+def test_equations_of_half_of_the_band_are_made_once(clean, monkeypatch):
+    prepared = prepare_checked(problem_of(clean))
+    expected = identify(prepared)
+    again = replace(prepared, halved=None)
+    assert to_json(identify(again)) == to_json(expected)
+    monkeypatch.setattr(bandwidth, "prepare", None)
+    assert identify(prepared).bandwidths == expected.bandwidths
 
 
 @pytest.mark.parametrize("compared", [each for each in COMPARED if each[0] in ("mtm", "psm1", "emps", "psm")])

@@ -14,12 +14,13 @@ from bench.document.numbers import (
     is_poor,
     settings_lines,
 )
-from bench.document.typeset import effect_name, share, short, typeset
-from bench.identification.finding import Unknown
+from bench.document.typeset import share, short, typeset
 from bench.identification.result import CurrentSeries, Identification
 from bench.page.chart_spec import chart_figure
 from bench.page.parts import Items, PageColumn, PageTable, Part, Section, row
+from bench.page.section_band import band_figure
 from bench.page.tables import on_page
+from bench.page.unknown_names import name_of
 
 ALIKE = 0.95  # correlation of two estimates from which on one can stand for the other
 MOST_PAIRS = 10
@@ -74,6 +75,7 @@ def conditioning_section(result: Identification) -> Section:
             tuple(facts),
         ),
         _motion_table(result),
+        *band_figure(result),
     ]
     pairs = _alike(result)
     if pairs:
@@ -171,7 +173,7 @@ def _not_excited(result: Identification) -> list[str]:
 
 def _alike(result: Identification) -> list[tuple[str, str, float]]:
     """Pairs of estimates whose errors are all but one, the closest first."""
-    names = [_named(unknown) for unknown in result.covariance_rows]
+    names = [name_of(unknown) for unknown in result.covariance_rows]
     if not names:  # a model file of an earlier version does not tell them
         return []
     std = np.sqrt(np.maximum(np.diag(result.covariance), 0.0))
@@ -182,13 +184,3 @@ def _alike(result: Identification) -> list[tuple[str, str, float]]:
         for i, j in zip(*np.nonzero(np.triu(np.abs(correlation) > ALIKE, 1)), strict=True)
     ]
     return sorted(pairs, key=lambda pair: -abs(pair[2]))
-
-
-def _named(unknown: Unknown) -> str:
-    if unknown.kind == "gain":
-        return f"gain of {unknown.place}"
-    return (
-        unknown.name
-        if unknown.kind == "parameter"
-        else f"{unknown.name} of {effect_name(unknown.effect)} at {unknown.place}"
-    )
