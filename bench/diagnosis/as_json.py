@@ -88,6 +88,7 @@ def _verdict(diagnosis: Diagnosis, verdict: EffectVerdict, words: bool) -> dict[
         "verdict": verdict.verdict,
         "actuators": list(verdict.actuators),
         "alternatives": list(verdict.alternatives),
+        "alike_places": {place: list(others) for place, others in verdict.alike.items()},
         "size": dict(verdict.size),
         "error_share": error_share(verdict),
         "reason": asdict(verdict.why),

@@ -7,6 +7,7 @@ from functools import partial
 from bench.basics.deadline import NEVER, Deadline, TimeUpError
 from bench.basics.progress import SILENT, Progress
 from bench.basics.threads import on_one_thread
+from bench.diagnosis.alike_places import alike_places
 from bench.diagnosis.as_good import with_spread_over_models
 from bench.diagnosis.candidates import Proposal
 from bench.diagnosis.differs import differing
@@ -318,11 +319,14 @@ def answered(case: SplitProblem, finding: SearchResult, progress: Progress = SIL
         for verdict in ranking
         if verdict.effect not in known and not (Unfinished.SETS in unfinished and undecided(verdict))
     )
+    alike = alike_places(model, finding.new, system.samples)
     posterior = posterior_of(system, best, proposals, scale)
     probability = {proposals[i].name: float(posterior.probability[i]) for i in best.singles}
     ranking = tuple(
         with_probability(
-            replace(verdict, size=sizes_of(model, after, verdict.effect)),
+            replace(
+                verdict, size=sizes_of(model, after, verdict.effect), alike=alike.get(verdict.effect, {})
+            ),
             probability.get(verdict.effect),
             posterior.sets,
             finding.names,

@@ -63,7 +63,8 @@ class EffectVerdict:
     error_before, error_after: relative error on recordings that were not fitted, without and with it. evidence:
     log-likelihood ratio on those recordings, nats. actuators: where it shows. alternatives: effects that the data
     cannot tell from it. size: RMS of its torque at each actuator, N*m or N. probability: that it is there, given that
-    the catalogue holds what is there; None where these data cannot show it, or nothing was asked.
+    the catalogue holds what is there; None where these data cannot show it, or nothing was asked. alike: of its places
+    those that have others, from which the data cannot tell them.
     """
 
     effect: str
@@ -76,6 +77,7 @@ class EffectVerdict:
     size: Mapping[str, float]
     why: Reason
     probability: float | None = None
+    alike: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)

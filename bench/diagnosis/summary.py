@@ -25,6 +25,7 @@ from bench.identification.wording import and_list, in_percent, or_list, with_err
 
 TELLING = 0.005  # change of a drive gain that is worth a word
 MOTIONS = 3  # that are advised: those of the effect and of its nearest alternatives
+FEW = 3  # other places that a headline lists
 HOPELESS = 10.0  # times the noise floor: where so much is left, names may be false
 UNEXPLAINED = (
     0.5  # of the current, RMS: a model that leaves more accounts for less than three quarters of its square
@@ -148,8 +149,9 @@ def _summary(diagnosis: Diagnosis) -> DiagnosisSummary:
             f"{in_percent(after)} of the current; the noise floor is {in_percent(floor)}. It adds {names}; "
             f"without, the error is {in_percent(before)}."
         )
-    undecided = tuple(
-        _cannot_tell(effect_verdict, found) for effect_verdict in found if effect_verdict.alternatives
+    undecided = (
+        *(_cannot_tell(effect_verdict, found) for effect_verdict in found if effect_verdict.alternatives),
+        *(each for effect_verdict in found for each in _alike(effect_verdict)),
     )
     moved = _largest_change(diagnosis) or ""
     return DiagnosisSummary(verdict, doubt, nominal, undecided, moved, needless, differs, left, laws)
@@ -289,7 +291,24 @@ def where(diagnosis: Diagnosis, verdict: EffectVerdict) -> str:
     whole = ROBOT in diagnosis.after.effect_parameters.get(verdict.effect, {})
     if whole or not places or places == motors[:1] == motors:
         return ""
-    return " at all motors" if places == motors else f" at {and_list(places)}"
+    if places == motors:
+        return " at all motors"
+    return f" at {and_list([_place(place, verdict.alike.get(place, ())) for place in places])}"
+
+
+def _place(place: str, others: Sequence[str]) -> str:
+    if not others:
+        return place
+    return f"{place} (or {or_list(others) if len(others) <= FEW else f'{len(others)} others'})"
+
+
+def _alike(verdict: EffectVerdict) -> list[str]:
+    """A sentence for each place that others could stand for."""
+    return [
+        f"{_capital(spoken(verdict.effect))} at {place} could equally be at {or_list(others)}: these recordings cannot "
+        "distinguish these places."
+        for place, others in verdict.alike.items()
+    ]
 
 
 def moved_gain(diagnosis: Diagnosis) -> str | None:

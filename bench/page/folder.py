@@ -307,7 +307,10 @@ def _verdict(entry: dict[str, Any]) -> EffectVerdict:
     numbers = {name: _number(entry[name]) for name in ("error_before", "error_after", "evidence")}
     lists = {name: tuple(entry[name]) for name in ("actuators", "alternatives")}
     probability = entry.get("probability")
-    known = {"probability": None if probability is None else float(probability)}
+    known = {
+        "probability": None if probability is None else float(probability),
+        "alike": {place: tuple(others) for place, others in entry.get("alike", {}).items()},
+    }
     return EffectVerdict(**{**entry, **numbers, **lists, **known, "why": _reason(entry["why"])})
 
 

@@ -1,0 +1,46 @@
+"""Joints that move alike: the answer says that an effect may sit in any of them."""
+
+from collections.abc import Mapping
+
+import pytest
+
+from bench.api.diagnose import diagnose
+from bench.diagnosis.as_json import diagnosis_json
+from bench.diagnosis.result import Diagnosis
+from bench.diagnosis.summary import summary_sentences
+from bench.scenario.scenario import load_scenario
+from bench.truth.dataset import as_dataset
+from bench.truth.simulate import simulate
+
+EFFECT = "passive_viscous_friction"
+
+
+def diagnosed(scenario: str, changes: Mapping[str, object], joint: str, size: float) -> Diagnosis:
+    hidden = [{"effect": EFFECT, "joint": joint, "Fv": size}]
+    drawn = {"design": {"optimise": False, "duration": 6.0}, "hidden": hidden, **changes}
+    return diagnose(as_dataset(simulate(load_scenario(scenario, drawn))), discover=False)
+
+
+@pytest.fixture(scope="module")
+def parallelogram() -> Diagnosis:
+    """A palletiser, whose elbow turns as the rod does that drives it."""
+    return diagnosed("palletiser", {}, "crank_rod", 40.0)
+
+
+def test_a_friction_in_a_joint_that_moves_like_others_may_be_in_these(parallelogram: Diagnosis) -> None:
+    (verdict,) = (each for each in parallelogram.ranking if each.effect == EFFECT)
+    assert verdict.effect in parallelogram.missing
+    possible = {place: {place, *others} for place, others in verdict.alike.items()}
+    assert any({"elbow", "crank_rod"} <= every for every in possible.values())
+    entries = {entry["effect"]: entry for entry in diagnosis_json(parallelogram)["ranking"]}
+    assert entries[EFFECT]["alike_places"] == {place: list(others) for place, others in verdict.alike.items()}
+    assert any("could equally be at" in sentence for sentence in summary_sentences(parallelogram))
+
+
+def test_a_joint_that_moves_like_no_other_is_named_alone() -> None:
+    """An elbow of a five-bar."""
+    answer = diagnosed("five_bar", {}, "left_elbow", 0.3)
+    (verdict,) = (each for each in answer.ranking if each.effect == EFFECT)
+    assert verdict.actuators == ("left_elbow",)
+    assert verdict.alike == {}
+    assert not any("could equally be at" in sentence for sentence in summary_sentences(answer))
