@@ -9,7 +9,6 @@ which no effect is the cause.
 from dataclasses import replace
 
 import numpy as np
-from scipy.linalg import solve_triangular
 
 from bench.identification.compressed import Stack, stack_observations
 from bench.identification.finding import Code, Finding
@@ -53,7 +52,7 @@ def without_extrapolation(prepared: Prepared) -> tuple[Prepared, tuple[Finding, 
 
 
 def leverage(fitted: Stack, asked: Stack, solution: Solution, kept: np.ndarray) -> np.ndarray:
-    """Variance (M, n) of what the model gives in every row asked for, over that of its motor's noise, when independent
+    """Variance (M, n) of what the model gives in every row asked for, over that of its motor's noise, when
     columns (k,) are fitted, and the gains that the solution has as unknowns.
     """
     gains = np.flatnonzero(np.broadcast_to(solution.gains_fitted, solution.gains.shape))
@@ -65,6 +64,6 @@ def leverage(fitted: Stack, asked: Stack, solution: Solution, kept: np.ndarray) 
         for stack in (fitted, asked)
     )
     lengths = np.linalg.norm(rows, axis=0)
-    triangle = np.linalg.qr(rows / lengths, mode="r")
-    spread = solve_triangular(triangle, (more / lengths).T, trans="T")
-    return np.asarray((spread**2).sum(axis=0).reshape(asked.moving.shape))
+    lengths[lengths == 0.0] = 1.0
+    spread = (more / lengths) @ np.linalg.pinv(np.linalg.qr(rows / lengths, mode="r"))
+    return np.asarray((spread**2).sum(axis=1).reshape(asked.moving.shape))

@@ -4,9 +4,10 @@ from collections.abc import Callable, Mapping
 
 from bench.dataset.heavy_payload import HeavyPayload
 from bench.effects.display_names import begun, spoken
-from bench.effects.select import ROBOT, TAG
+from bench.effects.select import ROBOT
 from bench.identification.band_words import BAND_WORDS
 from bench.identification.finding import UNBELIEVABLE, Code, Finding, Unknown
+from bench.identification.held_out_words import HELD_OUT_WORDS
 from bench.identification.scale_words import CODES, scale_sentence
 from bench.identification.wording import and_list, in_percent, with_error
 
@@ -210,29 +211,6 @@ def _velocity_unlike(finding: Finding) -> str:
     )
 
 
-def _unlike(finding: Finding) -> str:
-    worst, *payload = finding.names
-    load = f"the payload {payload[0]}" if payload else "no payload"
-    return (
-        f"{_far_worse(finding)}, {worst} worst: it is declared to carry {load}. Check that and its "
-        "columns, or extend the fitted motions to the same range."
-    )
-
-
-def _other_values(finding: Finding) -> str:
-    worst, *effects = finding.names
-    ask = " ".join(f"--with {effect}{TAG}" for effect in effects)
-    return (
-        f"{_far_worse(finding)}, {worst} worst: {', '.join(effects)} differs in it, which hides missing effects; "
-        f"`{ask}` estimates one value per recording."
-    )
-
-
-def _far_worse(finding: Finding) -> str:
-    checked, fitted = (in_percent(finding.numbers[name]) for name in ("checked", "fitted"))
-    return f"The error of recordings that were not fitted ({checked}) is far larger than that of fitted ones ({fitted})"
-
-
 def _poorly(finding: Finding) -> str:
     verb = "is" if finding.numbers["count"] == 1 else "are"
     return (
@@ -340,6 +318,7 @@ WORDS: Mapping[Code, Callable[[Finding], str]] = {
     **dict.fromkeys(CODES.values(), scale_sentence),
     Code.PERIODS_NOT_WHOLE: _not_whole,
     **BAND_WORDS,
+    **HELD_OUT_WORDS,
     Code.RANK_DEFICIENT: _rank,
     Code.ILL_CONDITIONED: _ill_conditioned,
     Code.TAKEN_UP: _taken_up,
@@ -370,16 +349,6 @@ WORDS: Mapping[Code, Callable[[Finding], str]] = {
     Code.CLOSURE_CONTRADICTED: _contradicted,
     Code.VELOCITY_UNLIKE: _velocity_unlike,
     Code.VELOCITY_TAKEN: _velocity_taken,
-    Code.EXTRAPOLATED: lambda finding: (
-        f"{in_percent(finding.numbers['share'])} of the held-out samples are not judged: the fitted motions do not "
-        "determine what the model gives there. Motions that reach further would."
-    ),
-    Code.JUDGED_BEYOND: lambda finding: (
-        f"In most of the held-out samples of {and_list(finding.names)} the fitted motions do not determine what the "
-        "model gives, so that their error says little about effects. Extend the fitted motions to the same range."
-    ),
-    Code.CHECKED_UNLIKE_FITTED: _unlike,
-    Code.CHECKED_HAS_OTHER_VALUES: _other_values,
     Code.PHYSICAL: _physical,
     Code.BAD_STRETCH: lambda finding: (
         f"The current of {finding.names[0]} in {finding.names[1]} has little weight from "
