@@ -16,7 +16,7 @@ from bench.excitation.experiment.between_samples import derivative_bound, extrem
 from bench.excitation.experiment.files import scenario_text
 from bench.excitation.experiment.forecast import forecast
 from bench.excitation.experiment.plan import Aim, plan_experiment
-from bench.excitation.experiment.request import ExperimentTable, by_unit, rates
+from bench.excitation.experiment.request import ExperimentTable, assumed_units, by_unit
 from bench.excitation.experiment.room import outside, tool_positions
 from bench.excitation.experiment.sentences import note_sentence
 from bench.identification.prepare import prepare
@@ -320,11 +320,6 @@ def test_a_folder_with_something_else_is_left_alone(tmp_path):
 @pytest.mark.parametrize(
     ("robot", "given", "said"),
     [
-        (
-            "crank_slide",
-            ["3"],
-            "velocity: 3 of what? The robot 'crank_slide' has hinges and slides (crank in rad/s",
-        ),
         ("crank_slide", ["3rad/s"], "velocity: joint 'carriage' is in m/s: add --velocity NUMBERm/s"),
         ("crank_slide", ["3rad/s", "0.3"], "velocity: 0.3 without a unit beside others"),
         ("emps", ["3rad/s"], "velocity: 3 in rad/s: no joint of 'emps' takes it"),
@@ -345,5 +340,6 @@ def test_speeds_are_given_by_unit_or_as_one_number():
     assert by_unit("velocity", [], both) is None
     assert by_unit("velocity", [(0.3, "m/s"), (3.0, "rad/s")], both) == {"crank": 3.0, "carriage": 0.3}
     assert by_unit("velocity", [(0.3, "")], load_robot("emps")) == 0.3
-    assert rates("velocity", 0.3, load_robot("emps")).tolist() == [0.3]
-    assert rates("acceleration", {"crank": 3.0, "carriage": 0.3}, both).tolist() == [3.0, 0.3]
+    assert assumed_units("velocity", 0.3, load_robot("emps")) == []
+    assert assumed_units("acceleration", {"crank": 3.0, "carriage": 0.3}, both) == []
+    assert assumed_units("acceleration", 20.0, both) == ["acceleration 20: rad/s2 at hinges, m/s2 at slides"]

@@ -8,7 +8,7 @@ from pydantic import Field
 
 from bench.basics.errors import BenchError, meant
 from bench.basics.files.toml_input import UserTable
-from bench.basics.joint_units import joint_units, units_of_gain
+from bench.basics.joint_units import units_of_gain
 from bench.dataset.payload import Payload, payload_fault
 from bench.dataset.robot import Robot
 from bench.scenario.tables import (
@@ -80,23 +80,12 @@ def joint_values(key: str, value: float | Mapping[str, float], joints: Sequence[
     return np.array([value[joint] for joint in joints], dtype=float)
 
 
-def rates(key: str, value: float | Mapping[str, float], robot: Robot) -> np.ndarray:
-    """Speeds or accelerations of the joints (n,), as `joint_values`.
-
-    Raises BenchError for one number for hinges and slides alike, of which nobody knows the unit.
-    """
+def assumed_units(key: str, value: float | Mapping[str, float], robot: Robot) -> list[str]:
+    """What is assumed of speeds or accelerations: that one number for hinges and slides is in the units of each."""
     turns = [units_of_gain(actuator.gain_unit).rotates for actuator in robot.actuators]
     if isinstance(value, Mapping) or all(turns) or not any(turns):
-        return joint_values(key, value, robot.joints)
-    per = PER[key]
-    told = ", ".join(
-        f"{joint} in {joint_units(turn).position}/{per}"
-        for joint, turn in zip(robot.joints, turns, strict=True)
-    )
-    raise BenchError(
-        f"{key}: {value:g} of what? The robot {robot.name!r} has hinges and slides ({told}): give both, as in "
-        f"--{key} {value:g}rad/{per} --{key} 0.5m/{per}, or a table [{key}] by joint in the file of --limits"
-    )
+        return []
+    return [f"{key} {value:g}: rad/{PER[key]} at hinges, m/{PER[key]} at slides"]
 
 
 def by_unit(key: str, given: Sequence[tuple[float, str]], robot: Robot) -> float | dict[str, float] | None:

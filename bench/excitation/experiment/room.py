@@ -6,7 +6,7 @@ import numpy as np
 
 from bench.basics.errors import BenchError
 from bench.excitation.experiment.between_samples import extremes
-from bench.excitation.experiment.request import Box, ExperimentTable, check_joint, joint_values, rates
+from bench.excitation.experiment.request import Box, ExperimentTable, assumed_units, check_joint, joint_values
 from bench.excitation.limits import Limits, limits_of
 from bench.model.geometry import Geometry
 from bench.model.kinematics import ancestors, end_of, end_point, frames_of, link_of
@@ -64,12 +64,14 @@ def room_of(geometry: Geometry, table: ExperimentTable) -> Room:
         velocity = width / CROSSING
         assumed.append(f"speed: the joint's range in {CROSSING:g} s")
     else:
-        velocity = rates("velocity", table.velocity, geometry.robot)
+        velocity = joint_values("velocity", table.velocity, joints)
+        assumed += assumed_units("velocity", table.velocity, geometry.robot)
     if table.acceleration is None:
         acceleration = velocity / REACHING
         assumed.append(f"acceleration: the largest speed within {REACHING:g} s")
     else:
-        acceleration = rates("acceleration", table.acceleration, geometry.robot)
+        acceleration = joint_values("acceleration", table.acceleration, joints)
+        assumed += assumed_units("acceleration", table.acceleration, geometry.robot)
     torque = np.full(len(joints), np.inf)
     if table.torque is not None:
         torque = joint_values("torque", table.torque, joints)

@@ -33,7 +33,7 @@ def sentences(plan: ExperimentPlan, told: Forecast) -> list[str]:
         lines += enough(told.enough)
     if plan.room.assumed:
         lines.append(
-            f"Assumed limits, because none were given: {'; '.join(plan.room.assumed)}. Check them against the machine."
+            f"Assumed, because not given: {'; '.join(plan.room.assumed)}. Check them against the machine."
         )
     lines.append(_judged(plan))
     lines.append(_proven(plan))
