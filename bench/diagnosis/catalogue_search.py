@@ -121,6 +121,11 @@ class SearchResult:
         effects = self.model.effects
         return answer_squares(effects, self.after.recordings, self.last.prior_of(effects)).weight(samples)
 
+    def excess(self, case: SplitProblem) -> float:
+        """Of the identified model: see `unexplained.excess`."""
+        recordings = case.problem.dataset.recordings
+        return excess(self.after, recordings, partial(encoder_error, self.model))
+
     def more_probable_than(self, other: "SearchResult", excess: float) -> bool:
         """Whether the identified model is more probable than that of another search, which leaves so much more than
         noise, as a logarithm.

@@ -275,11 +275,9 @@ def _with_tables(case: SplitProblem, plain: _Answer, progress: Progress) -> _Ans
     wider = search_from(case, origin, here, progress, finding.barred, wholly=True)
     staying = tuple(law for law in (*plain.laws, *laws) if law.name in wider.names)
     tabled = {law.name for law in laws}.intersection(wider.names)
-    if not tabled:
+    if not tabled or not wider.more_probable_than(finding, wider.excess(case)):
         return plain
     told = _told(wider, staying, (*plain.laws, *laws), answered(case, wider, progress))
-    if not wider.more_probable_than(finding, told.unexplained.excess):
-        return plain
     told = replace(told, after=gains_widened(told.after, [plain.diagnosis.after]))
     judged_before = {verdict.effect for verdict in told.ranking}
     others = tuple(verdict for verdict in plain.diagnosis.ranking if verdict.effect not in judged_before)

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from bench.effects.effect import Effect, EffectParameter
-from bench.effects.passive_joint import seen_by_motors
+from bench.effects.passive_joint import passive_position, seen_by_motors
 from bench.effects.signals import RobotSignals
 from bench.model.geometry import Geometry, Joint
 
@@ -30,7 +30,7 @@ class TiltedWeight(Effect):
     parameters = (EffectParameter("weight_cos", "{effort}"), EffectParameter("weight_sin", "{effort}"))
 
     def columns(self, robot: RobotSignals, joint: str) -> np.ndarray:
-        angle = robot.tree.q[:, robot.geometry.joints[robot.geometry.joint_index(joint)].q.start]
+        angle = passive_position(robot, joint)
         return np.stack(
             [seen_by_motors(robot, joint, part) for part in (np.cos(angle), np.sin(angle))], axis=2
         )
