@@ -135,6 +135,7 @@ def _told(diagnosis: Diagnosis) -> dict[str, Any]:
         "unexplained": asdict(diagnosis.unexplained),
         "differs": [asdict(differing) for differing in diagnosis.differs],
         "sets": [asdict(probable) for probable in diagnosis.sets],
+        "something_else": diagnosis.something_else,
         "without_logs": [asdict(without) for without in diagnosis.without_logs],
         "superfluous": [asdict(effect) for effect in diagnosis.superfluous],
         "discovered": [asdict(law) for law in diagnosis.discovered],
@@ -267,6 +268,7 @@ def _diagnosis(
                 WithoutLog(entry["log"], tuple(entry["gone"]), dict(entry["gains"]))
                 for entry in told.get("without_logs", ())
             ),
+            something_else=float(told.get("something_else", 0.0)),
             superfluous=tuple(Superfluous(**effect) for effect in told.get("superfluous", ())),
             discovered=_discovered(told),
             unfinished=tuple(Unfinished(code) for code in told.get("unfinished", ())),
@@ -310,6 +312,7 @@ def _verdict(entry: dict[str, Any]) -> EffectVerdict:
     known = {
         "probability": None if probability is None else float(probability),
         "alike": {place: tuple(others) for place, others in entry.get("alike", {}).items()},
+        "places": dict(entry.get("places", {})),
     }
     return EffectVerdict(**{**entry, **numbers, **lists, **known, "why": _reason(entry["why"])})
 
