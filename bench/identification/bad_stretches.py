@@ -21,21 +21,21 @@ def bad_stretches(
     counted (M, n): what every row of all recordings counts, 1 where it fits. Rows of a joint at standstill are no
     finding.
     """
-    found: list[tuple[int, Finding]] = []
+    findings: list[tuple[int, Finding]] = []
     start = 0
     for observation in observations:
-        own = counted[start : start + len(observation.time)]
+        of_recording = counted[start : start + len(observation.time)]
         start += len(observation.time)
         for j, joint in enumerate(joints):
-            little = np.flatnonzero((own[:, j] < LITTLE) & observation.moving[:, j])
+            little = np.flatnonzero((of_recording[:, j] < LITTLE) & observation.moving[:, j])
             for part in np.split(little, np.flatnonzero(np.diff(little) > BRIDGED) + 1):
                 if len(part) >= FEWEST:
                     numbers = {
                         "start": float(observation.time[part[0]]),
                         "end": float(observation.time[part[-1]]),
                     }
-                    found.append(
+                    findings.append(
                         (len(part), Finding(Code.BAD_STRETCH, (joint, observation.name), numbers=numbers))
                     )
-    longest = sorted(range(len(found)), key=lambda i: -found[i][0])[:MOST]
-    return [found[i][1] for i in sorted(longest)]
+    longest = sorted(range(len(findings)), key=lambda i: -findings[i][0])[:MOST]
+    return [findings[i][1] for i in sorted(longest)]

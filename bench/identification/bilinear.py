@@ -46,9 +46,11 @@ def normal_equations(
     torque *= np.reshape(fit_gains, (-1, 1))
     by_torque = (inner @ torque[..., None])[..., 0]
     across = -(share / gains)[..., None] * by_torque[..., :k]
-    own = np.where(fit_gains, share / gains * (torque * by_torque).sum(axis=-1), 1.0)[..., None] * np.eye(n)
+    diagonal = np.where(fit_gains, share / gains * (torque * by_torque).sum(axis=-1), 1.0)[
+        ..., None
+    ] * np.eye(n)
     whole = np.empty((*gains.shape[:-1], k + n, k + n))
-    whole[..., :k, :k], whole[..., k:, k:] = normal, own
+    whole[..., :k, :k], whole[..., k:, k:] = normal, diagonal
     whole[..., k:, :k], whole[..., :k, k:] = across, across.swapaxes(-1, -2)
     return whole, np.concatenate((right, -share * (torque * by_error).sum(axis=-1)), axis=-1)
 
@@ -58,9 +60,9 @@ def least(normal: np.ndarray, right: np.ndarray) -> np.ndarray:
     diagonal = normal.diagonal()
     lengths = np.sqrt(np.where(diagonal > 0.0, diagonal, 1.0))
     scaled = normal / lengths[:, None] / lengths
-    factor, found, failed = dposv(scaled, right / lengths, lower=1)
+    factor, solution, failed = dposv(scaled, right / lengths, lower=1)
     if not failed and factor.diagonal().min(initial=1.0) > COLLINEAR:
-        return np.asarray(found) / lengths
+        return np.asarray(solution) / lengths
     values, vectors = np.linalg.eigh(scaled)
     kept = values > COLLINEAR**2 * values[-1]
     along = vectors[:, kept]

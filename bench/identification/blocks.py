@@ -76,8 +76,8 @@ def block_scatter(blocks: list[Block]) -> Scatter | None:
     moved, squares = [], 0.0
     for block in blocks:
         share, turned = np.linalg.eigh(root.T @ block.normal @ root)
-        left = np.maximum(1.0 - share, ALL_OF_IT)
-        moved.append(root @ turned @ ((turned.T @ root.T @ block.score) / np.sqrt(left)))
+        remaining = np.maximum(1.0 - share, ALL_OF_IT)
+        moved.append(root @ turned @ ((turned.T @ root.T @ block.score) / np.sqrt(remaining)))
         squares += float((share**2).sum())
     shifts = np.array(moved)
     return Scatter(shifts.T @ shifts, int(seen.sum()) ** 2 / squares, len(blocks))

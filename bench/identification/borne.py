@@ -24,7 +24,7 @@ def borne_by(
     measured: Measured,
     base: np.ndarray,
     payload: np.ndarray | None,
-    beside: Callable[[], np.ndarray],
+    redundant_torques: Callable[[], np.ndarray],
 ) -> BorneModel:
     """The forces in joints of one recording.
 
@@ -62,7 +62,7 @@ def borne_by(
         heavier = float(np.vdot(first, rows[:, :, :nb] @ base)) / square if square > 0.0 else 0.0
         force = rows[:, :, :mass] @ known
         if len(extra):
-            force = force + np.einsum("kur,kr->ku", rows[:, :, mass + 1 :], beside()[::every])
+            force = force + np.einsum("kur,kr->ku", rows[:, :, mass + 1 :], redundant_torques()[::every])
 
         def by_torque(other: str) -> np.ndarray:
             second = geometry.joint_index(other)

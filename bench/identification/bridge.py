@@ -46,16 +46,16 @@ class Bridge:
             inside += share[self.inside, None] * (lines - inside)
             rows[self.inside[:, None], columns] = inside
 
-    def _between(self, beside: np.ndarray) -> np.ndarray:
+    def _between(self, near: np.ndarray) -> np.ndarray:
         """The lines (K, p) from what stands beside (L, p), which is changed."""
         if not len(self.inside):
-            return beside[:0]
-        beside *= self.weights[:, None]
-        means = np.add.reduceat(beside, self.starts)
-        found: np.ndarray = means[self.right] - means[self.left]
-        found *= self.share[:, None]
-        found += means[self.left]
-        return found
+            return near[:0]
+        near *= self.weights[:, None]
+        means = np.add.reduceat(near, self.starts)
+        interpolated: np.ndarray = means[self.right] - means[self.left]
+        interpolated *= self.share[:, None]
+        interpolated += means[self.left]
+        return interpolated
 
 
 def within(stretches: np.ndarray, part: slice) -> slice:
@@ -68,10 +68,10 @@ def sides(
     chosen: slice, stretches: np.ndarray, length: int
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
     """Of the chosen stretches start and stop, and where their surroundings begin before and end after, (k,) each."""
-    start, stop, beside = stretches[chosen].T
+    start, stop, margin = stretches[chosen].T
     last = stretches[chosen.start - 1, 1] if chosen.start else 0
-    before = np.maximum(start - beside, np.concatenate(([last], stop))[: len(stop)])
-    return start, stop, before, np.minimum(stop + beside, length)
+    before = np.maximum(start - margin, np.concatenate(([last], stop))[: len(stop)])
+    return start, stop, before, np.minimum(stop + margin, length)
 
 
 def ranges(start: np.ndarray, stop: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -89,27 +89,27 @@ def bridge_over(stretches: np.ndarray, samples: np.ndarray, length: int, part: s
     first, last = np.concatenate((before, stop)), np.concatenate((start, after))
     there = last > first
     side = np.cumsum(there) - 1
-    beside, of_side = ranges(first[there], last[there])
+    near, of_side = ranges(first[there], last[there])
     begin, end = first[there][of_side], last[there][of_side]
-    weights = np.sin(np.pi * (beside - begin + 0.5) / (end - begin)) ** 2
+    weights = np.sin(np.pi * (near - begin + 0.5) / (end - begin)) ** 2
     starts = np.searchsorted(of_side, np.arange(int(there.sum())))
     if len(starts):
         weights /= np.add.reduceat(weights, starts)[of_side]
 
     has_first, has_second = np.split(there, 2)
-    own, other = np.split(side, 2)
-    left, right = np.where(has_first, own, other), np.where(has_second, other, own)
+    same, other = np.split(side, 2)
+    before_gap, after_gap = np.where(has_first, same, other), np.where(has_second, other, same)
     middle, further = 0.5 * (before + start - 1), 0.5 * (stop + after - 1)
     inside, of = ranges(np.maximum(start, part.start), np.minimum(stop, part.stop))
     some = (has_first | has_second)[of]
     inside, of = inside[some], of[some]
     return Bridge(
         inside=np.searchsorted(samples, inside),
-        beside=np.searchsorted(samples, beside),
+        beside=np.searchsorted(samples, near),
         weights=weights,
         starts=starts,
-        left=left[of],
-        right=right[of],
+        left=before_gap[of],
+        right=after_gap[of],
         share=(inside - middle[of]) / (further - middle)[of],
     )
 

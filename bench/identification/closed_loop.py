@@ -53,8 +53,8 @@ def output_error(
     precisions = []
     for current in readings:
         given = with_current(stack, current)
-        found = current_error(given, start)
-        squares = squared_errors(given.factors, found.theta, found.gains) / len(current)
+        solution = current_error(given, start)
+        squares = squared_errors(given.factors, solution.theta, solution.gains) / len(current)
         precisions.append(1.0 / np.maximum(squares, current_floor(stack) ** 2))
     current = sum(reading * weight for reading, weight in zip(readings, precisions, strict=True)) / sum(
         precisions
@@ -102,12 +102,12 @@ def commanded_currents(prepared: Prepared) -> np.ndarray:
             "reference.JOINT in the recordings"
         )
     joints, decimation = dataset.robot.joints, prepared.settings.decimation
-    found = []
+    currents = []
     for measurement in prepared.measured:
         if measurement.recording.use == "identify":
             terms = law_terms(dataset.controller, measurement, joints)
-            found.append(decimate(bridged(terms, measurement.gaps), decimation))
-    return np.concatenate(found)
+            currents.append(decimate(bridged(terms, measurement.gaps), decimation))
+    return np.concatenate(currents)
 
 
 def law_terms(law: ControlLaw, measured: Measured, joints: Sequence[str]) -> np.ndarray:

@@ -75,11 +75,11 @@ def from_products(
         if i:
             weights = error_weights(stack, near.squares(values, gains))
         while True:
-            found = near.minimised(values, gains, weights, fit_gains, tolerance, MOST_STEPS, unseen)
-            if found is None:
+            minimum = near.minimised(values, gains, weights, fit_gains, tolerance, MOST_STEPS, unseen)
+            if minimum is None:
                 return None
-            values, gains = found.values, found.gains
-            if found.why == "converged" or (found.why == "stuck" and anew):
+            values, gains = minimum.values, minimum.gains
+            if minimum.why == "converged" or (minimum.why == "stuck" and anew):
                 break
             if not anew:
                 return None

@@ -91,8 +91,8 @@ def robot_signals(model: IdentificationModel, measured: Measured, present: Prese
             parameters = np.concatenate((parameters, payload_transform(tool) @ present.payloads[payload]))
         columns = np.concatenate((columns, redundant_columns(model.geometry)))
         rows = perturbed_rows(model, measured, columns, changed, every)
-        beside = signals.redundant_torque[::every] if len(model.geometry.redundant) else None
-        return combined_torque(rows, parameters, beside)
+        redundant_torque = signals.redundant_torque[::every] if len(model.geometry.redundant) else None
+        return combined_torque(rows, parameters, redundant_torque)
 
     def carried() -> np.ndarray:
         if payload is None:
@@ -182,24 +182,26 @@ def torques_in_joints(
         if not asked:
             asked = True
             for _ in range(AGAIN):
-                found: dict[str, np.ndarray] = {}
+                torques: dict[str, np.ndarray] = {}
                 for instance, values in present.effects:
                     for part, share in made_of(seen(), instance):
                         columns = part.effect.in_joint(seen(), part.joint)
                         if columns is not None:
-                            found[part.joint] = found.get(part.joint, 0.0) + columns @ (share * values)
-                known = found
+                            torques[part.joint] = torques.get(part.joint, 0.0) + columns @ (share * values)
+                known = torques
         return known
 
     return at
 
 
-def combined_torque(rows: np.ndarray, parameters: np.ndarray, beside: np.ndarray | None) -> np.ndarray:
+def combined_torque(
+    rows: np.ndarray, parameters: np.ndarray, redundant_torque: np.ndarray | None
+) -> np.ndarray:
     """Torque (K, n) of rows (K, n, p + r) by parameters (p,); the last by torques (K, r) of redundant motors."""
-    if beside is None:
+    if redundant_torque is None:
         return np.einsum("knp,p->kn", rows, parameters)
-    own, extra = np.split(rows, [len(parameters)], axis=2)
-    return np.asarray(own @ parameters + np.einsum("knr,kr->kn", extra, beside))
+    projected, extra = np.split(rows, [len(parameters)], axis=2)
+    return np.asarray(projected @ parameters + np.einsum("knr,kr->kn", extra, redundant_torque))
 
 
 def _redundant_signals(
@@ -207,11 +209,11 @@ def _redundant_signals(
 ) -> dict[str, JointSignals]:
     """What is known of the joints of redundant motors; they move as the loops make them."""
     geometry, rate = model.geometry, measured.recording.rate
-    found: dict[str, JointSignals] = {}
+    by_joint: dict[str, JointSignals] = {}
     for r, actuator in enumerate(geometry.robot.redundant):
         joint = geometry.joints[geometry.joint_index(actuator.joint)]
         gain, current = float(present.redundant_gains[r]), measured.redundant[:, r]
-        found[actuator.joint] = JointSignals(
+        by_joint[actuator.joint] = JointSignals(
             time=measured.time - measured.recording.began,
             position=measured.tree.q[:, joint.q.start] + joint.offset,
             velocity=measured.tree.v[:, joint.v.start],
@@ -224,7 +226,7 @@ def _redundant_signals(
             rotates=joint.kind != "slide",
             needs=partial(np.multiply, gain, current),
         )
-    return found
+    return by_joint
 
 
 def _encoder_offsets(present: PresentModel, log: str) -> dict[str, float]:

@@ -33,14 +33,14 @@ def effect_rows(
     places: list[tuple[np.ndarray, float]] = []
     at = 0
     for instance in effects:
-        own = rows[:, :, at : at + len(instance.effect.parameters)]
-        at += own.shape[2]
+        of_instance = rows[:, :, at : at + len(instance.effect.parameters)]
+        at += of_instance.shape[2]
         for part, share in made_of(signals, instance):
             parts.append(part)
-            places.append((own, share))
+            places.append((of_instance, share))
     for i, values in _kept_or_computed(signals, decimation, parts, deadline):
-        own, share = places[i]
-        own += values if share == 1.0 else share * values
+        of_instance, share = places[i]
+        of_instance += values if share == 1.0 else share * values
     return rows
 
 
@@ -61,15 +61,15 @@ def _kept_or_computed(
         else:
             yield i, rows
     for seen in {id(sources[i]): sources[i] for i in missing}.values():
-        own = [i for i in missing if sources[i] is seen]
+        indices = [i for i in missing if sources[i] is seen]
         together: list[tuple[int, np.ndarray, np.ndarray]] = []
         size = 0
-        for i in own:
+        for i in indices:
             deadline.check()
             columns, motors = columns_at_motors(effects[i], seen)
             together.append((i, columns, motors))
             size += columns.nbytes
-            if size > TOGETHER or i == own[-1]:
+            if size > TOGETHER or i == indices[-1]:
                 for k, rows in _filtered(seen, decimation, together):
                     _keep(seen, decimation, effects[k], rows)
                     yield k, rows
@@ -90,10 +90,10 @@ def _filtered(
     decimated = _decimated(signals, decimation, flat, at_motor)
     at = 0
     for i, columns, motors in given:
-        own = decimated[:, at : at + columns.shape[1] * columns.shape[2]]
-        at += own.shape[1]
-        rows = np.zeros((len(own), len(signals.joints), columns.shape[2]))
-        rows[:, motors] = own.reshape(len(own), len(motors), -1)
+        of_effect = decimated[:, at : at + columns.shape[1] * columns.shape[2]]
+        at += of_effect.shape[1]
+        rows = np.zeros((len(of_effect), len(signals.joints), columns.shape[2]))
+        rows[:, motors] = of_effect.reshape(len(of_effect), len(motors), -1)
         yield i, rows
 
 
@@ -103,12 +103,12 @@ def _decimated(
     """Columns (N, p) of torques of motors (p,), bridged in place where each stands still, and decimated: (M, p)."""
     sparse = signals.sparse
     for motor in np.unique(at_motor):
-        own = np.flatnonzero(at_motor == motor)
+        of_motor = np.flatnonzero(at_motor == motor)
         bridge = whole_bridge(signals.gaps[motor], len(columns))
         if sparse is None:
-            bridge.put(columns, own)
+            bridge.put(columns, of_motor)
         else:  # at the edges of a stretch by the share that lies in it
-            bridge.put_partly(columns, own, sparse.shares[motor])
+            bridge.put_partly(columns, of_motor, sparse.shares[motor])
     if sparse is None:
         return decimate(columns, decimation)
     return decimate_sparse(columns, sparse.every, sparse.length, decimation)

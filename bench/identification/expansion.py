@@ -17,8 +17,8 @@ def made_of(signals: RobotSignals, instance: EffectInstance) -> list[tuple[Effec
         share = instance.share(signals.log)
         return (
             [
-                (effect_instance, share * own)
-                for effect_instance, own in made_of(signals, instance.everywhere())
+                (effect_instance, share * factor)
+                for effect_instance, factor in made_of(signals, instance.everywhere())
             ]
             if share
             else []

@@ -86,15 +86,15 @@ def _swapped(finding: Finding) -> str:
     )
 
 
-def _unlike_units(told: Finding) -> str:
-    small, *large = told.names
-    unit = told.unit if told.unit in ("A", "V") else ""
+def _unlike_units(finding: Finding) -> str:
+    small, *large = finding.names
+    unit = finding.unit if finding.unit in ("A", "V") else ""
     many = len(large) > 1
     where = f"in m{unit} and {small} in {unit}" if unit else "in thousandths"
     scale = f"current=m{unit}" if unit else "current=1e-3"
     they_are, them = ("they are", "them") if many else ("it is", "it")
     return (
-        f"The currents of {', '.join(large)} are about {told.numbers['times']:.0f} times those of {small}, at every "
+        f"The currents of {', '.join(large)} are about {finding.numbers['times']:.0f} times those of {small}, at every "
         f"motor: probably {they_are} {where}. Import {them} again with `--scale {scale}`."
     )
 
@@ -266,9 +266,9 @@ def _taken_as_point(finding: Finding) -> str:
     )
 
 
-def _not_whole(told: Finding) -> str:
-    effect, place = told.names
-    periods = with_error(told.numbers["periods"], told.numbers["std"])
+def _not_whole(finding: Finding) -> str:
+    effect, place = finding.names
+    periods = with_error(finding.numbers["periods"], finding.numbers["std"])
     return (
         f"{begun(effect)} at {place} repeats {periods} times per turn. Poles and teeth of a motor that turns with its "
         "joint would give a whole number, so the cause may be a gear, a belt's teeth or an eccentric part between "

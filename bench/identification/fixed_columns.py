@@ -81,14 +81,14 @@ def stacked_beside(fixed: FixedColumns, observations: Sequence[Observation]) -> 
         fixed.triangles[:, :, p:],
     )
     for j, basis in enumerate(fixed.bases):
-        own = np.flatnonzero(shown[j])
-        left = effects[:, j, own]
+        shown_columns = np.flatnonzero(shown[j])
+        remainder = effects[:, j, shown_columns]
         for _ in range(2):  # the second time for what rounding left of the first
-            within = basis.T @ left
-            left = left - basis @ within
-            factors[j, : p + 2, p + own] += within.T
-        triangle = np.asarray(np.linalg.qr(left, mode="r"))
-        factors[j, p + 2 : p + 2 + len(triangle), p + own] = triangle.T
+            within = basis.T @ remainder
+            remainder = remainder - basis @ within
+            factors[j, : p + 2, p + shown_columns] += within.T
+        triangle = np.asarray(np.linalg.qr(remainder, mode="r"))
+        factors[j, p + 2 : p + 2 + len(triangle), p + shown_columns] = triangle.T
     phi = np.concatenate((stack.phi, effects), axis=2)
     return replace(stack, phi=phi, factors=factors)
 

@@ -61,12 +61,12 @@ def fit(
     essential: bool = False,
 ) -> Identification:
     """Estimate from prepared equations; see `identify`."""
-    found = _solved(prepared, method, deviations, essential=essential)
-    prepared, solution, kept = found.prepared, found.solution, found.kept
-    shaped, extended = with_shape_columns(prepared, found.stack, solution, kept)
+    solved = _solved(prepared, method, deviations, essential=essential)
+    prepared, solution, kept = solved.prepared, solved.solution, solved.kept
+    shaped, extended = with_shape_columns(prepared, solved.stack, solution, kept)
     spread = uncertainty(shaped, extended, deviations)
     solution, spread = expanded(solution, spread, kept, prepared.layout.size)
-    result = summarise(prepared, method, solution, spread, deviations, kept, found.outside)
+    result = summarise(prepared, method, solution, spread, deviations, kept, solved.outside)
     if solution.counted is None:
         return result
     bad = bad_stretches(prepared.fitted, solution.counted, prepared.dataset.robot.joints)
@@ -78,10 +78,10 @@ def fitted_currents(prepared: Prepared) -> tuple[tuple[CurrentSeries, ...], dict
     """Measured and modelled currents of every recording as `fit` has them, and drive gains by joint, without the rest
     of its answer.
     """
-    found = _solved(prepared, DEFAULT_METHOD, "autocorrelated", essential=False)
-    theta = with_zeros(found.solution.theta, found.kept, found.prepared.layout.size)
-    solution = replace(found.solution, theta=theta)
-    series = tuple(modelled_series(found.prepared, seen, solution) for seen in found.prepared.observations)
+    solved = _solved(prepared, DEFAULT_METHOD, "autocorrelated", essential=False)
+    theta = with_zeros(solved.solution.theta, solved.kept, solved.prepared.layout.size)
+    solution = replace(solved.solution, theta=theta)
+    series = tuple(modelled_series(solved.prepared, seen, solution) for seen in solved.prepared.observations)
     joints = prepared.dataset.robot.joints
     return series, dict(zip(joints, solution.gains.tolist(), strict=True))
 
@@ -142,8 +142,8 @@ def _column_errors(prepared: Prepared) -> np.ndarray:
     """See bench.identification.column_errors."""
 
     def columns(recording: Recording) -> tuple[np.ndarray, np.ndarray]:
-        found = columns_at(prepared, measure(prepared.model, recording, prepared.settings))
-        return found[:, :, :-1], found[:, :, -1]
+        rows = columns_at(prepared, measure(prepared.model, recording, prepared.settings))
+        return rows[:, :, :-1], rows[:, :, -1]
 
     recordings = [
         measurement.recording for measurement in prepared.measured if measurement.recording.use == "identify"

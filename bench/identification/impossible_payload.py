@@ -50,11 +50,11 @@ def with_possible_payloads(prepared: Prepared, result: Identification, fitted: F
     if not result.gains_fitted:
         return result
     spreads = {name: _least_spread(prepared, result, name) for name in prepared.layout.payloads}
-    found = {name: spread for name, spread in spreads.items() if spread is not None and spread.value < 0.0}
-    if not found:
+    negative = {name: spread for name, spread in spreads.items() if spread is not None and spread.value < 0.0}
+    if not negative:
         return result
-    sure = any(spread.impossible for spread in found.values())
-    payloads = {name: replace(prepared.dataset.payloads[name], inertia=np.zeros(6)) for name in found}
+    sure = any(spread.impossible for spread in negative.values())
+    payloads = {name: replace(prepared.dataset.payloads[name], inertia=np.zeros(6)) for name in negative}
     other = fitted(_with_payloads(prepared, payloads))
     known = {
         name: float(value)
@@ -71,18 +71,18 @@ def with_possible_payloads(prepared: Prepared, result: Identification, fitted: F
     } | set(known) == {parameter.name for parameter in result.parameters}
     if not (taken or sure):
         return result
-    told = tuple(
+    new_findings = tuple(
         Finding(
             Code.PAYLOAD_TAKEN_AS_POINT if taken else Code.PAYLOAD_IMPOSSIBLE,
             (name,),
             numbers={"least": spread.value, "std": spread.std},
             unit=UNITS[INERTIA[0]],
         )
-        for name, spread in found.items()
+        for name, spread in negative.items()
         if taken or spread.impossible
     )
     answer = _with_values(result, other, known) if taken else gains_widened(result, [other], "payload")
-    return replace(answer, findings=(*told, *result.findings))
+    return replace(answer, findings=(*new_findings, *result.findings))
 
 
 def _as_likely(fewer: Identification, more: Identification) -> bool:
@@ -97,15 +97,15 @@ def _as_likely(fewer: Identification, more: Identification) -> bool:
     squares = np.array(
         [sum((series.error**2 * series.moving).sum(axis=0) for series in each) for each in (fitted, other)]
     )
-    told = moving.sum(axis=0) > 0
+    moved = moving.sum(axis=0) > 0
     deviations = np.sqrt(squares[0] / np.maximum(moving.sum(axis=0), 1))
     errors = [
-        (series.error * series.moving)[:, told] / np.maximum(deviations[told], np.finfo(float).tiny)
+        (series.error * series.moving)[:, moved] / np.maximum(deviations[moved], np.finfo(float).tiny)
         for series in fitted
     ]
     returns = [rows_until_return(series.position) for series in fitted]
-    rows = moving.sum(axis=0)[told] / memory_in_rows(errors, returns)
-    gained = 0.5 * float(rows @ np.log(squares[1, told] / squares[0, told]))
+    rows = moving.sum(axis=0)[moved] / memory_in_rows(errors, returns)
+    gained = 0.5 * float(rows @ np.log(squares[1, moved] / squares[0, moved]))
     return gained <= 0.5 * (more.unknowns - fewer.unknowns) * float(np.log(rows.sum()))
 
 
@@ -146,9 +146,9 @@ def _least_spread(prepared: Prepared, result: Identification, name: str) -> _Spr
     at = [rows[word] for word in names]
     covariance = result.covariance[np.ix_(at, at)]
     c = np.asarray(payload.center_of_mass)
-    own = _tensor(np.array([values[word] for word in names]))
-    own -= payload.mass * (np.dot(c, c) * np.eye(3) - np.outer(c, c))
-    moments, axes = np.linalg.eigh(0.5 * np.trace(own) * np.eye(3) - own)
+    inertia = _tensor(np.array([values[word] for word in names]))
+    inertia -= payload.mass * (np.dot(c, c) * np.eye(3) - np.outer(c, c))
+    moments, axes = np.linalg.eigh(0.5 * np.trace(inertia) * np.eye(3) - inertia)
     axis = axes[:, 0]
     towards = np.array([0.5 * np.trace(column) - axis @ column @ axis for column in map(_tensor, np.eye(6))])
     return _Spread(float(moments[0]), float(np.sqrt(towards @ covariance @ towards)))

@@ -47,5 +47,5 @@ def _solve(stack: Stack, gains: NominalGains, weights: np.ndarray) -> Solution:
     rows, right = torque_system(weighted(stack.factors, weights), gains.held)
     x = scaled_lstsq(rows, right)
     p = stack.phi.shape[2]
-    found = solved_gains(stack.factors, gains.with_fitted(x[p:]), gains.values)
-    return Solution(x[:p], found, weights, "torque", gains.fitted)
+    fitted_gains = solved_gains(stack.factors, gains.with_fitted(x[p:]), gains.values)
+    return Solution(x[:p], fitted_gains, weights, "torque", gains.fitted)

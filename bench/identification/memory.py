@@ -16,8 +16,8 @@ def memory_in_rows(errors: Sequence[np.ndarray], returns: Returns = ()) -> float
     about whole periods of a motion that returns. returns: after how many rows it does, for every recording; none: rows
     of different periods count as different.
     """
-    own, reach = _local(errors)
-    return own * (times_repeated(errors, returns, reach) if returns else 1.0)
+    rows, reach = _local(errors)
+    return rows * (times_repeated(errors, returns, reach) if returns else 1.0)
 
 
 def repeats_of(errors: Sequence[np.ndarray], returns: Returns) -> float:

@@ -257,12 +257,12 @@ def with_own_effects(catalogue: Mapping[str, Effect], saved: SavedModel) -> Mapp
     """
     if {effect.partition(":")[0].partition("@")[0] for effect in saved.model.effects} <= set(catalogue):
         return catalogue
-    own: dict[str, Effect] = {}
+    loaded: dict[str, Effect] = {}
     for file in saved.effect_files:
         if not file.is_file():
             raise BenchError(f"{saved.path}: its effect file {file} is missing")
-        own |= load_effects(file)
-    return dict(sorted({**own, **catalogue}.items()))
+        loaded |= load_effects(file)
+    return dict(sorted({**loaded, **catalogue}.items()))
 
 
 def _own(dataset: Dataset, saved: SavedModel) -> bool:

@@ -194,11 +194,11 @@ def _alike(now: tuple[np.ndarray, ...], before: tuple[np.ndarray, ...], rows: in
 
 
 def _eased(
-    earlier: Sequence[EffectInstance], last: Sequence[EffectInstance], found: Sequence[EffectInstance]
+    earlier: Sequence[EffectInstance], last: Sequence[EffectInstance], searched: Sequence[EffectInstance]
 ) -> tuple[EffectInstance, ...]:
     """What is found, but halfway back to the last where it turns back from there: it would swing to and fro."""
     eased = []
-    for instance, two, three in zip(earlier, last, found, strict=True):
+    for instance, two, three in zip(earlier, last, searched, strict=True):
         a, b, c = (each.effect.about_values() for each in (instance, two, three))
         halfway = {
             name: 0.5 * (b[name] + c[name]) for name in c if (c[name] - b[name]) * (b[name] - a[name]) < 0.0

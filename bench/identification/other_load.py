@@ -93,13 +93,13 @@ class _LoadTrial:
         parts = [self._part(name, load) for name, load in loads.items()]
         factors = triangular_factors(np.concatenate(parts, axis=1).swapaxes(0, 1))
         gains = self.prepared.gains
-        found = scaled_lstsq(*torque_system(factors, gains.held))
-        theta = found[: self.layout.size]
-        found_gains = solved_gains(factors, gains.with_fitted(found[self.layout.size :]), gains.values)
+        solution = scaled_lstsq(*torque_system(factors, gains.held))
+        theta = solution[: self.layout.size]
+        found_gains = solved_gains(factors, gains.with_fitted(solution[self.layout.size :]), gains.values)
         theta, found_gains = minimised(factors, theta, found_gains, np.ones(len(found_gains)), gains.fitted)
         whole = (factors[:, :, -1] ** 2).sum(axis=1)
-        left = squared_errors(factors, theta, found_gains)
-        return np.sqrt(np.divide(left, whole, out=np.zeros_like(whole), where=whole > 0.0))
+        squares = squared_errors(factors, theta, found_gains)
+        return np.sqrt(np.divide(squares, whole, out=np.zeros_like(whole), where=whole > 0.0))
 
     def _part(self, name: str, load: str | None) -> np.ndarray:
         if (name, load) not in self.parts:

@@ -24,8 +24,8 @@ class RegressionProducts:
     @property
     def left(self) -> np.ndarray:
         """Share (k,) of every column's length that is left."""
-        left = np.sqrt(np.maximum(np.diag(self.inner), 0.0))
-        return np.divide(left, self.lengths, out=np.zeros_like(left), where=self.lengths > 0.0)
+        remaining = np.sqrt(np.maximum(np.diag(self.inner), 0.0))
+        return np.divide(remaining, self.lengths, out=np.zeros_like(remaining), where=self.lengths > 0.0)
 
     def explained(self) -> tuple[np.ndarray, float]:
         """Least-squares coefficients (k,), and the sum of squares that they explain.
@@ -39,9 +39,9 @@ class RegressionProducts:
         norms = np.sqrt(np.diag(self.inner)[kept])
         normal = self.inner[np.ix_(kept, kept)] / np.outer(norms, norms)
         right = self.towards[kept] / norms
-        found = np.linalg.lstsq(normal, right, rcond=COLLINEAR)[0]
-        values[kept] = found / norms
-        return values, float(right @ found)
+        coefficients = np.linalg.lstsq(normal, right, rcond=COLLINEAR)[0]
+        values[kept] = coefficients / norms
+        return values, float(right @ coefficients)
 
 
 @dataclass(frozen=True)
@@ -96,8 +96,8 @@ def partial_regression(stack: Stack, solution: Solution) -> PartialRegression:
     modelled = (stack.phi @ solution.theta + stack.kappa) / solution.gains
     error = (stack.current - modelled) * stack.moving
     rms = np.sqrt((error**2).sum(axis=0) / np.maximum(stack.moving.sum(axis=0), 1))
-    own = 1.0 / np.maximum(rms, 1e-12 * rms.max() + np.finfo(float).tiny)
-    weights = own / solution.gains
+    inverse_rms = 1.0 / np.maximum(rms, 1e-12 * rms.max() + np.finfo(float).tiny)
+    weights = inverse_rms / solution.gains
     fitted = np.broadcast_to(solution.gains_fitted, (n,))
     size = p + (n if fitted.any() else 0)
     columns, factors = np.zeros((n, samples, size)), np.zeros((n, stack.factors.shape[1], size))
@@ -109,7 +109,7 @@ def partial_regression(stack: Stack, solution: Solution) -> PartialRegression:
             columns[j, :, p + j] = -modelled[:, j] * weights[j]
             factors[j, :, p + j] = -(stack.factors[j] @ of_gain[j]) * weights[j]
     basis = _orthonormal(factors.reshape(-1, size))
-    target = -(error * own)
+    target = -(error * inverse_rms)
     for _ in range(2):  # the second time for what rounding left of the first
         explained = basis @ (basis.T @ sum(column.T @ target[:, j] for j, column in enumerate(columns)))
         target = target - np.stack([column @ explained for column in columns], axis=1)

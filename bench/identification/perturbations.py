@@ -78,9 +78,9 @@ class Nearby:
     def _differences(self, order: int, motor: int) -> list[SmallChange]:
         keys = [(order, motor, 1)] if order else [(order, motor, 1), (order, motor, 2)]
         kept = [self._kept.get(key) for key in keys]
-        found = [change for change in kept if change is not None]
-        if len(found) == len(keys):
-            return found
+        changes = [change for change in kept if change is not None]
+        if len(changes) == len(keys):
+            return changes
         motors = range(len(self._model.geometry.active)) if self._may_keep_all else [motor]
         steps = [self._step(order, index) for index in motors]
         moves = [
@@ -101,8 +101,8 @@ class Nearby:
             for (_, _, degree), change in zip(keys, differences, strict=True):
                 self._kept.keep((order, index, degree), change, change.values.nbytes)
             if index == motor:
-                found = differences
-        return found
+                changes = differences
+        return changes
 
     @property
     def _may_keep_all(self) -> bool:
@@ -130,7 +130,7 @@ class Nearby:
         load = np.zeros(10) if seen.payload is None else present.payloads[seen.payload]
         parameters = np.concatenate((present.base, load))
         few = self.few[index]
-        beside = seen.redundant_torque[few] if seen.redundant else None
+        redundant_torque = seen.redundant_torque[few] if seen.redundant else None
         changes = any(changes_torque(instance.effect) for instance, _ in present.effects)
         if changes or any(seen.offsets.values()):  # what the torque needs is then smooth changes, too
             needed_at = needed_torque(lambda: near, present)
@@ -139,17 +139,22 @@ class Nearby:
                 for j, (name, joint) in enumerate(seen.joints.items())
             }
         near = NearbySignals(
-            **given, nearby=self, index=index, parameters=parameters, beside=beside, knots=seen.time[few]
+            **given,
+            nearby=self,
+            index=index,
+            parameters=parameters,
+            beside=redundant_torque,
+            knots=seen.time[few],
         )
         return near
 
     def turned(self, axis: int) -> SmallChange:
         """What one m/s2 more of gravity along an axis of the world adds to the matrix."""
-        own = self._model.geometry
+        geometry = self._model.geometry
         key = ("gravity", axis)
         change = self._kept.get(key)
         if change is None:
-            more = replace(own, gravity=own.gravity + np.eye(3)[axis])
+            more = replace(geometry, gravity=geometry.gravity + np.eye(3)[axis])
             change = small_change(self._rows(more, self._tree) - self._own)
             self._kept.keep(key, change, change.values.nbytes)
         return change
@@ -175,12 +180,12 @@ class Nearby:
         return self._rows(self._model.geometry, self._tree)
 
     def _step(self, order: int, motor: int) -> float:
-        own = self._model.geometry
+        geometry = self._model.geometry
         if order:
             values = self._active[order][:, motor]
             return SHARE * float(np.sqrt((values**2).mean())) or SHARE
-        slides = {joint.v.start for joint in own.joints if joint.kind == "slide"}
-        return SLIDE if int(own.active[motor]) in slides else TURN
+        slides = {joint.v.start for joint in geometry.joints if joint.kind == "slide"}
+        return SLIDE if int(geometry.active[motor]) in slides else TURN
 
     def _moved(self, order: int, moves: Sequence[tuple[int, float]]) -> Iterator[np.ndarray | BenchError]:
         """The matrix where one active position, velocity or acceleration is another, for each (motor, step).
@@ -209,10 +214,10 @@ class Nearby:
         return np.split(self._rows(geometry, motion_beside(geometry, tree, *moved)), count)
 
     def _rows(self, geometry: Geometry, tree: Motion) -> np.ndarray:
-        own, beside = self._model.base.columns, redundant_columns(geometry)
-        nb, tool = len(own), geometry.tool
+        base_columns, redundant = self._model.base.columns, redundant_columns(geometry)
+        nb, tool = len(base_columns), geometry.tool
         load = np.zeros(0, dtype=int) if tool is None else self._model.payload_columns
-        rows = projected_regressor(geometry, tree, np.concatenate((own, load, beside)))
+        rows = projected_regressor(geometry, tree, np.concatenate((base_columns, load, redundant)))
         if tool is None:
             return np.insert(rows, [nb] * 10, 0.0, axis=2)
         loaded = rows[:, :, nb : nb + 10]

@@ -191,8 +191,8 @@ class Identification:
         )
         unit = next((drive_gain.unit for drive_gain in self.drive_gains.values()), "")
         error = self.error.identify if self.error.validate is None else self.error.validate
-        left = "" if error is None else f", error {100.0 * error:.3g} %"
-        return f"<{self.robot} with {', '.join(self.effects) or 'rigid bodies only'}: {gains} {unit}{left}>"
+        error_text = "" if error is None else f", error {100.0 * error:.3g} %"
+        return f"<{self.robot} with {', '.join(self.effects) or 'rigid bodies only'}: {gains} {unit}{error_text}>"
 
     def _repr_html_(self) -> str:
         return html_table(repr(self)[1:-1], self.rows())

@@ -52,19 +52,21 @@ def robust_error(stack: Stack, start: Solution, nominal: np.ndarray) -> Solution
         tried = [_likeliest(stack, *pair, start.gains_fitted, FEW_ROUNDS) for pair in starts]
         best = min(tried, key=lambda fit: fit.minus_likelihood)
         theta, gains = best.theta, best.gains
-    found = _likeliest(stack, theta, gains, start.gains_fitted)
+    likeliest = _likeliest(stack, theta, gains, start.gains_fitted)
     moving = stack.moving
-    slopes = (_slopes(found.error / found.scale, found.freedom) * moving).sum(axis=0)
-    stretch = found.weights.sum(axis=0) / np.maximum(slopes, np.finfo(float).tiny)
-    root = np.sqrt(np.divide(found.weights, stretch, out=np.zeros_like(found.weights), where=stretch > 0.0))
+    slopes = (_slopes(likeliest.error / likeliest.scale, likeliest.freedom) * moving).sum(axis=0)
+    stretch = likeliest.weights.sum(axis=0) / np.maximum(slopes, np.finfo(float).tiny)
+    root = np.sqrt(
+        np.divide(likeliest.weights, stretch, out=np.zeros_like(likeliest.weights), where=stretch > 0.0)
+    )
     return replace(
         solution,
-        theta=found.theta,
-        gains=found.gains,
-        weights=1.0 / found.scale,
+        theta=likeliest.theta,
+        gains=likeliest.gains,
+        weights=1.0 / likeliest.scale,
         made=lambda given: weighted_rows(given, root),
         stretch=stretch,
-        counted=found.weights * found.freedom / (found.freedom + 1.0),
+        counted=likeliest.weights * likeliest.freedom / (likeliest.freedom + 1.0),
     )
 
 

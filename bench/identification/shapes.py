@@ -67,7 +67,7 @@ def _searched(
     tried = np.split(columns([value for _, value, _ in brackets]), len(brackets), axis=2)
     costs = [-partial.explained(values)[1] for values in tried]
     best = int(np.argmin(costs))
-    (low, found, high), cost = brackets[best], costs[best]
+    (low, middle, high), cost = brackets[best], costs[best]
     if low < high:
         if all(seen.expands for seen in prepared.signals):
             unexplained = _between_nodes(columns, brackets[best], partial)
@@ -75,8 +75,8 @@ def _searched(
             unexplained = _exactly(columns, partial)
         place, value = minimum_between(unexplained, low, high, TOLERANCE * max(abs(low), abs(high)))
         if value < cost:
-            found, cost = place, value
-    return reshaped(instance, {parameter.name: found}), cost
+            middle, cost = place, value
+    return reshaped(instance, {parameter.name: middle}), cost
 
 
 def _exactly(

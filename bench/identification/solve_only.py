@@ -32,8 +32,8 @@ def identifiable(prepared: Prepared, stack: Stack) -> np.ndarray:
         return identifiable_columns(stack, layout, prepared.gains)
 
     def span(columns: np.ndarray, fixed: FixedColumns = fixed) -> np.ndarray:
-        own = np.where(columns < layout.size, columns, columns - layout.effects)
-        return fixed.span(own, stack.factors.shape[1])
+        indices = np.where(columns < layout.size, columns, columns - layout.effects)
+        return fixed.span(indices, stack.factors.shape[1])
 
     return identifiable_columns(stack, layout, prepared.gains, span)
 
@@ -68,13 +68,13 @@ def spread(stack: Stack, solution: Solution) -> np.ndarray:
 
 def linearised(instances: Sequence[EffectInstance], values: np.ndarray) -> tuple[EffectInstance, ...]:
     """The effects linearised about these values (k,) of their parameters, one after the other."""
-    found, at = [], 0
+    linear, at = [], 0
     for instance in instances:
         names = [parameter.name for parameter in instance.effect.parameters]
-        own = dict(zip(names, values[at : at + len(names)].tolist(), strict=True))
-        found.append(replace(instance, effect=instance.effect.about(own)))
+        shape_values = dict(zip(names, values[at : at + len(names)].tolist(), strict=True))
+        linear.append(replace(instance, effect=instance.effect.about(shape_values)))
         at += len(names)
-    return tuple(found)
+    return tuple(linear)
 
 
 def reshaped(instance: EffectInstance, values: Mapping[str, float]) -> EffectInstance:

@@ -132,8 +132,8 @@ def uncertainty(stack: Stack, solution: Solution, deviations: Deviations) -> Unc
 
 def _widened(covariance: np.ndarray, other: np.ndarray) -> np.ndarray:
     """A covariance (P, P) with the deviations of another where these are larger, and its own correlations."""
-    own, larger = (np.sqrt(np.maximum(np.diag(values), 0.0)) for values in (covariance, other))
-    times = np.maximum(larger / np.where(own > 0.0, own, np.inf), 1.0)
+    stds, larger = (np.sqrt(np.maximum(np.diag(values), 0.0)) for values in (covariance, other))
+    times = np.maximum(larger / np.where(stds > 0.0, stds, np.inf), 1.0)
     return covariance * np.outer(times, times)
 
 
@@ -164,15 +164,15 @@ def _blocks(
     stack: Stack, solution: Solution, residual: np.ndarray, seen: np.ndarray, lengths: np.ndarray
 ) -> list[Block]:
     """The normal equations of every block, for the unknowns seen, each divided by its length."""
-    found = []
+    blocks = []
     for rows in blocks_in(stack.starts, len(residual)):
         normal, score = np.zeros((len(seen),) * 2), np.zeros(len(seen))
         for j in range(len(solution.weights)):
             jacobian = _weighted_rows(stack, solution, j, rows, seen, lengths)
             normal += jacobian.T @ jacobian
             score += jacobian.T @ residual[rows, j]
-        found.append(Block(normal, score))
-    return found
+        blocks.append(Block(normal, score))
+    return blocks
 
 
 def _score(
@@ -192,12 +192,12 @@ def _score(
         repeated = repeated_covariances(error, moving, stack.starts, returns, covariances)
         for a, b, period in zip(stack.starts, ends, returns, strict=True):
             jacobian = _weighted_rows(stack, solution, j, slice(a, b), seen, lengths)
-            own = np.flatnonzero(jacobian.any(axis=0))  # not the other motors' gains
-            if not len(own):
+            columns = np.flatnonzero(jacobian.any(axis=0))  # not the other motors' gains
+            if not len(columns):
                 continue
-            total[np.ix_(own, own)] += _autocorrelated(jacobian[:, own], covariances)
+            total[np.ix_(columns, columns)] += _autocorrelated(jacobian[:, columns], covariances)
             if period is not None and repeated is not None:
-                total[np.ix_(own, own)] += repeated_score(jacobian[:, own], period, repeated)
+                total[np.ix_(columns, columns)] += repeated_score(jacobian[:, columns], period, repeated)
     return total
 
 

@@ -41,7 +41,7 @@ def standstills(
     """
     reach = int(np.ceil(SMEARED * rate / cutoff))
     stuck = _stuck(passive, DWELL * reach)
-    found = []
+    stretches = []
     for q, v in zip(np.ascontiguousarray(position.T), np.ascontiguousarray(velocity.T), strict=True):
         rms = np.sqrt(v @ v / len(v))
         slow = np.abs(v) <= SLOW * rms
@@ -50,17 +50,17 @@ def standstills(
         if abs(v[0]) < START * rms:
             way = np.maximum.accumulate(np.abs(q - q[0]))
             slow |= way < FIRST_WAY * max(q.max() - q.min(), np.finfo(float).tiny)
-        found.append(_stretches(slow, reach, int(np.ceil(AROUND * rate / cutoff))))
-    return tuple(found)
+        stretches.append(_stretches(slow, reach, int(np.ceil(AROUND * rate / cutoff))))
+    return tuple(stretches)
 
 
 def bridged(rows: np.ndarray, gaps: Sequence[np.ndarray]) -> np.ndarray:
     """Rows (N, n) or (N, n, p), those of every joint in its gaps replaced by a straight line; a copy."""
     rows = rows.copy()
     for j, stretches in enumerate(gaps):
-        own = rows[:, j].reshape(len(rows), -1)
+        of_motor = rows[:, j].reshape(len(rows), -1)
         bridge = whole_bridge(stretches, len(rows))
-        rows[bridge.inside, j] = bridge.lines(own).reshape(-1, *rows.shape[2:])
+        rows[bridge.inside, j] = bridge.lines(of_motor).reshape(-1, *rows.shape[2:])
     return rows
 
 
@@ -105,12 +105,12 @@ def moving_rows(gaps: Gaps, samples: int, decimation: int) -> np.ndarray:
 
 def _stuck(velocity: np.ndarray, shortest: float) -> np.ndarray:
     """Whether any joint (of k) is slow for at least so many samples on end, (N,)."""
-    found = np.zeros(len(velocity), dtype=bool)
+    stuck = np.zeros(len(velocity), dtype=bool)
     for v in np.ascontiguousarray(velocity.T):
         first, last = _runs(np.abs(v) <= SLOW * np.sqrt(v @ v / len(v)))
         long = last - first >= shortest
-        found[ranges(first[long], last[long])[0]] = True
-    return found
+        stuck[ranges(first[long], last[long])[0]] = True
+    return stuck
 
 
 def _runs(slow: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -119,7 +119,7 @@ def _runs(slow: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return edges[::2], edges[1::2]
 
 
-def _stretches(slow: np.ndarray, reach: int, beside: int) -> np.ndarray:
+def _stretches(slow: np.ndarray, reach: int, margin: int) -> np.ndarray:
     """Runs of True (N,), each longer by `reach` at both ends; those with hardly a sample between them are one.
 
     beside: how many samples on either side tell of the surroundings.
@@ -130,5 +130,5 @@ def _stretches(slow: np.ndarray, reach: int, beside: int) -> np.ndarray:
         if runs and first - runs[-1][1] < reach:
             runs[-1][1] = last
         else:
-            runs.append([first, last, beside])
+            runs.append([first, last, margin])
     return np.array(runs, dtype=int).reshape(-1, 3)

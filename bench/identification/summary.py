@@ -217,7 +217,7 @@ def _effects(
 ) -> dict[str, dict[str, dict[str, Quantity]]]:
     rotates = {joint.name: joint.kind != "slide" for joint in prepared.model.geometry.joints}
     drives = {actuator.joint: drive_unit(actuator.gain_unit) for actuator in prepared.dataset.robot.actuators}
-    found: dict[str, dict[str, dict[str, Quantity]]] = {}
+    quantities: dict[str, dict[str, dict[str, Quantity]]] = {}
     at = prepared.layout.size - prepared.layout.effects
     for instance in prepared.effects:
         values = {}
@@ -232,5 +232,5 @@ def _effects(
             spread = 0.0 if shape.discrete else float(std[shape_at]) or float("inf")
             values[shape.name] = Quantity(float(value), spread, shape.unit_at(turning, drive))
             shape_at += not shape.discrete
-        found.setdefault(instance.effect.name, {})[instance.place] = values
-    return found
+        quantities.setdefault(instance.effect.name, {})[instance.place] = values
+    return quantities

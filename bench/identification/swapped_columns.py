@@ -111,9 +111,9 @@ class _ColumnsTrial:
     def error(self, factors: np.ndarray, *, least: bool = False) -> float:
         """Relative error of the currents by least squares in torque; or the least that there can be, from there."""
         rows, right = torque_system(factors, self.gains.held)
-        found = scaled_lstsq(rows, right)
-        theta = found[: self.size]
-        gains = solved_gains(factors, self.gains.with_fitted(found[self.size :]), self.gains.values)
+        solution = scaled_lstsq(rows, right)
+        theta = solution[: self.size]
+        gains = solved_gains(factors, self.gains.with_fitted(solution[self.size :]), self.gains.values)
         if least:
             theta, gains = minimised(factors, theta, gains, np.ones(len(gains)), self.gains.fitted)
         return float(np.sqrt(squared_errors(factors, theta, gains).sum() / (factors[:, :, -1] ** 2).sum()))
