@@ -38,8 +38,8 @@ def heavy_payload(payload: Payload, robot: Robot) -> HeavyPayload | None:
     """Whether a payload's mass is one to ask about; None where it is not, or not known."""
     if payload.mass is None or payload.mass <= LIGHT:
         return None
-    own = float(robot.mjcf_model().body_mass.sum())
-    return HeavyPayload(payload.name, payload.mass, own) if payload.mass > HEAVY * own else None
+    robot_mass = float(robot.mjcf_model().body_mass.sum())
+    return HeavyPayload(payload.name, payload.mass, robot_mass) if payload.mass > HEAVY * robot_mass else None
 
 
 def doubted(

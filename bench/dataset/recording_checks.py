@@ -76,10 +76,10 @@ def find(channel: Channel, accepted: frozenset[str] = frozenset()) -> list[Fault
     In another unit everything is beyond its limits, which is not told then.
     """
     catalogue = CURRENT_CHECKS if channel.joint is None else POSITION_CHECKS
-    found = (check(channel) for name, check in catalogue.items() if name not in accepted)
-    findings = [finding for finding in found if finding is not None]
-    beside = "limits" if any(finding.check == "units" for finding in findings) else ""
-    return [finding for finding in findings if finding.check != beside]
+    checked = (check(channel) for name, check in catalogue.items() if name not in accepted)
+    findings = [finding for finding in checked if finding is not None]
+    superseded = "limits" if any(finding.check == "units" for finding in findings) else ""
+    return [finding for finding in findings if finding.check != superseded]
 
 
 def constant(channel: Channel) -> Fault | None:
@@ -217,8 +217,8 @@ def current_spikes(channel: Channel) -> Fault | None:
 
 
 def _excursion_alone(distance: Array, k: int) -> bool:
-    beside = [distance[i] for i in (k - 1, k + 1) if 0 <= i < distance.size]
-    return bool(max(beside) < distance[k] / 5.0)
+    neighbours = [distance[i] for i in (k - 1, k + 1) if 0 <= i < distance.size]
+    return bool(max(neighbours) < distance[k] / 5.0)
 
 
 def frozen(channel: Channel) -> Fault | None:

@@ -29,26 +29,26 @@ def faults_of(
     A column that is not in the table is passed over. Every check of bench.dataset.sampling and
     bench.dataset.recording_checks runs, but for the accepted ones.
     """
-    found: list[RecordingFaultError] = []
-    time = _read(table, "time", found)
+    faults: list[RecordingFaultError] = []
+    time = _read(table, "time", faults)
     signals: dict[str, tuple[np.ndarray, JointFacts]] = {}
     for kind in ("position", "current"):
         for joint in joints:
             column = f"{kind}.{joint.name}"
             if column not in table.columns:
                 continue
-            values = _read(table, column, found, time)
+            values = _read(table, column, faults, time)
             if values is not None:
                 signals[column] = values, joint
     if time is None:
-        return found
+        return faults
     fault = time_fault(time)
     if fault is not None:
         cure = f"; {_between_gaps(time)}" if fault.gap else _imported(fault.remedy)
         said = f"{table.place('time', fault.row)}: {fault.what}"
-        found.append(RecordingFaultError(said, cure, fault.remedy, column="time"))
+        faults.append(RecordingFaultError(said, cure, fault.remedy, column="time"))
     if fault is not None and fault.row is None and fault.remedy not in SECONDS:
-        return found  # of no known rate
+        return faults  # of no known rate
     positions = {
         joint.name: values
         for column, (values, joint) in signals.items()
@@ -59,12 +59,12 @@ def faults_of(
         findings = judged(column, values, time, joint, fault, accepted)
         if column.startswith("position."):
             findings = without_exchange(findings, swapped.get(joint.name))
-        found += [_told(table, column, finding) for finding in findings]
-    return found
+        faults += [_told(table, column, finding) for finding in findings]
+    return faults
 
 
 def _read(
-    table: FileTable, column: str, found: list[RecordingFaultError], time: np.ndarray | None = None
+    table: FileTable, column: str, faults: list[RecordingFaultError], time: np.ndarray | None = None
 ) -> np.ndarray | None:
     """A column of measurements; None where it has a cell that is none, which is among the faults then."""
     try:
@@ -72,9 +72,9 @@ def _read(
             return table.finite(column, lambda bad: _removed(bad, table.data.num_rows))
         return table.finite(column, None if time is None else partial(_left_out, time))
     except RecordingFaultError as fault:
-        found.append(fault)
+        faults.append(fault)
     except BenchError as error:
-        found.append(RecordingFaultError(str(error), column=column))
+        faults.append(RecordingFaultError(str(error), column=column))
     return None
 
 

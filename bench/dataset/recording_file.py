@@ -87,8 +87,18 @@ def recording_from_table(
     if first == n:
         return Recording(name, use, payload, time, position, current, extra, held=held)
     extra |= {position_column(joints[j].name): position[:, j] for j in range(first, n)}
-    own, theirs = (np.ascontiguousarray(values[:, :first]) for values in (position, current))
-    return Recording(name, use, payload, time, own, theirs, extra, redundant=current[:, first:], held=held)
+    positions, currents = (np.ascontiguousarray(values[:, :first]) for values in (position, current))
+    return Recording(
+        name,
+        use,
+        payload,
+        time,
+        positions,
+        currents,
+        extra,
+        redundant=current[:, first:],
+        held=held,
+    )
 
 
 def _check_columns(table: FileTable, needed: Sequence[str]) -> None:

@@ -147,8 +147,8 @@ def _with_agreeing_loops(spec: mujoco.MjSpec, home: np.ndarray) -> mujoco.MjSpec
         open_by, sensitive = [], []
         for pose in poses:
             gap, jacobian = closures.at(pose)
-            left, values, _ = np.linalg.svd(jacobian)
-            repeated = left[:, int((values > DEPENDENT * values.max(initial=0.0)).sum()) :].T
+            vectors, values, _ = np.linalg.svd(jacobian)
+            repeated = vectors[:, int((values > DEPENDENT * values.max(initial=0.0)).sum()) :].T
             open_by.append(repeated @ gap)
             sensitive.append(repeated @ _sensitivity(closures, places, pose, gap))
         change = -np.linalg.lstsq(np.vstack(sensitive), np.concatenate(open_by), rcond=DEPENDENT)[0]

@@ -100,6 +100,6 @@ def _closures(model: mujoco.MjModel) -> tuple[np.ndarray, np.ndarray]:
         full[:] = np.asarray(data.efc_J).reshape(data.nefc, model.nv)
     rows, owners = full[closing], np.asarray(data.efc_id)[closing]
     for owner in np.unique(owners):
-        own = owners == owner
-        rows[own] /= max(np.linalg.norm(rows[own], axis=1).max(), np.finfo(float).tiny)
+        of_owner = owners == owner
+        rows[of_owner] /= max(np.linalg.norm(rows[of_owner], axis=1).max(), np.finfo(float).tiny)
     return np.asarray(rows), owners

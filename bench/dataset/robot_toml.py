@@ -39,10 +39,10 @@ class MjcfParts:
     @property
     def named(self) -> Mapping[str, MotorPart]:
         """By name; of a joint and an actuator of the same name the joint."""
-        found: dict[str, MotorPart] = {}
+        by_name: dict[str, MotorPart] = {}
         for part in self.motors:
-            found.setdefault(part.name, part)
-        return found
+            by_name.setdefault(part.name, part)
+        return by_name
 
 
 def mjcf_parts(path: str | Path) -> MjcfParts:

@@ -140,9 +140,9 @@ def _joints(where: str, names: Sequence[tuple[str, ...]]) -> tuple[str, ...]:
     """The joints of every message. Raises BenchError where messages are of different joints, or name one twice."""
     sets = Counter(frozenset(name) for name in names)
     if len(sets) > 1:
-        told = "; ".join(f"{', '.join(sorted(entry))} ({count})" for entry, count in sets.most_common(4))
+        differing = "; ".join(f"{', '.join(sorted(entry))} ({count})" for entry, count in sets.most_common(4))
         raise BenchError(
-            f"{where}: its messages are of different joints: {told}: record them on separate topics"
+            f"{where}: its messages are of different joints: {differing}: record them on separate topics"
         )
     if len(set(names[0])) != len(names[0]):
         raise BenchError(f"{where}: a message names a joint twice: {', '.join(names[0])}")
