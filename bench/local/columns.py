@@ -79,10 +79,10 @@ def guesses(
     where no other column measures what this joint needs, "rest" where none but this joint and column remain, and
     "range" where the values tell the unit.
     """
-    found: dict[str, tuple[str, str]] = {}
+    proposed: dict[str, tuple[str, str]] = {}
     time = next((name for name in names if (words := _words(name)) and words[0] in TIME), None)
     if time is not None:
-        found["time"] = time, "name"
+        proposed["time"] = time, "name"
     for kind, spoken, measured in (("position", POSITION, PLACES), ("current", CURRENT, DRIVES)):
         free = [name for name in names if name != time and spoken & set(_words(name))]
         if not free:
@@ -92,13 +92,15 @@ def guesses(
         in_order = not robot.redundant and len(numbered) == len(robot.driven)
         if not named and in_order:
             named, why = dict(zip(robot.driven, sorted(numbered, key=_number), strict=True)), "order"
-        found |= {f"{kind}.{joint}": (name, why) for joint, name in named.items()}
+        proposed |= {f"{kind}.{joint}": (name, why) for joint, name in named.items()}
     facts = {f"position.{fact.name}": fact for fact in joint_facts(robot)}
-    taken = {name for name, _ in found.values()}
+    taken = {name for name, _ in proposed.values()}
     rest = {name: (values or {}).get(name) for name in names if name not in taken}
-    found |= _by_unit(rest, {target: facts[target] for target in facts if target not in found}, robot, stated)
+    proposed |= _by_unit(
+        rest, {target: facts[target] for target in facts if target not in proposed}, robot, stated
+    )
     guessed = {}
-    for target, (name, why) in found.items():
+    for target, (name, why) in proposed.items():
         unit = unit_in(name, units_of(target, robot))
         by_range = (
             "" if unit or name in (stated or {}) else _by_range(facts.get(target), (values or {}).get(name))
@@ -168,13 +170,13 @@ def _measures(name: str, stated: Mapping[str, str] | None) -> str:
 
 def _by_name(names: Sequence[str], joints: Sequence[str]) -> dict[str, str]:
     """Joint -> the one name that holds all words and numbers of the joint's."""
-    found = {}
+    by_joint = {}
     for joint in joints:
         wanted = set(_parts(joint))
         holding = [name for name in names if wanted <= set(_parts(_stem(name)))]
         if len(holding) == 1:
-            found[joint] = holding[0]
-    return found if len(set(found.values())) == len(found) else {}
+            by_joint[joint] = holding[0]
+    return by_joint if len(set(by_joint.values())) == len(by_joint) else {}
 
 
 def _stem(name: str) -> str:

@@ -66,8 +66,8 @@ def payload(arguments: Mapping[str, Any], _progress: Progress) -> dict[str, Any]
 
 def parts(arguments: Mapping[str, Any], _progress: Progress) -> dict[str, Any]:
     """What an MJCF file has that motors may drive, and its sites."""
-    found = mjcf_parts(arguments["model"])
-    return {"motors": [asdict(part) for part in found.named.values()], "sites": list(found.sites)}
+    mjcf = mjcf_parts(arguments["model"])
+    return {"motors": [asdict(part) for part in mjcf.named.values()], "sites": list(mjcf.sites)}
 
 
 def dataset(arguments: Mapping[str, Any], _progress: Progress) -> dict[str, Any]:
@@ -104,8 +104,8 @@ def curves(arguments: Mapping[str, Any], _progress: Progress) -> dict[str, Any]:
     problem, models = problem_of(data), []
     for path, name, role in arguments["models"]:
         saved = load_model(path)
-        found = apply_model(problem, saved)
-        models.append(model_beside(name, role, problem, found, saved.settings))
+        result = apply_model(problem, saved)
+        models.append(model_beside(name, role, problem, result, saved.settings))
     return dict(finite(asdict(currents_section(models).parts[0])))
 
 
@@ -163,13 +163,13 @@ def _told(root: Path, place: str) -> dict[str, Any]:
             raise BenchError(f"{place}: holds no model")
         model = path / names[0]
     answer = to_json(load_model(model).model)
-    found = {
+    facts = {
         "model": model.relative_to(root).as_posix(),
         "line": line,
         "applied": applied,
         **{key: answer[key] for key in ("robot", "effects", "error", "drive_gains", "notes")},
     }
-    return dict(finite(found))
+    return dict(finite(facts))
 
 
 def _line(path: Path, run: Any) -> str:

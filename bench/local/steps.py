@@ -186,8 +186,8 @@ def _export(folder: Folder, results: Path, step: Export) -> Command:
     )  # a model inside a result is called as the result is
     target = results / f"{named.name.removesuffix('.json')}{SUFFIXES[step.form]}"
     words = ["export", folder.word(model), "--to", step.form, "-o", folder.word(target)]
-    beside = {"twin": sidecar_path(target)} if step.form == "mjcf" else {}
-    return Command(step.step, step.dataset, words, _files(folder, exported=target, **beside))
+    sidecar = {"twin": sidecar_path(target)} if step.form == "mjcf" else {}
+    return Command(step.step, step.dataset, words, _files(folder, exported=target, **sidecar))
 
 
 def _models(folder: Folder, names: Sequence[str]) -> list[Path]:

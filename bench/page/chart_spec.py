@@ -99,10 +99,10 @@ def _panel(panel: Panel, chart: Chart, most: int | None, longest: int | None) ->
 
 
 def _named(series: Series, panel: Panel, most: int | None) -> Spec:
-    own = _curve(series, panel.y, most) if isinstance(series, Line) else _series(series)
+    curve = _curve(series, panel.y, most) if isinstance(series, Line) else _series(series)
     if isinstance(series, Levels) and series is not _last_levels(panel):
-        own["texts"] = []  # what is said of two lines would stand on each other
-    return {"role": series.role, "name": typeset(series.name), **own}
+        curve["texts"] = []  # what is said of two lines would stand on each other
+    return {"role": series.role, "name": typeset(series.name), **curve}
 
 
 def _last_levels(panel: Panel) -> Series:

@@ -156,7 +156,7 @@ def read_run(folder: Path) -> SavedRun:
         known |= {name: tuple(known[name]) for name in ("effects", "effect_files")}
         run, data, model = CommandRun(**known), folder / content["dataset"], str(content["model"])
         digest, files = content.get("digest"), dict(content.get("files", {}))
-        told, by = content.get("diagnosis"), _versions(content.get("versions"))
+        diagnosed, by = content.get("diagnosis"), _versions(content.get("versions"))
         current = content.get("workbench") == WORKBENCH_VERSION
     except (KeyError, TypeError, ValueError) as error:
         raise _damaged(path, error) from None
@@ -176,24 +176,24 @@ def read_run(folder: Path) -> SavedRun:
         said = (
             f"{folder}: its dataset, robot or effects have changed since: its models are applied to them anew"
         )
-    judged = with_held_out_parts(dataset)[0] if told is not None else dataset
-    names = [MODEL_FILE] if told is None else [AFTER_FILE, BEFORE_FILE]
+    judged = with_held_out_parts(dataset)[0] if diagnosed is not None else dataset
+    names = [MODEL_FILE] if diagnosed is None else [AFTER_FILE, BEFORE_FILE]
     paths = [folder / name for name in names]
     if said:
         try:
-            problem = replace(_problem(dataset, run, _discovered(told or {})), dataset=judged)
+            problem = replace(_problem(dataset, run, _discovered(diagnosed or {})), dataset=judged)
         except (KeyError, TypeError, ValueError) as error:
             raise _damaged(path, error) from None
         models = [read_identification(file, problem) for file in paths]
-        diagnosis = None if told is None else _diagnosis(path, told, models, {})
+        diagnosis = None if diagnosed is None else _diagnosis(path, diagnosed, models, {})
         return SavedRun(run, dataset, models[0], diagnosis, model, said=said)
-    between = _between(path, told)
+    between = _between(path, diagnosed)
     saved = [load_model(file) for file in paths]
     effects = [tuple(saved_model.model.effect_parameters) for saved_model in saved]
     series = read_series(folder / SERIES_FILE, judged, [*effects, *(() for _ in between)])
     models = [saved_model.beside(judged, its) for saved_model, its in zip(saved, series, strict=False)]
     rungs = dict(zip(between, series[len(paths) :], strict=True))
-    diagnosis = None if told is None else _diagnosis(path, told, models, rungs)
+    diagnosis = None if diagnosed is None else _diagnosis(path, diagnosed, models, rungs)
     workbench = None
     if WORKBENCH_FILE in files:
         if current:
@@ -231,52 +231,52 @@ def _read_object(path: Path) -> dict[str, Any]:
 
 def _diagnosis(
     path: Path,
-    told: dict[str, Any],
+    content: dict[str, Any],
     models: Sequence[Identification],
     between: Mapping[int, tuple[CurrentSeries, ...]],
 ) -> Diagnosis:
     """models: after, before. between: currents of steps of the ladder, by number."""
     after, before = models
     try:
-        last = len(told["ladder"]) - 1
+        last = len(content["ladder"]) - 1
         series = {last: after.recordings, 0: before.recordings, **between}
         return Diagnosis(
             robot=after.robot,
-            held_out=float(told["held_out"]),
-            missing=tuple(told["missing"]),
+            held_out=float(content["held_out"]),
+            missing=tuple(content["missing"]),
             ladder=tuple(
                 LadderStep(tuple(entry["effects"]), entry["identify"], entry["validate"], series.get(i, ()))
-                for i, entry in enumerate(told["ladder"])
+                for i, entry in enumerate(content["ladder"])
             ),
-            ranking=tuple(_verdict(entry) for entry in told["ranking"]),
+            ranking=tuple(_verdict(entry) for entry in content["ranking"]),
             unexplained=Unexplained(
                 **{
-                    **told["unexplained"],
-                    "what": Remainder(told["unexplained"]["what"]),
-                    "depends_on": tuple(told["unexplained"]["depends_on"]),
+                    **content["unexplained"],
+                    "what": Remainder(content["unexplained"]["what"]),
+                    "depends_on": tuple(content["unexplained"]["depends_on"]),
                 }
             ),
             before=before,
             after=after,
-            differs=tuple(_differing(entry) for entry in told.get("differs", ())),
+            differs=tuple(_differing(entry) for entry in content.get("differs", ())),
             sets=tuple(
                 ProbableSet(tuple(entry["effects"]), float(entry["probability"]), float(entry["error"]))
-                for entry in told.get("sets", ())
+                for entry in content.get("sets", ())
             ),
             without_logs=tuple(
                 WithoutLog(entry["log"], tuple(entry["gone"]), dict(entry["gains"]))
-                for entry in told.get("without_logs", ())
+                for entry in content.get("without_logs", ())
             ),
-            superfluous=tuple(Superfluous(**effect) for effect in told.get("superfluous", ())),
-            discovered=_discovered(told),
-            unfinished=tuple(Unfinished(code) for code in told.get("unfinished", ())),
+            superfluous=tuple(Superfluous(**effect) for effect in content.get("superfluous", ())),
+            discovered=_discovered(content),
+            unfinished=tuple(Unfinished(code) for code in content.get("unfinished", ())),
         )
     except (KeyError, TypeError, ValueError) as error:
         raise _damaged(path, error) from None
 
 
-def _discovered(told: Mapping[str, Any]) -> tuple[Discovered, ...]:
-    return tuple(discovered_from(entry) for entry in told.get("discovered", ()))
+def _discovered(content: Mapping[str, Any]) -> tuple[Discovered, ...]:
+    return tuple(discovered_from(entry) for entry in content.get("discovered", ()))
 
 
 def _differing(entry: dict[str, Any]) -> Differing:
@@ -287,11 +287,11 @@ def _differing(entry: dict[str, Any]) -> Differing:
     return Differing(**{**entry, "values": values})
 
 
-def _between(path: Path, told: dict[str, Any] | None) -> list[int]:
-    if told is None:
+def _between(path: Path, content: dict[str, Any] | None) -> list[int]:
+    if content is None:
         return []
     try:
-        return [int(entry) for entry in told["between"]]
+        return [int(entry) for entry in content["between"]]
     except (KeyError, TypeError, ValueError) as error:
         raise _damaged(path, error) from None
 

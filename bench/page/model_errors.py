@@ -31,8 +31,8 @@ class ModelBeside:
 
     def one(self, joint: str, recording: str) -> MotorSeries | None:
         """One motor in one recording; None where it hardly moves."""
-        found = [trace for trace in self.what.of(joint) if trace.recording == recording]
-        return found[0] if found else None
+        traces = [trace for trace in self.what.of(joint) if trace.recording == recording]
+        return traces[0] if traces else None
 
 
 def model_beside(

@@ -86,16 +86,16 @@ def currents_section(
     variants, widths = {}, set()
     for j, joint in enumerate(joints):
         for k, name in enumerate(names):
-            found = [
+            of_models = [
                 (model.role, model.name, series) for model in models if (series := model.one(joint, name))
             ]
-            if len(found) < len(models):
+            if len(of_models) < len(models):
                 variants[f"{j}|{k}"] = Variant((), (f"{joint} hardly moves in {name}: nothing to show.",))
                 continue
-            chart = currents_chart(found, last.what.units[joint][0], f"Current of {joint} in {name}")
+            chart = currents_chart(of_models, last.what.units[joint][0], f"Current of {joint} in {name}")
             widths.add(rows_a_pair(chart, most))
             spec = spec_of(chart, 150 + 115 * len(chart.panels), most=most)
-            variants[f"{j}|{k}"] = Variant((PageChart("", "", spec),), (_facts(joint, found),))
+            variants[f"{j}|{k}"] = Variant((PageChart("", "", spec),), (_facts(joint, of_models),))
     worst = [_worst(last, joint, names) for joint in joints]
     first = worst[_loudest(last)] if worst else 0
     loads = {trace.recording: trace for trace in last.what.series}

@@ -19,14 +19,14 @@ LAWS = "laws-alike"  # the id of the table with them
 def where_section(models: Sequence[ModelBeside]) -> Section:
     """Words and charts for every motor and every model, at first of the last one that leaves more than noise."""
     joints = models[-1].joints
-    options = tuple(beside.label for beside in models)
+    options = tuple(model.label for model in models)
     laws = _laws(models)
     variants = {}
     for m, model in enumerate(models):
         by_joint = {motor_errors.joint: motor_errors for motor_errors in model.where.motors}
         for j, joint in enumerate(joints):
             motor = by_joint[joint]
-            found = (typeset(sentence) for sentence in whole_sentences(motor))
+            sentences = (typeset(sentence) for sentence in whole_sentences(motor))
             alike = (
                 Linked(typeset(sentence), "Laws, and what shows them", LAWS if laws else "")
                 for sentence in whole_alike(motor)
@@ -34,7 +34,7 @@ def where_section(models: Sequence[ModelBeside]) -> Section:
             charts = tuple(map(beside, motor_charts(error_breakdown(model.what, joint)).values()))
             key = f"{j}|{m}" if len(models) > 1 else f"{j}"
             curves = Linked("Over time:", f"curves of {joint}", CURRENTS, {MOTOR: joint})
-            variants[key] = Variant(charts, (*found, *alike, curves))
+            variants[key] = Variant(charts, (*sentences, *alike, curves))
     loud = [
         m
         for m, model in enumerate(models)
@@ -58,9 +58,9 @@ def where_section(models: Sequence[ModelBeside]) -> Section:
         variants,
         tuple(f"{j}{paper}" for j in range(len(joints)))[:ON_PAPER],
     )
-    told = "What chance could do as well is not mentioned; what is mentioned is far beyond it."
+    introduction = "What chance could do as well is not mentioned; what is mentioned is far beyond it."
     shares = next((words for model in models if (words := overlapping(model.where))), "")
-    lead = f"{told} {shares}".rstrip()
+    lead = f"{introduction} {shares}".rstrip()
     return Section("where", "Where it fails", lead, (figure, *laws))
 
 

@@ -38,8 +38,8 @@ def diagnosis_verdict(diagnosis: Diagnosis) -> tuple[str, ...]:
         )
     if doubtful:
         middle += f"; {and_list(doubtful)}: these recordings cannot tell"
-    told = (said.verdict, said.unfinished, *said.laws, f"{middle}.", said.left)
-    return tuple(typeset(name) for name in told if name)
+    sentences = (said.verdict, said.unfinished, *said.laws, f"{middle}.", said.left)
+    return tuple(typeset(name) for name in sentences if name)
 
 
 def identification_verdict(result: Identification, where: WhereItFails, noise: float) -> tuple[str, ...]:
@@ -104,12 +104,12 @@ def diagnosis_tiles(diagnosis: Diagnosis) -> tuple[Tile, ...]:
     known = [step.validate if step.validate is not None else step.identify for step in (first, last)]
     kind = "not fitted" if last.validate is not None else "fitted"
     before = f"from {share(known[0])} without" if diagnosis.added else "nothing to add"
-    found = str(len(diagnosis.added)) if diagnosis.added else "none"
+    count = str(len(diagnosis.added)) if diagnosis.added else "none"
     names = ", ".join(effect_name(name) for name in diagnosis.added) or "that the catalogue knows"
     return (
         Tile(f"Error, {kind}", share(known[1]), before),
         Tile("Noise floor", share(diagnosis.unexplained.noise_floor), "of the currents, as an error"),
-        Tile("Missing effects", found, names),
+        Tile("Missing effects", count, names),
         _gain_tile(diagnosis.after, diagnosis.before if diagnosis.added else None),
     )
 

@@ -57,26 +57,26 @@ def found_model(problem: Problem, diagnosis: Diagnosis) -> FoundModel:
     plain = prepare(replace(problem, effects=()))
     places = places_in(plain.model.geometry, problem.dataset.weighed)
     each = [effect for effect in after.effects if effect.endswith(TAG)]
-    own = select_effects(each, places, catalogue, plain.logs)
-    instances = select_effects(_requests(after, own), places, catalogue)
-    own, instances = (tuple(_as_found(after, instance) for instance in some) for some in (own, instances))
+    given = select_effects(each, places, catalogue, plain.logs)
+    instances = select_effects(_requests(after, given), places, catalogue)
+    given, instances = (tuple(_as_found(after, instance) for instance in some) for some in (given, instances))
     present = _present(plain, after)
-    plain = with_effects(plain, own, present)
-    found = with_effects(plain, (*own, *instances), present)
-    _, solution = solved_quickly(found)
+    plain = with_effects(plain, given, present)
+    complete = with_effects(plain, (*given, *instances), present)
+    _, solution = solved_quickly(complete)
     # the solution is about itself once more, as identify does it
-    found = with_effects(plain, (*own, *instances), present_model(found, solution))
-    _, solution = solved_quickly(found)
+    complete = with_effects(plain, (*given, *instances), present_model(complete, solution))
+    _, solution = solved_quickly(complete)
     kept = [effect for effect in before.effects if not effect.endswith(TAG)]
     started = tuple(
         (instance.effect.name, instance.joint) for instance in select_effects(kept, places, catalogue)
     )
-    return FoundModel(plain, found, solution, started)
+    return FoundModel(plain, complete, solution, started)
 
 
-def _requests(result: Identification, own: Sequence[EffectInstance]) -> list[str]:
+def _requests(result: Identification, given: Sequence[EffectInstance]) -> list[str]:
     """The effects with one value for all recordings; own: the others."""
-    each = {(instance.effect.name, instance.place) for instance in own}
+    each = {(instance.effect.name, instance.place) for instance in given}
     return [
         name if place == ROBOT else f"{name}:{place}"
         for name, values in result.effect_parameters.items()

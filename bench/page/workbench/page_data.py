@@ -74,12 +74,12 @@ def with_command(data: dict[str, Any], command: str, model: dict[str, Any] | Non
 
 def _usable(model: FoundModel, diagnosis: Diagnosis, known: Mapping[str, Effect]) -> dict[str, Effect]:
     """What may be ticked: found, or judged and not absorbed. The page changes nothing in what the model has itself."""
-    own = {
+    given = {
         instance.effect.name for instance in model.plain.effects
     }  # columns of the model, as the rigid bodies' are
-    found = {instance.effect.name for instance in model.effects}
+    fitted = {instance.effect.name for instance in model.effects}
     shown = {verdict.effect for verdict in diagnosis.ranking if verdict.verdict != "absorbed"}
-    return {name: effect for name, effect in known.items() if name not in own and name in found | shown}
+    return {name: effect for name, effect in known.items() if name not in given and name in fitted | shown}
 
 
 def _ranks(model: FoundModel, diagnosis: Diagnosis) -> dict[str, int]:
@@ -93,7 +93,7 @@ def _motor(model: FoundModel, system: PageSystem, kept: np.ndarray, j: int) -> d
     columns = np.flatnonzero(kept[j])
     rows = np.column_stack((system.columns[:, j, columns], system.modelled[:, j], system.error[:, j]))
     measured = system.measured[:, j]
-    found: dict[str, Any] = {
+    motor: dict[str, Any] = {
         "joint": actuator.joint,
         "nominal": actuator.gain,
         "unit": actuator.gain_unit,
@@ -108,14 +108,18 @@ def _motor(model: FoundModel, system: PageSystem, kept: np.ndarray, j: int) -> d
             upper = np.linalg.qr(rows[chosen], mode="r")
             factor[: len(upper)] = upper
             packed = triangle(factor)
-        found[use] = {"triangle": packed, "squares": float((measured[chosen] ** 2).sum())}
-    return found
+        motor[use] = {"triangle": packed, "squares": float((measured[chosen] ** 2).sum())}
+    return motor
 
 
 def _basis(basis: np.ndarray) -> dict[str, Any]:
-    own = len(basis)
-    others = own + np.flatnonzero(basis[:, own:].any(axis=0))
-    return {"own": doubles(basis[:, :own]), "columns": others.tolist(), "others": floats(basis[:, others].T)}
+    count = len(basis)
+    others = count + np.flatnonzero(basis[:, count:].any(axis=0))
+    return {
+        "own": doubles(basis[:, :count]),
+        "columns": others.tolist(),
+        "others": floats(basis[:, others].T),
+    }
 
 
 def _parameters(model: FoundModel, diagnosis: Diagnosis) -> list[dict[str, str]]:
@@ -139,8 +143,8 @@ def _deviations(model: FoundModel, diagnosis: Diagnosis) -> list[dict[str, Any]]
         ]
         return {"effects": [list(effect) for effect in effects], "gains": stds}
 
-    found = [(instance.effect.name, instance.joint) for instance in model.effects]
-    return [of(diagnosis.after, found), of(diagnosis.before, model.started)]
+    places = [(instance.effect.name, instance.joint) for instance in model.effects]
+    return [of(diagnosis.after, places), of(diagnosis.before, model.started)]
 
 
 def _effect(

@@ -33,10 +33,10 @@ def instances_of(
 
 def _about_the_found(origin: Origin, model: FoundModel, proposals: list[Proposal]) -> list[Proposal]:
     """Proposals as the last round of a search leaves them, which found the effects of `model`."""
-    found = {(instance.effect.name, instance.joint) for instance in model.effects}
+    present = {(instance.effect.name, instance.joint) for instance in model.effects}
     some = []
     for proposal in proposals:
-        kept = tuple(each for each in proposal.instances if (proposal.name, each.joint) not in found)
+        kept = tuple(each for each in proposal.instances if (proposal.name, each.joint) not in present)
         if kept:
             some.append(replace(proposal, instances=kept))
     names = dict.fromkeys(instance.effect.name for instance in model.effects)

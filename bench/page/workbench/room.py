@@ -16,10 +16,10 @@ def without_room(system: PageSystem, ranks: Mapping[str, int]) -> frozenset[str]
     The last in rank go first; those found, of a rank below zero, stay.
     """
     names = sorted({instance.effect.name for instance in system.effects}, key=lambda name: ranks[name])
-    left: list[str] = []
-    while names and ranks[names[-1]] >= 0 and _numbers(system, left) * NUMBER > MOST_BYTES:
-        left.append(names.pop())
-    return frozenset(left)
+    dropped: list[str] = []
+    while names and ranks[names[-1]] >= 0 and _numbers(system, dropped) * NUMBER > MOST_BYTES:
+        dropped.append(names.pop())
+    return frozenset(dropped)
 
 
 def carried_columns(system: PageSystem, without: Collection[str]) -> np.ndarray:

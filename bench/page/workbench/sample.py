@@ -21,7 +21,7 @@ def thinned(model: FoundModel, system: PageSystem, kept: np.ndarray) -> list[dic
     lengths = [len(observation.time) for observation in model.plain.observations]
     wanted = BYTES / (2 * sum(len(values) for values in used) * len(lengths))
     step = max(1, int(np.ceil(max(lengths) / min(max(wanted, FEWEST), MOST))))
-    found, start = [], 0
+    samples, start = [], 0
     for observation in model.plain.observations:
         rows = start + np.arange(step // 2, len(observation.time), step)
         edges = np.arange(0, len(observation.time), step)
@@ -39,7 +39,7 @@ def thinned(model: FoundModel, system: PageSystem, kept: np.ndarray) -> list[dic
                     "high": floats(np.maximum.reduceat(measured, edges)[: len(rows)]),
                 }
             )
-        found.append(
+        samples.append(
             {
                 "name": observation.name,
                 "use": observation.use,
@@ -51,4 +51,4 @@ def thinned(model: FoundModel, system: PageSystem, kept: np.ndarray) -> list[dic
             }
         )
         start += len(observation.time)
-    return found
+    return samples

@@ -59,14 +59,18 @@ def build(model: FoundModel, instances: Sequence[EffectInstance], nearby: Nearby
         * moving
     )
     current = np.concatenate([observation.current for observation in plain.observations]) * moving
-    own = np.concatenate([regressor_rows(observation, plain.layout) for observation in plain.observations])
-    columns = np.concatenate((own, _added(model, instances, nearby)), axis=2) * moving[:, :, None]
-    starts = np.cumsum([own.shape[2], *(len(instance.effect.parameters) for instance in instances)])
+    base_rows = np.concatenate(
+        [regressor_rows(observation, plain.layout) for observation in plain.observations]
+    )
+    columns = np.concatenate((base_rows, _added(model, instances, nearby)), axis=2) * moving[:, :, None]
+    starts = np.cumsum([base_rows.shape[2], *(len(instance.effect.parameters) for instance in instances)])
     reference = _reference(model, instances, starts)
     modelled = (columns @ reference + known) / model.solution.gains
     error = current - modelled
     _set_apart_from_values(plain, columns, modelled, error)
-    basis = set_apart(columns, reference, columns[fitted] * model.solution.weights[:, None], own.shape[2])
+    basis = set_apart(
+        columns, reference, columns[fitted] * model.solution.weights[:, None], base_rows.shape[2]
+    )
     return PageSystem(
         columns=columns,
         effects=tuple(instances),
@@ -91,18 +95,18 @@ def _set_apart_from_values(
     at = 0
     for observation in plain.observations:
         rows = slice(at, at := at + len(observation.time))
-        suited = [own[0] for own in columns_without_value(plain, observation)]
+        suited = [each[0] for each in columns_without_value(plain, observation)]
         for j in range(modelled.shape[1]) if suited else ():
             ends = np.stack((modelled[rows, j], error[rows, j]), axis=1)
-            left = apart_from(motor_rows((columns[rows, j],), ends), suited)
-            columns[rows, j, left.filled] = left.values
-            modelled[rows, j], error[rows, j] = left.ends.T
+            apart = apart_from(motor_rows((columns[rows, j],), ends), suited)
+            columns[rows, j, apart.filled] = apart.values
+            modelled[rows, j], error[rows, j] = apart.ends.T
 
 
 def _added(model: FoundModel, instances: Sequence[EffectInstance], nearby: Nearby) -> np.ndarray:
     """Columns (M, n, k) of effects about the found model; of those not found as they are seen nearby."""
-    found, decimation = model.found, model.found.settings.decimation
-    near = nearby.signals(found.present, found.signals)
+    complete, decimation = model.found, model.found.settings.decimation
+    near = nearby.signals(complete.present, complete.signals)
     exact = [instance for instance in instances if instance in model.effects]
     as_fitted = np.concatenate(
         [
@@ -111,7 +115,7 @@ def _added(model: FoundModel, instances: Sequence[EffectInstance], nearby: Nearb
         ]
     )
     rows = []
-    for signals, nearly in zip(found.signals, near, strict=True):
+    for signals, nearly in zip(complete.signals, near, strict=True):
         added = effect_rows(nearly, decimation, instances)
         added[:, :, as_fitted] = effect_rows(signals, decimation, exact)
         rows.append(added)
@@ -122,8 +126,8 @@ def _reference(model: FoundModel, instances: Sequence[EffectInstance], starts: n
     """The found model by the columns (C,)."""
     theta = model.solution.theta
     reference = np.zeros(starts[-1])
-    at = own = int(starts[0])
-    reference[:own] = theta[:own]
+    at = base_count = int(starts[0])
+    reference[:base_count] = theta[:base_count]
     places = [(instance.effect.name, instance.joint) for instance in instances]
     for instance in model.effects:
         count = len(instance.effect.parameters)
