@@ -159,10 +159,10 @@ def _design(plans: Sequence[tuple[Work, Plan]], pool: Pool, folder: Path) -> Non
     names = list(wanted)
     for key, name in enumerate(names):
         pool.submit(key, wanted[name])
-    left = len(names)
-    while left:
+    remaining = len(names)
+    while remaining:
         for outcome in pool.outcomes():
-            left -= 1
+            remaining -= 1
             if outcome.fault is None:
                 keep_design(folder, names[outcome.key], outcome.value)
 

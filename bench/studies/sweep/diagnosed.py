@@ -16,14 +16,14 @@ def diagnosis_metrics(simulation: Simulation, prepared: Prepared) -> dict[str, f
     """
     modelled = tuple(dict.fromkeys(instance.request for instance in prepared.effects))
     problem = problem_of(prepared.dataset, modelled, filters=prepared.settings)
-    found = find_missing_effects(problem, discover=False)  # effects of the catalogue are what counts here
+    diagnosis = find_missing_effects(problem, discover=False)  # effects of the catalogue are what counts here
     hidden = {effect.name for effect in simulation.machine.hidden} - {
         instance.effect.name for instance in prepared.effects
     }
-    alternatives = {verdict.effect: {verdict.effect, *verdict.alternatives} for verdict in found.ranking}
-    missed = [name for name in hidden if not any(name in alternatives[other] for other in found.missing)]
-    invented = [name for name in found.missing if not alternatives[name] & hidden]
-    gains = found.after.drive_gains.values()
+    alternatives = {verdict.effect: {verdict.effect, *verdict.alternatives} for verdict in diagnosis.ranking}
+    missed = [name for name in hidden if not any(name in alternatives[other] for other in diagnosis.missing)]
+    invented = [name for name in diagnosis.missing if not alternatives[name] & hidden]
+    gains = diagnosis.after.drive_gains.values()
     errors = [
         abs(gain.value / truth - 1.0)
         for gain, truth in zip(gains, true_gains(simulation.scenario), strict=True)
@@ -31,7 +31,7 @@ def diagnosis_metrics(simulation: Simulation, prepared: Prepared) -> dict[str, f
     return {
         "diagnosis.missed": float(len(missed)),
         "diagnosis.invented": float(len(invented)),
-        "diagnosis.missing": " + ".join(found.missing) or "none",
+        "diagnosis.missing": " + ".join(diagnosis.missing) or "none",
         "diagnosis.gain_error": max(errors),
-        "diagnosis.unexplained": float(found.unexplained.significant),
+        "diagnosis.unexplained": float(diagnosis.unexplained.significant),
     }

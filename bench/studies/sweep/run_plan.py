@@ -124,11 +124,11 @@ class Driver:
 
     def run(self, report: Report, phase: Phase = silent) -> None:
         """Work until nothing remains; what a finished run costs here does not depend on how many are under way."""
-        left = True
-        while left or self._ready or self._jobs:  # no set waits where nothing is under way
-            while left and len(self._waiting) + len(self._ready) < self._limit:
+        more_to_come = True
+        while more_to_come or self._ready or self._jobs:  # no set waits where nothing is under way
+            while more_to_come and len(self._waiting) + len(self._ready) < self._limit:
                 following = next(self._sets, None)
-                left = following is not None
+                more_to_come = following is not None
                 if following is not None and not self._placed(following):
                     self._waiting.append(following)
             while self._ready and self._running <= self._pool.slots:
@@ -168,7 +168,7 @@ class Driver:
 
     def _doing(self) -> str:
         """What the runs that come next are waiting for."""
-        if any(found is self._designs for found in self._asked.values()):
+        if any(stage is self._designs for stage in self._asked.values()):
             return "designing trajectories"
         return "simulating shared motions" if self._asked and not self._running else "runs"
 

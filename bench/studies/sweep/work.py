@@ -84,8 +84,8 @@ class RunTask:
         for run in self.runs:
             options = {key: run.identify[key] for key in ("deviations", "essential")}
             try:
-                own = with_gains(prepared, run.identify["fit_gains"])
-                result = fit(own, run.identify["method"], **options)
+                for_run = with_gains(prepared, run.identify["fit_gains"])
+                result = fit(for_run, run.identify["method"], **options)
                 metrics: dict[str, float | str] = dict(measure(simulation, prepared, result, self.record))
                 if run.identify["diagnose"]:
                     metrics |= diagnosis_metrics(simulation, prepared)

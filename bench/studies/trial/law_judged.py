@@ -45,7 +45,7 @@ def law_columns(simulation: Simulation, diagnosis: Diagnosis, prepared: Prepared
     laws at motors that have none.
     """
     joint, numbers = _hidden_law(simulation)
-    here = [law for law in diagnosis.discovered if law.place == joint]
+    laws = [law for law in diagnosis.discovered if law.place == joint]
     known = {
         hidden_effect.effect
         for hidden_effect in simulation.scenario.settings.hidden
@@ -54,7 +54,7 @@ def law_columns(simulation: Simulation, diagnosis: Diagnosis, prepared: Prepared
     } - named_parts(numbers)
 
     def error(but: Collection[str]) -> float:
-        return _torque_error(simulation, diagnosis, prepared, joint, but) if here else 1.0
+        return _torque_error(simulation, diagnosis, prepared, joint, but) if laws else 1.0
 
     return {
         "law": json.dumps(numbers),
@@ -62,7 +62,7 @@ def law_columns(simulation: Simulation, diagnosis: Diagnosis, prepared: Prepared
         "law.elsewhere": sum(law.place != joint for law in diagnosis.discovered),
         "law.error": error(()),
         "law.alone": error(known),
-        "law.structure": bool(here) and _alike(numbers, here),
+        "law.structure": bool(laws) and _alike(numbers, laws),
     }
 
 
@@ -91,14 +91,14 @@ def _torque_error(
     for seen, rows in zip(model.measured, model.observations, strict=True):
         if rows.use != "validate":
             continue
-        found = rows.effects[:, motor] @ values
+        modelled = rows.effects[:, motor] @ values
         law, known, time = _true_torques(simulation, rows.name, motor, but)
         wanted, alone = (
             decimate(bridged(entry[:, None], [seen.gaps[motor]]), model.settings.decimation)[:, 0]
             for entry in (np.interp(seen.time, time, torque) for torque in (law + known, law))
         )
         moving = rows.moving[:, motor]
-        difference += float(((found - wanted)[moving] ** 2).sum())
+        difference += float(((modelled - wanted)[moving] ** 2).sum())
         squares += float((alone[moving] ** 2).sum())
     return float(np.sqrt(difference / squares)) if squares else float("nan")
 

@@ -119,22 +119,22 @@ def diagnosed_row(setup: Setup, case: Case, number: int, simulation: Simulation)
     diagnosis = find_missing_effects(problem_of(dataset), discover=setup.discover or None)
     hidden = [_plain_entry(hidden_effect) for hidden_effect in simulation.scenario.settings.hidden]
     known = [name for name in case.effects if name != LAW]
-    told, alone = _told(setup, dataset, hidden, known)
-    floor = _floor(simulation, told)
-    own = {effect: _error(result) / floor for effect, result in alone.items()}
+    informed, alone = _told(setup, dataset, hidden, known)
+    floor = _floor(simulation, informed)
+    error_ratios = {effect: _error(result) / floor for effect, result in alone.items()}
     if case.kind in UNNAMED:
-        own[case.effects[0]] = _error(told) / floor
+        error_ratios[case.effects[0]] = _error(informed) / floor
     row = _case_columns(setup, case, number) | {"parameters": json.dumps(hidden)}
-    row |= {f"own_error_over_floor.{i + 1}": own[effect] for i, effect in enumerate(case.effects)}
-    row["least_own_error_over_floor"] = min((own[effect] for effect in case.effects), default=0.0)
+    row |= {f"own_error_over_floor.{i + 1}": error_ratios[effect] for i, effect in enumerate(case.effects)}
+    row["least_own_error_over_floor"] = min((error_ratios[effect] for effect in case.effects), default=0.0)
     row |= _answer(case, diagnosis)
-    row |= _accuracy(simulation, diagnosis, told, floor)
+    row |= _accuracy(simulation, diagnosis, informed, floor)
     row["laws"] = len(diagnosis.discovered)
     if case.kind == "unknown":
         row |= law_columns(simulation, diagnosis, prepare(problem_of(dataset)))
     alike = moving_alike(simulation, setup.passive)
     row["intervals"] = json.dumps(intervals(setup, hidden, diagnosis.after, alike))
-    row["intervals_told"] = json.dumps(intervals(setup, hidden, told, alike))
+    row["intervals_told"] = json.dumps(intervals(setup, hidden, informed, alike))
     return row | versions().columns()
 
 
@@ -169,16 +169,16 @@ def _told(
             f"{effect}:{place}" if place else effect for effect, place, _ in hidden_places(setup, hidden)
         )
     )
-    told = _fitted(prepared, wanted)
+    informed = _fitted(prepared, wanted)
     if not wanted:
-        return told, {}
+        return informed, {}
     alone = {}
     for name in effects:
         gone = {name, *PARTS.get(name, ())}
         alone[name] = _fitted(
             prepared, [request for request in wanted if request.partition(":")[0] not in gone]
         )
-    return told, alone
+    return informed, alone
 
 
 def _fitted(prepared: Prepared, wanted: Sequence[str]) -> Identification:
@@ -233,9 +233,9 @@ def _answer(case: Case, diagnosis: Diagnosis) -> Row:
     }
 
 
-def _accuracy(simulation: Simulation, diagnosis: Diagnosis, told: Identification, floor: float) -> Row:
+def _accuracy(simulation: Simulation, diagnosis: Diagnosis, informed: Identification, floor: float) -> Row:
     row: Row = {"noise_floor": floor, "noise_floor_estimated": diagnosis.unexplained.noise_floor}
-    for name, result in (("before", diagnosis.before), ("after", diagnosis.after), ("told", told)):
+    for name, result in (("before", diagnosis.before), ("after", diagnosis.after), ("told", informed)):
         row[f"error.{name}"] = _error(result)
         row[f"error_over_floor.{name}"] = _error(result) / _floor(simulation, result)
         row[f"gain_error.{name}"] = accuracy(simulation, result)["gain_error"]
