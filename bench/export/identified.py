@@ -119,22 +119,22 @@ def load_identified(
     saved = load_model(path)
     payloads: dict[str, Payload] = {}
     files: tuple[Path, ...] = ()
-    found: Robot | None = None
+    loaded: Robot | None = None
     if saved.dataset is not None and (saved.dataset / DATASET_FILE).is_file():
         spec = read_toml(saved.dataset / DATASET_FILE, DatasetSpec)
         payloads = {name: _declared(name, entry) for name, entry in spec.payloads.items()}
         files = tuple(saved.dataset / name for name in spec.effects)
         if robot is None:
-            found = load_robot(spec.robot, relative_to=saved.dataset)
-    if found is None:
+            loaded = load_robot(spec.robot, relative_to=saved.dataset)
+    if loaded is None:
         if robot is None:
             robot = saved.model.robot
-        found = load_robot(robot)
+        loaded = load_robot(robot)
     known = catalogue_for(files, tuple(effect_files))
     wider = with_own_effects(known, saved)
-    own = () if wider is known else saved.effect_files
-    model = identified_model(path, saved, found, payloads, wider)
-    return replace(model, effect_files=(*files, *effect_files, *own))
+    saved_files = () if wider is known else saved.effect_files
+    model = identified_model(path, saved, loaded, payloads, wider)
+    return replace(model, effect_files=(*files, *effect_files, *saved_files))
 
 
 def declaring(identified: IdentifiedModel, payloads: Mapping[str, Payload]) -> IdentifiedModel:
@@ -195,12 +195,12 @@ def identified_model(
 
 def _payload_values(saved: SavedModel, base: Sequence[str]) -> dict[str, dict[int, float]]:
     """Estimated parameters of payloads by payload and index, those that were omitted too, in the fit's order."""
-    found: dict[str, dict[int, float]] = {}
+    by_payload: dict[str, dict[int, float]] = {}
     for name in (*saved.parameters, *saved.model.left_out):
         if name not in base:
             symbol, _, payload = name.removesuffix(")").partition("(")
-            found.setdefault(payload, {})[PARAMETERS.index(symbol)] = saved.parameters.get(name, 0.0)
-    return {payload: dict(sorted(values.items())) for payload, values in found.items()}
+            by_payload.setdefault(payload, {})[PARAMETERS.index(symbol)] = saved.parameters.get(name, 0.0)
+    return {payload: dict(sorted(values.items())) for payload, values in by_payload.items()}
 
 
 def _moving_nothing(

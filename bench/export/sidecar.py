@@ -45,6 +45,6 @@ def sidecar(physical: PhysicalSet, exported: Exported) -> dict[str, Any]:
 
 def write_sidecar(path: Path, content: dict[str, Any]) -> Path:
     """Write it next to `path`, whole or not at all."""
-    beside = sidecar_path(path)
-    write_json_atomically(beside, content)
-    return beside
+    file = sidecar_path(path)
+    write_json_atomically(file, content)
+    return file

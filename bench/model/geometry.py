@@ -228,13 +228,13 @@ def _joints(compiled: mujoco.MjModel) -> tuple[tuple[Joint, ...], dict[int, tupl
     for body in range(1, compiled.nbody):
         carried = _name(compiled, mujoco.mjtObj.mjOBJ_BODY, body, f"body_{body}")
         parent, placement = frames[int(compiled.body_parentid[body])]
-        here = placement @ Placement(_rotation(compiled.body_quat[body]), compiled.body_pos[body].copy())
+        frame = placement @ Placement(_rotation(compiled.body_quat[body]), compiled.body_pos[body].copy())
         first = int(compiled.body_jntadr[body])
         count = int(compiled.body_jntnum[body])
         for index in range(first, first + count):
             kind = KINDS[int(compiled.jnt_type[index])]
             point = np.zeros(3) if kind == "free" else compiled.jnt_pos[index].copy()
-            at = world if kind == "free" else here @ Placement(np.eye(3), point)
+            at = world if kind == "free" else frame @ Placement(np.eye(3), point)
             limits = compiled.jnt_range[index] if compiled.jnt_limited[index] else None
             joints.append(
                 Joint(
@@ -254,8 +254,8 @@ def _joints(compiled: mujoco.MjModel) -> tuple[tuple[Joint, ...], dict[int, tupl
             )
             nq += CONFIGURATION_SIZE[kind]
             nv += VELOCITY_SIZE[kind]
-            parent, here = len(joints) - 1, Placement(np.eye(3), -point)
-        frames[body] = (parent, here)
+            parent, frame = len(joints) - 1, Placement(np.eye(3), -point)
+        frames[body] = (parent, frame)
     return tuple(joints), frames
 
 

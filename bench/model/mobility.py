@@ -88,10 +88,10 @@ def check_mobility(geometry: Geometry) -> None:
             f"robot {name}: home is a singular pose: joint {_quoted(loose)} can move there, all motors held"
         )
     jacobian = scaled_jacobian(geometry, geometry.home if general is None else general)
-    left = geometry.nv - _rank(jacobian)
-    if left < len(geometry.active):
+    freedom = geometry.nv - _rank(jacobian)
+    if freedom < len(geometry.active):
         raise BenchError(
-            f"robot {name}: the loop closures leave {left} degrees of freedom for {len(geometry.active)} "
+            f"robot {name}: the loop closures leave {freedom} degrees of freedom for {len(geometry.active)} "
             f"motors; those of joint {_quoted(_bound_motors(geometry, jacobian))} are not independent "
             "near the home pose, although they are at home"
         )

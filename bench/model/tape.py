@@ -112,14 +112,14 @@ class TapeRun:
         part, memory = self.program.stages[stage], self.memory
         for row, values in zip(range(part.inputs.start, part.inputs.stop), inputs, strict=True):
             memory[row] = values
-        left, right = self.room
+        first_operand, second_operand = self.room
         for ufunc, first, second, results in part.groups:
             count = results.stop - results.start  # "clip" below: NumPy needs no buffer, and no row is outside
-            argument = memory.take(first, 0, left[:count], "clip")
+            argument = memory.take(first, 0, first_operand[:count], "clip")
             if second is None:
                 ufunc(argument, memory[results])
             else:
-                ufunc(argument, memory.take(second, 0, right[:count], "clip"), memory[results])
+                ufunc(argument, memory.take(second, 0, second_operand[:count], "clip"), memory[results])
         return np.asarray(memory[part.outputs])
 
 
