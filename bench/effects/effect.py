@@ -147,8 +147,8 @@ class Effect(ABC):
 
     def about(self, values: Mapping[str, float]) -> Self:
         """The effect linearised about these values of its linear parameters; itself where it is linear."""
-        own = {field.name for field in fields(self)} - {parameter.name for parameter in self.shape}
-        known = {name: value for name, value in values.items() if name in own}
+        field_names = {field.name for field in fields(self)} - {parameter.name for parameter in self.shape}
+        known = {name: value for name, value in values.items() if name in field_names}
         return replace(self, **known) if known else self
 
     def about_values(self) -> dict[str, float]:

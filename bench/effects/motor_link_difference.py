@@ -87,10 +87,10 @@ def slopes(robot: RobotSignals, joint: str) -> np.ndarray:
         coarse, at = robot.coarse, list(robot.joints).index(joint)
         speed = float(np.sqrt((coarse.velocity[:, at] ** 2).mean()))
         steps = (TURN if robot.joints[joint].rotates else SLIDE, SHARE * speed or SHARE, 1.0)
-        found = np.zeros((3, *coarse.torque.shape))
+        derivatives = np.zeros((3, *coarse.torque.shape))
         for order, step in enumerate(steps):
-            shift = np.zeros_like(found)
+            shift = np.zeros_like(derivatives)
             shift[order, :, at] = step
-            found[order] = robot.coarse_change(shift) / step
-        robot.noted[key] = found
+            derivatives[order] = robot.coarse_change(shift) / step
+        robot.noted[key] = derivatives
     return robot.noted[key]

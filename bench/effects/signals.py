@@ -278,8 +278,12 @@ class RobotSignals:
         geometry: Geometry | None = None,
     ) -> np.ndarray:
         """As `torque_change`, at the coarse samples (K, n)."""
-        here = self.coarse
+        reference = self.coarse
         moved = None
         if shift is not None:
-            moved = here.position + shift[0], here.velocity + shift[1], here.acceleration + shift[2]
-        return self.torque(Changed(moved, gravity, geometry), self.every) - here.torque
+            moved = (
+                reference.position + shift[0],
+                reference.velocity + shift[1],
+                reference.acceleration + shift[2],
+            )
+        return self.torque(Changed(moved, gravity, geometry), self.every) - reference.torque

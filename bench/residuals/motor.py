@@ -97,14 +97,14 @@ def compared(
     for actuator in robot.actuators:
         unit = actuator.gain_unit
         units[actuator.joint] = (drive_unit(unit), units_of_gain(unit).position)
-    found = []
+    motors = []
     for trace in series:
         noise, band = (
             current_noise(logged[trace.name], settings, trace.sharing),
             settings.band(logged[trace.name].rate),
         )
-        found += [_motor(trace, j, joint, float(noise[j]), band) for j, joint in enumerate(robot.joints)]
-    return Compared(robot.name, tuple(robot.joints), units, tuple(found))
+        motors += [_motor(trace, j, joint, float(noise[j]), band) for j, joint in enumerate(robot.joints)]
+    return Compared(robot.name, tuple(robot.joints), units, tuple(motors))
 
 
 def relative_noise(series: Sequence[MotorSeries]) -> float:

@@ -50,11 +50,11 @@ def over_warm_up(series: Sequence[MotorSeries]) -> tuple[Opposing, Opposing]:
 def by_load(series: Sequence[MotorSeries]) -> list[Opposing]:
     """Each payload of one motor, and none."""
     loads = list(dict.fromkeys(trace.payload for trace in series))
-    found = []
+    comparisons = []
     for load in loads:
         rows = [np.arange(len(trace.time) if trace.payload == load else 0) for trace in series]
-        found.append(_opposing(series, rows, f"with payload {load}" if load else "without payload"))
-    return found
+        comparisons.append(_opposing(series, rows, f"with payload {load}" if load else "without payload"))
+    return comparisons
 
 
 def changes(series: Sequence[MotorSeries]) -> list[Change]:

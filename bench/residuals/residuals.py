@@ -78,7 +78,7 @@ def _of_motor(what: Compared, joint: str, possible: Mapping[str, Effect], has: S
     current, unit = what.units[joint]
     error, noise = relative_error_of(series) or 0.0, relative_noise(series)
     above = error > MATERIAL * noise
-    found = (
+    patterns = (
         tuple(concentrations(series, regions(series, unit, current))) if above else (),
         tuple(dependences(series)) if above else (),
         tuple(lines(series)) if above else (),
@@ -92,13 +92,13 @@ def _of_motor(what: Compared, joint: str, possible: Mapping[str, Effect], has: S
         by_recording={trace.recording: _error_and_noise(trace) for trace in series},
         memory=autocorrelation(series).memory / (series[0].rate or 1.0),
         above_noise=above,
-        concentrations=found[0],
-        dependences=found[1],
-        lines=found[2],
-        changes=found[3],
+        concentrations=patterns[0],
+        dependences=patterns[1],
+        lines=patterns[2],
+        changes=patterns[3],
         warm_up=over_warm_up(series),
         by_load=tuple(by_load(series)),
-        alike=look_alikes(joint, found, possible, has),
+        alike=look_alikes(joint, patterns, possible, has),
     )
 
 

@@ -72,13 +72,13 @@ def moved_parameters(first: Identification, other: Identification) -> list[str]:
     The distance is in the larger of the two deviations: models of the same recordings share their noise.
     """
     before = {parameter.name: parameter for parameter in first.parameters}
-    found = []
+    moved = []
     for parameter in other.parameters:
         old = before.get(parameter.name)
         std = max(parameter.std, old.std) if old is not None else math.inf
         if old is not None and 0.0 < std < math.inf and abs(parameter.value - old.value) > CLEAR * std:
-            found.append((abs(parameter.value - old.value) / std, parameter.name))
-    return [name for _, name in sorted(found, reverse=True)]
+            moved.append((abs(parameter.value - old.value) / std, parameter.name))
+    return [name for _, name in sorted(moved, reverse=True)]
 
 
 def effect_places(model: Identification) -> list[str]:
@@ -90,12 +90,12 @@ def effect_places(model: Identification) -> list[str]:
     ]
 
 
-def side_by_side_json(found: SideBySide, changed: Sequence[str]) -> dict[str, Any]:
+def side_by_side_json(comparison: SideBySide, changed: Sequence[str]) -> dict[str, Any]:
     """The models as plain data. changed: sentences on what is different."""
     return dict(
         finite(
             {
-                "robot": found.robot,
+                "robot": comparison.robot,
                 "models": [
                     {
                         "name": model.name,
@@ -107,7 +107,7 @@ def side_by_side_json(found: SideBySide, changed: Sequence[str]) -> dict[str, An
                             for joint, gain in model.model.drive_gains.items()
                         },
                     }
-                    for model in found.models
+                    for model in comparison.models
                 ],
                 "changed": list(changed),
             }

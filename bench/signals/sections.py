@@ -87,10 +87,10 @@ def filtered(sections: FloatArray, x: FloatArray, states: FloatArray) -> tuple[F
         blocks = columns[:at].reshape(count, LENGTH, -1).transpose(1, 0, 2).reshape(LENGTH, -1)
         given = (matrices.fed @ blocks).reshape(len(state), count, -1).transpose(1, 0, 2)
         begins, state = carried(matrices.carry, state, given)
-        own = matrices.filtered @ blocks + matrices.initial @ begins.transpose(1, 0, 2).reshape(
+        forced = matrices.filtered @ blocks + matrices.initial @ begins.transpose(1, 0, 2).reshape(
             len(state), -1
         )
-        outputs[:at] = own.reshape(LENGTH, count, -1).transpose(1, 0, 2).reshape(at, -1)
+        outputs[:at] = forced.reshape(LENGTH, count, -1).transpose(1, 0, 2).reshape(at, -1)
     rest = len(x) - at
     if rest:
         matrices, given = _block(sections.tobytes()), columns[at:]
@@ -112,13 +112,13 @@ def carried(carry: FloatArray, state: FloatArray, given: FloatArray) -> tuple[Fl
         added = given[:whole].reshape(-1, TOGETHER * size, columns)
         added = alone @ added
         groups = states[:whole].reshape(-1, TOGETHER * size, columns)
-        for own, more in zip(groups, added, strict=True):
+        for target, more in zip(groups, added, strict=True):
             every = ahead @ state
             every += more
-            own[:size], own[size:] = state, every[:-size]
+            target[:size], target[size:] = state, every[:-size]
             state = every[-size:]
-    for own, more in zip(states[whole:], given[whole:], strict=True):
-        own[:] = state
+    for target, more in zip(states[whole:], given[whole:], strict=True):
+        target[:] = state
         state = carry @ state + more
     return states, state
 

@@ -74,14 +74,14 @@ def _closed(columns: FloatArray, size: int) -> FloatArray:
 def _plan(every: int, length: int, factor: int) -> _Plan:
     count = -(-length // every)
     extension = 3 * ORDER
-    beside = np.arange(1, -(-extension // every) + 1)
-    before = np.minimum(beside * every, extension) / every
+    offsets = np.arange(1, -(-extension // every) + 1)
+    before = np.minimum(offsets * every, extension) / every
     nodes = -(-extension // every) + NEXT + 1
-    front = 2.0 * _between(np.zeros(len(beside)), nodes) - _between(before, nodes)
+    front = 2.0 * _between(np.zeros(len(offsets)), nodes) - _between(before, nodes)
     # counted from the last known sample backwards, in their own steps, as the last of all stands beyond it
     last = (count - 1) - (length - 1) / every
-    after = np.minimum(beside + last, extension / every)
-    back = 2.0 * _between(np.full(len(beside), last), nodes) - _between(last + after, nodes)
+    after = np.minimum(offsets + last, extension / every)
+    back = 2.0 * _between(np.full(len(offsets), last), nodes) - _between(last + after, nodes)
     common = every * factor // gcd(every, factor)
     repeats = -(-(length + 2 * extension + 2 * every + BETWEEN * factor) // common)
     while not _quick(repeats):
@@ -90,7 +90,7 @@ def _plan(every: int, length: int, factor: int) -> _Plan:
     size, kept = period // every, 2 * (period // factor)
     angle = 2.0 * np.pi * np.arange(size // 2 + 1) / period
     forward = response(sections_of(factor), angle)
-    first = int(decimated_indices(length, factor)[0]) + len(beside) * every
+    first = int(decimated_indices(length, factor)[0]) + len(offsets) * every
     backward = forward.conj() * np.exp(1j * angle * first) * (kept / size)
     rows = len(decimated_indices(length, factor))
     return _Plan(size, front[::-1], back[:, ::-1], forward, backward[: kept // 2 + 1], kept, rows)

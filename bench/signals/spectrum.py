@@ -129,10 +129,10 @@ def _clipped_power(x: FloatArray) -> float:
         for start in np.maximum(loud - NEIGHBOURS, 0).tolist():
             quiet[start : start + 2 * NEIGHBOURS + 1] = 0.0
         kept *= quiet
-        left = int(kept.sum())
-        if left == count or quiet.sum() < len(x) / 10:
+        kept_count = int(kept.sum())
+        if kept_count == count or quiet.sum() < len(x) / 10:
             return level
-        count, level = left, float(power @ kept) / left
+        count, level = kept_count, float(power @ kept) / kept_count
 
 
 def noise_floor(x: FloatArray, rate: float, band: float) -> FloatArray:
@@ -222,7 +222,7 @@ def noise_from(frequency: FloatArray, position: FloatArray) -> FloatArray:
         position: power densities without white noise, shape (F, n) [unit^2/Hz].
     """
     omega = 2 * np.pi * frequency
-    found = np.full(position.shape[1], np.inf)
+    limits = np.full(position.shape[1], np.inf)
     for j, density in enumerate(position.T):
         shown = np.flatnonzero(density)
         if not len(shown):
@@ -233,11 +233,11 @@ def noise_from(frequency: FloatArray, position: FloatArray) -> FloatArray:
         octaves = largest_within_octaves(omega**4 * density, max(first, 1), last)
         least = int(np.argmin(octaves))
         if FADED * octaves[least] < octaves[0] and octaves[least:].max() > RISEN * octaves[least]:
-            found[j] = frequency[max(first, 1) + least]
+            limits[j] = frequency[max(first, 1) + least]
         else:
             level = _level_from(octaves, max(first, 1))
-            found[j] = np.inf if level is None else frequency[level]
-    return found
+            limits[j] = np.inf if level is None else frequency[level]
+    return limits
 
 
 def largest_within_octaves(values: FloatArray, first: int, last: int) -> FloatArray:
@@ -246,15 +246,17 @@ def largest_within_octaves(values: FloatArray, first: int, last: int) -> FloatAr
     """
     starts = np.arange(first, last + 1)
     sizes = np.frexp(starts + 1)[1] - 1
-    found = np.empty(len(starts))
+    largest = np.empty(len(starts))
     windows, size = values, 0
     for power in range(int(sizes[0]), int(sizes[-1]) + 1):
         while size < power:
             windows = np.maximum(windows[: -(1 << size)], windows[1 << size :])
             size += 1
-        own = sizes == power
-        found[own] = np.maximum(windows[starts[own]], windows[2 * starts[own] + 1 - (1 << power)])
-    return found
+        of_size = sizes == power
+        largest[of_size] = np.maximum(
+            windows[starts[of_size]], windows[2 * starts[of_size] + 1 - (1 << power)]
+        )
+    return largest
 
 
 def _level_from(octaves: FloatArray, first: int) -> int | None:

@@ -96,10 +96,10 @@ def write_simulation(simulation: Simulation, folder: str | Path) -> Path:
 def _write_folder(simulation: Simulation, folder: Path) -> None:
     scenario = simulation.scenario
     dataset = as_dataset(simulation)
-    for recording, own in zip(simulation.recordings, dataset.recordings, strict=True):
-        file = folder / own.name
+    for recording, recorded in zip(simulation.recordings, dataset.recordings, strict=True):
+        file = folder / recorded.name
         log = recording.log
-        write_recording(file, log.time, log.position, log.current, scenario.robot.driven, own.extra)
+        write_recording(file, log.time, log.position, log.current, scenario.robot.driven, recorded.extra)
     entries = [
         # a simulation knows its units: where masses are large, currents may be, too
         RecordingEntry(

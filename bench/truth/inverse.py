@@ -60,12 +60,12 @@ def powers(machine: Machine, payload: str | None, poses: Array, torque: Array) -
     m = machine.leading
     if torque.shape[1] == m:
         return torque
-    model, found = machine.models[payload], torque[:, :m].copy()
+    model, result = machine.models[payload], torque[:, :m].copy()
     data = mujoco.MjData(model)
     for k, pose in enumerate(poses):
         data.qpos[:] = pose
-        found[k] += following(model, data, machine.dofs[:m])[machine.dofs[m:]].T @ torque[k, m:]
-    return found
+        result[k] += following(model, data, machine.dofs[:m])[machine.dofs[m:]].T @ torque[k, m:]
+    return result
 
 
 def _bent(model: mujoco.MjModel, data: mujoco.MjData, held: Array, velocity: Array) -> Array:
@@ -73,13 +73,13 @@ def _bent(model: mujoco.MjModel, data: mujoco.MjData, held: Array, velocity: Arr
 
     held (m, passive): their columns of the loops' Jacobian.
     """
-    here = data.qpos.copy()
+    start = data.qpos.copy()
     ends = []
     for time in (-NUDGE, NUDGE):
-        qpos = here.copy()
+        qpos = start.copy()
         mujoco.mj_integratePos(model, qpos, velocity, time)
         data.qpos[:] = qpos
         ends.append(loop_rows(model, data)[1] @ velocity)
-    data.qpos[:] = here
+    data.qpos[:] = start
     change = (ends[1] - ends[0]) / (2 * NUDGE)
     return np.asarray(-np.linalg.lstsq(held, change, rcond=None)[0], dtype=np.float64)

@@ -199,9 +199,9 @@ class Stepper:
         for friction, values in zip(self._frictions, size, strict=True):
             friction[self._friction_at] = values
         for bearing in self._bearings:
-            for friction, own in zip(self._frictions, bearing.size(), strict=True):
-                friction[bearing.dof] = own
+            for friction, level in zip(self._frictions, bearing.size(), strict=True):
+                friction[bearing.dof] = level
         for ball in self._balls:
-            for friction, own in zip(self._frictions, ball.size(), strict=True):
-                friction[ball.dofs] = own
+            for friction, level in zip(self._frictions, ball.size(), strict=True):
+                friction[ball.dofs] = level
         self._batch.set_models(self._models)
