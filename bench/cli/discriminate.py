@@ -111,11 +111,11 @@ def discriminate(
         }
         run_of = CommandRun("discriminate", str(dataset), effects, files, {**given, **motion}, str(output))
         words = ["bench", "discriminate", str(dataset), effect_a, effect_b, *run_of.option_words()]
-        own = data.robot.folder.resolve()
-        built_in = [name for name, folder in built_in_robots().items() if folder.resolve() == own]
-        robot = quoted(built_in[0] if built_in else own)
-        told = Told(" ".join(map(quoted, words)), run_diagnosis.line(), quoted(dataset), robot)
-        paths = write_discrimination(output, answer, write_discrimination_figure, rate=rate, told=told)
+        robot_folder = data.robot.folder.resolve()
+        built_in = [name for name, folder in built_in_robots().items() if folder.resolve() == robot_folder]
+        robot = quoted(built_in[0] if built_in else robot_folder)
+        context = Told(" ".join(map(quoted, words)), run_diagnosis.line(), quoted(dataset), robot)
+        paths = write_discrimination(output, answer, write_discrimination_figure, rate=rate, told=context)
     from rich.console import Console
     from rich.text import Text
 

@@ -106,11 +106,11 @@ def after_diagnosis(
 
     if any(finding.code in MEND_FIRST for finding in diagnosis.after.findings):
         return f"next: {again}    {AGAIN}"
-    found = diagnosis.missing or diagnosis.discovered
-    if found and model is not None:
+    missing = diagnosis.missing or diagnosis.discovered
+    if missing and model is not None:
         files = [word for file in effect_files for word in ("--effect-file", file)]
         return next_line(["compare", dataset, "--model", model, *files], "shows the remaining error")
-    if found:
+    if missing:
         return f"next: {again} --apply model.json    writes the model with the missing effects"
     doubtful = [
         verdict

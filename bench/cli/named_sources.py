@@ -152,9 +152,9 @@ def _of_result(saved: SavedRun, asked: ViewRequest) -> ViewedRun:
 
 def _requests(diagnosis: Diagnosis, rung: LadderStep) -> tuple[str, ...]:
     """The effects of a rung's model where the identified model has them, and those that the model had before."""
-    own = diagnosis.before.effects
-    added = [effect for effect in diagnosis.after.effects if effect not in own]
-    return (*own, *(name for name in added if {name, name.partition(":")[0]} & {*rung.effects}))
+    initial = diagnosis.before.effects
+    added = [effect for effect in diagnosis.after.effects if effect not in initial]
+    return (*initial, *(name for name in added if {name, name.partition(":")[0]} & {*rung.effects}))
 
 
 def _of_sweep(folder: Path, asked: ViewRequest) -> list[ViewedRun]:

@@ -225,12 +225,12 @@ def _in_columns(views: Sequence[Sequence[rrb.View]], shares: Sequence[float], na
     size = MOTORS_IN_COLUMN
     groups = [views[i : i + size] for i in range(0, len(views), size)]
     columns = [
-        rrb.Vertical(*(view for own in group for view in own), row_shares=[*shares] * len(group))
+        rrb.Vertical(*(view for column in group for view in column), row_shares=[*shares] * len(group))
         for group in groups
     ]
     if len(columns) == 1:
         return rrb.Vertical(
-            *(view for own in views for view in own), row_shares=[*shares] * len(views), name=name
+            *(view for column in views for view in column), row_shares=[*shares] * len(views), name=name
         )
     return rrb.Horizontal(*columns, name=name)
 

@@ -58,8 +58,8 @@ class ShownContent:
     @property
     def has_torques(self) -> bool:
         """Whether there is a torque of effects, found or known, to be drawn."""
-        found = self.torques is not None and bool(self.torques.by_effect)
-        return found or (self.known is not None and self.known.torque is not None)
+        by_effect = self.torques is not None and bool(self.torques.by_effect)
+        return by_effect or (self.known is not None and self.known.torque is not None)
 
     def column(self, time: np.ndarray) -> rr.TimeColumn:
         """Logged times as whole nanoseconds since the first sample."""

@@ -55,9 +55,9 @@ def shapes(model: mujoco.MjModel, outline: Colour | None = None) -> Iterator[Geo
     """
     geoms = visible_geoms(model)
     for body in range(model.nbody):
-        own = geoms[model.geom_bodyid[geoms] == body]
+        of_body = geoms[model.geom_bodyid[geoms] == body]
         by_kind: dict[str, list[int]] = {}
-        for geom in own:
+        for geom in of_body:
             by_kind.setdefault(_DRAWN[int(model.geom_type[geom])], []).append(int(geom))
         for kind, members in by_kind.items():
             if kind == "mesh":
@@ -128,8 +128,8 @@ def _mesh(model: mujoco.MjModel, geom: int, outline: Colour | None) -> tuple[rr.
 
 def _colour(model: mujoco.MjModel, geom: int) -> Colour:
     """Red, green, blue and opacity, 0 to 255, light enough for a dark ground."""
-    own, material = model.geom_rgba[geom], int(model.geom_matid[geom])
-    rgba = model.mat_rgba[material] if material >= 0 and np.allclose(own, PLAIN) else own
+    colour, material = model.geom_rgba[geom], int(model.geom_matid[geom])
+    rgba = model.mat_rgba[material] if material >= 0 and np.allclose(colour, PLAIN) else colour
     color = np.asarray(rgba[:3], dtype=float)
     luminance = float(color @ (0.2126, 0.7152, 0.0722))
     if luminance < DARKEST:

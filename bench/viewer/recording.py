@@ -208,10 +208,10 @@ def _shown(viewed: ViewedRun, prefix: str, model: mujoco.MjModel, geometry: Geom
 def _logged_reference(recording: Recording, joints: Sequence[str]) -> KnownTruth | None:
     """The reference positions, where the log has them as reference.JOINT for every motor."""
     columns = [recording.extra.get(f"{REFERENCE_COLUMN}{joint}") for joint in joints]
-    found = [column for column in columns if column is not None]
-    if len(found) < len(joints) or not np.isfinite(found).all():
+    references = [column for column in columns if column is not None]
+    if len(references) < len(joints) or not np.isfinite(references).all():
         return None
-    return KnownTruth(recording.time, reference=np.stack(found, axis=1))
+    return KnownTruth(recording.time, reference=np.stack(references, axis=1))
 
 
 def _reference_path(
@@ -284,10 +284,10 @@ def _scenes(run: _Run, largest: float, title: str | None = None) -> list[Scene]:
 
 def _key(content: ShownContent, largest: float) -> str:
     """How colours and outlines read."""
-    told = [] if content.simulated is None else ["outlined: simulated"]
+    parts = [] if content.simulated is None else ["outlined: simulated"]
     if content.motion.tool_position is not None:
-        told.append(f"path: error from 0 (violet) to {percent(largest)} (yellow)")
-    return ", ".join(told)
+        parts.append(f"path: error from 0 (violet) to {percent(largest)} (yellow)")
+    return ", ".join(parts)
 
 
 def _send_text(

@@ -156,7 +156,7 @@ def steps_of(
     name: str, steps: Sequence[tuple[str, Sequence[CurrentSeries]]]
 ) -> tuple[tuple[str, CurrentSeries], ...]:
     """The recording of that name in every step that has it."""
-    found = [
+    traces = [
         (label, next((trace for trace in series if trace.name == name), None)) for label, series in steps
     ]
-    return tuple((label, trace) for label, trace in found if trace is not None)
+    return tuple((label, trace) for label, trace in traces if trace is not None)

@@ -116,8 +116,8 @@ def known_machines() -> Mapping[str, MachineTable]:
 def compared(model: Mapping[str, Any], known: tuple[KnownValue, ...]) -> tuple[AgainstKnown, ...]:
     """All drive gains, and everything else that is known, side by side; model: a model as JSON holds it."""
     rows = [_row(model, known_value, place) for known_value in known for place in known_value.values]
-    told = {row.place for row in rows if row.quantity == DRIVE_GAIN}
-    others = [_gain(model, joint, None) for joint in model["drive_gains"] if joint not in told]
+    determined = {row.place for row in rows if row.quantity == DRIVE_GAIN}
+    others = [_gain(model, joint, None) for joint in model["drive_gains"] if joint not in determined]
     return (*others, *rows)
 
 
@@ -131,8 +131,8 @@ def _row(model: Mapping[str, Any], known: KnownValue, place: str) -> AgainstKnow
     if known.of == DRIVE_GAIN:
         return _gain(model, place, known)
     if known.of == PARAMETER:
-        found = next((parameter for parameter in model["parameters"] if parameter["name"] == place), None)
-        return _beside(PARAMETER, place, found, known)
+        estimate = next((parameter for parameter in model["parameters"] if parameter["name"] == place), None)
+        return _beside(PARAMETER, place, estimate, known)
     return _beside(f"{known.of} {known.parameter}", place, _felt(model, known, place), known)
 
 
@@ -154,12 +154,12 @@ def _felt(model: Mapping[str, Any], known: KnownValue, place: str) -> Mapping[st
 def _beside(
     quantity: str,
     place: str,
-    found: Mapping[str, Any] | None,
+    parameter: Mapping[str, Any] | None,
     known: KnownValue | None,
     *,
     fixed: bool = False,
 ) -> AgainstKnown:
-    estimate = found or {"value": None, "std": None, "unit": ""}
+    estimate = parameter or {"value": None, "std": None, "unit": ""}
     return AgainstKnown(
         quantity,
         place,

@@ -92,14 +92,14 @@ class Record:
     program: dict[str, str]
 
 
-def measured(name: str, dataset: Path, table: MachineTable, told: Callable[[str], None]) -> Record:
+def measured(name: str, dataset: Path, table: MachineTable, report: Callable[[str], None]) -> Record:
     """Identify and diagnose the dataset in a folder. told: hears of every command before it runs."""
     runs = []
     commands = [("identify", table.effects), *(("diagnose", start) for start in table.diagnose_with)]
     for command, effects in commands:
         given = [word for effect in effects for word in ("--with", effect)]
         line = " ".join((command, name, *given))
-        told(f"bench {line}")
+        report(f"bench {line}")
         runs.append(_run(command, dataset, given, line, table))
     return Record(name, tuple(runs), versions().columns())
 

@@ -73,11 +73,11 @@ def solve(problem: PeerProblem, cutoff: float, decimation: int) -> Answer:
     indices, _ = decomposition.QRDecomposer()._identify_base_parameters(reduced, remaining)  # noqa: SLF001 - has no public name
     without, loaded = np.split(decomposition.build_baseRegressor(reduced, indices), 2)
     settings["nb_samples"] = len(full[0]) // n
-    found = regressor.build_total_regressor_current(
+    solution = regressor.build_total_regressor_current(
         without, loaded, _mass_last(full[1]), *currents, dict.fromkeys(range(9)), settings
     )[1]
     seconds = time.process_time() - start
-    gains = np.abs(found[len(indices) : len(indices) + n])
+    gains = np.abs(solution[len(indices) : len(indices) + n])
     return Answer("FIGAROH, payload's mass alone", seconds, gains, None, None, None)
 
 

@@ -43,10 +43,10 @@ def solve(problem: PeerProblem, step: float) -> Answer:
     residual = sysid.build_residual_fn(models_sequences=sequences)
     start = time.process_time()
     with redirect_stdout(io.StringIO()):
-        found, result = sysid.optimize(parameters, residual, optimizer="mujoco", verbose=False)
+        optimum, result = sysid.optimize(parameters, residual, optimizer="mujoco", verbose=False)
     seconds = time.process_time() - start
-    vector = found.as_vector()
-    errors = np.concatenate([part.ravel() for part in residual(vector, found)[0]])
+    vector = optimum.as_vector()
+    errors = np.concatenate([part.ravel() for part in residual(vector, optimum)[0]])
     jacobian = np.asarray(result.jac)
     variance = float(errors @ errors) / (len(errors) - len(vector))
     stds = np.sqrt(variance * np.diag(np.linalg.inv(jacobian.T @ jacobian)))

@@ -103,8 +103,8 @@ def measure() -> tuple[float, float]:
         done = subprocess.run(program, capture_output=True, text=True, check=False)
         if done.returncode:
             raise BenchError(f"the long logs cannot be identified: {done.stderr}")
-        found = json.loads(done.stdout)
-        return found["seconds"], found["gigabytes"]
+        measured = json.loads(done.stdout)
+        return measured["seconds"], measured["gigabytes"]
 
 
 def main() -> None:

@@ -14,7 +14,7 @@ def peak_bytes() -> int:
     What `getrusage` says on Linux is never less than what the process had that started it.
     """
     if STATUS.is_file():
-        found = re.search(r"^VmHWM:\s+(\d+) kB", STATUS.read_text(encoding="ascii"), re.MULTILINE)
-        if found:
-            return int(found[1]) * KILO
+        match = re.search(r"^VmHWM:\s+(\d+) kB", STATUS.read_text(encoding="ascii"), re.MULTILINE)
+        if match:
+            return int(match[1]) * KILO
     return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * KILO

@@ -22,7 +22,7 @@ from bench.identification.wording import and_list
 from bench.residuals.motor import Compared
 
 
-def write_diagnosis_figures(folder: Path, diagnosis: Diagnosis, left: Compared) -> list[Path]:
+def write_diagnosis_figures(folder: Path, diagnosis: Diagnosis, residuals: Compared) -> list[Path]:
     """Write errors.png, ladder.png, gains.png and, for the residual, errors_MOTOR.png, and tell their paths.
 
     Where nothing is missing there is no ladder and there are no gains before and after. left: the errors of
@@ -31,7 +31,11 @@ def write_diagnosis_figures(folder: Path, diagnosis: Diagnosis, left: Compared) 
     pages = {"errors.png": errors_before_after_figure(diagnosis)}
     if diagnosis.added:
         pages = {"ladder.png": ladder_figure(diagnosis), **pages, "gains.png": gains_figure(diagnosis)}
-    pages |= {f"errors_{joint}.png": errors_figure(left, joint) for joint in left.joints if left.of(joint)}
+    pages |= {
+        f"errors_{joint}.png": errors_figure(residuals, joint)
+        for joint in residuals.joints
+        if residuals.of(joint)
+    }
     for name, figure in pages.items():
         with atomic_path(folder / name) as partial:
             figure.savefig(partial)
