@@ -186,7 +186,7 @@ def test_a_model_that_is_known_to_be_wrong_is_told(given, tmp_path, capsys):
 
 def test_the_readme_repeats_what_was_asked_and_of_which_data(found, tmp_path):
     told = Told("bench discriminate data a b --with c", "bench diagnose data --with c", "data", "robots/arm")
-    write_discrimination(tmp_path / "out", found, write_discrimination_figure, told=told)
+    write_discrimination(tmp_path / "out", found, write_discrimination_figure, commands=told)
     readme = (tmp_path / "out" / "README.md").read_text()
     for line in (
         "bench import first.csv --robot robots/arm -o data --name telling.csv",

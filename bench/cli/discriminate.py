@@ -115,7 +115,7 @@ def discriminate(
         built_in = [name for name, folder in built_in_robots().items() if folder.resolve() == robot_folder]
         robot = quoted(built_in[0] if built_in else robot_folder)
         context = Told(" ".join(map(quoted, words)), run_diagnosis.line(), quoted(dataset), robot)
-        paths = write_discrimination(output, answer, write_discrimination_figure, rate=rate, told=context)
+        paths = write_discrimination(output, answer, write_discrimination_figure, rate=rate, commands=context)
     from rich.console import Console
     from rich.text import Text
 

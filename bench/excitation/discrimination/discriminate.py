@@ -77,7 +77,7 @@ def discriminate(
     shown = {rival.request: 0.0 if rival.absorbed else shown_nats(rival) for rival in rivals}
     nothing = motion is not None and motion.nats < FAINT and max(shown.values()) < RULE.prior
     motion = None if nothing else motion
-    found = Discrimination(
+    result = Discrimination(
         robot=dataset.robot.name,
         effects=requests,
         error_over_noise=error_over_noise(rivals),
@@ -97,11 +97,11 @@ def discriminate(
         wider=None,
         impossible=_impossible(rivals),
     )
-    if motion is None or found.tells:
-        return found
+    if motion is None or result.tells:
+        return result
     heavier = _heavier(asked, around, motion, first)
     far = best_motion(asked, envelope(first, WIDER * widen), loads, duration, seed, progress)
-    return replace(found, second=heavier, wider=None if far is None else (WIDER * widen, far.nats))
+    return replace(result, second=heavier, wider=None if far is None else (WIDER * widen, far.nats))
 
 
 def _judged_rows(dataset: Dataset, rival: Rival) -> int:
@@ -145,7 +145,7 @@ def _imitated(
         return ()
     rival = asked[0].truth
     random = np.random.default_rng(seed)
-    left = {query.truth.request: 0.0 for query in asked}
+    shares = {query.truth.request: 0.0 for query in asked}
     for i, (_, trajectory) in zip(range(TRIED), starts(rival, around, duration, random), strict=False):
         time = times_of(trajectory, band_of(around, trajectory))
         tree = feasible_motion(rival.prepared.model.geometry, around.joint, trajectory, time)
@@ -155,13 +155,13 @@ def _imitated(
         for query in asked:
             current = predicted(query.truth, plan)
             share = share_left(query, plan, current, separation(query, plan, current))
-            left[query.truth.request] = max(left[query.truth.request], share)
-    return tuple(name for name, share in left.items() if share < ALIKE)
+            shares[query.truth.request] = max(shares[query.truth.request], share)
+    return tuple(name for name, share in shares.items() if share < ALIKE)
 
 
 def _impossible(rivals: Sequence[Rival]) -> tuple[ImpossibleSign, ...]:
     """What the fits to the given data say against an effect already: a sign that cannot be."""
-    found = []
+    signs = []
     for rival in rivals:
         values, covariance = own_estimate(rival)
         std = np.sqrt(np.maximum(np.diag(covariance), 0.0))
@@ -169,6 +169,6 @@ def _impossible(rivals: Sequence[Rival]) -> tuple[ImpossibleSign, ...]:
         for instance in rival.own:
             for parameter in instance.effect.parameters:
                 if parameter.positive and values[at] < -SURE * std[at]:
-                    found.append(ImpossibleSign(rival.name, parameter.name, instance.joint))
+                    signs.append(ImpossibleSign(rival.name, parameter.name, instance.joint))
                 at += 1
-    return tuple(found)
+    return tuple(signs)

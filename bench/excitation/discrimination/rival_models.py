@@ -96,13 +96,13 @@ def noise_of(rivals: tuple[Rival, Rival]) -> RivalNoise:
 def _fitted(prepared: Prepared, request: str) -> Rival:
     prepared = converged(prepared)
     stack, solution = solved_quickly(prepared)
-    own = tuple(instance for instance in prepared.effects if instance.request == request)
-    count = sum(len(instance.effect.parameters) for instance in own)  # requests come last
+    effects = tuple(instance for instance in prepared.effects if instance.request == request)
+    count = sum(len(instance.effect.parameters) for instance in effects)  # requests come last
     kept = identifiable_columns(stack, prepared.layout, prepared.gains)
     absorbed = not np.any(kept >= prepared.layout.size - count)
     present = present_model(prepared, solution)
     return Rival(
-        request, prepared, stack, solution, present, own, absorbed, _follows_current(prepared, present)
+        request, prepared, stack, solution, present, effects, absorbed, _follows_current(prepared, present)
     )
 
 

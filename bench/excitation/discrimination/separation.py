@@ -64,9 +64,9 @@ def separation(asked: Question, plan: PlannedMotion, current: np.ndarray) -> Sep
     stack = stack_observations([observation], other.prepared.layout, other.prepared.dataset.payloads)
     memory = max(1.0, asked.noise.memory * plan.row_rate)
     rows = _rows(stack, other.solution, curved, _weights(asked, plan)) / np.sqrt(memory)
-    left = _remainder(np.concatenate((asked.given, rows)))
-    new = left[len(asked.given) :].reshape(stack.current.shape)
-    nats = 0.5 * float(np.sum(left**2))
+    remainder = _remainder(np.concatenate((asked.given, rows)))
+    new = remainder[len(asked.given) :].reshape(stack.current.shape)
+    nats = 0.5 * float(np.sum(remainder**2))
     share = asked.noise.row_rate / plan.row_rate
     count = float(stack.moving.sum()) * share
     return Separation(nats, new * np.sqrt(memory), observation.time, count, max(1.0, memory * share))
@@ -78,8 +78,8 @@ def share_left(asked: Question, plan: PlannedMotion, current: np.ndarray, answer
     count = sum(len(instance.effect.parameters) for instance in asked.truth.own)
     columns = observation.effects[:, :, observation.effects.shape[2] - count :]
     values = asked.truth.values[len(asked.truth.values) - count :]
-    own = columns @ values / asked.truth.present.gains * observation.moving
-    size = float(np.linalg.norm(own * _weights(asked, plan)))
+    effect_current = columns @ values / asked.truth.present.gains * observation.moving
+    size = float(np.linalg.norm(effect_current * _weights(asked, plan)))
     return float(np.linalg.norm(answer.left)) / size if size > 0.0 else 0.0
 
 
