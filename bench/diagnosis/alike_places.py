@@ -23,7 +23,7 @@ def alike_places(
     places = places_in(model.model.geometry, model.dataset.weighed)
     there = {(instance.effect.name, instance.joint) for instance in model.effects}
     least = residual_squares(model, 0.0).weight(samples) - RULE.undecided
-    found: dict[str, dict[str, tuple[str, ...]]] = {}
+    by_effect: dict[str, dict[str, tuple[str, ...]]] = {}
     for instance in identified:
         effect = instance.effect
         if effect.place in AT_MOTORS or instance.recording:
@@ -34,8 +34,8 @@ def alike_places(
             if (effect.name, joint) not in there and _as_probable(model, instance, joint, samples, least)
         ]
         if others:
-            found.setdefault(effect.name, {})[instance.joint] = tuple(others)
-    return found
+            by_effect.setdefault(effect.name, {})[instance.joint] = tuple(others)
+    return by_effect
 
 
 def _as_probable(
