@@ -19,7 +19,7 @@ MOST_MORE = 2  # models with one effect more that are fitted, the best supported
 
 
 def with_spread_over_models(
-    origin: Origin, last: Round, model: Prepared, after: Identification, *, left: bool
+    origin: Origin, last: Round, model: Prepared, after: Identification, *, remains: bool
 ) -> Identification:
     """The identified model's answer, with deviations of its gains that hold those of models that are as good.
 
@@ -31,7 +31,7 @@ def with_spread_over_models(
     samples = last.system.samples
     least = answer_weight(samples, model, after) - RULE.undecided
     others, added = [], model.effects[len(origin.start.effects) :]
-    for chosen in _as_good(last, instead=left):
+    for chosen in _as_good(last, instead=remains):
         instances = [
             instance for i in chosen for instance in _instances(last.proposals[i], i in last.chosen, added)
         ]
@@ -58,18 +58,20 @@ def _as_good(last: Round, *, instead: bool) -> Iterator[tuple[int, ...]]:
         return sorted(scored(system, sets), key=lambda each: -each.total)
 
     more = best_first([(*last.chosen, i) for i in usable])
-    found = [larger for larger in more if larger.total + RULE.prior > best.total][:MOST_MORE]
+    candidates = [larger for larger in more if larger.total + RULE.prior > best.total][:MOST_MORE]
     for k in last.chosen if instead else ():
         others = best_first([(*(c for c in last.chosen if c != k), i) for i in usable])
-        found += [other for other in others if close(best, other)][:1]
-    for candidate in found:
+        candidates += [other for other in others if close(best, other)][:1]
+    for candidate in candidates:
         yield candidate.fit.chosen
 
 
-def _instances(proposal: Proposal, found: bool, added: Sequence[EffectInstance]) -> Sequence[EffectInstance]:
+def _instances(
+    proposal: Proposal, in_model: bool, added: Sequence[EffectInstance]
+) -> Sequence[EffectInstance]:
     """An effect at the places where it was found, or everywhere."""
     return (
         [instance for instance in added if instance.effect.name == proposal.name]
-        if found
+        if in_model
         else proposal.instances
     )
