@@ -97,16 +97,16 @@ def _verdict(diagnosis: Diagnosis, verdict: EffectVerdict, words: bool) -> dict[
 
 
 def _left(diagnosis: Diagnosis, words: bool) -> dict[str, Any]:
-    left, searched = diagnosis.unexplained, Unfinished.SETS not in diagnosis.unfinished
+    unexplained, searched = diagnosis.unexplained, Unfinished.SETS not in diagnosis.unfinished
     return {
-        "significant": left.significant,
-        "error": left.error,
-        "noise_floor": left.noise_floor,
-        "depends_on": list(left.depends_on),
-        "what": left.what,
-        "why": left_words(left, searched=searched) if words else "",
-        "encoders": left.encoders,
-        "repeats": left.repeats,
+        "significant": unexplained.significant,
+        "error": unexplained.error,
+        "noise_floor": unexplained.noise_floor,
+        "depends_on": list(unexplained.depends_on),
+        "what": unexplained.what,
+        "why": left_words(unexplained, searched=searched) if words else "",
+        "encoders": unexplained.encoders,
+        "repeats": unexplained.repeats,
     }
 
 
