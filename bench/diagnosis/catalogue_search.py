@@ -173,26 +173,26 @@ def search_catalogue(case: SplitProblem, progress: Progress = SILENT) -> SearchR
     if case.deadline.passed:
         return replace(plain, unfinished=(*plain.unfinished, Unfinished.OWN_VALUES))
     plain = _compared(case, plain)
-    here, tried = plain, list[frozenset[Place]]()
+    result, tried = plain, list[frozenset[Place]]()
     while len(tried) < OWN_VALUES_TRIED:
-        wanted = places_of(here.differs)
-        if not leading(here.differs):
-            wanted |= differing_elsewhere(here.model, here.after, case.problem.catalogue)
-            if wanted == places_of(here.differs):
+        wanted = places_of(result.differs)
+        if not leading(result.differs):
+            wanted |= differing_elsewhere(result.model, result.after, case.problem.catalogue)
+            if wanted == places_of(result.differs):
                 break
         if wanted in tried:
             break
         tried.append(wanted)
         start = with_own_values(case.start, wanted, case.problem.catalogue)
-        here = _search_beside(case, start, fit(start), progress)
-        if here.unfinished or case.deadline.passed:
+        result = _search_beside(case, start, fit(start), progress)
+        if result.unfinished or case.deadline.passed:
             return replace(plain, unfinished=(Unfinished.OWN_VALUES,))
-        here = _compared(case, here)
-        if places_of(here.differs) == wanted:
-            better = explains_more(here.model, plain.model) and not worse_elsewhere(
-                here.model, here.after, plain.after, wanted
+        result = _compared(case, result)
+        if places_of(result.differs) == wanted:
+            better = explains_more(result.model, plain.model) and not worse_elsewhere(
+                result.model, result.after, plain.after, wanted
             )
-            return here if better else plain
+            return result if better else plain
     return plain
 
 
@@ -234,12 +234,12 @@ def search_from(
     end; wholly: TimeUpError is raised instead.
     """
     known, given = dict(barred), case.start.effects
-    own, cut, searching, origin = len(origin.start.effects), False, origin, origin.at_leisure
+    given_count, cut, searching, origin = len(origin.start.effects), False, origin, origin.at_leisure
     given_round = [first]
     del first  # handed on without a name, so that its system is gone before the next is built
     while True:
-        here = given_round.pop()
-        last = staying(origin, here, known) if cut else searched(searching, here, known, progress)
+        this_round = given_round.pop()
+        last = staying(origin, this_round, known) if cut else searched(searching, this_round, known, progress)
         cut = last.cut
         if cut and wholly:
             raise TimeUpError
@@ -250,16 +250,18 @@ def search_from(
             model, after, out = where_possible(origin, exact, given, last.system.samples)
         if not out:
             model, after, superfluous = leaving(origin, model, after, given, last.system.samples)
-            kept, new = kept_and_new(model.effects[own:], given)
+            kept, new = kept_and_new(model.effects[given_count:], given)
             names = tuple(dict.fromkeys(instance.effect.name for instance in new))
             each = dict.fromkeys(instance.request for instance in own_values(origin.start, given))
             without = fit(origin.with_instances(kept)) if each else case.before
             fits = fits_of(origin, kept, new, without, after)
             ladder = ends_of_ladder(names, fits) if cut else ladder_of(names, fits)
             if not cut:
-                left = partial(excess, after, case.problem.dataset.recordings, partial(encoder_error, model))
+                error_excess = partial(
+                    excess, after, case.problem.dataset.recordings, partial(encoder_error, model)
+                )
                 out = superfluous_effect(fits, names, last.system.samples)
-                out = out or gain_like_effect(fits, names, last.system.samples, after, left)
+                out = out or gain_like_effect(fits, names, last.system.samples, after, error_excess)
             if each:
                 ladder = (
                     step_of((), case.before.recordings),
@@ -304,12 +306,12 @@ def answered(case: SplitProblem, finding: SearchResult, progress: Progress = SIL
     others = differing_elsewhere(model, after, case.problem.catalogue)
     if others:
         after = with_other_values(after, [f"{effect}:{joint}" for effect, joint in sorted(others)])
-    left = unexplained(after, dataset.recordings, lambda: encoder_error(model))
+    remaining = unexplained(after, dataset.recordings, lambda: encoder_error(model))
     if model.fit_gains:
         progress.phase("fitting models that are as good")
         try:
             after = with_spread_over_models(
-                finding.origin, finding.last, model, after, left=left.significant or left.much
+                finding.origin, finding.last, model, after, remains=remaining.significant or remaining.much
             )
         except TimeUpError:
             unfinished.append(Unfinished.AS_GOOD)
@@ -317,7 +319,9 @@ def answered(case: SplitProblem, finding: SearchResult, progress: Progress = SIL
         finding = _compared(case, finding)
     if finding.differently is not None and not {each.request for each in finding.differs} <= {*after.effects}:
         after = gains_widened(after, [finding.differently])  # values for each recording explain the data, too
-    ranking = verdicts(system, proposals, best, _shown_places(proposals, best, places), scale, left, without)
+    ranking = verdicts(
+        system, proposals, best, _shown_places(proposals, best, places), scale, remaining, without
+    )
     known = {*given_wholly(start.effects, proposals), *_shown_places(proposals, best, {})} - {*places}
     ranking = tuple(
         refused(verdict, finding.barred.get(verdict.effect))
@@ -345,7 +349,7 @@ def answered(case: SplitProblem, finding: SearchResult, progress: Progress = SIL
         missing=missing,
         ladder=finding.ladder,
         ranking=ranking,
-        unexplained=left,
+        unexplained=remaining,
         before=case.before,
         after=replace(after, findings=(*mounted_otherwise(model), *case.extrapolated, *after.findings)),
         differs=finding.differs,
@@ -361,17 +365,17 @@ def band_checked(finding: SearchResult, diagnosis: Diagnosis) -> Diagnosis:
     return replace(diagnosis, after=with_band_checked(finding.model, diagnosis.after, fit))
 
 
-def _relative(after: Identification, system: System, found: Found) -> float:
+def _relative(after: Identification, system: System, selection: Found) -> float:
     """Error of the converged model over that of its set in the system, so that the errors of sets end where it does."""
     judged = relative_error([trace for trace in after.recordings if trace.use == "validate"]) or 0.0
-    here = judged_error(system, found.best.fit)
-    return judged / here if here > 0 else 0.0
+    selected_error = judged_error(system, selection.best.fit)
+    return judged / selected_error if selected_error > 0 else 0.0
 
 
 def _shown_places(
-    proposals: Sequence[Proposal], found: Found, places: Mapping[str, tuple[str, ...]]
+    proposals: Sequence[Proposal], selection: Found, places: Mapping[str, tuple[str, ...]]
 ) -> dict[str, tuple[str, ...]]:
-    return {proposals[i].name: places.get(proposals[i].name, ()) for i in found.best.fit.chosen}
+    return {proposals[i].name: places.get(proposals[i].name, ()) for i in selection.best.fit.chosen}
 
 
 def _by_strength(ranking: Sequence[EffectVerdict]) -> list[EffectVerdict]:
