@@ -111,16 +111,20 @@ def _that_show(
     wider = converged(with_effects(model, (*kept, *added)), nearly=True)
     result = fit(wider)
     first = wider.layout.size - len(added)
-    found = []
+    differences = []
     for i, (candidate, evidence, before, after) in enumerate(chosen):
-        own = slice(first + i * len(logs), first + (i + 1) * len(logs))
+        rows = slice(first + i * len(logs), first + (i + 1) * len(logs))
         (parameter,) = candidate.effect.parameters
-        told = result.effect_parameters[candidate.effect.name]
-        values = {log: told[f"{candidate.joint}@{log}"][parameter.name] for log in logs}
+        estimates = result.effect_parameters[candidate.effect.name]
+        values = {log: estimates[f"{candidate.joint}@{log}"][parameter.name] for log in logs}
         impossible = parameter.positive and any(x.value < -RULE.shows * x.std for x in values.values())
-        if not impossible and _apart(list(values.values()), result.covariance[own, own]):
-            found.append(Differing(candidate.effect.name, candidate.joint, values, evidence, before, after))
-    return tuple(sorted(found, key=lambda difference: -difference.evidence)), result if found else None
+        if not impossible and _apart(list(values.values()), result.covariance[rows, rows]):
+            differences.append(
+                Differing(candidate.effect.name, candidate.joint, values, evidence, before, after)
+            )
+    return tuple(
+        sorted(differences, key=lambda difference: -difference.evidence)
+    ), result if differences else None
 
 
 def _apart(values: Sequence[Quantity], covariance: np.ndarray) -> bool:
