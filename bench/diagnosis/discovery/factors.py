@@ -292,5 +292,5 @@ class Memory(Timed):
 
 def unit_of(factors: tuple[Factor, ...], place: Place) -> str:
     """Unit of a coefficient that makes a torque or force of a product of factors."""
-    own = times(*(factor.unit(place) for factor in factors), power=-1.0)
-    return written(times({"{effort}": 1.0}, own))
+    product = times(*(factor.unit(place) for factor in factors), power=-1.0)
+    return written(times({"{effort}": 1.0}, product))
