@@ -78,11 +78,11 @@ def find_missing_effects(
         causes = mistaken(problem, case.before, whole, deadline)
     except TimeUpError:
         unfinished = (Unfinished.CAUSES,)
-    found = _found(case, discover, not causes, progress)
+    diagnosis = _found(case, discover, not causes, progress)
     return replace(
-        found,
-        after=replace(found.after, findings=(*causes, *found.after.findings)),
-        unfinished=(*unfinished, *found.unfinished),
+        diagnosis,
+        after=replace(diagnosis.after, findings=(*causes, *diagnosis.after.findings)),
+        unfinished=(*unfinished, *diagnosis.unfinished),
     )
 
 
@@ -162,9 +162,11 @@ def _never_beside(finding: SearchResult, named: Sequence[EffectInstance]) -> dic
     }
 
 
-def something_left(left: Unexplained) -> bool:
+def something_left(unexplained: Unexplained) -> bool:
     """Whether there is enough beyond the noise to look for laws in."""
-    return left.significant or left.error > RULE.beyond_noise * hypot(left.noise_floor, left.encoders)
+    return unexplained.significant or unexplained.error > RULE.beyond_noise * hypot(
+        unexplained.noise_floor, unexplained.encoders
+    )
 
 
 def _with_laws(
@@ -181,13 +183,19 @@ def _with_laws(
     prior: of the laws, by default that of the terms they were found with.
     """
     origin, last = plain.finding.origin, searched.last
-    own = len(origin.start.effects)
+    given_count = len(origin.start.effects)
     result = fit(refined.model)
     laws = laws_of(
-        result, refined.model.effects[own:], refined.terms, places_of(origin.start), case.problem.catalogue
+        result,
+        refined.model.effects[given_count:],
+        refined.terms,
+        places_of(origin.start),
+        case.problem.catalogue,
     )
     named = [
-        instance for instance in refined.model.effects[own:] if instance.effect.name not in refined.terms
+        instance
+        for instance in refined.model.effects[given_count:]
+        if instance.effect.name not in refined.terms
     ]
     model = origin.with_instances([*named, *(instance for law in laws for instance in law.instances)])
     if prior is None:
@@ -197,8 +205,8 @@ def _with_laws(
     ]
     proposals += _proposed(model, laws, prior)
     barred = _never_beside(plain.finding, named)
-    here = _judged_from(origin, model, proposals, barred)
-    called = stood_for(here, [law.name for law in laws], barred)
+    this_round = _judged_from(origin, model, proposals, barred)
+    called = stood_for(this_round, [law.name for law in laws], barred)
     if called:
         laws = [law for law in laws if law.name not in called]
         named += [
@@ -208,12 +216,12 @@ def _with_laws(
             for instance in proposal.instances
         ]
         model = origin.with_instances([*named, *(instance for law in laws for instance in law.instances)])
-        here = _judged_from(
+        this_round = _judged_from(
             origin, model, [proposal for proposal in proposals if proposal.name not in called], barred
         )
-    if not called and here.names.isdisjoint(law.name for law in laws):
+    if not called and this_round.names.isdisjoint(law.name for law in laws):
         return plain
-    finding = search_from(case, origin, here, progress, barred, wholly=True)
+    finding = search_from(case, origin, this_round, progress, barred, wholly=True)
     staying = tuple(law for law in laws if law.name in finding.names)
     if not (staying or called) or not finding.more_probable_than(
         plain.finding, plain.diagnosis.unexplained.excess
@@ -226,19 +234,23 @@ def _judged_from(
     origin: Origin, model: Prepared, proposals: Sequence[Proposal], barred: Collection[str]
 ) -> Round:
     """As `judged`, but the set is sought from that of the model, too: of laws at one motor each none shows alone."""
-    here = judged(origin, model, proposals, barred)
+    this_round = judged(origin, model, proposals, barred)
     there = {instance.effect.name for instance in model.effects[len(origin.start.effects) :]}
     known = usable(proposals, barred)
     begun = [i for i in known if proposals[i].name in there]
-    best = best_set(here.system, [begun, here.chosen], known, origin.deadline)
-    return replace(here, found=replace(here.found, best=best)) if best.total > here.found.best.total else here
+    best = best_set(this_round.system, [begun, this_round.chosen], known, origin.deadline)
+    return (
+        replace(this_round, found=replace(this_round.found, best=best))
+        if best.total > this_round.found.best.total
+        else this_round
+    )
 
 
 def _with_one_for_several(case: SplitProblem, plain: _Answer, progress: Progress) -> _Answer:
     """The answer with one law for several frictions, where that has fewer unknowns and leaves as little."""
     progress.phase("trying one law for several frictions")
-    finding, left = plain.finding, plain.diagnosis.unexplained
-    much = (1.0 - RULE.material) * left.error > hypot(left.noise_floor, left.encoders)
+    finding, unexplained = plain.finding, plain.diagnosis.unexplained
+    much = (1.0 - RULE.material) * unexplained.error > hypot(unexplained.noise_floor, unexplained.encoders)
     prior = RULE.prior + float(np.log(TRIED))
     searched = Laws(finding.last, {law.name: law.terms[0] for law in plain.laws})
     judge = Judge(finding.last.system.samples, prior)
@@ -256,32 +268,35 @@ def _with_tables(case: SplitProblem, plain: _Answer, progress: Progress) -> _Ans
     where more than noise is left beside them, too, they must explain a share of it. A table is no law: the gains'
     standard errors hold what they are without it, where they have not run away there.
     """
-    finding, left = plain.finding, plain.diagnosis.unexplained
-    if not (left.significant or left.much):
+    finding, unexplained = plain.finding, plain.diagnosis.unexplained
+    if not (unexplained.significant or unexplained.much):
         return plain
     progress.phase("tabling what no formula fits")
     origin = finding.origin
-    own = len(origin.start.effects)
+    given_count = len(origin.start.effects)
     laws = tabled_laws(finding, {*case.problem.catalogue, *(law.name for law in plain.laws)})
     if not laws:
         return plain
-    instances = [*finding.model.effects[own:], *(instance for law in laws for instance in law.instances)]
+    instances = [
+        *finding.model.effects[given_count:],
+        *(instance for law in laws for instance in law.instances),
+    ]
     model = origin.with_instances(instances)
     proposals = [proposal for proposal in finding.last.proposals if proposal.name in finding.names]
     proposals += _proposed(model, laws, RULE.prior)
-    here = _judged_from(origin, model, proposals, finding.barred)
-    if here.names.isdisjoint(law.name for law in laws):
+    this_round = _judged_from(origin, model, proposals, finding.barred)
+    if this_round.names.isdisjoint(law.name for law in laws):
         return plain
-    wider = search_from(case, origin, here, progress, finding.barred, wholly=True)
+    wider = search_from(case, origin, this_round, progress, finding.barred, wholly=True)
     staying = tuple(law for law in (*plain.laws, *laws) if law.name in wider.names)
     tabled = {law.name for law in laws}.intersection(wider.names)
     if not tabled or not wider.more_probable_than(finding, wider.excess(case)):
         return plain
-    told = _told(wider, staying, (*plain.laws, *laws), answered(case, wider, progress))
-    told = replace(told, after=gains_widened(told.after, [plain.diagnosis.after]))
-    judged_before = {verdict.effect for verdict in told.ranking}
+    diagnosis = _told(wider, staying, (*plain.laws, *laws), answered(case, wider, progress))
+    diagnosis = replace(diagnosis, after=gains_widened(diagnosis.after, [plain.diagnosis.after]))
+    judged_before = {verdict.effect for verdict in diagnosis.ranking}
     others = tuple(verdict for verdict in plain.diagnosis.ranking if verdict.effect not in judged_before)
-    return _Answer(wider, staying, replace(told, ranking=(*told.ranking, *others)))
+    return _Answer(wider, staying, replace(diagnosis, ranking=(*diagnosis.ranking, *others)))
 
 
 def _proposed(model: Prepared, laws: Sequence[Law], prior: float) -> list[Proposal]:
