@@ -39,12 +39,12 @@ def merged(
         others = [part for part in parts if part not in alike]
         at = {part.instance.joint for part in alike}
         places = [place for place in places_of(origin.start) if place.name in at]
-        own = OWN * len(places)
+        law_unknowns = OWN * len(places)
 
         def size(kept: Sequence[Part], others: Sequence[Part] = others) -> tuple[int, int]:
             return len({part.name for part in (*others, *kept)}), unknowns(kept)
 
-        sets = sorted(fewer(alike, own - much, catalogue), key=size)
+        sets = sorted(fewer(alike, law_unknowns - much, catalogue), key=size)
         for _, alternatives in groupby(sets, key=size):
             tried = [
                 _with_power(origin, finding.model, [*others, *kept], places, judge) for kept in alternatives
@@ -89,21 +89,21 @@ def _with_power(
     return judge.refined(origin.beside(found_model, added), {**terms, NAME: term})
 
 
-def fewer(alike: Sequence[Part], own: int, catalogue: Mapping[str, Effect]) -> list[list[Part]]:
+def fewer(alike: Sequence[Part], law_unknowns: int, catalogue: Mapping[str, Effect]) -> list[list[Part]]:
     """What may stay with a law with `own` unknowns, so that unknowns are saved: some of the effects that were
     identified, each as it is or as a special case of it that was not found.
     """
     effects = [part for part in alike if part.term is None]
-    found = {part.name for part in effects}
+    present = {part.name for part in effects}
     ways = []
-    for name in sorted(found):
+    for name in sorted(present):
         whole = [part for part in effects if part.name == name]
-        specials = sorted({*whole[0].instance.effect.contains} - found)
+        specials = sorted({*whole[0].instance.effect.contains} - present)
         ways.append(
             [[], whole, *([_as_special_case(part, catalogue[each]) for part in whole] for each in specials)]
         )
     sets = ([part for some in chosen for part in some] for chosen in product(*ways))
-    return [kept for kept in sets if unknowns(kept) + own < unknowns(alike)]
+    return [kept for kept in sets if unknowns(kept) + law_unknowns < unknowns(alike)]
 
 
 def _as_special_case(part: Part, special: Effect) -> Part:
