@@ -76,72 +76,78 @@ def search_laws(
 
 def _round(origin: Origin, laws: Laws, barred: Collection[str], states: Sequence[State], count: int) -> Laws:
     """The best set of identified effects and new terms, about the identified model; of so many that were tried."""
-    here = laws.last
+    this_round = laws.last
     places = places_of(origin.start)
     terms = dict(laws.found)
     proposals = [
-        proposal for proposal in here.proposals if proposal.name not in laws.terms or proposal.name in terms
+        proposal
+        for proposal in this_round.proposals
+        if proposal.name not in laws.terms or proposal.name in terms
     ]
     taken = {proposal.name for proposal in proposals}
-    own = {term.structure: name for name, term in terms.items()}
+    by_structure = {term.structure: name for name, term in terms.items()}
     fresh = [screened for state in states for screened in state.terms]
     prior = RULE.prior + float(np.log(count))
     numbers = iter(range(len(fresh) + len(taken)))
     for screened in fresh:
         if len(terms) >= MOST_TERMS:
             break
-        if screened.term.structure in own or name_of(screened.term) is not None:
+        if screened.term.structure in by_structure or name_of(screened.term) is not None:
             continue
         name = next(name for i in numbers if (name := f"term_{i}") not in taken)
-        terms[name], own[screened.term.structure] = screened.term, name
+        terms[name], by_structure[screened.term.structure] = screened.term, name
         proposals.append(Proposal(name, instances_of(name, screened, places), False, "", prior))
     index = {proposal.name: i for i, proposal in enumerate(proposals)}
     usable = [
         i for i, proposal in enumerate(proposals) if not proposal.absorbed and proposal.name not in barred
     ]
-    begin = [[index[name] for name in here.names]]
+    begin = [[index[name] for name in this_round.names]]
     for state in states[:BEGUN]:
         names = {
-            own.get(candidate.term.structure) or name_of(candidate.term) or "" for candidate in state.terms
+            by_structure.get(candidate.term.structure) or name_of(candidate.term) or ""
+            for candidate in state.terms
         }
         chosen = {index[name] for name in (*names, *state.beside) if name in index}
         begin.append(sorted(chosen.intersection(usable)))
-    system = system_about(origin, here.model, proposals)
+    system = system_about(origin, this_round.model, proposals)
     best = best_set(system, begin, usable, origin.deadline)
     singles = {i: score(system, solve_set(system, (i,))) for i in usable}
-    return Laws(Round(here.model, proposals, system, Found(best, singles)), terms)
+    return Laws(Round(this_round.model, proposals, system, Found(best, singles)), terms)
 
 
 def _states(origin: Origin, laws: Laws) -> tuple[list[State], int]:
     """Sets of terms added to nothing, to the identified effects, and to these without each one; and their number."""
-    model, own = laws.last.model, len(origin.start.effects)
+    model, given_count = laws.last.model, len(origin.start.effects)
     names = laws.last.names
     stack, solution = solved_quickly(model)
-    left = partial_regression(stack, solution)
+    regression = partial_regression(stack, solution)
     seen = replace(model, signals=origin.nearby.signals(model.present, model.signals))
     places = places_of(seen)
-    terms = grammar(scope_of(seen, left, places))
-    rows = few_rows(len(left.remainder))
+    terms = grammar(scope_of(seen, regression, places))
+    rows = few_rows(len(regression.remainder))
     known = [Known(seen_at(seen, place), rows, terms) for place in places]
-    columns, unknowns = _columns_of(model, own)
+    columns, unknowns = _columns_of(model, given_count)
     lefts = {}
     fewer = [names, *(names - {name} for name in sorted(names)), set[str]()]
     for kept in {tuple(sorted(some)): some for some in fewer}.values():
         origin.deadline.check()
         out = [i for name, some in columns.items() if name not in kept for i in some]
         count = sum(unknowns[name] for name in kept)
-        lefts[tuple(sorted(kept))] = left_without(left, known, rows, out, solution.theta[out].tolist()), count
+        lefts[tuple(sorted(kept))] = (
+            left_without(regression, known, rows, out, solution.theta[out].tolist()),
+            count,
+        )
     return best_states(lefts, terms, BASICS, origin.deadline), len(terms)
 
 
-def _columns_of(model: Prepared, own: int) -> tuple[dict[str, list[int]], dict[str, int]]:
+def _columns_of(model: Prepared, given_count: int) -> tuple[dict[str, list[int]], dict[str, int]]:
     """By effect beyond the first `own` ones: its columns among the model's, and how many unknowns it has."""
     columns: dict[str, list[int]] = {}
     unknowns: dict[str, int] = {}
     at = model.layout.size - model.layout.effects
     for i, instance in enumerate(model.effects):
         size, name = len(instance.effect.parameters), instance.effect.name
-        if i >= own:
+        if i >= given_count:
             columns.setdefault(name, []).extend(range(at, at + size))
             unknowns[name] = unknowns.get(name, 0) + size + len(instance.effect.shape)
         at += size
