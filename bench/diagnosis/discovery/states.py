@@ -44,8 +44,8 @@ def best_states(
     price = RULE.prior + float(np.log(len(terms)))
     levels: list[list[State]] = []
     alone = [
-        _state(names, (), left, _charge(left, unknowns, RULE.prior * len(names)), price)
-        for names, (left, unknowns) in lefts.items()
+        _state(names, (), residual, _charge(residual, unknowns, RULE.prior * len(names)), price)
+        for names, (residual, unknowns) in lefts.items()
     ]
     beam = list(alone)
     least = min(state.cost for state in alone)
@@ -70,15 +70,17 @@ def _known(state: State) -> set[object]:
 
 
 def _state(
-    beside: tuple[str, ...], terms: tuple[Screened, ...], left: Left, charged: float, price: float
+    effects: tuple[str, ...], terms: tuple[Screened, ...], residual: Left, charged: float, price: float
 ) -> State:
-    unknowns = sum(candidate.term.parts + len(candidate.term.numbers) for candidate in terms) * left.motors
-    charge = charged + _charge(left, unknowns, price * len(terms))
-    return State(beside, terms, left, charged, float(0.5 * np.log(left.squares) + charge))
+    unknowns = (
+        sum(candidate.term.parts + len(candidate.term.numbers) for candidate in terms) * residual.motors
+    )
+    charge = charged + _charge(residual, unknowns, price * len(terms))
+    return State(effects, terms, residual, charged, float(0.5 * np.log(residual.squares) + charge))
 
 
-def _charge(left: Left, unknowns: int, price: float) -> float:
-    return float((0.5 * np.log(left.rows) * unknowns + price) / left.rows)
+def _charge(residual: Left, unknowns: int, price: float) -> float:
+    return float((0.5 * np.log(residual.rows) * unknowns + price) / residual.rows)
 
 
 def _joined(state: State, candidate: Screened, price: float) -> State:
@@ -87,7 +89,7 @@ def _joined(state: State, candidate: Screened, price: float) -> State:
 
 def _distinct(states: Sequence[State]) -> list[State]:
     """The best of each set of structures, the best first."""
-    found: dict[frozenset[object], State] = {}
+    distinct: dict[frozenset[object], State] = {}
     for state in sorted(states, key=lambda candidate: candidate.cost):
-        found.setdefault(frozenset((*_known(state), *state.beside)), state)
-    return list(found.values())
+        distinct.setdefault(frozenset((*_known(state), *state.beside)), state)
+    return list(distinct.values())
