@@ -47,10 +47,10 @@ class Term:
 
     def with_numbers(self, values: Sequence[float]) -> "Term":
         """The same with other numbers, in the order of `numbers`."""
-        left = list(values)
+        remaining = list(values)
         return Term(
             tuple(
-                factor if factor.number is None else factor.with_number(left.pop(0))
+                factor if factor.number is None else factor.with_number(remaining.pop(0))
                 for factor in self.factors
             )
         )
@@ -66,9 +66,9 @@ class Term:
 
     def codes(self, place: Place, names: Sequence[str]) -> tuple[str, ...]:
         """Its parts as Python code; names: the names of its numbers."""
-        left = list(names)
+        remaining = list(names)
         written = [
-            factor.code(place, "" if factor.number is None else left.pop(0)) for factor in self.factors
+            factor.code(place, "" if factor.number is None else remaining.pop(0)) for factor in self.factors
         ]
         return tuple(_product([each[min(k, len(each) - 1)] for each in written]) for k in range(self.parts))
 
