@@ -57,11 +57,11 @@ def _nearest(finding: SearchResult, law: str, without: float | None) -> tuple[st
     system, proposals = finding.last.system, finding.last.proposals
     chosen = finding.last.found.best.fit.chosen
     others = tuple(i for i in chosen if proposals[i].name != law)
-    here = judged_error(system, finding.last.found.best.fit)
+    selected_error = judged_error(system, finding.last.found.best.fit)
     error = finding.after.error.validate
-    if not here or error is None or without is None:
+    if not selected_error or error is None or without is None:
         return None
-    scale = error / here
+    scale = error / selected_error
     tried = [
         (judged_error(system, solve_set(system, (*others, i))) * scale, proposals[i].name)
         for i in finding.last.found.singles
