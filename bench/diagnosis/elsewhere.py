@@ -53,14 +53,14 @@ def worse_elsewhere(
         for instance in model.effects
         if (instance.effect.name, instance.joint) in places
     }
-    here, there = (
+    of_answer, of_other = (
         sum(
             _left(error.ravel(), columns.reshape(error.size, -1)) ** 2
             for error, columns in _elsewhere(model, each, [*common.values()])
         )
         for each in (answer, other)
     )
-    return there < (1.0 - RULE.material) ** 2 * here
+    return of_other < (1.0 - RULE.material) ** 2 * of_answer
 
 
 def _elsewhere(
@@ -77,8 +77,8 @@ def _elsewhere(
             continue
         trace = series[recording.name]
         torque = effect_rows(signals, model.settings.decimation, instances)
-        own = 0.0 if recording.log in model.logs else 1.0
-        columns = own * torque / gains[:, None] * trace.moving[:, :, None]
+        weight = 0.0 if recording.log in model.logs else 1.0
+        columns = weight * torque / gains[:, None] * trace.moving[:, :, None]
         yield trace.error * trace.moving, columns
 
 
