@@ -92,7 +92,10 @@ def _squares(errors: Iterable[tuple[str, np.ndarray]]) -> np.ndarray:
     parts = [(use, (error**2).sum(axis=0)) for use, error in errors]
     nothing = np.zeros_like(parts[0][1])
     return np.stack(
-        [sum((own for use, own in parts if use == which), nothing) for which in ("identify", "validate")]
+        [
+            sum((products for use, products in parts if use == which), nothing)
+            for which in ("identify", "validate")
+        ]
     )
 
 
