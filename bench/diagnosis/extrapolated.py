@@ -35,20 +35,20 @@ def without_extrapolation(prepared: Prepared) -> tuple[Prepared, tuple[Finding, 
     within = leverage(stack, asked, solution, kept) <= MOST
     few = 2 * (asked.moving & within).sum(axis=0) < asked.moving.sum(axis=0)
     judged = asked.moving & (within | few)
-    found = []
+    findings = []
     if not judged[asked.moving].all():
-        found.append(
+        findings.append(
             Finding(Code.EXTRAPOLATED, numbers={"share": 1.0 - float(judged.sum() / asked.moving.sum())})
         )
     if few.any():
         joints = np.array(prepared.dataset.robot.joints)
-        found.append(Finding(Code.JUDGED_BEYOND, tuple(joints[few].tolist())))
+        findings.append(Finding(Code.JUDGED_BEYOND, tuple(joints[few].tolist())))
     parts = iter(np.split(judged, asked.starts[1:]))
 
     def narrowed(seen: Observation) -> Observation:
         return replace(seen, moving=next(parts)) if seen.use == "validate" else seen
 
-    return replace(prepared, observations=tuple(map(narrowed, prepared.observations))), tuple(found)
+    return replace(prepared, observations=tuple(map(narrowed, prepared.observations))), tuple(findings)
 
 
 def leverage(fitted: Stack, asked: Stack, solution: Solution, kept: np.ndarray) -> np.ndarray:
