@@ -28,11 +28,11 @@ class Halves:
     def judged(self, columns: Sequence[int]) -> np.ndarray:
         """Squares (n,) left on each half by a fit to the other one, with some of the further columns."""
         used = np.array([*range(self.own), *(self.own + i for i in columns)])
-        left = np.zeros(self.inner.shape[1])
+        squares = np.zeros(self.inner.shape[1])
         for fitted, judged in ((0, 1), (1, 0)):
             values = _solution(self.inner[fitted].sum(axis=0), used)
-            left += np.einsum("i,nij,j->n", values, self.inner[judged], values)
-        return np.maximum(left, np.finfo(float).tiny)
+            squares += np.einsum("i,nij,j->n", values, self.inner[judged], values)
+        return np.maximum(squares, np.finfo(float).tiny)
 
     def evidence(self, before: np.ndarray, after: np.ndarray) -> float:
         """Log-likelihood ratio, nats, of what two models leave (n,), each motor with its noise."""
@@ -48,14 +48,14 @@ def halves_of(stack: Stack, solution: Solution, further: np.ndarray) -> Halves:
     weights = np.divide(1.0, size, out=np.zeros_like(size), where=size > 0.0)  # nothing, of one without rows
     samples, n, p = stack.phi.shape
     fitted = np.broadcast_to(solution.gains_fitted, (n,))
-    own = p + (n if fitted.any() else 0)
+    model_columns = p + (n if fitted.any() else 0)
     further = further * stack.moving[:, :, None]
-    rows = np.zeros((n, samples, own + further.shape[2] + 1))
+    rows = np.zeros((n, samples, model_columns + further.shape[2] + 1))
     for j in range(n):
         rows[j, :, :p] = stack.phi[:, j] / solution.gains[j]
         if fitted[j]:
             rows[j, :, p + j] = -modelled[:, j] / solution.gains[j]
-        rows[j, :, own:-1] = further[:, j] / solution.gains[j]
+        rows[j, :, model_columns:-1] = further[:, j] / solution.gains[j]
         rows[j, :, -1] = error[:, j]
     rows *= weights[:, None, None]
     ends = [*stack.starts[1:], samples]
@@ -66,11 +66,11 @@ def halves_of(stack: Stack, solution: Solution, further: np.ndarray) -> Halves:
         ]
     )
     inner = np.array([[row[half == k].T @ row[half == k] for row in rows] for k in (0, 1)])
-    left = rows @ _solution(inner.sum(axis=(0, 1)), np.arange(rows.shape[2] - 1))
-    parts = [np.split(entry[:, None], stack.starts[1:]) for entry in left]
+    residuals = rows @ _solution(inner.sum(axis=(0, 1)), np.arange(rows.shape[2] - 1))
+    parts = [np.split(entry[:, None], stack.starts[1:]) for entry in residuals]
     memory = np.array([memory_in_rows(part, stack.returns) for part in parts])
     measured = ((stack.current * weights) ** 2).sum(axis=0)
-    return Halves(inner, own, count / memory, np.maximum(measured, np.finfo(float).tiny))
+    return Halves(inner, model_columns, count / memory, np.maximum(measured, np.finfo(float).tiny))
 
 
 def _solution(inner: np.ndarray, used: np.ndarray) -> np.ndarray:
