@@ -76,13 +76,13 @@ def errors_nearly_without(names: Sequence[str], last: Round, scale: float) -> di
 def ladder_of(names: Sequence[str], fits: Fits) -> tuple[LadderStep, ...]:
     """Errors after each added effect, the one that helps most first. names: of all that are added."""
     steps = [fits(frozenset()).step]
-    left = list(names)
+    remaining = list(names)
     taken: list[str] = []
-    while left:
-        tried = [replace(fits(frozenset((*taken, name))).step, effects=(*taken, name)) for name in left]
+    while remaining:
+        tried = [replace(fits(frozenset((*taken, name))).step, effects=(*taken, name)) for name in remaining]
         best = min(tried, key=lambda step: step.validate or step.identify or 0.0)
         taken.append(best.effects[-1])
-        left.remove(best.effects[-1])
+        remaining.remove(best.effects[-1])
         steps.append(best)
     return tuple(steps)
 
