@@ -78,8 +78,8 @@ def _function(term: LawTerm) -> str:
 
 def _kind(term: LawTerm) -> str:
     """What a term does: "a torque that opposes the motion and grows with the size of the acceleration"."""
-    own = [look for look in term.looks_at if look.what == "velocity" and not look.motor]
-    against = [look for look in own if look.role in ("direction", "signed")]
+    velocities = [look for look in term.looks_at if look.what == "velocity" and not look.motor]
+    against = [look for look in velocities if look.role in ("direction", "signed")]
     wave = any(look.role == "wave" for look in term.looks_at)
     does: list[str] = []
     if against:
