@@ -35,8 +35,8 @@ def leaves_only_noise(system: System, model: Prepared, noise: np.ndarray | None)
         return False
     stack, solution = solved_quickly(model)
     weights = solution.weights**2
-    left = float((spread(stack, solution) ** 2 * stack.moving.sum(axis=0)) @ weights)
+    residual = float((spread(stack, solution) ** 2 * stack.moving.sum(axis=0)) @ weights)
     least = float(noise @ weights)
     samples = system.fitted.rows / system.memory
-    nats = 0.5 * samples * np.log(left / max(least, np.finfo(float).tiny))
-    return bool(WHITE * least < left and nats < RULE.prior)
+    nats = 0.5 * samples * np.log(residual / max(least, np.finfo(float).tiny))
+    return bool(WHITE * least < residual and nats < RULE.prior)
