@@ -184,9 +184,9 @@ def build_system(
         i for i, candidate in enumerate(listed) if any(instance in exact for instance in candidate.instances)
     ]
     wider = solve_set(system, sorted({*plain, *known}))
-    left = [_errors(values, change, wider, start) for values in blocks["identify"]]
+    residuals = [_errors(values, change, wider, start) for values in blocks["identify"]]
     returns = [observation.course.returns for observation in prepared.fitted]
-    return replace(system, memory=memory_in_rows(errors), repeats=repeats_of(left, returns), solved={})
+    return replace(system, memory=memory_in_rows(errors), repeats=repeats_of(residuals, returns), solved={})
 
 
 def solve_set(system: System, chosen: Sequence[int]) -> SetFit:
@@ -229,8 +229,8 @@ def _solved(system: System, chosen: tuple[int, ...]) -> SetFit:
         if converged:
             break
     errors = errors_by(values, gains, start.gains)
-    left = squares_of(inner_of(system.judged, columns), errors)
-    by_motor = np.stack((squares_of(inner, errors), left))
+    held_out = squares_of(inner_of(system.judged, columns), errors)
+    by_motor = np.stack((squares_of(inner, errors), held_out))
     return fit_of(system, chosen, columns, values, gains, cost, by_motor)
 
 
@@ -319,7 +319,7 @@ def _rows(
         motor_rows((phi[:, j] * moving[:, None], added[:, j] * moving[:, None]), ends[:, j] * moving[:, None])
         for j, moving in enumerate(observation.moving.T)
     )
-    suited = [own[0] for own in columns_without_value(prepared, observation)]
+    suited = [each[0] for each in columns_without_value(prepared, observation)]
     return tuple(apart_from(rows, suited) for rows in every) if suited else every
 
 
@@ -346,9 +346,9 @@ def _orthonormal(triangle: np.ndarray, p: int) -> tuple[np.ndarray, np.ndarray]:
     basis = vectors[kept].T / singular[kept] / norms[:, None]
     lengths = np.linalg.norm(triangle[:, p:], axis=0)
     within = basis.T @ triangle[:p, :p].T @ triangle[:p, p:]
-    left = np.linalg.norm(triangle[:, p:] - triangle[:, :p] @ (basis @ within), axis=0)
-    left = np.where(left > NOTHING * lengths, left, 0.0)
-    scales = np.divide(1.0, left, out=np.zeros(k), where=left > 0.0)
+    remaining = np.linalg.norm(triangle[:, p:] - triangle[:, :p] @ (basis @ within), axis=0)
+    remaining = np.where(remaining > NOTHING * lengths, remaining, 0.0)
+    scales = np.divide(1.0, remaining, out=np.zeros(k), where=remaining > 0.0)
     change = np.zeros((p + k, basis.shape[1] + k))
     change[:p, : basis.shape[1]] = basis
     change[:p, basis.shape[1] :] = -basis @ within * scales
@@ -361,25 +361,27 @@ def _products(
 ) -> dict[str, dict[str, MotorProducts]]:
     """Of every log and use, their columns combined by `change`."""
     size = change.shape[1] + 2
-    found: dict[str, dict[str, MotorProducts]] = {}
-    left = {use: iter(motors) for use, motors in blocks.items()}
+    by_log: dict[str, dict[str, MotorProducts]] = {}
+    pending = {use: iter(motors) for use, motors in blocks.items()}
     for observation, measured in zip(prepared.observations, prepared.measured, strict=True):
-        motors = next(left[observation.use])
+        motors = next(pending[observation.use])
         with_zeros = np.zeros((len(motors), size + 1, size + 1))
         for inner, rows in zip(with_zeros, motors, strict=True):
             inner[:size, :size] = products(rows, change)
         of_motor = observation.moving.sum(axis=0)
         squares = float(((observation.current * observation.moving) ** 2).sum())
-        own = MotorProducts(with_zeros, int(of_motor.sum()), squares, of_motor)
-        by_use = found.setdefault(measured.recording.log, {})
+        of_recording = MotorProducts(with_zeros, int(of_motor.sum()), squares, of_motor)
+        by_use = by_log.setdefault(measured.recording.log, {})
         before = by_use.get(observation.use)
-        by_use[observation.use] = own if before is None else summed([before, own], size + 1, len(motors))
-    return found
+        by_use[observation.use] = (
+            of_recording if before is None else summed([before, of_recording], size + 1, len(motors))
+        )
+    return by_log
 
 
 def _errors(motors: Sequence[MotorRows], change: np.ndarray, fit: SetFit, start: Solution) -> np.ndarray:
     """Weighted current errors (M, n) of one recording."""
     errors = errors_by(fit.values, fit.gains, start.gains)
     values = np.concatenate((errors[:, :-2] @ change[:, fit.columns].T, errors[:, -2:]), axis=1)
-    found = [combined(rows, own) for rows, own in zip(motors, values, strict=True)]
-    return np.column_stack(found) * start.weights
+    by_motor = [combined(rows, motor_values) for rows, motor_values in zip(motors, values, strict=True)]
+    return np.column_stack(by_motor) * start.weights
