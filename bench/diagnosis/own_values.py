@@ -59,15 +59,15 @@ def own_values(model: Prepared, given: Sequence[EffectInstance]) -> tuple[Effect
 
 def with_common_values(model: Prepared, given: Sequence[EffectInstance]) -> Prepared:
     """The converged model with one value for all recordings in the place of those; itself where it has none."""
-    own = own_values(model, given)
-    if not own:
+    per_recording = own_values(model, given)
+    if not per_recording:
         return model
-    kept = [instance for instance in model.effects if instance not in own]
+    kept = [instance for instance in model.effects if instance not in per_recording]
     common = {
         (instance.effect.name, instance.joint): replace(
             instance.everywhere(), request=f"{instance.effect.name}:{instance.joint}"
         )
-        for instance in own
+        for instance in per_recording
     }
     return converged(with_effects(model, (*kept, *common.values())))
 
@@ -76,9 +76,9 @@ def explains_more(model: Prepared, other: Prepared) -> bool:
     """Whether a converged model clearly explains more of the fitted recordings than another: each is fitted to every
     other part of each recording and judged on the rest, where values for one recording hold, too.
     """
-    here, there = _by_halves(model), _by_halves(other)
-    samples = np.minimum(here.samples, there.samples)
-    ratio = (there.judged(()) / there.measured) / (here.judged(()) / here.measured)
+    of_model, of_other = _by_halves(model), _by_halves(other)
+    samples = np.minimum(of_model.samples, of_other.samples)
+    ratio = (of_other.judged(()) / of_other.measured) / (of_model.judged(()) / of_model.measured)
     return 0.5 * float(samples @ np.log(ratio)) > RULE.prior
 
 
