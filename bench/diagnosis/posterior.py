@@ -27,20 +27,20 @@ class Posterior:
 
 
 def posterior_of(
-    system: System, found: Found, proposals: Sequence[Proposal], scale: float = 1.0
+    system: System, selection: Found, proposals: Sequence[Proposal], scale: float = 1.0
 ) -> Posterior:
     """Over the possible sets of usable effects that were solved, about one model: see `Samples.log_posterior`.
 
     What seems more probable than the best set was converged, and was not. scale: of errors, see `verdicts`.
     """
-    usable = {*found.singles, *found.best.fit.chosen}
+    usable = {*selection.singles, *selection.best.fit.chosen}
     solved = [
         score(system, fit)
         for fit in system.solved.values()
         if usable.issuperset(fit.chosen) and possible(system, fit)
     ]
     ordered = sorted(
-        (each for each in solved if each.total <= found.best.total), key=lambda each: -each.total
+        (each for each in solved if each.total <= selection.best.total), key=lambda each: -each.total
     )
     fits = [each.fit for each in ordered]
     weights = shares_of([each.total for each in ordered])
@@ -60,21 +60,21 @@ def posterior_of(
 
 
 def with_probability(
-    verdict: EffectVerdict, probability: float | None, sets: Sequence[ProbableSet], told: Sequence[str]
+    verdict: EffectVerdict, probability: float | None, sets: Sequence[ProbableSet], reported: Sequence[str]
 ) -> EffectVerdict:
     """The verdict with its probability; an effect of the answer that is less probable than not is undecided between it
     and what the leading sets without it have. told: names of all effects of the answer.
     """
     verdict = replace(verdict, probability=probability)
     if (
-        verdict.effect not in told
+        verdict.effect not in reported
         or probability is None
         or probability >= EVEN
         or verdict.verdict not in DECIDED
     ):
         return verdict
     without = [probable.effects for probable in sets if verdict.effect not in probable.effects]
-    others = tuple(dict.fromkeys(name for effects in without for name in effects if name not in told))
+    others = tuple(dict.fromkeys(name for effects in without for name in effects if name not in reported))
     return replace(verdict, verdict="indistinguishable", alternatives=others) if others else verdict
 
 
