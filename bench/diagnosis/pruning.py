@@ -16,7 +16,7 @@ from bench.identification.result import Identification
 
 def impossible_effects(result: Identification, added: Sequence[EffectInstance]) -> dict[str, Reason]:
     """Effects with a clearly negative parameter, that must be positive, wherever they are; and why they go."""
-    found: dict[str, list[str]] = {}
+    by_name: dict[str, list[str]] = {}
     for instance in added:
         values = result.effect_parameters[instance.effect.name][instance.place]
         wrong = [
@@ -24,8 +24,8 @@ def impossible_effects(result: Identification, added: Sequence[EffectInstance]) 
             for parameter in instance.effect.parameters
             if parameter.positive and values[parameter.name].value < -RULE.shows * values[parameter.name].std
         ]
-        found.setdefault(instance.effect.name, []).append(wrong[0] if wrong else "")
-    return {name: Reason(Because.IMPOSSIBLE, (wrong[0],)) for name, wrong in found.items() if all(wrong)}
+        by_name.setdefault(instance.effect.name, []).append(wrong[0] if wrong else "")
+    return {name: Reason(Because.IMPOSSIBLE, (wrong[0],)) for name, wrong in by_name.items() if all(wrong)}
 
 
 def impossible_but_needed(whole: Identification, dropped: Sequence[EffectInstance]) -> dict[str, Reason]:
