@@ -273,11 +273,11 @@ class Diagnosis:
         return (*self.missing, *self.by_recording, *dict.fromkeys(law.law for law in self.discovered))
 
     def __repr__(self) -> str:
-        found = (*self.missing, *self.by_recording, *(law.formula for law in self.discovered))
+        parts = (*self.missing, *self.by_recording, *(law.formula for law in self.discovered))
         errors = [step.validate if step.validate is not None else step.identify for step in self.ladder]
         fall = " → ".join(f"{100.0 * error:.3g} %" for error in errors if error is not None)
         early = "" if self.finished else "; unfinished"
-        return f"<{self.robot}: {', '.join(found) or 'nothing'} missing; error {fall}{early}>"
+        return f"<{self.robot}: {', '.join(parts) or 'nothing'} missing; error {fall}{early}>"
 
     def rows(self) -> list[dict[str, str | float]]:
         """The ranking as a table: one row with effect, verdict, evidence and errors before and after each."""
