@@ -78,8 +78,8 @@ def straight_round(origin: Origin, catalogue: Mapping[str, Effect]) -> Round:
     straight = {
         name: effect for name, effect in catalogue.items() if not settles([EffectInstance(effect, "", name)])
     }
-    here = judged(origin, origin.start, propose(origin.context(origin.start), straight), ())
-    return replace(_converged(origin, here), cut=True)
+    this_round = judged(origin, origin.start, propose(origin.context(origin.start), straight), ())
+    return replace(_converged(origin, this_round), cut=True)
 
 
 def searched(origin: Origin, first: Round, barred: Collection[str], progress: Progress = SILENT) -> Round:
@@ -100,34 +100,40 @@ def searched(origin: Origin, first: Round, barred: Collection[str], progress: Pr
         del whole
     given = [first]
     del first  # handed on without a name, so that its system is gone before the next is built
-    here = _again(origin, given.pop(), barred, progress, before)
-    tried = {frozenset(here.chosen)}
+    this_round = _again(origin, given.pop(), barred, progress, before)
+    tried = {frozenset(this_round.chosen)}
     for _ in range(ROUNDS - 1):
-        before = here
+        before = this_round
         for seek in (_with_partner, _with_rival):
-            if here.cut:
-                return here
+            if this_round.cut:
+                return this_round
             progress.phase("searching for partners and rivals")
             try:
-                better = seek(origin, here, barred)
+                better = seek(origin, this_round, barred)
             except TimeUpError:
-                return replace(here, cut=True)
+                return replace(this_round, cut=True)
             if better is not None and frozenset(better.chosen) not in tried:
-                here = _again(origin, better, barred, progress, here)
-                tried |= {frozenset(better.chosen), frozenset(here.chosen)}
-        if here is before:
+                this_round = _again(origin, better, barred, progress, this_round)
+                tried |= {frozenset(better.chosen), frozenset(this_round.chosen)}
+        if this_round is before:
             break
-    return here
+    return this_round
 
 
-def staying(origin: Origin, here: Round, barred: Collection[str]) -> Round:
+def staying(origin: Origin, this_round: Round, barred: Collection[str]) -> Round:
     """What stays of a round's set where some effects may not be found, converged, without another search."""
-    stayed = [i for i in here.chosen if here.proposals[i].name not in barred]
-    return replace(_with_set(here, stayed), model=origin.with_proposals(here.proposals, stayed), cut=True)
+    stayed = [i for i in this_round.chosen if this_round.proposals[i].name not in barred]
+    return replace(
+        _with_set(this_round, stayed), model=origin.with_proposals(this_round.proposals, stayed), cut=True
+    )
 
 
 def _again(
-    origin: Origin, here: Round, barred: Collection[str], progress: Progress, before: Round | None = None
+    origin: Origin,
+    this_round: Round,
+    barred: Collection[str],
+    progress: Progress,
+    before: Round | None = None,
 ) -> Round:
     """Linearise about the best model, and search again, until the same is found, or no set does better:
     the converged model with it.
@@ -136,15 +142,15 @@ def _again(
     if, both converged, it leaves clearly less, or is smaller and leaves hardly more; where the best set does not, those
     like the present one are tried. before: a converged round in whose place the first is to be.
     """
-    if before is not None and not here.chosen:
+    if before is not None and not this_round.chosen:
         return before
     spare = before  # what is answered where the time is up
     try:
         for number in range(2, ROUNDS + 1):
-            if not here.chosen:
+            if not this_round.chosen:
                 break
-            progress.phase(f"searching, round {number}", len(here.proposals))
-            better = _first_better(origin, here, before, barred)
+            progress.phase(f"searching, round {number}", len(this_round.proposals))
+            better = _first_better(origin, this_round, before, barred)
             if better is None:
                 assert before is not None  # without one to surpass, the best set is taken
                 return before
@@ -153,84 +159,94 @@ def _again(
             model, chosen, names = better.model, better.chosen, better.names
             before = None
             del (
-                here,
+                this_round,
                 better,
             )  # so that this round's system is gone before the next is built, unless it is spared
-            here = judged(origin, model, proposals, barred)
-            if here.names == names:
-                return here
-            before = spare = _with_set(here, chosen)
-        return replace(here, model=origin.with_proposals(here.proposals, here.chosen))
+            this_round = judged(origin, model, proposals, barred)
+            if this_round.names == names:
+                return this_round
+            before = spare = _with_set(this_round, chosen)
+        return replace(this_round, model=origin.with_proposals(this_round.proposals, this_round.chosen))
     except TimeUpError:
-        return _straight(origin, here, barred) if spare is None else replace(spare, cut=True)
+        return _straight(origin, this_round, barred) if spare is None else replace(spare, cut=True)
 
 
-def _straight(origin: Origin, here: Round, barred: Collection[str]) -> Round:
+def _straight(origin: Origin, this_round: Round, barred: Collection[str]) -> Round:
     """A round with the best set of its effects that are converged at once, and the search cut there."""
-    usable_now = [i for i in usable(here.proposals, barred) if not settles(here.proposals[i].instances)]
-    best = replace(here, found=search(here.system, usable_now))
+    usable_now = [
+        i for i in usable(this_round.proposals, barred) if not settles(this_round.proposals[i].instances)
+    ]
+    best = replace(this_round, found=search(this_round.system, usable_now))
     return replace(_converged(origin.at_leisure, best), cut=True)
 
 
-def _first_better(origin: Origin, here: Round, before: Round | None, barred: Collection[str]) -> Round | None:
+def _first_better(
+    origin: Origin, this_round: Round, before: Round | None, barred: Collection[str]
+) -> Round | None:
     """The best set of a round with its model, or the first like the one before that does better than that one."""
     if before is None:
-        return _converged(origin, here)
-    every = (_converged(origin, tried) for tried in (here, *_alike(here, before.chosen, barred)))
+        return _converged(origin, this_round)
+    every = (_converged(origin, tried) for tried in (this_round, *_alike(this_round, before.chosen, barred)))
     return next((tried for tried in every if _better(tried, before)), None)
 
 
-def _converged(origin: Origin, here: Round) -> Round:
+def _converged(origin: Origin, this_round: Round) -> Round:
     """The round with its set's model."""
-    return replace(here, model=origin.in_search(here.system, here.proposals, here.chosen))
+    return replace(
+        this_round, model=origin.in_search(this_round.system, this_round.proposals, this_round.chosen)
+    )
 
 
-def _alike(here: Round, chosen: tuple[int, ...], barred: Collection[str], less: float = 0.0) -> list[Round]:
+def _alike(
+    this_round: Round, chosen: tuple[int, ...], barred: Collection[str], less: float = 0.0
+) -> list[Round]:
     """The best sets of a round's system that are this one but for one effect, more, less or another, and less probable
     by no more than so many nats.
     """
-    present = score(here.system, solve_set(here.system, chosen))
-    scored = neighbours(here.system, present, usable(here.proposals, barred), present.total - less)
+    present = score(this_round.system, solve_set(this_round.system, chosen))
+    scored = neighbours(
+        this_round.system, present, usable(this_round.proposals, barred), present.total - less
+    )
     return [
-        replace(here, found=replace(here.found, best=found))
-        for found in scored
-        if found.fit.chosen != here.chosen
+        replace(this_round, found=replace(this_round.found, best=neighbour))
+        for neighbour in scored
+        if neighbour.fit.chosen != this_round.chosen
     ][:MOST_ALIKE]
 
 
-def _better(here: Round, before: Round) -> bool:
+def _better(this_round: Round, before: Round) -> bool:
     """Whether a converged model is more probable than the one before, and its gains have not run away if those of the
     other have not.
     """
-    new, old = here.residual, before.residual
+    new, old = this_round.residual, before.residual
     if new.away and not old.away:
         return False
     return new.weight(before.system.samples) > old.weight(before.system.samples)
 
 
-def _with_set(here: Round, chosen: Sequence[int]) -> Round:
+def _with_set(this_round: Round, chosen: Sequence[int]) -> Round:
     """The round with this set as its best."""
-    found = here.found
-    fit = solve_set(here.system, chosen)
-    return replace(here, found=replace(found, best=score(here.system, fit)))
+    selection = this_round.found
+    fit = solve_set(this_round.system, chosen)
+    return replace(this_round, found=replace(selection, best=score(this_round.system, fit)))
 
 
-def _with_partner(origin: Origin, here: Round, barred: Collection[str]) -> Round | None:
+def _with_partner(origin: Origin, this_round: Round, barred: Collection[str]) -> Round | None:
     """What is found when an effect joins the model and all shapes are converged anew; None if nothing better is.
 
     Sets are compared in one system: what each promises holds where it was linearised about the same model.
     """
-    context = origin.context(here.model)
-    for i in partners(here.model, context, here.proposals, here.chosen):
-        if here.proposals[i].name in barred:
+    context = origin.context(this_round.model)
+    for i in partners(this_round.model, context, this_round.proposals, this_round.chosen):
+        if this_round.proposals[i].name in barred:
             continue
         for settle in (origin.nearly, origin.with_proposals):
-            joined = settle(here.proposals, (*here.chosen, i))
-            if not _better(replace(here, model=joined), here):
+            joined = settle(this_round.proposals, (*this_round.chosen, i))
+            if not _better(replace(this_round, model=joined), this_round):
                 break
-            others = beside(here.proposals, joined, len(origin.start.effects))
+            others = beside(this_round.proposals, joined, len(origin.start.effects))
             wider = judged(origin, joined, others, barred)
-            without = score(wider.system, solve_set(wider.system, here.chosen))
+            without = score(wider.system, solve_set(wider.system, this_round.chosen))
             if wider.found.best.total <= without.total:
                 break
         else:
@@ -238,13 +254,13 @@ def _with_partner(origin: Origin, here: Round, barred: Collection[str]) -> Round
     return None
 
 
-def _with_rival(origin: Origin, here: Round, barred: Collection[str]) -> Round | None:
+def _with_rival(origin: Origin, this_round: Round, barred: Collection[str]) -> Round | None:
     """What is found from a set one effect away that is hardly less probable about this model, and more where it is
     converged; None if none is.
     """
-    for rival in _alike(here, here.chosen, barred, RULE.undecided):
+    for rival in _alike(this_round, this_round.chosen, barred, RULE.undecided):
         there = _converged(origin, rival)
-        if _better(there, here):
+        if _better(there, this_round):
             return judged(origin, there.model, reshaped(origin, there, SILENT), barred)
     return None
 
@@ -259,18 +275,18 @@ def system_about(origin: Origin, model: Prepared, proposals: Sequence[Proposal])
     """The starting model's equations with every proposal's columns, linearised about `model`."""
     start = origin.start
     about = with_effects(model, start.effects)
-    own = _own_solution(start, about, solved_quickly(model)[1].weights)
+    given_solution = _own_solution(start, about, solved_quickly(model)[1].weights)
     exact = model.effects[len(start.effects) :]
     listed = [() if proposal.absorbed else proposal.instances for proposal in proposals]
     near = origin.nearby.signals(model.present, model.signals)
-    system = build_system(about, near, listed, exact, own, origin.deadline)
+    system = build_system(about, near, listed, exact, given_solution, origin.deadline)
     return replace(system, priors=tuple(proposal.prior for proposal in proposals))
 
 
 def _own_solution(start: Prepared, about: Prepared, weights: np.ndarray) -> Solution:
     """Of the starting model, linearised as `about` is, with other weights (n,)."""
-    stack, own = solved_quickly(about)
-    return restarted(stack, replace(own, weights=weights), start.dataset.robot.nominal_gains)
+    stack, solution = solved_quickly(about)
+    return restarted(stack, replace(solution, weights=weights), start.dataset.robot.nominal_gains)
 
 
 def _search(system: System, proposals: Sequence[Proposal], barred: Collection[str]) -> Found:
@@ -284,66 +300,70 @@ def usable(proposals: Sequence[Proposal], barred: Collection[str]) -> list[int]:
     ]
 
 
-def reshaped(origin: Origin, here: Round, progress: Progress) -> list[Proposal]:
+def reshaped(origin: Origin, this_round: Round, progress: Progress) -> list[Proposal]:
     """Proposals in the shape that suits the found set: as found, or in the place of the effect that they rival.
 
     An effect that could replace an identified one is given the shape that it would have without that one; the
     others the shape that explains most of what the found set leaves, if that is more than noise. A special case of a
     found effect that explains little of this is given its shape in the place of that one.
     """
-    model, own = here.model, len(origin.start.effects)
-    added = model.effects[own:]
+    model, given_count = this_round.model, len(origin.start.effects)
+    added = model.effects[given_count:]
     contexts: dict[int | None, Context] = {None: origin.context(model)}
     result = []
-    only_noise = leaves_only_noise(here.system, model, origin.noise)
+    only_noise = leaves_only_noise(this_round.system, model, origin.noise)
     asked = [
-        i for i, candidate in enumerate(here.proposals) if i not in here.chosen and _has_shape(candidate)
+        i
+        for i, candidate in enumerate(this_round.proposals)
+        if i not in this_round.chosen and _has_shape(candidate)
     ]
-    solve_sets(here.system, swapped(here.chosen, asked))  # together, and kept: each is asked for below
-    for i, proposal in enumerate(here.proposals):
+    solve_sets(
+        this_round.system, swapped(this_round.chosen, asked)
+    )  # together, and kept: each is asked for below
+    for i, proposal in enumerate(this_round.proposals):
         progress.advance()
         origin.deadline.check()
-        if i in here.chosen:
+        if i in this_round.chosen:
             instances = tuple(instance for instance in added if instance.effect.name == proposal.name)
             result.append(replace(proposal, instances=instances))
             continue
         if not _has_shape(proposal):
             result.append(proposal)
             continue
-        rival = _part(here.system, here.found, i)
+        rival = _part(this_round.system, this_round.found, i)
         if rival is None:
-            rival = _rival(here.system, here.found, i)
+            rival = _rival(this_round.system, this_round.found, i)
         if rival is None:
             instances = (
                 proposal.instances
                 if only_noise
                 else shaped(contexts[None], proposal.instances, origin.deadline)
             )
-            rival = _whole(here.system, here.found, i)
+            rival = _whole(this_round.system, this_round.found, i)
             if rival is None or (not only_noise and explains(contexts[None], instances)):
                 result.append(replace(proposal, instances=instances))
                 continue
-        name = here.proposals[rival].name
+        name = this_round.proposals[rival].name
         if rival not in contexts:
             others = [instance for instance in added if instance.effect.name != name]
             contexts[rival] = origin.context(with_effects(model, (*origin.start.effects, *others)))
         instances = shaped(contexts[rival], proposal.instances, origin.deadline)
-        if contains(here.system.candidates[rival], here.system.candidates[i]):
-            found = [instance for instance in added if instance.effect.name == name]
-            instances = explaining_most(contexts[rival], instances, with_shapes_of(found, instances))
+        if contains(this_round.system.candidates[rival], this_round.system.candidates[i]):
+            present = [instance for instance in added if instance.effect.name == name]
+            instances = explaining_most(contexts[rival], instances, with_shapes_of(present, instances))
         result.append(replace(proposal, instances=instances))
     return result
 
 
-def _whole(system: System, found: Found, i: int) -> int | None:
+def _whole(system: System, selection: Found, i: int) -> int | None:
     """The identified effect of which effect i is a special case."""
-    wholes = (k for k in found.best.fit.chosen if contains(system.candidates[k], system.candidates[i]))
+    wholes = (k for k in selection.best.fit.chosen if contains(system.candidates[k], system.candidates[i]))
     return next(wholes, None)
 
 
-def _part(system: System, found: Found, i: int) -> int | None:
+def _part(system: System, selection: Found, i: int) -> int | None:
     """The identified effect that is a special case of effect i."""
-    parts = (k for k in found.best.fit.chosen if contains(system.candidates[i], system.candidates[k]))
+    parts = (k for k in selection.best.fit.chosen if contains(system.candidates[i], system.candidates[k]))
     return next(parts, None)
 
 
@@ -352,9 +372,9 @@ def _has_shape(proposal: Proposal) -> bool:
     return not proposal.absorbed and settles(proposal.instances)
 
 
-def _rival(system: System, found: Found, i: int) -> int | None:
+def _rival(system: System, selection: Found, i: int) -> int | None:
     """The identified effect in whose place effect i does best, where that is better than most of what it explains."""
-    best = found.best.fit
+    best = selection.best.fit
     if not best.chosen:
         return None
     sets = zip(best.chosen, swapped(best.chosen, [i]), strict=True)
