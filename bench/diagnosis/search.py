@@ -81,24 +81,24 @@ def climbed(system: System, start: Scored, usable: Sequence[int], deadline: Dead
     Where a sign is impossible, any possible neighbour is better: what the sign belongs to may stand for that, as a
     spring that pushes stands for an offset.
     """
-    here = start
+    present = start
     for _ in range(STEPS):
         deadline.check()
-        chosen, able = here.fit.chosen, possible(system, here.fit)
-        near = neighbours(system, here, usable, -np.inf if not able else here.total)
-        best = simplest(system, near[0], [*near, here] if able else near) if near else here
-        if best is not here:
-            here = best
+        chosen, able = present.fit.chosen, possible(system, present.fit)
+        near = neighbours(system, present, usable, -np.inf if not able else present.total)
+        best = simplest(system, near[0], [*near, present] if able else near) if near else present
+        if best is not present:
+            present = best
         elif able:
             break
         else:
-            here = max(scored(system, reduced(chosen)), key=_total)
-    return here
+            present = max(scored(system, reduced(chosen)), key=_total)
+    return present
 
 
-def neighbours(system: System, here: Scored, usable: Sequence[int], least: float) -> list[Scored]:
+def neighbours(system: System, present: Scored, usable: Sequence[int], least: float) -> list[Scored]:
     """Sets with one effect more than this one, another or one less, whose weight is above the least, the best first."""
-    chosen = here.fit.chosen
+    chosen = present.fit.chosen
     others = [i for i in usable if i not in chosen]
     sets = swapped(chosen, others) + (reduced(chosen) if chosen else [])
     if len(chosen) < LARGEST_SET:
@@ -129,8 +129,8 @@ def _shortlist(system: System, usable: Sequence[int], singles: dict[int, Scored]
     alone = sorted(usable, key=lambda i: -singles[i].total)[:ALONE]
     others = [i for i in usable if i not in chosen]
     wider = scored(system, enlarged(chosen, others)) if chosen else []
-    beside = {i: each.total for i, each in zip(others, wider, strict=False)}
-    return list(dict.fromkeys([*chosen, *alone, *sorted(beside, key=lambda i: -beside[i])[:BESIDE]]))
+    totals = {i: each.total for i, each in zip(others, wider, strict=False)}
+    return list(dict.fromkeys([*chosen, *alone, *sorted(totals, key=lambda i: -totals[i])[:BESIDE]]))
 
 
 def judged_error(system: System, fit: SetFit) -> float:
