@@ -26,12 +26,12 @@ def origins_of(start: Prepared) -> list[Prepared]:
 
 
 def kept_and_new(
-    found: Sequence[EffectInstance], given: Sequence[EffectInstance]
+    effects: Sequence[EffectInstance], given: Sequence[EffectInstance]
 ) -> tuple[tuple[EffectInstance, ...], tuple[EffectInstance, ...]]:
     """Of the identified effects, those of the starting model, and the rest."""
     there = _places(given)
-    kept = tuple(instance for instance in found if (instance.effect.name, instance.joint) in there)
-    return kept, tuple(instance for instance in found if instance not in kept)
+    kept = tuple(instance for instance in effects if (instance.effect.name, instance.joint) in there)
+    return kept, tuple(instance for instance in effects if instance not in kept)
 
 
 def leaving(
@@ -41,25 +41,27 @@ def leaving(
 
     Each is tried once more in addition to the others: one that takes a clear share of the error away comes back.
     """
-    own = len(origin.start.effects)
+    given_count = len(origin.start.effects)
     each = {instance.effect.name for instance in origin.start.effects if instance.recording}
-    added = _named(model.effects[own:], [instance for instance in given if instance.effect.name not in each])
-    model = replace(model, effects=(*model.effects[:own], *added))
+    added = _named(
+        model.effects[given_count:], [instance for instance in given if instance.effect.name not in each]
+    )
+    model = replace(model, effects=(*model.effects[:given_count], *added))
     if model.effects and added:
         after = replace(after, effects=tuple(dict.fromkeys(instance.request for instance in model.effects)))
     gone: list[Superfluous] = []
     there = _places(origin.start.effects)
-    left = [instance for instance in given if (instance.effect.name, instance.joint) not in there]
-    for name in dict.fromkeys(instance.effect.name for instance in left):
+    absent = [instance for instance in given if (instance.effect.name, instance.joint) not in there]
+    for name in dict.fromkeys(instance.effect.name for instance in absent):
         if any(instance.effect.name == name for instance in added):
             continue
         wider = origin.with_instances(
-            [*added, *(instance for instance in left if instance.effect.name == name)]
+            [*added, *(instance for instance in absent if instance.effect.name == name)]
         )
         result = fit(wider)
         if answer_weight(samples, wider, result) > answer_weight(samples, model, after):
             model, after = wider, result
-            added = list(model.effects[own:])
+            added = list(model.effects[given_count:])
         elif name not in each:  # else it has a value for each recording somewhere
             wholes = [instance.effect.name for instance in added if name in instance.effect.contains]
             gone.append(Superfluous(name, wholes[0] if wholes else None))
@@ -76,11 +78,11 @@ def given_wholly(given: Sequence[EffectInstance], proposals: Sequence[Proposal])
     }
 
 
-def _named(found: Sequence[EffectInstance], given: Sequence[EffectInstance]) -> list[EffectInstance]:
+def _named(effects: Sequence[EffectInstance], given: Sequence[EffectInstance]) -> list[EffectInstance]:
     requests = {(instance.effect.name, instance.joint): instance.request for instance in given}
     return [
         replace(instance, request=requests.get((instance.effect.name, instance.joint), instance.request))
-        for instance in found
+        for instance in effects
     ]
 
 
