@@ -58,7 +58,7 @@ class DiagnosisSummary:
     @property
     def sentences(self) -> list[str]:
         """All of them in the order in which they are reported."""
-        told = [
+        parts = [
             self.verdict,
             self.unfinished,
             *self.laws,
@@ -70,7 +70,7 @@ class DiagnosisSummary:
             *self.differs,
             self.left,
         ]
-        return [sentence for sentence in told if sentence]
+        return [sentence for sentence in parts if sentence]
 
 
 def summary_sentences(diagnosis: Diagnosis) -> list[str]:
@@ -85,17 +85,17 @@ def summary_of(diagnosis: Diagnosis) -> DiagnosisSummary:
 
 def _summary(diagnosis: Diagnosis) -> DiagnosisSummary:
     searched = Unfinished.SETS not in diagnosis.unfinished
-    found = found_effects(diagnosis)
+    missing = found_effects(diagnosis)
     first, last = diagnosis.ladder[0], diagnosis.ladder[-1]
     before, after = (_first_known(step.validate, step.identify) for step in (first, last))
     floor = diagnosis.unexplained.noise_floor
-    left = f"{_capital(left_words(diagnosis.unexplained, searched=searched))}."
+    residual_sentence = f"{_capital(left_words(diagnosis.unexplained, searched=searched))}."
     judged = judged_on(diagnosis)
     needless = _superfluous(diagnosis)
     each = diagnosis.by_recording
     differs = from_run_to_run(diagnosis.differs, each, clear=not diagnosis.unexplained.significant)
     laws = law_sentences(diagnosis.discovered)
-    if not found:
+    if not missing:
         what = f"No effect of the catalogue{' with one value for all recordings' if differs else ''}"
         nothing = (
             f"{what} is missing: judged on {judged}, no effect reduces the "
@@ -122,12 +122,18 @@ def _summary(diagnosis: Diagnosis) -> DiagnosisSummary:
             sentence(finding) for finding in (runaway(diagnosis.after), unlike(diagnosis.after)) if finding
         ]
         moved = _largest_change(diagnosis) if each else None
-        return DiagnosisSummary(nothing, tuple(strange), "", (), moved or "", needless, differs, left, laws)
+        return DiagnosisSummary(
+            nothing, tuple(strange), "", (), moved or "", needless, differs, residual_sentence, laws
+        )
     sure = [
-        _named(diagnosis, effect_verdict) for effect_verdict in found if effect_verdict.verdict != "resembles"
+        _named(diagnosis, effect_verdict)
+        for effect_verdict in missing
+        if effect_verdict.verdict != "resembles"
     ]
     like = [
-        _named(diagnosis, effect_verdict) for effect_verdict in found if effect_verdict.verdict == "resembles"
+        _named(diagnosis, effect_verdict)
+        for effect_verdict in missing
+        if effect_verdict.verdict == "resembles"
     ]
     parts = [*sure, *([f"something that resembles {and_list(like)}"] if like else [])]
     names = ", and ".join([and_list(sure), parts[-1]]) if sure and like else and_list(parts)
@@ -150,11 +156,13 @@ def _summary(diagnosis: Diagnosis) -> DiagnosisSummary:
             f"without, the error is {in_percent(before)}."
         )
     undecided = (
-        *(_cannot_tell(effect_verdict, found) for effect_verdict in found if effect_verdict.alternatives),
-        *(each for effect_verdict in found for each in _alike(effect_verdict)),
+        *(_cannot_tell(effect_verdict, missing) for effect_verdict in missing if effect_verdict.alternatives),
+        *(each for effect_verdict in missing for each in _alike(effect_verdict)),
     )
     moved = _largest_change(diagnosis) or ""
-    return DiagnosisSummary(verdict, doubt, nominal, undecided, moved, needless, differs, left, laws)
+    return DiagnosisSummary(
+        verdict, doubt, nominal, undecided, moved, needless, differs, residual_sentence, laws
+    )
 
 
 def _explains_nothing(diagnosis: Diagnosis, error: float | None) -> bool:
@@ -173,15 +181,17 @@ def _strange(diagnosis: Diagnosis) -> tuple[str, ...]:
     result = diagnosis.after
     causes = [finding for finding in result.findings if finding.code in CAUSES]
     strange = causes[0] if causes else runaway(result) or unlike(result)
-    left = diagnosis.unexplained
+    unexplained = diagnosis.unexplained
     false = "The named effects may be wrong"
     if strange:
         return (f"{false}. {sentence(strange)}",)
-    if left.significant and left.error > HOPELESS * max(left.noise_floor, REAL, left.repeats or 0.0):
+    if unexplained.significant and unexplained.error > HOPELESS * max(
+        unexplained.noise_floor, REAL, unexplained.repeats or 0.0
+    ):
         size = (
-            f"{left.error / left.noise_floor:.0f} times the noise"
-            if left.noise_floor
-            else in_percent(left.error)
+            f"{unexplained.error / unexplained.noise_floor:.0f} times the noise"
+            if unexplained.noise_floor
+            else in_percent(unexplained.error)
         )
         return (f"{false}: the remaining error is {size}. Check columns, signs and payloads.",)
     return ()
@@ -225,15 +235,15 @@ def _named(diagnosis: Diagnosis, verdict: EffectVerdict) -> str:
     return f"{spoken(verdict.effect)}{where(diagnosis, verdict)}{instead}"
 
 
-def _cannot_tell(verdict: EffectVerdict, found: Sequence[EffectVerdict]) -> str:
+def _cannot_tell(verdict: EffectVerdict, missing: Sequence[EffectVerdict]) -> str:
     """What an effect could be instead, and how to find out."""
     motions = "; ".join(telling_motions([verdict.effect, *verdict.alternatives])[:MOTIONS])
-    beside = "".join(f" --with {other.effect}" for other in found if other is not verdict)
+    options = "".join(f" --with {other.effect}" for other in missing if other is not verdict)
     return (
         f"Instead of {spoken(verdict.effect)} the cause could equally be "
         f"{or_list([spoken(name) for name in verdict.alternatives])}: "
         f"these recordings cannot distinguish them. To distinguish them: {motions}. The motion is designed by "
-        f"`bench discriminate DATASET {verdict.effect} {verdict.alternatives[0]}{beside} -o DIR`."
+        f"`bench discriminate DATASET {verdict.effect} {verdict.alternatives[0]}{options} -o DIR`."
     )
 
 
@@ -334,11 +344,11 @@ def _largest_change(diagnosis: Diagnosis) -> str | None:
         return None
     before, after = diagnosis.before.drive_gains, diagnosis.after.drive_gains
     them = "it" if len(diagnosis.added) == 1 else "them"
-    beside = "one value per recording" if diagnosis.by_recording and not diagnosis.missing else them
+    added = "one value per recording" if diagnosis.by_recording and not diagnosis.missing else them
     gain, was = after[joint], before[joint]
     came = f"is {with_error(was.value, was.std)}" if was.determined else "is not determined"
     return (
-        f"With {beside} the drive gain of {joint} is {with_error(gain.value, gain.std)} {gain.unit.replace('*', '·')}, "
+        f"With {added} the drive gain of {joint} is {with_error(gain.value, gain.std)} {gain.unit.replace('*', '·')}, "
         f"{100.0 * (gain.value / gain.nominal - 1.0):+.3g} % from its nominal {gain.nominal:.4g}; without {them} it "
         f"{came}."
     )
