@@ -63,7 +63,7 @@ def unexplained(
     from_encoders = encoders()
     if error <= RULE.beyond_noise * np.hypot(floor, from_encoders):
         return Unexplained(Remainder.NOISE_AND_ENCODERS, error, floor, (), from_encoders)
-    found: dict[str, float] = {}
+    ratios: dict[str, float] = {}
     random = np.random.default_rng(SEED)
     joints = list(result.joints)
     for j in range(len(joints)):
@@ -72,13 +72,13 @@ def unexplained(
             continue  # a motor that stands still throughout leaves no error that could vary
         scale = errors.std() or 1.0
         if _in_impacts(errors):
-            found["time"] = max(found.get("time", 0.0), ALMOST)
+            ratios["time"] = max(ratios.get("time", 0.0), ALMOST)
         for name, values in _variables(judged, j).items():
             ratio = _dependence(errors / scale, values, random)
-            found[name] = max(found.get(name, 0.0), ratio)
+            ratios[name] = max(ratios.get(name, 0.0), ratio)
     if _lasting(judged):
-        found["time"] = max(found.get("time", 0.0), ALMOST)
-    depends = tuple(name for name, ratio in sorted(found.items(), key=lambda pair: -pair[1]) if ratio >= 1.0)
+        ratios["time"] = max(ratios.get("time", 0.0), ALMOST)
+    depends = tuple(name for name, ratio in sorted(ratios.items(), key=lambda pair: -pair[1]) if ratio >= 1.0)
     what = Remainder.PATTERN if depends else Remainder.NO_PATTERN
     return Unexplained(what, error, floor, depends, from_encoders, not_repeated(result.recordings))
 
