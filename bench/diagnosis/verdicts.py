@@ -16,10 +16,10 @@ DOMINANT_BESIDE = 10.0  # so many times the residual, an effect must explain whe
 def verdicts(
     system: System,
     proposals: Sequence[Proposal],
-    found: Found,
+    selection: Found,
     places: dict[str, tuple[str, ...]],
     scale: float,
-    left: Unexplained,
+    unexplained: Unexplained,
     without: Mapping[str, float],
 ) -> tuple[EffectVerdict, ...]:
     """Every effect, the found ones first, then by evidence.
@@ -29,23 +29,23 @@ def verdicts(
     left: where it is significant, no effect accounts for it, and a found effect is only sure if the error without
     it is RULE.dominant times the residual with it, or DOMINANT_BESIDE times where much is left.
     """
-    best = found.best
+    best = selection.best
     chosen = set(best.fit.chosen)
-    others = [i for i in found.singles if i not in chosen]
+    others = [i for i in selection.singles if i not in chosen]
     more = [(*best.fit.chosen, i) for i in others]
     solve_sets(
         system, [*more, *swapped(best.fit.chosen, others)]
     )  # together, and kept: each is asked for below
-    sure = (DOMINANT_BESIDE if left.much else RULE.dominant) if left.significant else 0.0
+    sure = (DOMINANT_BESIDE if unexplained.much else RULE.dominant) if unexplained.significant else 0.0
     rows: list[EffectVerdict] = []
     for i, proposal in enumerate(proposals):
         if proposal.absorbed:
             rows.append(_absorbed(proposal, _error(system, best, scale)))
         elif i in chosen:
             error = without.get(proposal.name, 0.0)
-            rows.append(_found(system, proposals, found, i, places[proposal.name], scale, sure, error))
+            rows.append(_found(system, proposals, selection, i, places[proposal.name], scale, sure, error))
         else:
-            rows.append(_other(system, proposals, found, i, scale))
+            rows.append(_other(system, proposals, selection, i, scale))
     order: dict[Verdict, int] = {
         "missing": 0,
         "indistinguishable": 1,
@@ -85,19 +85,19 @@ def _absorbed(proposal: Proposal, error: float) -> EffectVerdict:
 def _found(
     system: System,
     proposals: Sequence[Proposal],
-    found: Found,
+    selection: Found,
     i: int,
     places: tuple[str, ...],
     scale: float,
     sure: float,
     before: float,
 ) -> EffectVerdict:
-    best, chosen = found.best, found.best.fit.chosen
+    best, chosen = selection.best, selection.best.fit.chosen
     others = tuple(k for k in chosen if k != i)
     without = score(system, solve_set(system, others))
     alternatives = [
         proposals[k].name
-        for k in found.singles
+        for k in selection.singles
         if k not in chosen
         and not contains(system.candidates[k], system.candidates[i])
         and close(best, score(system, solve_set(system, (*others, k))))
@@ -120,9 +120,9 @@ def _found(
 
 
 def _other(
-    system: System, proposals: Sequence[Proposal], found: Found, i: int, scale: float
+    system: System, proposals: Sequence[Proposal], selection: Found, i: int, scale: float
 ) -> EffectVerdict:
-    best, chosen = found.best, found.best.fit.chosen
+    best, chosen = selection.best, selection.best.fit.chosen
     added = score(system, solve_set(system, (*chosen, i)))
     before, after = _error(system, best, scale), _error(system, added, scale)
     rivals = [
