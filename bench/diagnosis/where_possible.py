@@ -21,11 +21,11 @@ def where_possible(
     kept, after = _where_it_shows(origin, model, whole, given, samples)
     stayed = {(instance.effect.name, instance.place) for instance in kept.effects}
     dropped = [instance for instance in model.effects if (instance.effect.name, instance.place) not in stayed]
-    found = kept.effects[len(origin.start.effects) :]
-    out = impossible_effects(after, found)
+    added = kept.effects[len(origin.start.effects) :]
+    out = impossible_effects(after, added)
     if answer_weight(samples, kept, after) < answer_weight(samples, model, whole):
         out |= impossible_but_needed(whole, dropped)
-    return kept, after, out or cancelling_effect(after, found)
+    return kept, after, out or cancelling_effect(after, added)
 
 
 def _where_it_shows(
