@@ -13,7 +13,7 @@ from bench.identification.prepare import Prepared
 
 
 def without_logs(
-    model: Prepared, system: System, found: Found, proposals: Sequence[Proposal]
+    model: Prepared, system: System, selection: Found, proposals: Sequence[Proposal]
 ) -> tuple[WithoutLog, ...]:
     """Of every log that is fitted, where others are: which effects of the best set the others do not support.
 
@@ -24,7 +24,7 @@ def without_logs(
     rows = []
     for log in fitted if len(fitted) > 1 else ():
         others = _without(system, log)
-        chosen = found.best.fit.chosen
+        chosen = selection.best.fit.chosen
         whole = score(others, solve_set(others, chosen))
         fewer = scored(others, reduced(chosen))
         gone = [
