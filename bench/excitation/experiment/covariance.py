@@ -71,10 +71,10 @@ class RelativeErrors:
         """About a fit, by themselves those that are `near` (k,); where nothing is determined nothing changes."""
         relative = _relative(fit, self.sizes)
         inverse, noise = _sides(self, relative)
-        left = inverse * (0.5 / self._variances(relative))
-        mean = left / len(self.targets)
+        left_factor = inverse * (0.5 / self._variances(relative))
+        mean = left_factor / len(self.targets)
         return ErrorSlopes(
-            left[:, near],
+            left_factor[:, near],
             noise[:, near],
             inverse[:, near],
             _symmetric(mean @ noise.T),
@@ -104,9 +104,11 @@ class Volume:
         """About a fit; where nothing is determined nothing changes."""
         relative = _relative(fit, self.sizes)
         inverse, noise = _sides(self, relative)
-        left = inverse @ np.linalg.inv(self._block(relative)) * (0.5 / len(self.targets))
-        none = np.zeros((len(left), 0))
-        return ErrorSlopes(none, none, none, _symmetric(left @ noise.T), _symmetric(left @ inverse.T))
+        left_factor = inverse @ np.linalg.inv(self._block(relative)) * (0.5 / len(self.targets))
+        none = np.zeros((len(left_factor), 0))
+        return ErrorSlopes(
+            none, none, none, _symmetric(left_factor @ noise.T), _symmetric(left_factor @ inverse.T)
+        )
 
     def _block(self, relative: "_Relative") -> np.ndarray:
         return relative.covariance[np.ix_(self.targets, self.targets)]
@@ -154,9 +156,9 @@ def _sparse(space: np.ndarray) -> np.ndarray:
     """A basis (k, P) of the columns of `space` (P, k) of few unknowns each: reduced echelon form."""
     rows = space.T.copy()
     for place in range(len(rows)):
-        left = np.abs(rows[place:])
-        at = int(np.argmax(left.max(axis=0)))
-        pivot = place + int(np.argmax(left[:, at]))
+        remaining = np.abs(rows[place:])
+        at = int(np.argmax(remaining.max(axis=0)))
+        pivot = place + int(np.argmax(remaining[:, at]))
         rows[[place, pivot]] = rows[[pivot, place]]
         rows[place] /= rows[place, at]
         others = np.arange(len(rows)) != place
