@@ -191,9 +191,9 @@ def reference_sizes(nominal: Nominal, recordings: Sequence[SeenMotion]) -> np.nd
     layout = nominal.layout
     sizes = np.zeros(nominal.size)
     units = np.array(nominal.model.base.units)
-    own = np.abs(nominal.base)
-    largest = {unit: float(own[units == unit].max()) for unit in sorted(set(units))}
-    sizes[: layout.base] = np.maximum(own, [SMALLEST * largest[unit] for unit in units])
+    magnitudes = np.abs(nominal.base)
+    largest = {unit: float(magnitudes[units == unit].max()) for unit in sorted(set(units))}
+    sizes[: layout.base] = np.maximum(magnitudes, [SMALLEST * largest[unit] for unit in units])
     torque = np.concatenate([motion.current * nominal.gains for motion in recordings])
     rms = np.sqrt(np.mean(torque**2, axis=0))
     columns = np.concatenate([motion.jacobian for motion in recordings]) * nominal.gains[:, None]
