@@ -48,22 +48,22 @@ class Margin:
 def margins(nominal: Nominal, room: Room, payload: str | None, enclosure: Enclosure) -> dict[Limit, Margin]:
     """What is left of every limit, always in the same order."""
     geometry = nominal.model.geometry
-    found: dict[Limit, Margin] = {}
+    by_limit: dict[Limit, Margin] = {}
     if geometry.closed:
         sizes = np.abs(enclosure.motion.jacobian)
-        found[Kept.AMPLIFICATION, ""] = _below(room.joint.amplification, sizes, sizes + enclosure.jacobian)
+        by_limit[Kept.AMPLIFICATION, ""] = _below(room.joint.amplification, sizes, sizes + enclosure.jacobian)
         values, straying = _singular_values(geometry, enclosure)
-        found[Kept.SINGULAR, ""] = Margin(
+        by_limit[Kept.SINGULAR, ""] = Margin(
             values - room.joint.held, values * (1.0 - ROUNDING) - straying - room.joint.held
         )
     for limit in passive_ranges(geometry):
         at, radius = limit.at(enclosure.motion.q), enclosure.passed[:, limit.displacement.start]
-        left = np.minimum(at - limit.low, limit.high - at)
-        found[Kept.PASSIVE_RANGE, limit.joint] = Margin(left, left - radius)
+        distance = np.minimum(at - limit.low, limit.high - at)
+        by_limit[Kept.PASSIVE_RANGE, limit.joint] = Margin(distance, distance - radius)
     if room.boxes:
         points, radii = _tool(geometry, enclosure)
         for i, box in enumerate(room.boxes):
-            found[Kept.WORKSPACE, str(i)] = Margin(
+            by_limit[Kept.WORKSPACE, str(i)] = Margin(
                 _clear(box, points, np.zeros_like(points)),
                 _clear(box, points, radii),
             )
@@ -72,10 +72,10 @@ def margins(nominal: Nominal, room: Room, payload: str | None, enclosure: Enclos
         middle, largest = enclosed_torques(nominal, payload, enclosure)
         for j in limited.tolist():
             most = room.torque[j]
-            found[Kept.TORQUE, geometry.robot.joints[j]] = Margin(
+            by_limit[Kept.TORQUE, geometry.robot.joints[j]] = Margin(
                 most - middle[:, j], most - largest[:, j] * (1.0 + ROUNDING)
             )
-    return found
+    return by_limit
 
 
 def _below(most: float, middle: np.ndarray, largest: np.ndarray) -> Margin:
