@@ -117,23 +117,23 @@ def _looked(promise: Promise, intervals: Intervals, motion: Motion) -> _Looked:
     rates = bool(np.isfinite(promise.room.torque).any())
     parts = []
     for block in blocks_of(len(intervals.half), TOGETHER):
-        own = Intervals(intervals.middle[block], intervals.half[block])
-        motors = motor_balls(promise.trajectory, own)
-        enclosure = enclosed(geometry, own, motors, motion.at(block), rates=rates)
+        in_block = Intervals(intervals.middle[block], intervals.half[block])
+        motors = motor_balls(promise.trajectory, in_block)
+        enclosure = enclosed(geometry, in_block, motors, motion.at(block), rates=rates)
         held = enclosure.held
-        found = margins(promise.nominal, promise.room, promise.payload, enclosure.at(held))
-        still, exceeded = np.zeros((2, len(held), 1 + len(found)), dtype=bool)
+        by_limit = margins(promise.nominal, promise.room, promise.payload, enclosure.at(held))
+        still, exceeded = np.zeros((2, len(held), 1 + len(by_limit)), dtype=bool)
         still[~held] = True
-        for k, margin in enumerate(found.values(), start=1):
+        for k, margin in enumerate(by_limit.values(), start=1):
             still[held, k] = ~(margin.least > 0.0)
             exceeded[held, k] = ~(margin.middle > 0.0)
         parts.append(
             _Looked(
-                own,
+                in_block,
                 motion.at(block),
                 enclosure.passed,
                 enclosure.reach,
-                (LOOPS, *found),
+                (LOOPS, *by_limit),
                 still,
                 exceeded,
                 _parts(enclosure),
