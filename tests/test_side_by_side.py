@@ -14,7 +14,7 @@ from bench.document.side_by_side import changed_sentences, errors_beside_table, 
 from bench.document.terminal.side_by_side import side_by_side_report
 from bench.identification.result import Quantity
 from bench.residuals.side_by_side import (
-    Beside,
+    ComparedModel,
     SideBySide,
     effect_places,
     interval,
@@ -37,7 +37,7 @@ def found():
         parameters=(far, *after.parameters[1:]),
         error=replace(after.error, identify=0.001, validate=0.002),
     )
-    return SideBySide("five_bar", (Beside("a.json", before), Beside("b.json", after)))
+    return SideBySide("five_bar", (ComparedModel("a.json", before), ComparedModel("b.json", after)))
 
 
 def test_names_are_as_short_as_tells_files_apart():
@@ -71,7 +71,7 @@ def test_what_changed_is_said(found):
 
 def test_the_same_model_has_nothing_to_tell(found):
     first = found.models[0]
-    again = changed_sentences(SideBySide("five_bar", (first, Beside("c.json", first.model))))
+    again = changed_sentences(SideBySide("five_bar", (first, ComparedModel("c.json", first.model))))
     assert again[0] == "c.json has the same effects, beside a.json"
     assert not [one for one in again if "gain" in one or "parameters" in one]
     assert moved_parameters(first.model, first.model) == []
@@ -80,7 +80,7 @@ def test_the_same_model_has_nothing_to_tell(found):
 def test_other_filters_are_told(found):
     first = found.models[0]
     other = replace(first.model, settings=replace(first.model.settings, decimation=7))
-    said = changed_sentences(SideBySide("five_bar", (first, Beside("c.json", other))))
+    said = changed_sentences(SideBySide("five_bar", (first, ComparedModel("c.json", other))))
     assert "another rate or with other filters" in said[-1]
 
 

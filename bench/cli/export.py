@@ -53,7 +53,7 @@ def export(
     from bench.export.identified import load_identified
     from bench.export.mjcf import write_mjcf
     from bench.export.physical import physical_set
-    from bench.export.placed import left_lines
+    from bench.export.placed import not_placed_lines
     from bench.export.sidecar import sidecar, write_sidecar
     from bench.export.tables import write_csv, write_yaml
     from bench.export.urdf import write_urdf
@@ -77,7 +77,7 @@ def export(
         lines, written = [], [output]
         if form == "mjcf":
             exported = write_mjcf(output, physical, payload)
-            lines = left_lines(exported.placed.left)
+            lines = not_placed_lines(exported.placed.not_placed)
             messages += [f"Changed: {line}" for line in exported.changed]
             written.append(write_sidecar(output, sidecar(physical, exported)))
         elif form == "urdf":

@@ -14,11 +14,11 @@ LIGHT = 5.0  # kg: lighter payloads are nothing to ask about, whatever an MJCF s
 
 @dataclass(frozen=True)
 class HeavyPayload:
-    """What is asked about. mass: as declared, kg; own: of the robot's bodies in its MJCF, kg."""
+    """What is asked about. mass: as declared, kg; robot_mass: of the robot's bodies in its MJCF, kg."""
 
     name: str
     mass: float
-    own: float
+    robot_mass: float
 
     @property
     def if_grams(self) -> float:
@@ -29,8 +29,8 @@ class HeavyPayload:
     def words(self) -> str:
         """The question."""
         return (
-            f"the payload {self.name} of {self.mass:g} kg is far heavier than the robot ({self.own:.3g} kg in its "
-            f"MJCF): is that in grams, {self.if_grams:g} kg?"
+            f"the payload {self.name} of {self.mass:g} kg is far heavier than the robot ({self.robot_mass:.3g} kg in "
+            f"its MJCF): is that in grams, {self.if_grams:g} kg?"
         )
 
 

@@ -139,7 +139,7 @@ def _about_their_values(
 def _visible(context: Context, instance: EffectInstance) -> bool:
     """Whether anything of an effect's columns lies outside those of the model."""
     products = context.left.products(candidate_columns(context.prepared, [instance]))
-    return bool(np.any(products.left > INVISIBLE))
+    return bool(np.any(products.remaining > INVISIBLE))
 
 
 def _taken_up_by(context: Context, instance: EffectInstance) -> str:

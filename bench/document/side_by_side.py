@@ -3,7 +3,7 @@
 from bench.document.numbers import USES, change_between, effect_name, percent, pretty_unit, quantity_text
 from bench.document.table import Column, Table
 from bench.identification.result import DriveGain
-from bench.residuals.side_by_side import Beside, SideBySide, effect_places, interval, moved_parameters
+from bench.residuals.side_by_side import ComparedModel, SideBySide, effect_places, interval, moved_parameters
 
 MANY = 6  # parameters that are named
 
@@ -45,7 +45,7 @@ def changed_sentences(comparison: SideBySide) -> list[str]:
     return [sentence for other in others for sentence in _changed(first, other)]
 
 
-def _changed(first: Beside, other: Beside) -> list[str]:
+def _changed(first: ComparedModel, other: ComparedModel) -> list[str]:
     old, new = first.model, other.model
     there, then = effect_places(old), effect_places(new)
     more = [name for name in then if name not in there]

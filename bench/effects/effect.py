@@ -181,7 +181,9 @@ class Effect(ABC):
             for i, value in enumerate(values)
         )
 
-    def beside(self, parameter: ShapeParameter, samples: Sequence[JointSamples]) -> tuple[Bracket, ...]:
+    def brackets_near(
+        self, parameter: ShapeParameter, samples: Sequence[JointSamples]
+    ) -> tuple[Bracket, ...]:
         """As far as small steps may take a shape parameter from its value; by default to where it is searched."""
         return self.brackets(parameter, samples)
 

@@ -41,7 +41,7 @@ class Placed:
     """joints: by name, every one with a motor or with an effect; left: what they cannot hold; gravity (3,) m/s2."""
 
     joints: Mapping[str, JointTerms]
-    left: tuple[NotPlaced, ...]
+    not_placed: tuple[NotPlaced, ...]
     gravity: np.ndarray
 
 
@@ -139,7 +139,7 @@ RULES: dict[str, Rule] = {
 """Sorted by name of the effect."""
 
 
-def left_lines(not_placed: Iterable[NotPlaced]) -> list[str]:
+def not_placed_lines(not_placed: Iterable[NotPlaced]) -> list[str]:
     """The effects that remain, one line each, with their values."""
     lines = []
     for unplaced in not_placed:

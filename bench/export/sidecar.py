@@ -31,7 +31,7 @@ def sidecar(physical: PhysicalSet, exported: Exported) -> dict[str, Any]:
                 "shape": unplaced.effect.instance.effect.shape_values(),
                 "why": unplaced.why,
             }
-            for unplaced in exported.placed.left
+            for unplaced in exported.placed.not_placed
         ],
         "effect_files": [str(file.resolve()) for file in model.effect_files],
         "bodies": {

@@ -16,45 +16,45 @@ KEPT = 256  # bridges: of every joint of every recording that is looked at, at a
 class Bridge:
     """The lines over the stretches of one joint.
 
-    inside (K,): rows that are replaced; beside (L,): those that tell of the surroundings, side after side, with their
-    weights (L,), which add up to one in each side; starts: where in these a side begins. left, right (K,): between
+    inside (K,): rows that are replaced; near (L,): rows on either side, side after side, with their
+    weights (L,), which add up to one in each side; starts: where in these a side begins. before, after (K,): between
     which sides a row lies, and `share` (K,) of the way.
     """
 
     inside: np.ndarray
-    beside: np.ndarray
+    near: np.ndarray
     weights: np.ndarray
     starts: np.ndarray
-    left: np.ndarray
-    right: np.ndarray
+    before: np.ndarray
+    after: np.ndarray
     share: np.ndarray
 
     def lines(self, rows: np.ndarray) -> np.ndarray:
-        """What stands in the place of the rows (N, p) inside, (K, p)."""
-        return self._between(rows[self.beside])
+        """The interpolated values (K, p) of the rows (N, p) inside."""
+        return self._between(rows[self.near])
 
     def put(self, rows: np.ndarray, columns: np.ndarray) -> None:
         """Put it there, in some columns (indices) of the rows (N, p)."""
         if len(self.inside):
-            rows[self.inside[:, None], columns] = self._between(rows[self.beside[:, None], columns])
+            rows[self.inside[:, None], columns] = self._between(rows[self.near[:, None], columns])
 
     def put_partly(self, rows: np.ndarray, columns: np.ndarray, share: np.ndarray) -> None:
         """The same by the `share` (N,) that it has of each row."""
         if len(self.inside):
             inside = rows[self.inside[:, None], columns]
-            lines = self._between(rows[self.beside[:, None], columns])
+            lines = self._between(rows[self.near[:, None], columns])
             inside += share[self.inside, None] * (lines - inside)
             rows[self.inside[:, None], columns] = inside
 
     def _between(self, near: np.ndarray) -> np.ndarray:
-        """The lines (K, p) from what stands beside (L, p), which is changed."""
+        """The lines (K, p) from the rows near (L, p), which are changed."""
         if not len(self.inside):
             return near[:0]
         near *= self.weights[:, None]
         means = np.add.reduceat(near, self.starts)
-        interpolated: np.ndarray = means[self.right] - means[self.left]
+        interpolated: np.ndarray = means[self.after] - means[self.before]
         interpolated *= self.share[:, None]
-        interpolated += means[self.left]
+        interpolated += means[self.before]
         return interpolated
 
 
@@ -105,11 +105,11 @@ def bridge_over(stretches: np.ndarray, samples: np.ndarray, length: int, part: s
     inside, of = inside[some], of[some]
     return Bridge(
         inside=np.searchsorted(samples, inside),
-        beside=np.searchsorted(samples, near),
+        near=np.searchsorted(samples, near),
         weights=weights,
         starts=starts,
-        left=before_gap[of],
-        right=after_gap[of],
+        before=before_gap[of],
+        after=after_gap[of],
         share=(inside - middle[of]) / (further - middle)[of],
     )
 

@@ -33,6 +33,11 @@ def mistaken(
 def heavy_payloads(dataset: Dataset) -> tuple[Finding, ...]:
     """What is asked of payloads that are declared far heavier than the robot."""
     return tuple(
-        Finding(Code.PAYLOAD_HEAVY, (heavy.name,), numbers={"mass": heavy.mass, "own": heavy.own}, unit="kg")
+        Finding(
+            Code.PAYLOAD_HEAVY,
+            (heavy.name,),
+            numbers={"mass": heavy.mass, "own": heavy.robot_mass},
+            unit="kg",
+        )
         for heavy in dataset.doubted
     )

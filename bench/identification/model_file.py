@@ -100,7 +100,7 @@ class SavedModel:
         """The values of the base and payload parameters by name."""
         return {parameter.name: parameter.value for parameter in self.model.parameters}
 
-    def beside(self, dataset: Dataset, series: Sequence[CurrentSeries]) -> Identification:
+    def applied_to(self, dataset: Dataset, series: Sequence[CurrentSeries]) -> Identification:
         """The answer with the currents that it gives in a dataset's recordings."""
         return replace(
             self.model,
@@ -199,7 +199,7 @@ def load_model(path: str | Path) -> SavedModel:
 def read_identification(path: Path, problem: Problem) -> Identification:
     """A model file as the answer that it was, with the currents that it gives in a problem's recordings."""
     saved = load_model(path)
-    return saved.beside(problem.dataset, apply_model(problem, saved).recordings)
+    return saved.applied_to(problem.dataset, apply_model(problem, saved).recordings)
 
 
 @on_one_thread

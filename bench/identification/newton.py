@@ -102,7 +102,7 @@ def _reach(prepared: Prepared, lacks: np.ndarray, i: int, name: str) -> tuple[fl
     instance = prepared.effects[i]
     parameter = next(shape for shape in instance.effect.shape if shape.name == name)
     value = instance.effect.shape_values()[name]
-    brackets = instance.effect.beside(parameter, joint_samples(prepared, instance, lacks))
+    brackets = instance.effect.brackets_near(parameter, joint_samples(prepared, instance, lacks))
     return within_reach(value, brackets)
 
 

@@ -22,7 +22,7 @@ class RegressionProducts:
     lengths: np.ndarray
 
     @property
-    def left(self) -> np.ndarray:
+    def remaining(self) -> np.ndarray:
         """Share (k,) of every column's length that is left."""
         remaining = np.sqrt(np.maximum(np.diag(self.inner), 0.0))
         return np.divide(remaining, self.lengths, out=np.zeros_like(remaining), where=self.lengths > 0.0)
@@ -33,7 +33,7 @@ class RegressionProducts:
         A column of which nothing is left explains nothing: what rounding leaves of it would, by chance.
         """
         values = np.zeros(len(self.towards))
-        kept = np.flatnonzero(self.left > ROUNDING)
+        kept = np.flatnonzero(self.remaining > ROUNDING)
         if not len(kept):
             return values, 0.0
         norms = np.sqrt(np.diag(self.inner)[kept])

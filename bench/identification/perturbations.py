@@ -143,7 +143,7 @@ class Nearby:
             nearby=self,
             index=index,
             parameters=parameters,
-            beside=redundant_torque,
+            redundant_at_few=redundant_torque,
             knots=seen.time[few],
         )
         return near
@@ -230,8 +230,8 @@ class NearbySignals(RobotSignals):
     """A recording as effects see it that are searched for: changes of the torque are small and smooth.
 
     nearby: of all recordings, of which this is the one with this index; parameters (nb + 10,): of the present model and
-    of what this recording carries; beside (K, r): what redundant motors give at the few samples, None without any;
-    knots: s, where these are.
+    of what this recording carries; redundant_at_few (K, r): torque of redundant motors at the few samples, None without
+    any; knots: s, where these are.
     """
 
     expands = True
@@ -239,7 +239,7 @@ class NearbySignals(RobotSignals):
     nearby: Nearby
     index: int
     parameters: np.ndarray
-    beside: np.ndarray | None
+    redundant_at_few: np.ndarray | None
     knots: np.ndarray
 
     @property
@@ -345,7 +345,7 @@ class NearbySignals(RobotSignals):
 
     def _torque(self, rows: np.ndarray) -> np.ndarray:
         """What rows of this recording mean, (K, n)."""
-        return combined_torque(rows, self.parameters, self.beside)
+        return combined_torque(rows, self.parameters, self.redundant_at_few)
 
     def _smooth(self, values: np.ndarray, time: np.ndarray) -> np.ndarray:
         if len(self.knots) == len(time):

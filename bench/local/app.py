@@ -48,7 +48,7 @@ class Pages:
             ("/", self.page, "GET"),
             ("/assets/{name}", self.asset, "GET"),
             ("/events", self.events, "GET"),
-            ("/api/folder", self.found, "GET"),
+            ("/api/folder", self.contents, "GET"),
             ("/api/look/{name}", self.look, "POST"),
             ("/api/command", self.shown_command, "POST"),
             ("/api/run", self.run, "POST"),
@@ -77,11 +77,11 @@ class Pages:
 
         async def messages() -> AsyncIterator[str]:
             async for version in self.jobs.changes():
-                yield f"id: {version}\ndata: {json.dumps(finite(self.jobs.told()))}\n\n"
+                yield f"id: {version}\ndata: {json.dumps(finite(self.jobs.as_json()))}\n\n"
 
         return StreamingResponse(messages(), media_type="text/event-stream")
 
-    async def found(self, _request: Request) -> Response:
+    async def contents(self, _request: Request) -> Response:
         """What lies in the folder."""
         entry = await asyncio.to_thread(self.folder.look)
         answer = asdict(entry)
@@ -116,7 +116,7 @@ class Pages:
         """Run the command of a step."""
         command = command_of(self.folder, await _json(request))
         job = self.jobs.start(command.step, command.subject, command.line, command.files, command.words)
-        return JSONResponse(job.told())
+        return JSONResponse(job.as_json())
 
     async def cancel(self, request: Request) -> Response:
         """End a command that runs or waits."""

@@ -40,7 +40,7 @@ class Job:
     error: str = ""
     began: float = field(default=0.0, repr=False)
 
-    def told(self) -> dict[str, Any]:
+    def as_json(self) -> dict[str, Any]:
         """The job as the page gets it."""
         answer = asdict(self)
         began = answer.pop("began")
@@ -60,9 +60,9 @@ class Jobs:
         self._changed = asyncio.Event()
         self._version = 0
 
-    def told(self) -> list[dict[str, Any]]:
+    def as_json(self) -> list[dict[str, Any]]:
         """All jobs, oldest first."""
-        return [job.told() for job in self._jobs]
+        return [job.as_json() for job in self._jobs]
 
     def start(self, step: str, subject: str, line: str, files: Mapping[str, str], words: list[str]) -> Job:
         """Take on a command; it runs when those before it are done."""

@@ -25,7 +25,7 @@ from bench.identification.problem import places_of, problem_of
 from bench.local.checks import Mapped, checked, forget
 from bench.local.columns import look_at
 from bench.page.folder import read_json
-from bench.page.model_errors import model_beside
+from bench.page.model_errors import shown_model
 from bench.page.run_file import RUN_FILE
 from bench.page.section_errors import currents_section
 from bench.page.section_run import CommandRun
@@ -61,7 +61,7 @@ def checks(arguments: Mapping[str, Any], _progress: Progress) -> dict[str, Any]:
 def payload(arguments: Mapping[str, Any], _progress: Progress) -> dict[str, Any]:
     """What is asked of a payload's mass before it is taken: words and the mass if that is in grams; else empty."""
     heavy = heavy_payload(Payload("load", arguments["mass"]), load_robot(arguments["robot"]))
-    return {} if heavy is None else {"mass": heavy.mass, "own": heavy.own, "if_grams": heavy.if_grams}
+    return {} if heavy is None else {"mass": heavy.mass, "own": heavy.robot_mass, "if_grams": heavy.if_grams}
 
 
 def parts(arguments: Mapping[str, Any], _progress: Progress) -> dict[str, Any]:
@@ -105,7 +105,7 @@ def curves(arguments: Mapping[str, Any], _progress: Progress) -> dict[str, Any]:
     for path, name, role in arguments["models"]:
         saved = load_model(path)
         result = apply_model(problem, saved)
-        models.append(model_beside(name, role, problem, result, saved.settings))
+        models.append(shown_model(name, role, problem, result, saved.settings))
     return dict(finite(asdict(currents_section(models).parts[0])))
 
 

@@ -45,8 +45,8 @@ def chart_figure(
     )
 
 
-def beside(chart: Chart) -> PageChart:
-    """A chart that stands beside others, with its title and aid."""
+def page_chart(chart: Chart) -> PageChart:
+    """One chart of several, with its title and aid."""
     names = chart.y.categories
     height = max(TALL, 70 + LINE * len(names)) if names else HEIGHT
     return PageChart(typeset(chart.title), typeset(chart.aid), spec_of(chart, height, longest=LONGEST_NAME))

@@ -191,7 +191,7 @@ def read_run(folder: Path) -> SavedRun:
     saved = [load_model(file) for file in paths]
     effects = [tuple(saved_model.model.effect_parameters) for saved_model in saved]
     series = read_series(folder / SERIES_FILE, judged, [*effects, *(() for _ in between)])
-    models = [saved_model.beside(judged, its) for saved_model, its in zip(saved, series, strict=False)]
+    models = [saved_model.applied_to(judged, its) for saved_model, its in zip(saved, series, strict=False)]
     rungs = dict(zip(between, series[len(paths) :], strict=True))
     diagnosis = None if diagnosed is None else _diagnosis(path, diagnosed, models, rungs)
     workbench = None

@@ -18,7 +18,7 @@ from bench.export.replay.words import replay_sentences
 from bench.identification.model_file import Comparison
 from bench.identification.problem import Problem
 from bench.identification.result import CurrentSeries, Identification
-from bench.page.model_errors import model_beside
+from bench.page.model_errors import shown_model
 from bench.page.parts import Mechanism, Page, Section, Text
 from bench.page.section_effects import gains_section, not_ranked_section, ranking_section
 from bench.page.section_errors import currents_section, errors_section, errors_table, ladder_section
@@ -48,13 +48,13 @@ def diagnosis_page(diagnosis: Diagnosis, problem: Problem, made: Made) -> Page:
     dataset = problem.dataset
     before, after = diagnosis.before, diagnosis.after
     judged = dataset_of(dataset, after.recordings)
-    models = [model_beside(COMPLETED, "after", problem, after, after.settings, label="Completed model")]
+    models = [shown_model(COMPLETED, "after", problem, after, after.settings, label="Completed model")]
     if diagnosis.added:
         models.insert(
-            0, model_beside(AS_IT_IS, "before", problem, before, before.settings, label="Model as it is")
+            0, shown_model(AS_IT_IS, "before", problem, before, before.settings, label="Model as it is")
         )
     else:
-        models = [model_beside("", "error", problem, after, after.settings)]
+        models = [shown_model("", "error", problem, after, after.settings)]
     noise = relative_noise_floor(judged.recordings, after.recordings, after.settings)
     ladder = ladder_section(diagnosis)
     ladder = Section(
@@ -90,7 +90,7 @@ def diagnosis_page(diagnosis: Diagnosis, problem: Problem, made: Made) -> Page:
 def identification_page(result: Identification, problem: Problem, made: Made) -> Page:
     """An identified model: its errors, its gains, its parameters."""
     dataset = problem.dataset
-    model = model_beside("", "error", problem, result, result.settings, result.effects)
+    model = shown_model("", "error", problem, result, result.settings, result.effects)
     noise = relative_noise_floor(dataset.recordings, result.recordings, result.settings)
     return Page(
         title=f"Drive gains and parameters of {result.robot}",
@@ -116,7 +116,7 @@ def identification_page(result: Identification, problem: Problem, made: Made) ->
 def comparison_page(comparison: Comparison, problem: Problem, saved: Identification, made: Made) -> Page:
     """A saved model beside recordings that it may never have seen: its errors, and where they are."""
     dataset, settings = problem.dataset, saved.settings
-    model = model_beside("", "error", problem, comparison, settings, saved.effects)
+    model = shown_model("", "error", problem, comparison, settings, saved.effects)
     noise = relative_noise_floor(dataset.recordings, comparison.recordings, settings)
     return Page(
         title=f"Where a model of {comparison.robot} fails",
@@ -141,8 +141,8 @@ def comparison_page(comparison: Comparison, problem: Problem, saved: Identificat
 def replay_page(result: Replay, problem: Problem, saved: Identification, made: Made) -> Page:
     """A saved model's twin, simulated along the recorded motions, and the model itself beside it."""
     dataset, settings = problem.dataset, saved.settings
-    model = model_beside(OF_MODEL, "before", problem, result.model, settings, label="Model itself")
-    twin = model_beside(OF_TWIN, "after", problem, result.twin, settings, label="Twin")
+    model = shown_model(OF_MODEL, "before", problem, result.model, settings, label="Model itself")
+    twin = shown_model(OF_TWIN, "after", problem, result.twin, settings, label="Twin")
     noise = relative_noise_floor(dataset.recordings, result.twin.recordings, settings)
     return Page(
         title=f"The twin of {result.twin.robot} along recorded motions",

@@ -13,7 +13,7 @@ from bench.document.numbers import USES
 from bench.document.typeset import share, typeset
 from bench.identification.result import CurrentSeries
 from bench.page.chart_spec import chart_figure, rows_a_pair, spec_of
-from bench.page.model_errors import ModelBeside
+from bench.page.model_errors import ShownModel
 from bench.page.parts import (
     Choice,
     Figure,
@@ -49,13 +49,13 @@ def ladder_section(diagnosis: Diagnosis) -> Section:
     return Section("ladder", "The ladder", typeset(lead), (figure, table))
 
 
-def errors_section(shown: ModelBeside, recordings: Sequence[CurrentSeries], noise: float) -> Section:
+def errors_section(shown: ShownModel, recordings: Sequence[CurrentSeries], noise: float) -> Section:
     """The errors of one model, by recording and motor."""
     title, lead = "Errors", "How far the modelled currents are from the measured ones, beside their noise."
     return Section("errors", title, lead, (errors_table(shown, recordings, noise),))
 
 
-def errors_table(shown: ModelBeside, recordings: Sequence[CurrentSeries], noise: float) -> PageTable:
+def errors_table(shown: ShownModel, recordings: Sequence[CurrentSeries], noise: float) -> PageTable:
     """Errors by recording and motor, fitted and not fitted, with totals. noise: relative, of all together."""
     joints = list(shown.what.joints)
     many = len(joints) > 1
@@ -68,7 +68,7 @@ def errors_table(shown: ModelBeside, recordings: Sequence[CurrentSeries], noise:
 
 
 def currents_section(
-    models: Sequence[ModelBeside], moving: Callable[[str, str], Mechanism | Text] | None = None
+    models: Sequence[ShownModel], moving: Callable[[str, str], Mechanism | Text] | None = None
 ) -> Section:
     """Measured against modelled current of every motor in every recording, the errors below.
 
@@ -144,7 +144,7 @@ def _facts(joint: str, curves: Sequence[Curve]) -> str:
     )
 
 
-def _loudest(shown: ModelBeside) -> int:
+def _loudest(shown: ShownModel) -> int:
     """The number of the motor with the largest error beside its noise: what there is to find is there."""
     beyond = {
         motor.joint: motor.error / max(motor.noise, 1e-12)
@@ -154,7 +154,7 @@ def _loudest(shown: ModelBeside) -> int:
     return max(range(len(shown.joints)), key=lambda j: beyond.get(shown.joints[j], 0.0), default=0)
 
 
-def _worst(shown: ModelBeside, joint: str, names: Sequence[str]) -> int:
+def _worst(shown: ShownModel, joint: str, names: Sequence[str]) -> int:
     """The number of the recording that is modelled worst, among those not fitted where there are any."""
     by_name = {trace.recording: trace for trace in shown.what.of(joint) if trace.recording in names}
     unseen = [trace for trace in by_name.values() if trace.use == "validate"] or list(by_name.values())

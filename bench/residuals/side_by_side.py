@@ -20,7 +20,7 @@ CLEAR = 3.0  # standard deviations by which a parameter must move to be reported
 
 
 @dataclass(frozen=True)
-class Beside:
+class ComparedModel:
     """A model with the currents that it gives in these recordings. name: what tells its file from the others."""
 
     name: str
@@ -32,7 +32,7 @@ class SideBySide:
     """Models, in the order in which they were given; what changed is compared with the first."""
 
     robot: str
-    models: tuple[Beside, ...]
+    models: tuple[ComparedModel, ...]
 
 
 def side_by_side(problem: Problem, files: Sequence[Path]) -> SideBySide:
@@ -46,7 +46,7 @@ def side_by_side(problem: Problem, files: Sequence[Path]) -> SideBySide:
     dataset, models = problem.dataset, []
     for file, name in zip(files, told_apart(files), strict=True):
         saved = load_model(file)
-        models.append(Beside(name, saved.beside(dataset, apply_model(problem, saved).recordings)))
+        models.append(ComparedModel(name, saved.applied_to(dataset, apply_model(problem, saved).recordings)))
     return SideBySide(dataset.robot.name, tuple(models))
 
 

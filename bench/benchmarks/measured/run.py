@@ -60,8 +60,8 @@ class MachineStep:
 class MachineRun:
     """One command's answer. seconds: of the processor, from start to end. failed: why there is no answer.
 
-    judged: what the errors not fitted are of; said: sentences of a diagnosis, else notes; found, ladder, noise_floor:
-    of a diagnosis.
+    judged: what the errors not fitted are of; said: sentences of a diagnosis, else notes; named_effects, ladder,
+    noise_floor: of a diagnosis.
     """
 
     command: str
@@ -72,7 +72,7 @@ class MachineRun:
     judged: str = "recordings that were not fitted"
     rows: tuple[AgainstKnown, ...] = ()
     said: tuple[str, ...] = ()
-    found: tuple[NamedEffects, ...] = ()
+    named_effects: tuple[NamedEffects, ...] = ()
     ladder: tuple[MachineStep, ...] = ()
     noise_floor: float | None = None
     failed: str = ""
@@ -154,7 +154,7 @@ def _diagnosed(line: str, seconds: float, answer: dict[str, Any], table: Machine
         judged=answer["judged_on"],
         rows=compared(answer["after"], table.known),
         said=tuple(answer["summary"]),
-        found=tuple(
+        named_effects=tuple(
             NamedEffects(
                 name,
                 ranking[name]["verdict"],

@@ -19,7 +19,7 @@ from rich.table import Table
 from bench.basics.chi_squared import WITHIN_95
 from bench.basics.files.atomic import write_json_atomically, write_text_atomically
 from bench.basics.versions import versions
-from bench.benchmarks.peers.own import (
+from bench.benchmarks.peers.parabench import (
     Answer,
     solve_all_unknown,
     solve_mass_known,

@@ -17,7 +17,7 @@ import mujoco
 import numpy as np
 from scipy.signal import decimate
 
-from bench.benchmarks.peers.own import Answer
+from bench.benchmarks.peers.parabench import Answer
 from bench.benchmarks.peers.problems import PeerProblem
 from bench.truth.dataset import as_dataset
 

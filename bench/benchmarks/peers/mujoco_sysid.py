@@ -16,7 +16,7 @@ from typing import Any
 
 import numpy as np
 
-from bench.benchmarks.peers.own import Answer
+from bench.benchmarks.peers.parabench import Answer
 from bench.benchmarks.peers.problems import UNKNOWN_BODIES, PeerProblem
 from bench.scenario.scenario import payload_truth
 

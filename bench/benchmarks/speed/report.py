@@ -66,7 +66,7 @@ def six_motors(folder: Path, duration: float = DURATION) -> Dataset:
     return load_dataset(folder / "data")
 
 
-def told(dataset: Dataset) -> Diagnosis:
+def stand_in_diagnosis(dataset: Dataset) -> Diagnosis:
     """What a diagnosis that finds the hidden effects says, without the search: all effects are in its ranking."""
     before, after = identify(prepare(problem_of(dataset))), identify(prepare(problem_of(dataset, FOUND)))
     errors = [(result.error.identify or 0.0, result.error.validate or 0.0) for result in (before, after)]
@@ -103,7 +103,7 @@ def measure() -> tuple[float, float]:
     with TemporaryDirectory() as name:
         folder = Path(name)
         dataset = six_motors(folder)
-        diagnosis = told(dataset)
+        diagnosis = stand_in_diagnosis(dataset)
         start = perf_counter()
         write_diagnosis_report(folder / "out", diagnosis, dataset, CommandRun("diagnose", "data"))
         written = perf_counter()

@@ -81,5 +81,7 @@ class TransmissionError(Effect):
             samples, [1.0 + (joint_samples.velocity / pace) ** 2 for joint_samples in samples]
         )
 
-    def beside(self, parameter: ShapeParameter, samples: Sequence[JointSamples]) -> tuple[Bracket, ...]:
-        return (next_to(self.periods, samples),) if samples else super().beside(parameter, samples)
+    def brackets_near(
+        self, parameter: ShapeParameter, samples: Sequence[JointSamples]
+    ) -> tuple[Bracket, ...]:
+        return (next_to(self.periods, samples),) if samples else super().brackets_near(parameter, samples)

@@ -166,7 +166,7 @@ def _impossible(rivals: Sequence[Rival]) -> tuple[ImpossibleSign, ...]:
         values, covariance = own_estimate(rival)
         std = np.sqrt(np.maximum(np.diag(covariance), 0.0))
         at = 0
-        for instance in rival.own:
+        for instance in rival.instances:
             for parameter in instance.effect.parameters:
                 if parameter.positive and values[at] < -SURE * std[at]:
                     signs.append(ImpossibleSign(rival.name, parameter.name, instance.joint))

@@ -53,7 +53,9 @@ def discrimination_figure(result: Discrimination) -> Figure:
                 name = spoken(asked.truth.request.replace(":", " at "))
                 axes[j, 2].plot(
                     answer.time,
-                    np.where(answer.left[:, j] == 0.0, np.nan, answer.left[:, j]),  # no row at standstill
+                    np.where(
+                        answer.residual[:, j] == 0.0, np.nan, answer.residual[:, j]
+                    ),  # no row at standstill
                     color=colour,
                     linewidth=1.0,
                     label=f"if {name} is the truth",

@@ -27,7 +27,7 @@ Draw = Callable[[Path, Discrimination], None]
 
 
 @dataclass(frozen=True)
-class Told:
+class CommandLines:
     """What commands are told of, as a shell takes it. designed: the one that designed the motion; diagnose: with the
     same model, once its logs are there; robot: a name or a folder.
     """
@@ -38,13 +38,18 @@ class Told:
     robot: str
 
 
-PLAIN = Told(
+PLAIN = CommandLines(
     "bench discriminate DATASET EFFECT_A EFFECT_B -o DIR", "bench diagnose DATASET", "DATASET", "ROBOT"
 )
 
 
 def write_discrimination(
-    folder: str | Path, result: Discrimination, draw: Draw, *, rate: float = 1000.0, commands: Told = PLAIN
+    folder: str | Path,
+    result: Discrimination,
+    draw: Draw,
+    *,
+    rate: float = 1000.0,
+    commands: CommandLines = PLAIN,
 ) -> list[Path]:
     """Write the folder, whole or not at all, and tell its files; one that an earlier call wrote is replaced.
 
@@ -101,7 +106,7 @@ def discrimination_json(result: Discrimination) -> dict[str, Any]:
     return dict(finite(answer))
 
 
-def _write(folder: Path, result: Discrimination, draw: Draw, rate: float, commands: Told) -> None:
+def _write(folder: Path, result: Discrimination, draw: Draw, rate: float, commands: CommandLines) -> None:
     if result.motion is not None:
         trajectory, joints = result.motion.trajectory, list(result.joints)
         write_table(folder / TRAJECTORY, trajectory_table(trajectory, joints, rate))
@@ -119,7 +124,7 @@ def _coefficients(result: Discrimination, trajectory: FourierTrajectory) -> str:
     return "\n".join(lines) + "\n"
 
 
-def _readme(result: Discrimination, rate: float, commands: Told) -> str:
+def _readme(result: Discrimination, rate: float, commands: CommandLines) -> str:
     lines = [f"# {result.robot}: {' or '.join(result.effects)}?", ""]
     lines += [f"- {sentence}" for sentence in sentences(result)]
     if result.motion is None:

@@ -20,7 +20,7 @@ from bench.identification.standard_errors import residual_series
 
 @dataclass(frozen=True)
 class Rival:
-    """A model with one of the two effects. request: how the user named it; own: where the effect sits.
+    """A model with one of the two effects. request: how the user named it; instances: the effect at each of its places.
 
     absorbed: the model's own parameters take the effect up, so that no data of this robot can show it.
     follows_current: whether some effect's torque depends on the current that was logged.
@@ -31,14 +31,14 @@ class Rival:
     stack: Stack
     solution: Solution
     present: PresentModel
-    own: tuple[EffectInstance, ...]
+    instances: tuple[EffectInstance, ...]
     absorbed: bool
     follows_current: bool
 
     @property
     def name(self) -> str:
         """The effect's name."""
-        return self.own[0].effect.name
+        return self.instances[0].effect.name
 
     @property
     def values(self) -> np.ndarray:

@@ -42,7 +42,7 @@ class Separation:
     """
 
     nats: float
-    left: np.ndarray
+    residual: np.ndarray
     time: np.ndarray
     count: float
     memory: float
@@ -75,12 +75,12 @@ def separation(asked: Question, plan: PlannedMotion, current: np.ndarray) -> Sep
 def share_left(asked: Question, plan: PlannedMotion, current: np.ndarray, answer: Separation) -> float:
     """What the other model cannot imitate, as a share of what the truth's own effect does to the currents."""
     observation, _ = rows_with(asked.truth, plan, current)
-    count = sum(len(instance.effect.parameters) for instance in asked.truth.own)
+    count = sum(len(instance.effect.parameters) for instance in asked.truth.instances)
     columns = observation.effects[:, :, observation.effects.shape[2] - count :]
     values = asked.truth.values[len(asked.truth.values) - count :]
     effect_current = columns @ values / asked.truth.present.gains * observation.moving
     size = float(np.linalg.norm(effect_current * _weights(asked, plan)))
-    return float(np.linalg.norm(answer.left)) / size if size > 0.0 else 0.0
+    return float(np.linalg.norm(answer.residual)) / size if size > 0.0 else 0.0
 
 
 def _weights(asked: Question, plan: PlannedMotion) -> np.ndarray:

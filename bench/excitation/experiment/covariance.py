@@ -49,7 +49,7 @@ class ErrorSlopes:
     error, which is its own mean, has no columns.
     """
 
-    left: np.ndarray
+    left_factor: np.ndarray
     by_normal: np.ndarray
     by_score: np.ndarray
     mean_by_normal: np.ndarray

@@ -180,11 +180,11 @@ def _error_slopes(
     changes, and with it the weights of the motors. Columns of `gradient` meet the regressor first: nothing has the size
     of a gram for each coefficient.
     """
-    recording, n, m = recordings[number], sizes.shape[1], gradient.left.shape[1]
+    recording, n, m = recordings[number], sizes.shape[1], gradient.left_factor.shape[1]
     weight = 1.0 / pooled_variance(recordings)
     scale = recording.samples / len(probe.shown.current)
     of_normal, of_score = scale * weight[:, None], scale * (weight**2 * recording.variance)[:, None]
-    sides = np.hstack((gradient.left, gradient.by_normal, gradient.by_score))
+    sides = np.hstack((gradient.left_factor, gradient.by_normal, gradient.by_score))
     by_left, by_normal, by_score = np.split(probe.shown.jacobian @ sides, 3, axis=2)  # (N, n, m) each
     of_mean = 2.0 * (
         of_normal * (probe.shown.jacobian @ gradient.mean_by_normal)
@@ -230,7 +230,7 @@ def _by_variances(
     share = changed.samples / sum(recording.samples for recording in recordings)
 
     def between(grams: np.ndarray, right: np.ndarray, mean: np.ndarray) -> np.ndarray:
-        each = np.einsum("pm,npm->mn", gradient.left, grams @ right)
+        each = np.einsum("pm,npm->mn", gradient.left_factor, grams @ right)
         return np.vstack((each, np.einsum("pq,nqp->n", mean, grams)))
 
     whole = sum(recording.grams for recording in recordings)

@@ -15,8 +15,8 @@ from bench.effects.display_names import spoken
 from bench.effects.effect import Effect
 from bench.identification.problem import Problem
 from bench.identification.result import Identification
+from bench.page.workbench.diagnosed_model import DiagnosedModel, diagnosed_model
 from bench.page.workbench.encode import doubles, floats, triangle
-from bench.page.workbench.found_model import FoundModel, found_model
 from bench.page.workbench.proposals import instances_of
 from bench.page.workbench.room import carried_columns, without_room
 from bench.page.workbench.sample import thinned
@@ -35,7 +35,7 @@ def page_data(problem: Problem, diagnosis: Diagnosis) -> dict[str, Any]:
     zero where recordings are.
     """
     known = problem.catalogue
-    model = found_model(problem, diagnosis)
+    model = diagnosed_model(problem, diagnosis)
     nearby = model.nearby()
     instances = instances_of(model, _usable(model, diagnosis, known), nearby)
     system = build(model, instances, nearby)
@@ -72,7 +72,7 @@ def with_command(data: dict[str, Any], command: str, model: dict[str, Any] | Non
     return {**data, "command": command, "model": finite(model)}
 
 
-def _usable(model: FoundModel, diagnosis: Diagnosis, known: Mapping[str, Effect]) -> dict[str, Effect]:
+def _usable(model: DiagnosedModel, diagnosis: Diagnosis, known: Mapping[str, Effect]) -> dict[str, Effect]:
     """What may be ticked: found, or judged and not absorbed. The page changes nothing in what the model has itself."""
     given = {
         instance.effect.name for instance in model.plain.effects
@@ -82,13 +82,13 @@ def _usable(model: FoundModel, diagnosis: Diagnosis, known: Mapping[str, Effect]
     return {name: effect for name, effect in known.items() if name not in given and name in fitted | shown}
 
 
-def _ranks(model: FoundModel, diagnosis: Diagnosis) -> dict[str, int]:
+def _ranks(model: DiagnosedModel, diagnosis: Diagnosis) -> dict[str, int]:
     """How early an effect must have its place; those found before all."""
     ranks = {verdict.effect: i for i, verdict in enumerate(diagnosis.ranking)}
     return ranks | {instance.effect.name: -1 for instance in model.effects}
 
 
-def _motor(model: FoundModel, system: PageSystem, kept: np.ndarray, j: int) -> dict[str, Any]:
+def _motor(model: DiagnosedModel, system: PageSystem, kept: np.ndarray, j: int) -> dict[str, Any]:
     actuator = model.plain.dataset.robot.actuators[j]
     columns = np.flatnonzero(kept[j])
     rows = np.column_stack((system.columns[:, j, columns], system.modelled[:, j], system.error[:, j]))
@@ -122,7 +122,7 @@ def _basis(basis: np.ndarray) -> dict[str, Any]:
     }
 
 
-def _parameters(model: FoundModel, diagnosis: Diagnosis) -> list[dict[str, str]]:
+def _parameters(model: DiagnosedModel, diagnosis: Diagnosis) -> list[dict[str, str]]:
     after = diagnosis.after
     rigid = [{"name": parameter.name, "unit": parameter.unit} for parameter in after.parameters]
     effects = [
@@ -133,7 +133,7 @@ def _parameters(model: FoundModel, diagnosis: Diagnosis) -> list[dict[str, str]]
     return rigid + effects
 
 
-def _deviations(model: FoundModel, diagnosis: Diagnosis) -> list[dict[str, Any]]:
+def _deviations(model: DiagnosedModel, diagnosis: Diagnosis) -> list[dict[str, Any]]:
     """Standard deviations of the gains of the two models that the diagnosis fitted, with the effects that each has."""
 
     def of(result: Identification, effects: Sequence[tuple[str, str]]) -> dict[str, Any]:
@@ -148,7 +148,7 @@ def _deviations(model: FoundModel, diagnosis: Diagnosis) -> list[dict[str, Any]]
 
 
 def _effect(
-    model: FoundModel, system: PageSystem, diagnosis: Diagnosis, without: Collection[str], name: str
+    model: DiagnosedModel, system: PageSystem, diagnosis: Diagnosis, without: Collection[str], name: str
 ) -> dict[str, Any]:
     ranks = [effect_verdict.effect for effect_verdict in diagnosis.ranking]
     verdict = diagnosis.ranking[ranks.index(name)] if name in ranks else None
@@ -163,7 +163,7 @@ def _effect(
     }
 
 
-def _place(model: FoundModel, system: PageSystem, i: int, instance: EffectInstance) -> dict[str, Any]:
+def _place(model: DiagnosedModel, system: PageSystem, i: int, instance: EffectInstance) -> dict[str, Any]:
     effect = instance.effect
     robot = model.plain.dataset.robot
     names = list(robot.joints)

@@ -12,18 +12,18 @@ from bench.diagnosis.search import Found, score
 from bench.effects import Effect, EffectInstance
 from bench.identification.perturbations import Nearby
 from bench.identification.prepare import with_effects
-from bench.page.workbench.found_model import FoundModel
+from bench.page.workbench.diagnosed_model import DiagnosedModel
 
 
 def instances_of(
-    model: FoundModel, effects: Mapping[str, Effect], nearby: Nearby
+    model: DiagnosedModel, effects: Mapping[str, Effect], nearby: Nearby
 ) -> tuple[EffectInstance, ...]:
     """These effects wherever the recordings show them, in the shape in which a diagnosis about `model` judges them.
 
     In the order of `effects`; an effect that the model takes up everywhere has no instance. nearby: of `model`.
     """
     origin = Origin(model.plain, nearby)
-    proposals = propose(origin.context(with_effects(model.found, model.plain.effects)), effects)
+    proposals = propose(origin.context(with_effects(model.complete, model.plain.effects)), effects)
     if model.effects:
         proposals = _about_the_found(origin, model, proposals)
     instances = [instance for each in proposals if not each.absorbed for instance in each.instances]
@@ -31,7 +31,7 @@ def instances_of(
     return tuple(sorted(instances, key=lambda instance: names.index(instance.effect.name)))
 
 
-def _about_the_found(origin: Origin, model: FoundModel, proposals: list[Proposal]) -> list[Proposal]:
+def _about_the_found(origin: Origin, model: DiagnosedModel, proposals: list[Proposal]) -> list[Proposal]:
     """Proposals as the last round of a search leaves them, which found the effects of `model`."""
     present = {(instance.effect.name, instance.joint) for instance in model.effects}
     some = []
@@ -42,6 +42,6 @@ def _about_the_found(origin: Origin, model: FoundModel, proposals: list[Proposal
     names = dict.fromkeys(instance.effect.name for instance in model.effects)
     groups = [tuple(instance for instance in model.effects if instance.effect.name == name) for name in names]
     every = [*(Proposal(each[0].effect.name, each, False, "") for each in groups), *some]
-    system = system_about(origin, model.found, every)
+    system = system_about(origin, model.complete, every)
     best = score(system, solve_set(system, range(len(groups))))
-    return reshaped(origin, Round(model.found, every, system, Found(best, {})), SILENT)
+    return reshaped(origin, Round(model.complete, every, system, Found(best, {})), SILENT)

@@ -4,15 +4,15 @@ from typing import Any
 
 import numpy as np
 
+from bench.page.workbench.diagnosed_model import DiagnosedModel
 from bench.page.workbench.encode import floats, quantised
-from bench.page.workbench.found_model import FoundModel
 from bench.page.workbench.system import PageSystem
 
 BYTES = 560_000  # of all quantised columns together, at two bytes each
 FEWEST, MOST = 60, 500  # rows of a recording
 
 
-def thinned(model: FoundModel, system: PageSystem, kept: np.ndarray) -> list[dict[str, Any]]:
+def thinned(model: DiagnosedModel, system: PageSystem, kept: np.ndarray) -> list[dict[str, Any]]:
     """Every recording at evenly spaced rows of the fit, with the columns that are kept for each motor (n, C).
 
     Of the measured current each stretch around such a row also has its smallest and largest value.

@@ -13,7 +13,7 @@ from bench.identification.layout import known_rows, regressor_rows
 from bench.identification.perturbations import Nearby
 from bench.identification.prepare import Prepared
 from bench.page.workbench.decorrelated import set_apart
-from bench.page.workbench.found_model import FoundModel
+from bench.page.workbench.diagnosed_model import DiagnosedModel
 
 
 @dataclass(frozen=True)
@@ -45,7 +45,7 @@ class PageSystem:
         return np.asarray(self.columns.any(axis=0))
 
 
-def build(model: FoundModel, instances: Sequence[EffectInstance], nearby: Nearby) -> PageSystem:
+def build(model: DiagnosedModel, instances: Sequence[EffectInstance], nearby: Nearby) -> PageSystem:
     """The system of a model with the columns of these effects, those that it found among them. nearby: of `model`."""
     plain = model.plain
     moving = np.concatenate([observation.moving for observation in plain.observations])
@@ -103,9 +103,9 @@ def _set_apart_from_values(
             modelled[rows, j], error[rows, j] = apart.ends.T
 
 
-def _added(model: FoundModel, instances: Sequence[EffectInstance], nearby: Nearby) -> np.ndarray:
+def _added(model: DiagnosedModel, instances: Sequence[EffectInstance], nearby: Nearby) -> np.ndarray:
     """Columns (M, n, k) of effects about the found model; of those not found as they are seen nearby."""
-    complete, decimation = model.found, model.found.settings.decimation
+    complete, decimation = model.complete, model.complete.settings.decimation
     near = nearby.signals(complete.present, complete.signals)
     exact = [instance for instance in instances if instance in model.effects]
     as_fitted = np.concatenate(
@@ -122,7 +122,7 @@ def _added(model: FoundModel, instances: Sequence[EffectInstance], nearby: Nearb
     return np.concatenate(rows)
 
 
-def _reference(model: FoundModel, instances: Sequence[EffectInstance], starts: np.ndarray) -> np.ndarray:
+def _reference(model: DiagnosedModel, instances: Sequence[EffectInstance], starts: np.ndarray) -> np.ndarray:
     """The found model by the columns (C,)."""
     theta = model.solution.theta
     reference = np.zeros(starts[-1])

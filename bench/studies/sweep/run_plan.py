@@ -79,7 +79,7 @@ class _Common:
 class _CommonJob:
     """What finds a design or a motion."""
 
-    found: dict[str, _Common]
+    results: dict[str, _Common]
     name: str
 
 
@@ -174,7 +174,7 @@ class Driver:
 
     def _ask(self, job: _CommonJob, task: Callable[[], Task]) -> None:
         if job.name not in self._asked:
-            self._asked[job.name] = job.found
+            self._asked[job.name] = job.results
             self._submit(job, task())
 
     def _submit_runs(self, job: _RunJob) -> None:
@@ -210,8 +210,8 @@ class Driver:
         Sets that share something are side by side: those that are still to come need what the last ones need.
         """
         del self._asked[job.name]
-        job.found[job.name] = _Common(outcome.value, outcome.fault)
-        if job.found is self._designs and outcome.fault is None:
+        job.results[job.name] = _Common(outcome.value, outcome.fault)
+        if job.results is self._designs and outcome.fault is None:
             keep_design(self._folder, job.name, outcome.value)
         for known, needed in (
             (self._designs, {run_set.design for run_set in self._waiting}),

@@ -21,14 +21,14 @@ from bench.identification.summary import ROBOT
 
 
 @dataclass(frozen=True)
-class FoundModel:
+class DiagnosedModel:
     """plain: the equations without any effect but those with a value for each recording, which the page does not
     change; found: with those that the diagnosis found behind them, linearised about the answer; solution: the answer,
     theta in the order of `found`. started: effects that the model had before the diagnosis, as (effect, place).
     """
 
     plain: Prepared
-    found: Prepared
+    complete: Prepared
     solution: Solution
     started: tuple[tuple[str, str], ...]
 
@@ -40,14 +40,14 @@ class FoundModel:
     @property
     def effects(self) -> tuple[EffectInstance, ...]:
         """The found effects, those aside that the page does not change."""
-        return self.found.effects[len(self.plain.effects) :]
+        return self.complete.effects[len(self.plain.effects) :]
 
     def nearby(self) -> Nearby:
         """Where small changes of the torque are computed once for all effects."""
-        return Nearby(self.found.model, self.found.measured)
+        return Nearby(self.complete.model, self.complete.measured)
 
 
-def found_model(problem: Problem, diagnosis: Diagnosis) -> FoundModel:
+def diagnosed_model(problem: Problem, diagnosis: Diagnosis) -> DiagnosedModel:
     """Prepare the equations of a diagnosis of a problem again: its filters, and its parts to judge on where the user
     kept no recording for that.
     """
@@ -71,7 +71,7 @@ def found_model(problem: Problem, diagnosis: Diagnosis) -> FoundModel:
     started = tuple(
         (instance.effect.name, instance.joint) for instance in select_effects(kept, places, catalogue)
     )
-    return FoundModel(plain, complete, solution, started)
+    return DiagnosedModel(plain, complete, solution, started)
 
 
 def _requests(result: Identification, given: Sequence[EffectInstance]) -> list[str]:
