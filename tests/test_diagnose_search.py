@@ -20,7 +20,10 @@ def system_of(rows: list[float], judged: list[float] | None = None) -> SimpleNam
     samples = Samples(np.array(rows), np.array(rows if judged is None else judged))
     counts = SimpleNamespace(rows_of_motor=np.array(rows))
     return SimpleNamespace(
-        samples=samples, judged=counts, memory=1.0, prior_of=lambda chosen: RULE.prior * len(chosen)
+        samples=samples,
+        judged=counts,
+        autocorrelation_time=1.0,
+        prior_of=lambda chosen: RULE.prior * len(chosen),
     )
 
 
@@ -105,7 +108,7 @@ def test_nothing_is_lacking_where_no_more_than_noise_is_left(
         noise, "solved_quickly", lambda _: (SimpleNamespace(moving=moving), SimpleNamespace(weights=weights))
     )
     monkeypatch.setattr(noise, "spread", lambda *_: np.sqrt(left) * floor)
-    system = SimpleNamespace(fitted=SimpleNamespace(rows=2000), memory=2.0)
+    system = SimpleNamespace(fitted=SimpleNamespace(rows=2000), autocorrelation_time=2.0)
     squares = floor**2 * 1000
     assert noise.leaves_only_noise(system, None, squares) is expected  # type: ignore[arg-type]
     assert not noise.leaves_only_noise(system, None, None)  # type: ignore[arg-type]

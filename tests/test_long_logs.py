@@ -21,7 +21,7 @@ from bench.identification.observation import all_currents, observe
 from bench.identification.prepare import prepare
 from bench.identification.problem import problem_of
 from bench.identification.standard_errors import MOST_LAGS, _autocorrelated, _covariances
-from bench.identification.standstill import around, bridged, bridged_part
+from bench.identification.standstill import around, interpolated, interpolated_part
 from bench.model.model import build_model
 from bench.model.motion import LongMotion
 from bench.signals.decimation import Decimation, decimate
@@ -48,12 +48,12 @@ def test_a_standstill_over_many_parts_is_bridged_as_in_one_piece():
     rows = random.normal(size=(1000, 2, 3)).cumsum(axis=0)
     left = [[0, 30, 20], [40, 45, 20], [60, 700, 20], [980, 1000, 20]]
     gaps = (np.array(left), np.array([[100, 110, 20]]))
-    whole = bridged(rows, gaps)
+    whole = interpolated(rows, gaps)
     for size in (1000, 333, 50, 7):
         parts = [slice(a, min(a + size, 1000)) for a in range(0, 1000, size)]
         seen = [around(part, gaps, 1000) for part in parts]
         pieces = [
-            bridged_part(rows[one].copy(), one, part, gaps, 1000)
+            interpolated_part(rows[one].copy(), one, part, gaps, 1000)
             for one, part in zip(seen, parts, strict=True)
         ]
         assert np.concatenate(pieces) == pytest.approx(whole, abs=1e-12)
@@ -170,7 +170,7 @@ def test_what_a_long_motion_takes_is_gone_when_a_system_is_made(tmp_path, monkey
         assert isinstance(entry.tree, LongMotion)
         assert "_whole" not in vars(entry.tree)
         assert not entry.held
-        assert not any((entry.perturbed.nbytes, entry.reshaped.nbytes, entry.borne.nbytes))
+        assert not any((entry.perturbed.nbytes, entry.reshaped.nbytes, entry.reactions.nbytes))
         assert entry.kept.nbytes > 0
     for signals in origin.nearby.signals(origin.start.present, origin.start.signals):
         assert not signals.noted

@@ -11,9 +11,9 @@ from bench.diagnosis.search import Scored, close, scored
 from bench.effects import EffectInstance
 from bench.identification.findings import runaway
 from bench.identification.identify import fit
+from bench.identification.model_averaged import gains_model_averaged
 from bench.identification.prepare import Prepared
 from bench.identification.result import Identification
-from bench.identification.widened import gains_widened
 
 MOST_MORE = 2  # models with one effect more that are fitted, the best supported first
 
@@ -40,7 +40,7 @@ def with_spread_over_models(
         other = fit(wider)
         if runaway(other) is None and answer_weight(samples, wider, other) > least:
             others.append(other)
-    return gains_widened(after, others)
+    return gains_model_averaged(after, others)
 
 
 def _as_good(last: Round, *, instead: bool) -> Iterator[tuple[int, ...]]:

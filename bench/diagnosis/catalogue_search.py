@@ -63,16 +63,16 @@ from bench.diagnosis.without_log import without_logs
 from bench.effects import EffectInstance
 from bench.identification.bandwidth import with_band_checked
 from bench.identification.chosen_band import prepare_checked
+from bench.identification.errors_in_variables import with_errors_in_variables_checked
 from bench.identification.finding import Finding
 from bench.identification.findings import with_other_values
 from bench.identification.identify import fit
 from bench.identification.impossible_payload import with_possible_payloads
-from bench.identification.noise_let_through import with_noise_heard
+from bench.identification.model_averaged import gains_model_averaged
 from bench.identification.nonlinear import converged
 from bench.identification.prepare import Prepared
 from bench.identification.problem import Problem
 from bench.identification.result import Identification, relative_error
-from bench.identification.widened import gains_widened
 
 NONE_BARRED: Mapping[str, Reason] = {}
 OWN_VALUES_TRIED = 3  # sets of values for each recording with which effects are searched
@@ -291,7 +291,7 @@ def answered(case: SplitProblem, finding: SearchResult, progress: Progress = SIL
     progress.phase("judging every effect")
     dataset, start = case.problem.dataset, case.start
     model = finding.model
-    after = with_noise_heard(model, with_possible_payloads(model, finding.after, fit), fit)
+    after = with_errors_in_variables_checked(model, with_possible_payloads(model, finding.after, fit), fit)
     proposals, system, best = finding.last.proposals, finding.last.system, finding.last.found
     places: dict[str, tuple[str, ...]] = {}
     for instance in finding.new:
@@ -318,7 +318,9 @@ def answered(case: SplitProblem, finding: SearchResult, progress: Progress = SIL
     if not finding.compared and not unfinished:
         finding = _compared(case, finding)
     if finding.differently is not None and not {each.request for each in finding.differs} <= {*after.effects}:
-        after = gains_widened(after, [finding.differently])  # values for each recording explain the data, too
+        after = gains_model_averaged(
+            after, [finding.differently]
+        )  # values for each recording explain the data, too
     ranking = verdicts(
         system, proposals, best, _shown_places(proposals, best, places), scale, remaining, without
     )

@@ -5,8 +5,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from bench.identification.autocorrelation_time import autocorrelation_time
 from bench.identification.compressed import Stack
-from bench.identification.memory import memory_in_rows
 from bench.identification.solution import Solution
 
 BLOCKS = 10  # of every recording, alternately fitted and judged: then the motion is about the same in both
@@ -68,9 +68,9 @@ def halves_of(stack: Stack, solution: Solution, further: np.ndarray) -> Halves:
     inner = np.array([[row[half == k].T @ row[half == k] for row in rows] for k in (0, 1)])
     residuals = rows @ _solution(inner.sum(axis=(0, 1)), np.arange(rows.shape[2] - 1))
     parts = [np.split(entry[:, None], stack.starts[1:]) for entry in residuals]
-    memory = np.array([memory_in_rows(part, stack.returns) for part in parts])
+    times = np.array([autocorrelation_time(part, stack.returns) for part in parts])
     measured = ((stack.current * weights) ** 2).sum(axis=0)
-    return Halves(inner, model_columns, count / memory, np.maximum(measured, np.finfo(float).tiny))
+    return Halves(inner, model_columns, count / times, np.maximum(measured, np.finfo(float).tiny))
 
 
 def _solution(inner: np.ndarray, used: np.ndarray) -> np.ndarray:

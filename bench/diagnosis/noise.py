@@ -37,6 +37,6 @@ def leaves_only_noise(system: System, model: Prepared, noise: np.ndarray | None)
     weights = solution.weights**2
     residual = float((spread(stack, solution) ** 2 * stack.moving.sum(axis=0)) @ weights)
     least = float(noise @ weights)
-    samples = system.fitted.rows / system.memory
+    samples = system.fitted.rows / system.autocorrelation_time
     nats = 0.5 * samples * np.log(residual / max(least, np.finfo(float).tiny))
     return bool(WHITE * least < residual and nats < RULE.prior)

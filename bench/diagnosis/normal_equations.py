@@ -18,6 +18,7 @@ from bench.diagnosis.evidence import Samples
 from bench.diagnosis.motor_products import MotorProducts, summed
 from bench.diagnosis.motor_rows import MotorRows, apart_from, combined, folded, motor_rows, products
 from bench.effects import EffectInstance, RobotSignals
+from bench.identification.autocorrelation_time import autocorrelation_time, repeats_of
 from bench.identification.bilinear import (
     errors_by,
     independent_of,
@@ -32,7 +33,6 @@ from bench.identification.by_recording import columns_without_value
 from bench.identification.effect_rows import effect_rows
 from bench.identification.filtered import forget_motions
 from bench.identification.layout import known_rows, regressor_rows
-from bench.identification.memory import memory_in_rows, repeats_of
 from bench.identification.observation import Observation
 from bench.identification.prepare import Prepared
 from bench.identification.solution import Solution
@@ -78,9 +78,9 @@ class System:
     """The equations of the fitted and of the judged recordings, with the columns of all candidates.
 
     base: how many independent columns the present model has. start: its solution, whose weights are one over each
-    motor's current error. memory: rows that count as one, since neighbouring errors are alike. priors: nats that each
-    candidate must bring beyond what every one must, none where empty. by_log: the products by use
-    of every log alone. solved: sets that were asked for already.
+    motor's current error. autocorrelation_time: rows that count as one, since neighbouring errors are alike. priors:
+    nats that each candidate must bring beyond what every one must, none where empty. by_log: the products by use of
+    every log alone. solved: sets that were asked for already.
     """
 
     candidates: tuple[Candidate, ...]
@@ -88,7 +88,7 @@ class System:
     start: Solution
     fitted: MotorProducts
     judged: MotorProducts
-    memory: float
+    autocorrelation_time: float
     repeats: float = 1.0
     priors: tuple[float, ...] = ()
     by_log: Mapping[str, Mapping[str, MotorProducts]] = field(default_factory=dict)
@@ -101,7 +101,7 @@ class System:
     @cached_property
     def samples(self) -> Samples:
         """Independent ones; every period of a motion that returns counts once, with the errors that return with it."""
-        together = self.memory * self.repeats
+        together = self.autocorrelation_time * self.repeats
         fitted, judged = (part.rows_of_motor / together for part in (self.fitted, self.judged))
         return Samples(fitted, judged)
 
@@ -186,7 +186,12 @@ def build_system(
     wider = solve_set(system, sorted({*plain, *known}))
     residuals = [_errors(values, change, wider, start) for values in blocks["identify"]]
     returns = [observation.course.returns for observation in prepared.fitted]
-    return replace(system, memory=memory_in_rows(errors), repeats=repeats_of(residuals, returns), solved={})
+    return replace(
+        system,
+        autocorrelation_time=autocorrelation_time(errors),
+        repeats=repeats_of(residuals, returns),
+        solved={},
+    )
 
 
 def solve_set(system: System, chosen: Sequence[int]) -> SetFit:

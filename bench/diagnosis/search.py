@@ -35,7 +35,7 @@ def score(system: System, fit: SetFit) -> Scored:
     samples, needs no penalty.
     """
     logs = np.log(fit.by_motor[1] + np.finfo(float).tiny)
-    judged = -0.5 * float(system.judged.rows_of_motor @ logs) / system.memory
+    judged = -0.5 * float(system.judged.rows_of_motor @ logs) / system.autocorrelation_time
     prior = system.prior_of(fit.chosen)
     return Scored(fit, judged, float(system.samples.log_posterior(fit.by_motor, len(fit.columns), prior)))
 

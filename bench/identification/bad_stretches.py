@@ -14,17 +14,17 @@ MOST = 8  # stretches that are told, the longest
 
 
 def bad_stretches(
-    observations: Sequence[Observation], counted: np.ndarray, joints: Sequence[str]
+    observations: Sequence[Observation], row_weights: np.ndarray, joints: Sequence[str]
 ) -> list[Finding]:
     """A finding for each stretch of a recording in which a motor's current counts little, in the order of the logs.
 
-    counted (M, n): what every row of all recordings counts, 1 where it fits. Rows of a joint at standstill are no
+    row_weights (M, n): what every row of all recordings counts, 1 where it fits. Rows of a joint at standstill are no
     finding.
     """
     findings: list[tuple[int, Finding]] = []
     start = 0
     for observation in observations:
-        of_recording = counted[start : start + len(observation.time)]
+        of_recording = row_weights[start : start + len(observation.time)]
         start += len(observation.time)
         for j, joint in enumerate(joints):
             little = np.flatnonzero((of_recording[:, j] < LITTLE) & observation.moving[:, j])

@@ -16,10 +16,10 @@ from bench.identification.blocks import SHORTEST, SURPRISING
 from bench.identification.by_unknown import estimates, in_both
 from bench.identification.estimators import DEFAULT_METHOD
 from bench.identification.finding import Code, Finding, Unknown
+from bench.identification.model_averaged import model_averaged
 from bench.identification.prepare import Prepared, prepare, with_effects
 from bench.identification.problem import Problem
 from bench.identification.result import BandPoint, Identification
-from bench.identification.widened import widened
 from bench.signals.settings import FEWEST_SAMPLES, FilterSettings, settled_border
 
 SHARPER = 0.8
@@ -49,7 +49,7 @@ def with_band_checked(prepared: Prepared, result: Identification, fitted: Fit) -
         sorted((_point(prepared, answer) for answer in (at_band, *others)), key=lambda point: -point.band)
     )
     apart = _apart(at_band, others, all_of_it=bool(prepared.rejected))
-    answer = replace(widened(result, apart, "bandwidth"), bandwidths=points)
+    answer = replace(model_averaged(result, apart, "bandwidth"), bandwidths=points)
     if prepared.rejected:
         numbers["rejected"] = prepared.rejected[0].band(rate)
         return replace(answer, findings=(*answer.findings, Finding(Code.BAND_NARROWED, numbers=numbers)))

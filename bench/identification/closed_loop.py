@@ -21,7 +21,7 @@ from bench.identification.filtered import Measured
 from bench.identification.instrumental import instrumental_variables
 from bench.identification.prepare import Prepared
 from bench.identification.solution import Solution
-from bench.identification.standstill import bridged
+from bench.identification.standstill import interpolated
 from bench.signals.decimation import decimate
 from bench.signals.processing import estimate_motion
 from bench.signals.settings import HIGHEST_CUTOFF, WIDEST
@@ -60,10 +60,10 @@ def output_error(
         precisions
     )
 
-    def made(given: Stack) -> Stack:
+    def transform(given: Stack) -> Stack:
         return with_current(given, current)
 
-    return replace(instrumental_variables(made(stack), start, nominal, simulated), made=made)
+    return replace(instrumental_variables(transform(stack), start, nominal, simulated), transform=transform)
 
 
 def _check_law(logged: np.ndarray, terms: np.ndarray, joints: Sequence[str]) -> None:
@@ -106,7 +106,7 @@ def commanded_currents(prepared: Prepared) -> np.ndarray:
     for measurement in prepared.measured:
         if measurement.recording.use == "identify":
             terms = law_terms(dataset.controller, measurement, joints)
-            currents.append(decimate(bridged(terms, measurement.gaps), decimation))
+            currents.append(decimate(interpolated(terms, measurement.gaps), decimation))
     return np.concatenate(currents)
 
 

@@ -11,9 +11,9 @@ from bench.dataset.payload import Payload
 from bench.effects import EffectInstance, JointSignals, RobotSignals
 from bench.effects.checked_columns import columns_at_motors
 from bench.effects.signals import UNCHANGED, AskedWithinError, Changed
-from bench.identification.borne import borne_by
 from bench.identification.expansion import made_of
 from bench.identification.filtered import Measured
+from bench.identification.joint_reaction import joint_reactions
 from bench.identification.payload_parameters import payload_columns
 from bench.identification.perturbed_observation import change_key, perturbed_rows
 from bench.model.geometry import Geometry
@@ -112,7 +112,7 @@ def robot_signals(model: IdentificationModel, measured: Measured, present: Prese
         carried,
         torque,
         measured.gaps,
-        borne_by(
+        joint_reactions(
             model,
             measured,
             present.base,

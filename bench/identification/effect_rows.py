@@ -8,8 +8,8 @@ from bench.basics.deadline import NEVER, Deadline
 from bench.effects import ActuatorEffect, Effect, EffectInstance, RobotSignals
 from bench.effects.checked_columns import columns_at_motors
 from bench.effects.row_cache import KeptRows
-from bench.identification.bridge import whole_bridge
 from bench.identification.expansion import made_of
+from bench.identification.standstill_interpolation import whole_interpolation
 from bench.signals.decimation import decimate, decimated_indices
 from bench.signals.sparse_decimation import decimate_sparse
 
@@ -84,7 +84,7 @@ def _seen_by(signals: RobotSignals, effect: Effect) -> RobotSignals:
 def _filtered(
     signals: RobotSignals, decimation: int, given: Sequence[tuple[int, np.ndarray, np.ndarray]]
 ) -> Iterator[tuple[int, np.ndarray]]:
-    """Columns (N, m, k) at motors (m,), bridged and decimated, as rows (M, n, k); all at once."""
+    """Columns (N, m, k) at motors (m,), interpolated and decimated, as rows (M, n, k); all at once."""
     flat = np.concatenate([columns.reshape(len(columns), -1) for _, columns, _ in given], axis=1)
     at_motor = np.concatenate([np.repeat(motors, columns.shape[2]) for _, columns, motors in given])
     decimated = _decimated(signals, decimation, flat, at_motor)
@@ -100,15 +100,15 @@ def _filtered(
 def _decimated(
     signals: RobotSignals, decimation: int, columns: np.ndarray, at_motor: np.ndarray
 ) -> np.ndarray:
-    """Columns (N, p) of torques of motors (p,), bridged in place where each stands still, and decimated: (M, p)."""
+    """Columns (N, p) of torques of motors (p,), interpolated in place at standstill, and decimated: (M, p)."""
     sparse = signals.sparse
     for motor in np.unique(at_motor):
         of_motor = np.flatnonzero(at_motor == motor)
-        bridge = whole_bridge(signals.gaps[motor], len(columns))
+        interpolation = whole_interpolation(signals.gaps[motor], len(columns))
         if sparse is None:
-            bridge.put(columns, of_motor)
+            interpolation.put(columns, of_motor)
         else:  # at the edges of a stretch by the share that lies in it
-            bridge.put_partly(columns, of_motor, sparse.shares[motor])
+            interpolation.put_partly(columns, of_motor, sparse.shares[motor])
     if sparse is None:
         return decimate(columns, decimation)
     return decimate_sparse(columns, sparse.every, sparse.length, decimation)

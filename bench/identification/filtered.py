@@ -31,7 +31,7 @@ class Measured:
     unit, as logged; tree: the motion of all joints of the opened tree; gaps: where joints stand still. logged: how
     velocities that were logged compare with the positions. kept: rows of effects that need no model; perturbed:
     observation matrices of other motions and gravities, which are the same again and again; reshaped: of other
-    geometries, of which a search tries many; borne: of the forces in joints; held: the motion that these are in, at
+    geometries, of which a search tries many; reactions: of the forces in joints; held: the motion that these are in, at
     every so many-th sample.
     """
 
@@ -48,7 +48,7 @@ class Measured:
     kept: KeptRows = field(default_factory=KeptRows, compare=False, repr=False)
     perturbed: KeptRows = field(default_factory=KeptRows, compare=False, repr=False)
     reshaped: KeptRows = field(default_factory=KeptRows, compare=False, repr=False)
-    borne: KeptRows = field(default_factory=lambda: KeptRows(FEW_BYTES), compare=False, repr=False)
+    reactions: KeptRows = field(default_factory=lambda: KeptRows(FEW_BYTES), compare=False, repr=False)
     held: dict[int, HeldMotion] = field(default_factory=dict, compare=False, repr=False)
 
     @property
@@ -111,7 +111,7 @@ def forget_motions(measured: Sequence[Measured]) -> None:
         if isinstance(entry.tree, LongMotion):
             entry.tree.forget()
             entry.held.clear()
-            for rows in (entry.perturbed, entry.reshaped, entry.borne):
+            for rows in (entry.perturbed, entry.reshaped, entry.reactions):
                 rows.forget()
 
 

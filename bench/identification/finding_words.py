@@ -151,7 +151,7 @@ def _taken_up(finding: Finding) -> str:
     )
 
 
-def _hardly_apart(finding: Finding) -> str:
+def _collinear(finding: Finding) -> str:
     *others, last = map(_of_effect, finding.of)
     return (
         f"These data determine {', '.join(others)} and {last} only in combination: each is "
@@ -322,7 +322,7 @@ WORDS: Mapping[Code, Callable[[Finding], str]] = {
     Code.RANK_DEFICIENT: _rank,
     Code.ILL_CONDITIONED: _ill_conditioned,
     Code.TAKEN_UP: _taken_up,
-    Code.HARDLY_APART: _hardly_apart,
+    Code.HARDLY_APART: _collinear,
     Code.NOT_SETTLED: lambda finding: (
         f"The search for {', '.join(map(_of_effect, finding.of))} did not converge: ignore their values. "
         "They probably have the same effect on these data: omit one, or measure it another way."

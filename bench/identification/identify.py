@@ -14,13 +14,13 @@ from bench.identification.bounds import columns_of, within_bounds
 from bench.identification.closed_loop import commanded_currents
 from bench.identification.column_errors import column_errors
 from bench.identification.compressed import Stack, stack_observations
+from bench.identification.errors_in_variables import with_errors_in_variables_checked
 from bench.identification.essential_parameters import essential_columns, expanded, reduced, with_zeros
 from bench.identification.estimators import DEFAULT_METHOD, Request, solve
 from bench.identification.filtered import measure
 from bench.identification.identifiability_of_effects import identifiable_columns
 from bench.identification.impossible_payload import with_possible_payloads
 from bench.identification.newton import with_shape_columns
-from bench.identification.noise_let_through import with_noise_heard
 from bench.identification.nonlinear import converged
 from bench.identification.prepare import Prepared
 from bench.identification.result import CurrentSeries, Identification
@@ -48,7 +48,9 @@ def identify(
     def fitted(problem: Prepared, by: str = method) -> Identification:
         return fit(problem, by, deviations=deviations, essential=essential)
 
-    answer = with_noise_heard(prepared, with_possible_payloads(prepared, fitted(prepared), fitted), fitted)
+    answer = with_errors_in_variables_checked(
+        prepared, with_possible_payloads(prepared, fitted(prepared), fitted), fitted
+    )
     return with_band_checked(prepared, answer, lambda problem: fitted(problem, DEFAULT_METHOD))
 
 
@@ -67,9 +69,9 @@ def fit(
     spread = uncertainty(shaped, extended, deviations)
     solution, spread = expanded(solution, spread, kept, prepared.layout.size)
     result = summarise(prepared, method, solution, spread, deviations, kept, solved.outside)
-    if solution.counted is None:
+    if solution.row_weights is None:
         return result
-    bad = bad_stretches(prepared.fitted, solution.counted, prepared.dataset.robot.joints)
+    bad = bad_stretches(prepared.fitted, solution.row_weights, prepared.dataset.robot.joints)
     return replace(result, findings=(*result.findings, *bad))
 
 

@@ -6,15 +6,15 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from bench.dataset.payload import Payload, inertia_matrix
+from bench.identification.autocorrelation_time import autocorrelation_time
 from bench.identification.by_unknown import changed, estimates
 from bench.identification.finding import Code, Finding, Unknown
 from bench.identification.layout import payload_parameter_names
-from bench.identification.memory import memory_in_rows
+from bench.identification.model_averaged import gains_model_averaged, model_averaged
 from bench.identification.payload_parameters import payload_columns
 from bench.identification.prepare import Prepared, prepare, with_effects
 from bench.identification.problem import Problem
 from bench.identification.result import Identification
-from bench.identification.widened import gains_widened, widened
 from bench.model.regressor import UNITS
 from bench.signals.returning import rows_until_return
 
@@ -81,7 +81,7 @@ def with_possible_payloads(prepared: Prepared, result: Identification, fitted: F
         for name, spread in negative.items()
         if taken or spread.impossible
     )
-    answer = _with_values(result, other, known) if taken else gains_widened(result, [other], "payload")
+    answer = _with_values(result, other, known) if taken else gains_model_averaged(result, [other], "payload")
     return replace(answer, findings=(*new_findings, *result.findings))
 
 
@@ -104,7 +104,7 @@ def _as_likely(fewer: Identification, more: Identification) -> bool:
         for series in fitted
     ]
     returns = [rows_until_return(series.position) for series in fitted]
-    rows = moving.sum(axis=0)[moved] / memory_in_rows(errors, returns)
+    rows = moving.sum(axis=0)[moved] / autocorrelation_time(errors, returns)
     gained = 0.5 * float(rows @ np.log(squares[1, moved] / squares[0, moved]))
     return gained <= 0.5 * (more.unknowns - fewer.unknowns) * float(np.log(rows.sum()))
 
@@ -119,7 +119,7 @@ def _with_values(result: Identification, other: Identification, known: Mapping[s
     before = estimates(result)
     moved = changed(result, lambda unknown, estimate: (values[unknown], estimate.std))
     apart = {unknown: abs(values[unknown] - estimate.value) for unknown, estimate in before.items()}
-    return replace(widened(moved, apart, "payload"), error=other.error, recordings=other.recordings)
+    return replace(model_averaged(moved, apart, "payload"), error=other.error, recordings=other.recordings)
 
 
 def _with_payloads(prepared: Prepared, payloads: Mapping[str, Payload]) -> Prepared:

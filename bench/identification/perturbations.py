@@ -17,7 +17,7 @@ from bench.basics.interpolation import cubic_spline
 from bench.effects import RobotSignals, changes_torque
 from bench.effects.motor_link_difference import motion_band
 from bench.effects.row_cache import KeptRows, LeastAsked
-from bench.effects.signals import OVERSAMPLING, UNCHANGED, Borne, Changed, Sparse
+from bench.effects.signals import OVERSAMPLING, UNCHANGED, Changed, JointReaction, Sparse
 from bench.identification.effect_columns import PresentModel, combined_torque, needed_torque
 from bench.identification.filtered import Measured
 from bench.identification.perturbed_observation import geometry_key
@@ -264,8 +264,8 @@ class NearbySignals(RobotSignals):
         def torque(changed: Changed = UNCHANGED, every: int = 1) -> np.ndarray:
             return self.torque(changed, every * self.every)
 
-        def borne(joint: str, every: int) -> Borne:
-            return self.borne(joint, every * self.every)
+        def joint_reaction(joint: str, every: int) -> JointReaction:
+            return self.joint_reaction(joint, every * self.every)
 
         def in_joints() -> Mapping[str, np.ndarray]:
             return {name: torque[some] for name, torque in self.in_joints().items()}
@@ -277,7 +277,7 @@ class NearbySignals(RobotSignals):
             moved=lambda: self.tree.at(some),
             carried=lambda: self.payload_torque[some],
             torque=torque,
-            borne=borne,
+            joint_reaction=joint_reaction,
             in_joints=in_joints,
             gaps=gaps,
             lasting=self.nearby.rows[self.index],

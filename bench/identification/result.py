@@ -96,8 +96,8 @@ class CurrentSeries:
 
     moving: False where a joint stands still; errors are not judged there. by_effect: the torque or force (M, n) that
     the motors supply for each effect of the model, N*m or N, filtered like the currents; NaN where a joint stands
-    still, since such rows are bridged, not modelled. sharing (n, r): RMS of by how much a current of a redundant motor
-    takes off the others' modelled currents.
+    still, since such rows are interpolated, not modelled. sharing (n, r): RMS of by how much a current of a redundant
+    motor takes off the others' modelled currents.
     """
 
     name: str

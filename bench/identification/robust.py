@@ -55,18 +55,18 @@ def robust_error(stack: Stack, start: Solution, nominal: np.ndarray) -> Solution
     likeliest = _likeliest(stack, theta, gains, start.gains_fitted)
     moving = stack.moving
     slopes = (_slopes(likeliest.error / likeliest.scale, likeliest.freedom) * moving).sum(axis=0)
-    stretch = likeliest.weights.sum(axis=0) / np.maximum(slopes, np.finfo(float).tiny)
+    dispersion = likeliest.weights.sum(axis=0) / np.maximum(slopes, np.finfo(float).tiny)
     root = np.sqrt(
-        np.divide(likeliest.weights, stretch, out=np.zeros_like(likeliest.weights), where=stretch > 0.0)
+        np.divide(likeliest.weights, dispersion, out=np.zeros_like(likeliest.weights), where=dispersion > 0.0)
     )
     return replace(
         solution,
         theta=likeliest.theta,
         gains=likeliest.gains,
         weights=1.0 / likeliest.scale,
-        made=lambda given: weighted_rows(given, root),
-        stretch=stretch,
-        counted=likeliest.weights * likeliest.freedom / (likeliest.freedom + 1.0),
+        transform=lambda given: weighted_rows(given, root),
+        dispersion=dispersion,
+        row_weights=likeliest.weights * likeliest.freedom / (likeliest.freedom + 1.0),
     )
 
 

@@ -43,10 +43,11 @@ class Solution:
     weights (n,): what a motor's equation was multiplied by; 1 / (unit of its residual). domain: the
     residual's unit, "torque" (diag(v) g - Phi theta - kappa) or "current" (that divided by -g).
 
-    made: how the estimator made its equations from those that it was given, where it did not take them as they are.
-    stretch (n,): by what a motor's error in them counts for more in what moves the estimate than in its derivatives
-    (1 for least squares). instruments: what stands in these equations' place where the estimate's derivatives are
-    taken, for instrumental variables. counted (M, n): what each row counts, 1 where it fits, for a robust estimate.
+    transform: how the estimator made its equations from those that it was given, where it did not take them as they
+    are. dispersion (n,): by what a motor's error in them counts for more in what moves the estimate than in its
+    derivatives (1 for least squares). instruments: what stands in these equations' place where the estimate's
+    derivatives are taken, for instrumental variables. row_weights (M, n): what each row counts, 1 where it fits, for a
+    robust estimate.
     """
 
     theta: np.ndarray
@@ -54,10 +55,10 @@ class Solution:
     weights: np.ndarray
     domain: str
     gains_fitted: Fitted
-    made: Callable[[Stack], Stack] | None = None
-    stretch: np.ndarray | None = None
+    transform: Callable[[Stack], Stack] | None = None
+    dispersion: np.ndarray | None = None
     instruments: Callable[[Stack], Stack] | None = None
-    counted: np.ndarray | None = None
+    row_weights: np.ndarray | None = None
 
 
 def torque_system(factors: np.ndarray, gains: np.ndarray | None) -> tuple[np.ndarray, np.ndarray]:

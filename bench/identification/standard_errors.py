@@ -83,11 +83,11 @@ def uncertainty(stack: Stack, solution: Solution, deviations: Deviations) -> Unc
     Where the estimate scatters more between parts of the recordings than an autocorrelated noise makes it, the model's
     own error is at work, and the deviations are those of that scatter, wherever they are larger.
     """
-    if solution.made is not None:
-        stack = solution.made(stack)
+    if solution.transform is not None:
+        stack = solution.transform(stack)
     residual = residual_series(stack, solution) * solution.weights
-    if solution.stretch is not None:
-        residual = residual * solution.stretch
+    if solution.dispersion is not None:
+        residual = residual * solution.dispersion
     if solution.instruments is not None:
         stack = solution.instruments(stack)
     triangle = np.concatenate(
@@ -116,7 +116,7 @@ def uncertainty(stack: Stack, solution: Solution, deviations: Deviations) -> Unc
         middle = inverse @ _score(stack, solution, residual, returns, seen, lengths) @ inverse * freedom
         scatter = block_scatter(_blocks(stack, solution, residual, seen, lengths))
         if scatter is not None and scatter.beyond(middle):
-            middle, std_from = _widened(middle, scatter.stated), "blocks"
+            middle, std_from = _enlarged(middle, scatter.stated), "blocks"
     covariance = np.zeros((stack.phi.shape[2] + len(solution.gains),) * 2)
     covariance[np.ix_(seen, seen)] = middle / np.outer(lengths, lengths)
     raw = np.linalg.svd(np.linalg.qr(triangle[:, seen], mode="r"), compute_uv=False)
@@ -130,7 +130,7 @@ def uncertainty(stack: Stack, solution: Solution, deviations: Deviations) -> Unc
     )
 
 
-def _widened(covariance: np.ndarray, other: np.ndarray) -> np.ndarray:
+def _enlarged(covariance: np.ndarray, other: np.ndarray) -> np.ndarray:
     """A covariance (P, P) with the deviations of another where these are larger, and its own correlations."""
     stds, larger = (np.sqrt(np.maximum(np.diag(values), 0.0)) for values in (covariance, other))
     times = np.maximum(larger / np.where(stds > 0.0, stds, np.inf), 1.0)

@@ -10,7 +10,13 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from bench.identification.bridge import bridge_over, ranges, sides, whole_bridge, within
+from bench.identification.standstill_interpolation import (
+    interpolation_over,
+    ranges,
+    sides,
+    whole_interpolation,
+    within,
+)
 from bench.signals.decimation import decimate
 
 SLOW = 0.01  # of the joint's RMS speed
@@ -54,18 +60,18 @@ def standstills(
     return tuple(stretches)
 
 
-def bridged(rows: np.ndarray, gaps: Sequence[np.ndarray]) -> np.ndarray:
+def interpolated(rows: np.ndarray, gaps: Sequence[np.ndarray]) -> np.ndarray:
     """Rows (N, n) or (N, n, p), those of every joint in its gaps replaced by a straight line; a copy."""
     rows = rows.copy()
     for j, stretches in enumerate(gaps):
         of_motor = rows[:, j].reshape(len(rows), -1)
-        bridge = whole_bridge(stretches, len(rows))
-        rows[bridge.inside, j] = bridge.lines(of_motor).reshape(-1, *rows.shape[2:])
+        interpolation = whole_interpolation(stretches, len(rows))
+        rows[interpolation.inside, j] = interpolation.lines(of_motor).reshape(-1, *rows.shape[2:])
     return rows
 
 
 def around(part: slice, gaps: Gaps, length: int) -> np.ndarray:
-    """The samples (K,), of so many, that `bridged_part` needs for a part of them, in order."""
+    """The samples (K,), of so many, that `interpolated_part` needs for a part of them, in order."""
     outside = [np.empty(0, dtype=int)]
     for stretches in gaps:
         start, stop, before, after = sides(within(stretches, part), stretches, length)
@@ -80,11 +86,15 @@ def around(part: slice, gaps: Gaps, length: int) -> np.ndarray:
     return np.concatenate((more[:first], np.arange(part.start, part.stop), more[first:]))
 
 
-def bridged_part(rows: np.ndarray, samples: np.ndarray, part: slice, gaps: Gaps, length: int) -> np.ndarray:
-    """The rows of a part as `bridged` gives them, from those at the samples (K,) that it needs; changes these."""
+def interpolated_part(
+    rows: np.ndarray, samples: np.ndarray, part: slice, gaps: Gaps, length: int
+) -> np.ndarray:
+    """The rows of a part as `interpolated` gives them, from those at the samples (K,) that it needs; changes these."""
     for j, stretches in enumerate(gaps):
-        bridge = bridge_over(stretches, samples, length, part)
-        rows[bridge.inside, j] = bridge.lines(rows[:, j].reshape(len(rows), -1)).reshape(-1, *rows.shape[2:])
+        interpolation = interpolation_over(stretches, samples, length, part)
+        rows[interpolation.inside, j] = interpolation.lines(rows[:, j].reshape(len(rows), -1)).reshape(
+            -1, *rows.shape[2:]
+        )
     first = int(np.searchsorted(samples, part.start))
     return rows[first : first + part.stop - part.start]
 

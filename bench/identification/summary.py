@@ -8,9 +8,9 @@ from bench.basics.joint_units import drive_unit
 from bench.effects import EffectInstance
 from bench.effects.select import ROBOT as ROBOT
 from bench.identification.by_recording import in_this_recording, without_own_values
+from bench.identification.collinear import collinear, unsettled
 from bench.identification.finding import Code, Finding, Unknown
 from bench.identification.findings import with_findings
-from bench.identification.hardly_apart import hardly_apart, unsettled
 from bench.identification.layout import known_rows, payload_parameters, regressor_rows
 from bench.identification.logged_velocities import velocity_findings
 from bench.identification.observation import Observation
@@ -103,7 +103,7 @@ def summarise(
             *_repeated_rows(prepared),
             *without_own_values(prepared),
             *([Finding(Code.NOT_SETTLED, of=tuple(unknown for _, unknown in loose))] if loose else []),
-            *hardly_apart(prepared.effects, spread.covariance, rows),
+            *collinear(prepared.effects, spread.covariance, rows),
         ],
         scale_findings(prepared.scale),
     )

@@ -6,7 +6,7 @@ from typing import Literal
 
 import numpy as np
 
-from bench.residuals.autocorrelation import correlations, memory
+from bench.residuals.autocorrelation import correlations, integrated_autocorrelation_time
 from bench.residuals.motor import MotorSeries
 
 PART = 1.0 / 3.0  # of every recording: its start, and its end
@@ -79,7 +79,9 @@ def _opposing(series: Sequence[MotorSeries], rows: Sequence[np.ndarray], part: s
     whole = np.concatenate(values)
     mean = float(whole.mean())
     scatter = [_without_trend(v) for v in values]
-    alike = memory(correlations([trace.row[chosen] for trace, chosen in used], scatter))
+    alike = integrated_autocorrelation_time(
+        correlations([trace.row[chosen] for trace, chosen in used], scatter)
+    )
     std = float(np.concatenate(scatter).std() * np.sqrt(alike / len(whole)))
     error = sum(float((trace.error[chosen] ** 2).sum()) for trace, chosen in used)
     measured = sum(float((trace.measured[chosen] ** 2).sum()) for trace, chosen in used)

@@ -7,7 +7,7 @@ from typing import Literal
 import numpy as np
 
 from bench.basics.chi_squared import tail
-from bench.residuals.autocorrelation import correlations, memory
+from bench.residuals.autocorrelation import correlations, integrated_autocorrelation_time
 from bench.residuals.motor import MotorSeries
 
 Variable = Literal["time", "position", "velocity", "acceleration", "current", "direction", "constant"]
@@ -137,7 +137,9 @@ def _dependence(
     whole = float(errors @ errors)
     share = 1.0 - float(residual @ residual) / whole if whole else 0.0
     cuts = np.cumsum([len(trace.time) for trace in series])[:-1]
-    alike = memory(correlations([trace.row for trace in series], np.split(residual, cuts)))
+    alike = integrated_autocorrelation_time(
+        correlations([trace.row for trace in series], np.split(residual, cuts))
+    )
     independent = len(errors) / alike
     ratio = -independent * float(np.log(max(1.0 - share, 1e-12)))
     # of the residual, bin means alone take a share of size / independent by chance

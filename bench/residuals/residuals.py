@@ -23,8 +23,8 @@ MATERIAL = 1.15  # times the noise: an error below holds nothing to look for
 class MotorErrors:
     """Where one motor's error is.
 
-    units: of current and position, as in ("A", "rad"). error, noise: relative to the measured current, all
-    recordings together; by_recording: both of each, by name. memory: s over which errors are alike. above_noise:
+    units: of current and position, as in ("A", "rad"). error, noise: relative to the measured current, all recordings
+    together; by_recording: both of each, by name. autocorrelation_time: s over which errors are alike. above_noise:
     whether there is anything except noise; concentrations, dependences, lines and changes are empty where not. alike:
     effects that leave such errors.
     """
@@ -34,7 +34,7 @@ class MotorErrors:
     error: float
     noise: float
     by_recording: dict[str, tuple[float, float]]
-    memory: float
+    autocorrelation_time: float
     above_noise: bool
     concentrations: tuple[Concentration, ...]
     dependences: tuple[Dependence, ...]
@@ -90,7 +90,7 @@ def _of_motor(what: Compared, joint: str, possible: Mapping[str, Effect], has: S
         error=error,
         noise=noise,
         by_recording={trace.recording: _error_and_noise(trace) for trace in series},
-        memory=autocorrelation(series).memory / (series[0].rate or 1.0),
+        autocorrelation_time=autocorrelation(series).integrated_time / (series[0].rate or 1.0),
         above_noise=above,
         concentrations=patterns[0],
         dependences=patterns[1],

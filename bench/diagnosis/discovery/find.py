@@ -44,9 +44,9 @@ from bench.effects import EffectInstance
 from bench.identification.finding import Finding
 from bench.identification.identify import fit
 from bench.identification.mistaken import mistaken
+from bench.identification.model_averaged import gains_model_averaged
 from bench.identification.prepare import Prepared
 from bench.identification.problem import Problem
-from bench.identification.widened import gains_widened
 
 TRIED = 1000  # laws that might represent several effects, as many as a search looks at
 UNIT = 10.0  # times the nominal gain, or a tenth: as far off, a unit or a load is wrong
@@ -293,7 +293,7 @@ def _with_tables(case: SplitProblem, plain: _Answer, progress: Progress) -> _Ans
     if not tabled or not wider.more_probable_than(finding, wider.excess(case)):
         return plain
     diagnosis = _told(wider, staying, (*plain.laws, *laws), answered(case, wider, progress))
-    diagnosis = replace(diagnosis, after=gains_widened(diagnosis.after, [plain.diagnosis.after]))
+    diagnosis = replace(diagnosis, after=gains_model_averaged(diagnosis.after, [plain.diagnosis.after]))
     judged_before = {verdict.effect for verdict in diagnosis.ranking}
     others = tuple(verdict for verdict in plain.diagnosis.ranking if verdict.effect not in judged_before)
     return _Answer(wider, staying, replace(diagnosis, ranking=(*diagnosis.ranking, *others)))

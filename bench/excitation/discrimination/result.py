@@ -94,7 +94,7 @@ class Discrimination:
         if self.motion is None or not self.questions:
             return 0.0
         shares = [
-            2.0 * answer.nats * answer.memory / (self.judged_rows + answer.count)
+            2.0 * answer.nats * answer.autocorrelation_time / (self.judged_rows + answer.count)
             for answer in self.motion.answers
         ]
         return float(np.sqrt(1.0 + min(shares)) - 1.0)
@@ -105,7 +105,7 @@ class Discrimination:
         if self.motion is None or not self.questions or self.judged_rows == 0:
             return False
         pairs = list(zip(self.given.values(), self.motion.answers, strict=True))
-        shares = [2.0 * nats * answer.memory / self.judged_rows for nats, answer in pairs]
+        shares = [2.0 * nats * answer.autocorrelation_time / self.judged_rows for nats, answer in pairs]
         growth = float(np.sqrt(1.0 + min(shares)) - 1.0)
         return min(self.given.values()) >= RULE.prior and growth >= RULE.material
 

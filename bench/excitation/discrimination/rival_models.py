@@ -6,10 +6,10 @@ import numpy as np
 
 from bench.basics.errors import BenchError
 from bench.effects import EffectInstance, effect_columns
+from bench.identification.autocorrelation_time import autocorrelation_time
 from bench.identification.compressed import Stack
 from bench.identification.effect_columns import PresentModel, robot_signals
 from bench.identification.identifiability_of_effects import identifiable_columns
-from bench.identification.memory import memory_in_rows
 from bench.identification.nonlinear import converged, present_model
 from bench.identification.prepare import Prepared, prepare
 from bench.identification.problem import Problem
@@ -52,12 +52,12 @@ class RivalNoise:
     """What the better of two models leaves of the given currents.
 
     weights (n,): one over the RMS of every motor's error, 1 / drive unit, in rows of the fit; row_rate Hz: how
-    many rows a second; memory s: how long errors are alike.
+    many rows a second; autocorrelation_time s: how long errors are alike.
     """
 
     weights: np.ndarray
     row_rate: float
-    memory: float
+    autocorrelation_time: float
 
 
 def fit_rivals(problem: Problem, requests: tuple[str, str]) -> tuple[Rival, Rival]:
@@ -90,7 +90,7 @@ def noise_of(rivals: tuple[Rival, Rival]) -> RivalNoise:
     parts = np.split(series, better.stack.starts[1:])
     prepared = better.prepared
     row_rate = prepared.measured[0].recording.rate / prepared.settings.decimation
-    return RivalNoise(weights, row_rate, memory_in_rows(parts) / row_rate)
+    return RivalNoise(weights, row_rate, autocorrelation_time(parts) / row_rate)
 
 
 def _fitted(prepared: Prepared, request: str) -> Rival:

@@ -15,7 +15,7 @@ from bench.effects import CATALOGUE, EffectInstance, places_in, select_effects
 from bench.effects.select import ROBOT
 from bench.identification.nonlinear import converged
 from bench.identification.prepare import Prepared, with_effects
-from bench.identification.standstill import bridged
+from bench.identification.standstill import interpolated
 from bench.signals.decimation import decimate
 from bench.studies.sweep.journal import Row
 from bench.studies.trial.unknown import LAW, TORQUES, named_parts
@@ -83,7 +83,7 @@ def _torque_error(
 ) -> float:
     """Over the law's torque, what is wrong with all at its motor but the known effects of these names.
 
-    What was hidden is bridged where the motor reverses and decimated, like the estimate.
+    What was hidden is interpolated where the motor reverses and decimated, like the estimate.
     """
     motor = simulation.robot.joints.index(joint)
     model, values = _found_model(diagnosis, prepared, but)
@@ -94,7 +94,7 @@ def _torque_error(
         modelled = rows.effects[:, motor] @ values
         law, known, time = _true_torques(simulation, rows.name, motor, but)
         wanted, alone = (
-            decimate(bridged(entry[:, None], [seen.gaps[motor]]), model.settings.decimation)[:, 0]
+            decimate(interpolated(entry[:, None], [seen.gaps[motor]]), model.settings.decimation)[:, 0]
             for entry in (np.interp(seen.time, time, torque) for torque in (law + known, law))
         )
         moving = rows.moving[:, motor]

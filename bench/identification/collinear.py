@@ -15,7 +15,7 @@ ELSEWHERE, SHARE = (
 )  # deviations, and share of a value, by which it may miss what it was linearised about
 
 
-def hardly_apart(
+def collinear(
     effects: Sequence[EffectInstance], covariance: np.ndarray, rows: Sequence[Unknown]
 ) -> list[Finding]:
     """A finding for each combination of effects that are changes of the model itself, such as zeros of encoders, a tilt

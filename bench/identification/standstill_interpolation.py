@@ -9,11 +9,13 @@ from functools import lru_cache
 
 import numpy as np
 
-KEPT = 256  # bridges: of every joint of every recording that is looked at, at all its samples and at few
+KEPT = (
+    256  # interpolations: of every joint of every recording that is looked at, at all its samples and at few
+)
 
 
 @dataclass(frozen=True)
-class Bridge:
+class StandstillInterpolation:
     """The lines over the stretches of one joint.
 
     inside (K,): rows that are replaced; near (L,): rows on either side, side after side, with their
@@ -81,7 +83,9 @@ def ranges(start: np.ndarray, stop: np.ndarray) -> tuple[np.ndarray, np.ndarray]
     return np.arange(len(of)) + (start - np.cumsum(length) + length)[of], of
 
 
-def bridge_over(stretches: np.ndarray, samples: np.ndarray, length: int, part: slice) -> Bridge:
+def interpolation_over(
+    stretches: np.ndarray, samples: np.ndarray, length: int, part: slice
+) -> StandstillInterpolation:
     """The lines over a joint's stretches (k, 3) in a part of a recording of so many samples, for its rows at the
     samples (K,), in order; these hold the part's stretches and their surroundings.
     """
@@ -103,7 +107,7 @@ def bridge_over(stretches: np.ndarray, samples: np.ndarray, length: int, part: s
     inside, of = ranges(np.maximum(start, part.start), np.minimum(stop, part.stop))
     some = (has_first | has_second)[of]
     inside, of = inside[some], of[some]
-    return Bridge(
+    return StandstillInterpolation(
         inside=np.searchsorted(samples, inside),
         near=np.searchsorted(samples, near),
         weights=weights,
@@ -114,12 +118,12 @@ def bridge_over(stretches: np.ndarray, samples: np.ndarray, length: int, part: s
     )
 
 
-def whole_bridge(stretches: np.ndarray, length: int) -> Bridge:
+def whole_interpolation(stretches: np.ndarray, length: int) -> StandstillInterpolation:
     """The lines over a joint's stretches (k, 3) in all so many samples of a recording."""
-    return _whole_bridge(stretches.tobytes(), length)
+    return _whole_interpolation(stretches.tobytes(), length)
 
 
 @lru_cache(maxsize=KEPT)
-def _whole_bridge(stretches: bytes, length: int) -> Bridge:
+def _whole_interpolation(stretches: bytes, length: int) -> StandstillInterpolation:
     given = np.frombuffer(stretches, dtype=int).reshape(-1, 3)
-    return bridge_over(given, np.arange(length), length, slice(0, length))
+    return interpolation_over(given, np.arange(length), length, slice(0, length))

@@ -9,7 +9,7 @@ from bench.identification.repeated_errors import Returns, times_repeated
 LONGEST_MEMORY = 60  # rows over which errors may be alike
 
 
-def memory_in_rows(errors: Sequence[np.ndarray], returns: Returns = ()) -> float:
+def autocorrelation_time(errors: Sequence[np.ndarray], returns: Returns = ()) -> float:
     """Integrated autocorrelation time of the errors (M, n) of all recordings, in rows, at least one.
 
     Lags are summed until the correlation is lost in its own noise (Geyer 1992, initial positive pairs), and likewise
