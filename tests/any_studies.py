@@ -243,7 +243,7 @@ def discriminations(draw: Any) -> Discrimination:
         questions=questions,
         envelope=None,
         given_seconds=draw(sizes),
-        judged_rows=draw(st.integers(0, 9)),
+        held_out_rows=draw(st.integers(0, 9)),
         motion=motion,
         recorded=draw(facts),
         planned=draw(facts),

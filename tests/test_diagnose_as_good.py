@@ -71,7 +71,7 @@ def test_models_that_are_as_good_have_one_effect_more_or_another_for_each_found_
     best = Scored(SimpleNamespace(chosen=(0, 4)), 0.0, 100.0)
     last = SimpleNamespace(
         system=None,
-        found=SimpleNamespace(best=best),
+        selection=SimpleNamespace(selected=best),
         proposals=[SimpleNamespace(absorbed=False)] * 5,
         chosen=(0, 4),
     )

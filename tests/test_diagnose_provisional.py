@@ -51,6 +51,6 @@ def test_a_table_that_is_not_in_the_best_set_is_searched_no_further(monkeypatch:
     case: Any = SimpleNamespace(problem=SimpleNamespace(catalogue={}))
     monkeypatch.setattr(find, "tabled_laws", lambda *_: [table])
     monkeypatch.setattr(find, "_proposed", lambda *_: [])
-    monkeypatch.setattr(find, "_judged_from", lambda *_: SimpleNamespace(names={"coulomb_friction"}))
+    monkeypatch.setattr(find, "_round_from", lambda *_: SimpleNamespace(names={"coulomb_friction"}))
     monkeypatch.setattr(find, "search_from", lambda *_: pytest.fail("nothing is to be searched"))
     assert find._with_tables(case, plain, SimpleNamespace(phase=lambda _: None)) is plain

@@ -21,7 +21,7 @@ def system_of(rows: list[float], judged: list[float] | None = None) -> SimpleNam
     counts = SimpleNamespace(rows_of_motor=np.array(rows))
     return SimpleNamespace(
         samples=samples,
-        judged=counts,
+        held_out=counts,
         autocorrelation_time=1.0,
         prior_of=lambda chosen: RULE.prior * len(chosen),
     )
@@ -62,7 +62,7 @@ def test_evidence_is_summed_motor_by_motor(heavy: float) -> None:
         score(system, fit_of((), 3, [[left, heavy]] * 2))  # type: ignore[arg-type]
         for left in (1e-4, 1.0)
     )
-    assert with_it.judged - without.judged == pytest.approx(0.5 * 100.0 * np.log(1e4))
+    assert with_it.held_out - without.held_out == pytest.approx(0.5 * 100.0 * np.log(1e4))
     share = RULE.coarsening / (RULE.coarsening + 200.0)
     assert with_it.total - without.total == pytest.approx(share * 100.0 * np.log(1e4))
 

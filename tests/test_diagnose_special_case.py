@@ -8,7 +8,7 @@ from bench.diagnosis import rounds
 from bench.diagnosis.candidates import Proposal
 from bench.diagnosis.catalogue_search import diagnose_with_catalogue
 from bench.diagnosis.origin import origin_of
-from bench.diagnosis.rounds import judged
+from bench.diagnosis.rounds import round_about
 from bench.diagnosis.special_case import with_shapes_of
 from bench.effects import CATALOGUE, EffectInstance
 from bench.identification.nonlinear import converged
@@ -40,11 +40,11 @@ def after_a_cable(dataset: Dataset, monkeypatch: pytest.MonkeyPatch) -> tuple[li
         Proposal("presliding_hysteresis", at_both("presliding_hysteresis", x0=FAR), False, ""),
     ]
     model = origin.with_proposals(proposals, [0])
-    found = judged(origin, model, proposals, {"presliding_hysteresis"})
+    found = round_about(origin, model, proposals, {"presliding_hysteresis"})
     assert found.names == {"hysteretic_cable"}
     after = rounds.reshaped(origin, found, SILENT)
     values = [instance.effect.shape_values()["x0"] for instance in after[1].instances]
-    return values, judged(origin, model, after, ()).names
+    return values, round_about(origin, model, after, ()).names
 
 
 def test_presliding_friction_has_its_name_where_a_cable_was_found(monkeypatch: pytest.MonkeyPatch) -> None:

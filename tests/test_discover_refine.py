@@ -10,7 +10,7 @@ from bench.basics.deadline import NEVER
 from bench.diagnosis.discovery import find, refine
 from bench.diagnosis.discovery.refine import NEARBY, Refined, refined
 from bench.diagnosis.rounds import Round
-from bench.diagnosis.search import Found
+from bench.diagnosis.search import Selection
 
 
 def model(weight: float, *, near: bool, values: str = "") -> Any:
@@ -101,13 +101,13 @@ def test_the_set_of_a_converged_model_is_one_that_a_search_begins_with(
     proposals: Any = [SimpleNamespace(name=name) for name in ("a", "b", "c")]
     model: Any = SimpleNamespace(effects=[SimpleNamespace(effect=SimpleNamespace(name=n)) for n in "bc"])
     origin: Any = SimpleNamespace(start=SimpleNamespace(effects=()), deadline=NEVER)
-    found = Found(SimpleNamespace(total=10.0, fit=SimpleNamespace(chosen=(0,))), {})  # type: ignore[arg-type]
-    monkeypatch.setattr(find, "judged", lambda *_: Round(model, proposals, None, found))  # type: ignore[arg-type]
+    found = Selection(SimpleNamespace(total=10.0, fit=SimpleNamespace(chosen=(0,))), {})  # type: ignore[arg-type]
+    monkeypatch.setattr(find, "round_about", lambda *_: Round(model, proposals, None, found))  # type: ignore[arg-type]
     monkeypatch.setattr(find, "usable", lambda *_: [0, 1, 2])
     for total, chosen in ((20.0, (1, 2)), (5.0, (0,))):
         best = SimpleNamespace(total=total, fit=SimpleNamespace(chosen=(1, 2)))
         begun: list[Any] = []
         monkeypatch.setattr(find, "best_set", lambda _, begin, *__, b=best, s=begun: s.extend(begin) or b)
-        here = find._judged_from(origin, model, proposals, ())
+        here = find._round_from(origin, model, proposals, ())
         assert here.chosen == chosen
         assert [1, 2] in begun

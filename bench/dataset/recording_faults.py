@@ -56,7 +56,7 @@ def faults_of(
     }
     swapped = exchanged(positions, joints)
     for column, (values, joint) in signals.items():
-        findings = judged(column, values, time, joint, fault, accepted)
+        findings = faults_in(column, values, time, joint, fault, accepted)
         if column.startswith("position."):
             findings = without_exchange(findings, swapped.get(joint.name))
         faults += [_told(table, column, finding) for finding in findings]
@@ -78,7 +78,7 @@ def _read(
     return None
 
 
-def judged(
+def faults_in(
     column: str,
     values: np.ndarray,
     time: np.ndarray,

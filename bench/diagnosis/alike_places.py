@@ -5,7 +5,7 @@ from dataclasses import replace
 
 from bench.diagnosis.decision import RULE
 from bench.diagnosis.evidence import Samples, residual_squares
-from bench.diagnosis.showing import wrong_sign
+from bench.diagnosis.significance import wrong_sign
 from bench.effects import EffectInstance, places_in
 from bench.identification.identify import fit
 from bench.identification.prepare import Prepared, with_effects

@@ -36,7 +36,7 @@ def with_spread_over_models(
             instance for i in chosen for instance in _instances(last.proposals[i], i in last.chosen, added)
         ]
         origin.deadline.check()
-        wider = origin.beside(model, instances)
+        wider = origin.warm_started(model, instances)
         other = fit(wider)
         if runaway(other) is None and answer_weight(samples, wider, other) > least:
             others.append(other)
@@ -49,7 +49,7 @@ def _as_good(last: Round, *, instead: bool) -> Iterator[tuple[int, ...]]:
     The best with one more keep what the found ones do to the gains; for each found one, the best with another in its
     place does not: these only where they are asked for by `instead`.
     """
-    system, best = last.system, last.found.best
+    system, best = last.system, last.selection.selected
     usable = [
         i for i, proposal in enumerate(last.proposals) if not proposal.absorbed and i not in last.chosen
     ]

@@ -6,7 +6,7 @@ from typing import Any
 from bench.basics.plain_data import finite
 from bench.dataset.robot_locked import locked_as_data
 from bench.diagnosis.decision import RULE
-from bench.diagnosis.reason_words import judged_on, left_words
+from bench.diagnosis.reason_words import left_words, validated_on
 from bench.diagnosis.result import Diagnosis, Discovered, EffectVerdict, Unfinished
 from bench.diagnosis.summary import error_share, reason, summary_sentences
 from bench.identification.model_json import to_json
@@ -40,7 +40,7 @@ def diagnosis_json(diagnosis: Diagnosis, *, words: bool = True) -> dict[str, Any
     answer = {
         "robot": diagnosis.robot,
         "locked": locked_as_data(diagnosis.after.locked),
-        "judged_on": judged_on(diagnosis) if words else "",
+        "judged_on": validated_on(diagnosis) if words else "",
         "summary": summary_sentences(diagnosis) if words else [],
         "finished": diagnosis.finished,
         "not_looked_at": list(diagnosis.unfinished),

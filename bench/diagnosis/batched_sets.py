@@ -118,7 +118,7 @@ def _together(system: System, keys: Sequence[tuple[int, ...]]) -> dict[tuple[int
         return {}
     which = list(results)
     last = _at(
-        products_of_sets(system.judged, system.base, [added[i] for i in which], wide),
+        products_of_sets(system.held_out, system.base, [added[i] for i in which], wide),
         np.array([results[i][0] for i in which]),
         np.array([results[i][1] for i in which]),
         start,
@@ -131,9 +131,11 @@ def _together(system: System, keys: Sequence[tuple[int, ...]]) -> dict[tuple[int
             set_values[: len(columns[i])],
             gains,
             cost,
-            np.stack((fitted, judged)),
+            np.stack((fitted, held_out)),
         )
-        for (i, (set_values, gains, fitted, cost)), judged in zip(results.items(), last.squares, strict=True)
+        for (i, (set_values, gains, fitted, cost)), held_out in zip(
+            results.items(), last.squares, strict=True
+        )
     }
 
 

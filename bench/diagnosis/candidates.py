@@ -44,7 +44,7 @@ class Context:
     """
 
     prepared: Prepared
-    left: PartialRegression
+    regression: PartialRegression
 
 
 def context_of(prepared: Prepared, near: tuple[RobotSignals, ...]) -> Context:
@@ -123,7 +123,7 @@ def shaped(
 
 def _with_best_shape(context: Context, instance: EffectInstance, deadline: Deadline) -> EffectInstance:
     deadline.check()
-    return best_shape(context.prepared, instance, context.left)
+    return best_shape(context.prepared, instance, context.regression)
 
 
 def _about_their_values(
@@ -132,19 +132,19 @@ def _about_their_values(
     first = instances[0].effect
     if first.about({parameter.name: 0.0 for parameter in first.parameters}) is first:
         return instances  # linear: there is nothing to be linearised about
-    values, _ = context.left.explained(candidate_columns(context.prepared, instances))
+    values, _ = context.regression.explained(candidate_columns(context.prepared, instances))
     return linearised(instances, values)
 
 
 def _visible(context: Context, instance: EffectInstance) -> bool:
     """Whether anything of an effect's columns lies outside those of the model."""
-    products = context.left.products(candidate_columns(context.prepared, [instance]))
+    products = context.regression.products(candidate_columns(context.prepared, [instance]))
     return bool(np.any(products.remaining > INVISIBLE))
 
 
 def _taken_up_by(context: Context, instance: EffectInstance) -> str:
     """The base parameter whose column is most like an effect's first; empty where the effect does nothing."""
-    prepared, regression = context.prepared, context.left
+    prepared, regression = context.prepared, context.regression
     column = (
         candidate_columns(prepared, [instance])[:, :, 0] * regression.moving * regression.weights
     ).reshape(-1)

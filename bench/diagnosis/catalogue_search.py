@@ -52,7 +52,7 @@ from bench.diagnosis.result import (
     Unfinished,
 )
 from bench.diagnosis.rounds import Round, first_round, searched, staying
-from bench.diagnosis.search import Found, judged_error
+from bench.diagnosis.search import Selection, held_out_error
 from bench.diagnosis.sizes import sizes_of
 from bench.diagnosis.split import with_held_out_parts
 from bench.diagnosis.starting import given_wholly, kept_and_new, leaving, origins_of
@@ -292,7 +292,7 @@ def answered(case: SplitProblem, finding: SearchResult, progress: Progress = SIL
     dataset, start = case.problem.dataset, case.start
     model = finding.model
     after = with_errors_in_variables_checked(model, with_possible_payloads(model, finding.after, fit), fit)
-    proposals, system, best = finding.last.proposals, finding.last.system, finding.last.found
+    proposals, system, best = finding.last.proposals, finding.last.system, finding.last.selection
     places: dict[str, tuple[str, ...]] = {}
     for instance in finding.new:
         at = (instance.joint,) if instance.joint else dataset.robot.joints
@@ -367,17 +367,17 @@ def band_checked(finding: SearchResult, diagnosis: Diagnosis) -> Diagnosis:
     return replace(diagnosis, after=with_band_checked(finding.model, diagnosis.after, fit))
 
 
-def _relative(after: Identification, system: System, selection: Found) -> float:
+def _relative(after: Identification, system: System, selection: Selection) -> float:
     """Error of the converged model over that of its set in the system, so that the errors of sets end where it does."""
-    judged = relative_error([trace for trace in after.recordings if trace.use == "validate"]) or 0.0
-    selected_error = judged_error(system, selection.best.fit)
-    return judged / selected_error if selected_error > 0 else 0.0
+    error = relative_error([trace for trace in after.recordings if trace.use == "validate"]) or 0.0
+    selected_error = held_out_error(system, selection.selected.fit)
+    return error / selected_error if selected_error > 0 else 0.0
 
 
 def _shown_places(
-    proposals: Sequence[Proposal], selection: Found, places: Mapping[str, tuple[str, ...]]
+    proposals: Sequence[Proposal], selection: Selection, places: Mapping[str, tuple[str, ...]]
 ) -> dict[str, tuple[str, ...]]:
-    return {proposals[i].name: places.get(proposals[i].name, ()) for i in selection.best.fit.chosen}
+    return {proposals[i].name: places.get(proposals[i].name, ()) for i in selection.selected.fit.chosen}
 
 
 def _by_strength(ranking: Sequence[EffectVerdict]) -> list[EffectVerdict]:

@@ -4,12 +4,12 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cache
 
-from bench.diagnosis.evidence import ResidualSquares, answer_squares
+from bench.diagnosis.evidence import ResidualSumOfSquares, answer_squares
 from bench.diagnosis.normal_equations import solve_set
 from bench.diagnosis.origin import Origin
 from bench.diagnosis.result import LadderStep
 from bench.diagnosis.rounds import Round
-from bench.diagnosis.search import judged_error
+from bench.diagnosis.search import held_out_error
 from bench.effects import EffectInstance
 from bench.identification.identify import fitted_currents
 from bench.identification.result import CurrentSeries, DriveGain, Identification, relative_error
@@ -20,7 +20,7 @@ class FittedSet:
     """A model with some effects, fitted by itself: the step of a ladder, what it leaves, and its drive gains."""
 
     step: LadderStep
-    residual: ResidualSquares
+    residual: ResidualSumOfSquares
     gains: Mapping[str, float]
 
 
@@ -68,7 +68,7 @@ def errors_nearly_without(names: Sequence[str], last: Round, scale: float) -> di
     chosen, system = last.chosen, last.system
     return {
         name: scale
-        * judged_error(system, solve_set(system, [i for i in chosen if last.proposals[i].name != name]))
+        * held_out_error(system, solve_set(system, [i for i in chosen if last.proposals[i].name != name]))
         for name in names
     }
 

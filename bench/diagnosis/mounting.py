@@ -7,8 +7,8 @@ import numpy as np
 
 from bench.basics.threads import on_one_thread
 from bench.dataset.payload import Payload
+from bench.diagnosis.block_cross_validation import block_cross_validation
 from bench.diagnosis.decision import RULE
-from bench.diagnosis.halves import halves_of
 from bench.identification.finding import Code, Finding
 from bench.identification.layout import parameter_layout, payload_parameters
 from bench.identification.observation import Observation
@@ -50,9 +50,9 @@ def _differing(prepared: Prepared, payload: str, logs: Mapping[str, str]) -> Fin
     stack, solution = solved_quickly(each)
     slices = [each.layout.payload_slice(name) for name in names]
     further = np.concatenate([stack.phi[:, :, rows] for rows in slices[:-1]], axis=2)
-    halves = halves_of(*solved_quickly(common), further)
-    before, after = halves.judged([]), halves.judged(range(further.shape[2]))
-    if halves.evidence(before, after) < RULE.prior or not np.any(np.sqrt(after / before) < BETTER):
+    validation = block_cross_validation(*solved_quickly(common), further)
+    before, after = validation.held_out_squares([]), validation.held_out_squares(range(further.shape[2]))
+    if validation.evidence(before, after) < RULE.prior or not np.any(np.sqrt(after / before) < BETTER):
         return None
     covariance = uncertainty(stack, solution, "autocorrelated").covariance
     values = np.array([solution.theta[rows] for rows in slices])

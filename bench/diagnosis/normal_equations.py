@@ -69,7 +69,7 @@ class SetFit:
     values: np.ndarray
     gains: np.ndarray
     fitted: float
-    judged: float
+    held_out: float
     by_motor: np.ndarray
 
 
@@ -87,7 +87,7 @@ class System:
     base: int
     start: Solution
     fitted: MotorProducts
-    judged: MotorProducts
+    held_out: MotorProducts
     autocorrelation_time: float
     repeats: float = 1.0
     priors: tuple[float, ...] = ()
@@ -102,8 +102,8 @@ class System:
     def samples(self) -> Samples:
         """Independent ones; every period of a motion that returns counts once, with the errors that return with it."""
         together = self.autocorrelation_time * self.repeats
-        fitted, judged = (part.rows_of_motor / together for part in (self.fitted, self.judged))
-        return Samples(fitted, judged)
+        fitted, held_out = (part.rows_of_motor / together for part in (self.fitted, self.held_out))
+        return Samples(fitted, held_out)
 
     def columns_of(self, chosen: Sequence[int]) -> np.ndarray:
         """Indices of the base columns and those of the chosen candidates."""
@@ -164,7 +164,7 @@ def build_system(
         listed.append(Candidate(tuple(instances), base + some, lengths[some]))
         at += len(some)
     by_log = _products(prepared, blocks, change)
-    fitted, judged = (
+    fitted, held_out = (
         summed(
             [by_use[use] for by_use in by_log.values() if use in by_use],
             change.shape[1] + 3,
@@ -172,7 +172,7 @@ def build_system(
         )
         for use in ("identify", "validate")
     )
-    system = System(tuple(listed), base, start, fitted, judged, 1.0, by_log=by_log)
+    system = System(tuple(listed), base, start, fitted, held_out, 1.0, by_log=by_log)
     plain = [
         i
         for i, candidate in enumerate(listed)
@@ -234,7 +234,7 @@ def _solved(system: System, chosen: tuple[int, ...]) -> SetFit:
         if converged:
             break
     errors = errors_by(values, gains, start.gains)
-    held_out = squares_of(inner_of(system.judged, columns), errors)
+    held_out = squares_of(inner_of(system.held_out, columns), errors)
     by_motor = np.stack((squares_of(inner, errors), held_out))
     return fit_of(system, chosen, columns, values, gains, cost, by_motor)
 
@@ -285,8 +285,8 @@ def fit_of(
     every = system.columns_of(chosen)
     whole = np.zeros(system.fitted.inner.shape[1])
     whole[columns] = values
-    judged = float(by_motor[1] @ system.start.weights**2)
-    return SetFit(chosen, every, whole[every], gains, cost, judged, by_motor)
+    held_out = float(by_motor[1] @ system.start.weights**2)
+    return SetFit(chosen, every, whole[every], gains, cost, held_out, by_motor)
 
 
 def _added(

@@ -100,7 +100,7 @@ class Origin:
         entry = self.known.get(tuple(instances)) if _hashable(instances) else None
         return None if entry is None else replace(with_effects(self.start, *entry), converged=True)
 
-    def beside(self, model: Prepared, instances: Sequence[EffectInstance]) -> Prepared:
+    def warm_started(self, model: Prepared, instances: Sequence[EffectInstance]) -> Prepared:
         """The starting model with these effects, converged from a converged model that is much like it and has the
         shapes that they begin with, or with which they were found.
         """

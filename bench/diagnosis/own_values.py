@@ -5,8 +5,8 @@ from dataclasses import replace
 
 import numpy as np
 
+from bench.diagnosis.block_cross_validation import BlockCrossValidation, block_cross_validation
 from bench.diagnosis.decision import RULE
-from bench.diagnosis.halves import Halves, halves_of
 from bench.diagnosis.result import Differing
 from bench.effects import Effect, EffectInstance
 from bench.effects.select import TAG
@@ -76,12 +76,14 @@ def explains_more(model: Prepared, other: Prepared) -> bool:
     """Whether a converged model clearly explains more of the fitted recordings than another: each is fitted to every
     other part of each recording and judged on the rest, where values for one recording hold, too.
     """
-    of_model, of_other = _by_halves(model), _by_halves(other)
+    of_model, of_other = _cross_validated(model), _cross_validated(other)
     samples = np.minimum(of_model.samples, of_other.samples)
-    ratio = (of_other.judged(()) / of_other.measured) / (of_model.judged(()) / of_model.measured)
+    ratio = (of_other.held_out_squares(()) / of_other.measured) / (
+        of_model.held_out_squares(()) / of_model.measured
+    )
     return 0.5 * float(samples @ np.log(ratio)) > RULE.prior
 
 
-def _by_halves(model: Prepared) -> Halves:
+def _cross_validated(model: Prepared) -> BlockCrossValidation:
     stack, solution = solved_quickly(model)
-    return halves_of(stack, solution, np.zeros((*stack.current.shape, 0)))
+    return block_cross_validation(stack, solution, np.zeros((*stack.current.shape, 0)))

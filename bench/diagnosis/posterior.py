@@ -8,7 +8,7 @@ import numpy as np
 from bench.diagnosis.candidates import Proposal
 from bench.diagnosis.normal_equations import System
 from bench.diagnosis.result import EffectVerdict, ProbableSet
-from bench.diagnosis.search import Found, judged_error, possible, score
+from bench.diagnosis.search import Selection, held_out_error, possible, score
 
 LEADING = 8  # sets that an answer lists
 EVEN = 0.5  # probability
@@ -27,20 +27,20 @@ class Posterior:
 
 
 def posterior_of(
-    system: System, selection: Found, proposals: Sequence[Proposal], scale: float = 1.0
+    system: System, selection: Selection, proposals: Sequence[Proposal], scale: float = 1.0
 ) -> Posterior:
     """Over the possible sets of usable effects that were solved, about one model: see `Samples.log_posterior`.
 
     What seems more probable than the best set was converged, and was not. scale: of errors, see `verdicts`.
     """
-    usable = {*selection.singles, *selection.best.fit.chosen}
+    usable = {*selection.singles, *selection.selected.fit.chosen}
     solved = [
         score(system, fit)
         for fit in system.solved.values()
         if usable.issuperset(fit.chosen) and possible(system, fit)
     ]
     ordered = sorted(
-        (each for each in solved if each.total <= selection.best.total), key=lambda each: -each.total
+        (each for each in solved if each.total <= selection.selected.total), key=lambda each: -each.total
     )
     fits = [each.fit for each in ordered]
     weights = shares_of([each.total for each in ordered])
@@ -51,7 +51,7 @@ def posterior_of(
         ProbableSet(
             tuple(proposals[k].name for k in fit.chosen),
             float(weight),
-            scale * judged_error(system, fit),
+            scale * held_out_error(system, fit),
         )
         for fit, weight in zip(fits[:LEADING], weights, strict=False)
         if weight > LIKELY

@@ -21,7 +21,7 @@ def reason_sentence(verdict: EffectVerdict) -> str:
     return f"{'; '.join([WORDS[verdict.why.because](verdict), *doubts])}."
 
 
-def judged_on(diagnosis: Diagnosis) -> str:
+def validated_on(diagnosis: Diagnosis) -> str:
     """What the errors and the evidence are of."""
     if not diagnosis.held_out:
         return "recordings that were not fitted"

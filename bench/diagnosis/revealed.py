@@ -53,8 +53,10 @@ def _bends(instance: EffectInstance) -> bool:
     return bool(instance.effect.shape) or instance.effect.depends_on_model
 
 
-def beside(proposals: Sequence[Proposal], model: Prepared, given_count: int) -> list[Proposal]:
-    """The proposals in the shape they have in a converged model, whose first `own` effects are the starting ones."""
+def in_their_shape(proposals: Sequence[Proposal], model: Prepared, given_count: int) -> list[Proposal]:
+    """The proposals in the shape they have in a converged model, whose first `given_count` effects are the starting
+    ones.
+    """
     added = model.effects[given_count:]
     changed = []
     for proposal in proposals:

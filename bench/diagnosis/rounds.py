@@ -11,13 +11,13 @@ from bench.basics.progress import SILENT, Progress
 from bench.diagnosis.batched_sets import solve_sets, swapped
 from bench.diagnosis.candidates import Context, Proposal, propose, shaped
 from bench.diagnosis.decision import RULE
-from bench.diagnosis.evidence import ResidualSquares, effects_prior, residual_squares
+from bench.diagnosis.evidence import ResidualSumOfSquares, effects_prior, residual_squares
 from bench.diagnosis.noise import leaves_only_noise
 from bench.diagnosis.normal_equations import System, build_system, solve_set
 from bench.diagnosis.origin import Origin
 from bench.diagnosis.restart import restarted
-from bench.diagnosis.revealed import beside, partners
-from bench.diagnosis.search import Found, contains, neighbours, score, search
+from bench.diagnosis.revealed import in_their_shape, partners
+from bench.diagnosis.search import Selection, contains, neighbours, score, search
 from bench.diagnosis.special_case import explaining_most, explains, with_shapes_of
 from bench.effects import Effect, EffectInstance
 from bench.identification.nonlinear import settles
@@ -39,11 +39,11 @@ class Round:
     model: Prepared
     proposals: Sequence[Proposal]
     system: System
-    found: Found
+    selection: Selection
     cut: bool = False
 
     @cached_property
-    def residual(self) -> ResidualSquares:
+    def residual(self) -> ResidualSumOfSquares:
         """Of its model."""
         return residual_squares(self.model, self.prior_of(self.model.effects))
 
@@ -55,7 +55,7 @@ class Round:
     @property
     def chosen(self) -> tuple[int, ...]:
         """The best set's proposals (indices)."""
-        return self.found.best.fit.chosen
+        return self.selection.selected.fit.chosen
 
     @property
     def names(self) -> set[str]:
@@ -68,7 +68,7 @@ def first_round(origin: Origin, catalogue: Mapping[str, Effect], progress: Progr
     progress.phase("searching, round 1", len(catalogue))
     try:
         proposals = propose(origin.context(origin.start), catalogue, progress, origin.deadline)
-        return judged(origin, origin.start, proposals, ())
+        return round_about(origin, origin.start, proposals, ())
     except TimeUpError:
         return straight_round(origin.at_leisure, catalogue)
 
@@ -78,7 +78,7 @@ def straight_round(origin: Origin, catalogue: Mapping[str, Effect]) -> Round:
     straight = {
         name: effect for name, effect in catalogue.items() if not settles([EffectInstance(effect, "", name)])
     }
-    this_round = judged(origin, origin.start, propose(origin.context(origin.start), straight), ())
+    this_round = round_about(origin, origin.start, propose(origin.context(origin.start), straight), ())
     return replace(_converged(origin, this_round), cut=True)
 
 
@@ -93,7 +93,7 @@ def searched(origin: Origin, first: Round, barred: Collection[str], progress: Pr
         return first
     before = None
     if barred:
-        whole, first = first, replace(first, found=_search(first.system, first.proposals, barred))
+        whole, first = first, replace(first, selection=_search(first.system, first.proposals, barred))
         stayed = tuple(i for i in whole.chosen if whole.proposals[i].name not in barred)
         if stayed and stayed != first.chosen:
             before = _converged(origin.at_leisure, _with_set(whole, stayed))
@@ -162,7 +162,7 @@ def _again(
                 this_round,
                 better,
             )  # so that this round's system is gone before the next is built, unless it is spared
-            this_round = judged(origin, model, proposals, barred)
+            this_round = round_about(origin, model, proposals, barred)
             if this_round.names == names:
                 return this_round
             before = spare = _with_set(this_round, chosen)
@@ -176,7 +176,7 @@ def _straight(origin: Origin, this_round: Round, barred: Collection[str]) -> Rou
     usable_now = [
         i for i in usable(this_round.proposals, barred) if not settles(this_round.proposals[i].instances)
     ]
-    best = replace(this_round, found=search(this_round.system, usable_now))
+    best = replace(this_round, selection=search(this_round.system, usable_now))
     return replace(_converged(origin.at_leisure, best), cut=True)
 
 
@@ -208,7 +208,7 @@ def _alike(
         this_round.system, present, usable(this_round.proposals, barred), present.total - less
     )
     return [
-        replace(this_round, found=replace(this_round.found, best=neighbour))
+        replace(this_round, selection=replace(this_round.selection, selected=neighbour))
         for neighbour in scored
         if neighbour.fit.chosen != this_round.chosen
     ][:MOST_ALIKE]
@@ -226,9 +226,9 @@ def _better(this_round: Round, before: Round) -> bool:
 
 def _with_set(this_round: Round, chosen: Sequence[int]) -> Round:
     """The round with this set as its best."""
-    selection = this_round.found
+    selection = this_round.selection
     fit = solve_set(this_round.system, chosen)
-    return replace(this_round, found=replace(selection, best=score(this_round.system, fit)))
+    return replace(this_round, selection=replace(selection, selected=score(this_round.system, fit)))
 
 
 def _with_partner(origin: Origin, this_round: Round, barred: Collection[str]) -> Round | None:
@@ -244,10 +244,10 @@ def _with_partner(origin: Origin, this_round: Round, barred: Collection[str]) ->
             joined = settle(this_round.proposals, (*this_round.chosen, i))
             if not _better(replace(this_round, model=joined), this_round):
                 break
-            others = beside(this_round.proposals, joined, len(origin.start.effects))
-            wider = judged(origin, joined, others, barred)
+            others = in_their_shape(this_round.proposals, joined, len(origin.start.effects))
+            wider = round_about(origin, joined, others, barred)
             without = score(wider.system, solve_set(wider.system, this_round.chosen))
-            if wider.found.best.total <= without.total:
+            if wider.selection.selected.total <= without.total:
                 break
         else:
             return wider
@@ -261,11 +261,13 @@ def _with_rival(origin: Origin, this_round: Round, barred: Collection[str]) -> R
     for rival in _alike(this_round, this_round.chosen, barred, RULE.undecided):
         there = _converged(origin, rival)
         if _better(there, this_round):
-            return judged(origin, there.model, reshaped(origin, there, SILENT), barred)
+            return round_about(origin, there.model, reshaped(origin, there, SILENT), barred)
     return None
 
 
-def judged(origin: Origin, model: Prepared, proposals: Sequence[Proposal], barred: Collection[str]) -> Round:
+def round_about(
+    origin: Origin, model: Prepared, proposals: Sequence[Proposal], barred: Collection[str]
+) -> Round:
     """The starting model's equations with every proposal's columns, linearised about `model`, and the best set."""
     system = system_about(origin, model, proposals)
     return Round(model, proposals, system, search(system, usable(proposals, barred), origin.deadline))
@@ -289,7 +291,7 @@ def _own_solution(start: Prepared, about: Prepared, weights: np.ndarray) -> Solu
     return restarted(stack, replace(solution, weights=weights), start.dataset.robot.nominal_gains)
 
 
-def _search(system: System, proposals: Sequence[Proposal], barred: Collection[str]) -> Found:
+def _search(system: System, proposals: Sequence[Proposal], barred: Collection[str]) -> Selection:
     return search(system, usable(proposals, barred))
 
 
@@ -330,16 +332,16 @@ def reshaped(origin: Origin, this_round: Round, progress: Progress) -> list[Prop
         if not _has_shape(proposal):
             result.append(proposal)
             continue
-        rival = _part(this_round.system, this_round.found, i)
+        rival = _part(this_round.system, this_round.selection, i)
         if rival is None:
-            rival = _rival(this_round.system, this_round.found, i)
+            rival = _rival(this_round.system, this_round.selection, i)
         if rival is None:
             instances = (
                 proposal.instances
                 if only_noise
                 else shaped(contexts[None], proposal.instances, origin.deadline)
             )
-            rival = _whole(this_round.system, this_round.found, i)
+            rival = _whole(this_round.system, this_round.selection, i)
             if rival is None or (not only_noise and explains(contexts[None], instances)):
                 result.append(replace(proposal, instances=instances))
                 continue
@@ -355,15 +357,17 @@ def reshaped(origin: Origin, this_round: Round, progress: Progress) -> list[Prop
     return result
 
 
-def _whole(system: System, selection: Found, i: int) -> int | None:
+def _whole(system: System, selection: Selection, i: int) -> int | None:
     """The identified effect of which effect i is a special case."""
-    wholes = (k for k in selection.best.fit.chosen if contains(system.candidates[k], system.candidates[i]))
+    wholes = (
+        k for k in selection.selected.fit.chosen if contains(system.candidates[k], system.candidates[i])
+    )
     return next(wholes, None)
 
 
-def _part(system: System, selection: Found, i: int) -> int | None:
+def _part(system: System, selection: Selection, i: int) -> int | None:
     """The identified effect that is a special case of effect i."""
-    parts = (k for k in selection.best.fit.chosen if contains(system.candidates[i], system.candidates[k]))
+    parts = (k for k in selection.selected.fit.chosen if contains(system.candidates[i], system.candidates[k]))
     return next(parts, None)
 
 
@@ -372,9 +376,9 @@ def _has_shape(proposal: Proposal) -> bool:
     return not proposal.absorbed and settles(proposal.instances)
 
 
-def _rival(system: System, selection: Found, i: int) -> int | None:
+def _rival(system: System, selection: Selection, i: int) -> int | None:
     """The identified effect in whose place effect i does best, where that is better than most of what it explains."""
-    best = selection.best.fit
+    best = selection.selected.fit
     if not best.chosen:
         return None
     sets = zip(best.chosen, swapped(best.chosen, [i]), strict=True)

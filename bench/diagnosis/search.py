@@ -26,7 +26,7 @@ class Scored:
     """A set with the logarithm of its weight, `total`, and of its likelihood on judged recordings, nats."""
 
     fit: SetFit
-    judged: float
+    held_out: float
     total: float
 
 
@@ -35,20 +35,20 @@ def score(system: System, fit: SetFit) -> Scored:
     samples, needs no penalty.
     """
     logs = np.log(fit.by_motor[1] + np.finfo(float).tiny)
-    judged = -0.5 * float(system.judged.rows_of_motor @ logs) / system.autocorrelation_time
+    held_out = -0.5 * float(system.held_out.rows_of_motor @ logs) / system.autocorrelation_time
     prior = system.prior_of(fit.chosen)
-    return Scored(fit, judged, float(system.samples.log_posterior(fit.by_motor, len(fit.columns), prior)))
+    return Scored(fit, held_out, float(system.samples.log_posterior(fit.by_motor, len(fit.columns), prior)))
 
 
 @dataclass(frozen=True)
-class Found:
+class Selection:
     """The most probable set, and every single effect alone."""
 
-    best: Scored
+    selected: Scored
     singles: dict[int, Scored]
 
 
-def search(system: System, usable: Sequence[int], deadline: Deadline = NEVER) -> Found:
+def search(system: System, usable: Sequence[int], deadline: Deadline = NEVER) -> Selection:
     """The most probable set among the usable candidates (indices) of which no effect has an impossible sign.
 
     All pairs and triples of the shortlist compete, so that a first choice that a better pair makes superfluous does not
@@ -59,7 +59,7 @@ def search(system: System, usable: Sequence[int], deadline: Deadline = NEVER) ->
     for size in range(1, EXHAUSTIVE + 1):
         deadline.check()
         best = _best(system, best, combinations(_shortlist(system, usable, singles, best), size))
-    return Found(climbed(system, best, usable, deadline), singles)
+    return Selection(climbed(system, best, usable, deadline), singles)
 
 
 def best_set(
@@ -133,10 +133,10 @@ def _shortlist(system: System, usable: Sequence[int], singles: dict[int, Scored]
     return list(dict.fromkeys([*chosen, *alone, *sorted(totals, key=lambda i: -totals[i])[:BESIDE]]))
 
 
-def judged_error(system: System, fit: SetFit) -> float:
+def held_out_error(system: System, fit: SetFit) -> float:
     """Relative error of a set on the recordings that were not fitted: RMS(error) / RMS(measured), all motors."""
-    measured = system.judged.measured
-    error = squared_errors(system.judged, fit, system.start)
+    measured = system.held_out.measured
+    error = squared_errors(system.held_out, fit, system.start)
     return float(np.sqrt(error.sum() / measured)) if measured else 0.0
 
 

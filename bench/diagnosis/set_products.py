@@ -13,12 +13,12 @@ from bench.identification.bilinear import TINY
 class SetProducts:
     """Of S sets with every motor's [base, added, torque, error]: b columns that all have, c that each has.
 
-    base (n, b, b); across (S, n, b, c + 2): base by what is a set's own; own (S, n, c + 2, c + 2).
+    base (n, b, b); across (S, n, b, c + 2): base by a set's added columns; within (S, n, c + 2, c + 2).
     """
 
     base: np.ndarray
     across: np.ndarray
-    own: np.ndarray
+    within: np.ndarray
 
     def combined(self, errors: np.ndarray) -> np.ndarray:
         """Inner products (S, n, b + c + 2) of all columns with what errors (S, n, b + c + 2) combine of them."""
@@ -28,7 +28,7 @@ class SetProducts:
         result[..., :b] = np.matmul(shared.swapaxes(0, 1), self.base).swapaxes(0, 1)
         result[..., :b] += (self.across @ single)[..., 0]
         result[..., b:] = (shared[..., None, :] @ self.across)[..., 0, :]
-        result[..., b:] += (self.own @ single)[..., 0]
+        result[..., b:] += (self.within @ single)[..., 0]
         return result
 
     def weighted(self, shares: np.ndarray) -> np.ndarray:
@@ -39,18 +39,18 @@ class SetProducts:
         result[:, :b, :b] = (shares @ self.base.reshape(n, -1)).reshape(sets, b, b)
         cross = (shares[:, None] @ self.across.reshape(sets, n, -1)).reshape(sets, b, c + 2)[..., :c]
         result[:, :b, b:], result[:, b:, :b] = cross, cross.swapaxes(1, 2)
-        within = shares[:, None] @ self.own.reshape(sets, n, -1)
-        result[:, b:, b:] = within.reshape(sets, c + 2, c + 2)[:, :c, :c]
+        among = shares[:, None] @ self.within.reshape(sets, n, -1)
+        result[:, b:, b:] = among.reshape(sets, c + 2, c + 2)[:, :c, :c]
         return result
 
     def of_torque(self, start: np.ndarray) -> np.ndarray:
         """Products (S, n, b + c + 2) of all columns with the current that was measured, as torque / start + error."""
-        every = np.concatenate((self.across, self.own), axis=2)
+        every = np.concatenate((self.across, self.within), axis=2)
         return np.asarray(every[..., -2] / start[:, None] + every[..., -1])
 
     def some(self, which: np.ndarray) -> "SetProducts":
         """Of some of the sets (S,) True or False."""
-        return SetProducts(self.base, self.across[which], self.own[which])
+        return SetProducts(self.base, self.across[which], self.within[which])
 
 
 def products_of_sets(products: MotorProducts, b: int, added: Sequence[np.ndarray], c: int) -> SetProducts:

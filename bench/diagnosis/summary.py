@@ -10,7 +10,7 @@ from bench.basics.joint_units import units_of_gain
 from bench.diagnosis.differs_words import from_run_to_run
 from bench.diagnosis.law_words import law_sentences
 from bench.diagnosis.motions import telling_motions
-from bench.diagnosis.reason_words import judged_on, left_words, reason_sentence
+from bench.diagnosis.reason_words import left_words, reason_sentence, validated_on
 from bench.diagnosis.result import Diagnosis, EffectVerdict, Remainder, Unfinished
 from bench.diagnosis.unfinished_words import unfinished_sentence
 from bench.effects.display_names import spoken
@@ -40,7 +40,7 @@ class DiagnosisSummary:
     verdict: what is missing; strange: what makes the answer or its names unsure; nominal: that the gains are only
     nominal, "" where they are fitted or do not matter; undecided: what could as well be missing; moved: what became of
     the gain that moves most, "" where none does; superfluous: what the model had in vain; differs: what has another
-    value in each recording; left: what no effect accounts for; laws: those that are in no catalogue;
+    value in each recording; residual: what no effect accounts for; laws: those that are in no catalogue;
     unfinished: what the time did not allow to look at, "" where all was.
     """
 
@@ -51,7 +51,7 @@ class DiagnosisSummary:
     moved: str
     superfluous: str
     differs: tuple[str, ...]
-    left: str
+    residual: str
     laws: tuple[str, ...] = ()
     unfinished: str = ""
 
@@ -68,7 +68,7 @@ class DiagnosisSummary:
             self.moved,
             self.superfluous,
             *self.differs,
-            self.left,
+            self.residual,
         ]
         return [sentence for sentence in parts if sentence]
 
@@ -90,7 +90,7 @@ def _summary(diagnosis: Diagnosis) -> DiagnosisSummary:
     before, after = (_first_known(step.validate, step.identify) for step in (first, last))
     floor = diagnosis.unexplained.noise_floor
     residual_sentence = f"{_capital(left_words(diagnosis.unexplained, searched=searched))}."
-    judged = judged_on(diagnosis)
+    validation = validated_on(diagnosis)
     needless = _superfluous(diagnosis)
     each = diagnosis.by_recording
     differs = from_run_to_run(diagnosis.differs, each, clear=not diagnosis.unexplained.significant)
@@ -98,25 +98,25 @@ def _summary(diagnosis: Diagnosis) -> DiagnosisSummary:
     if not missing:
         what = f"No effect of the catalogue{' with one value for all recordings' if differs else ''}"
         nothing = (
-            f"{what} is missing: judged on {judged}, no effect reduces the "
+            f"{what} is missing: judged on {validation}, no effect reduces the "
             f"error clearly below {in_percent(after if each else before)} of the current."
         )
         if not searched:
             nothing = (
-                f"No missing effect was identified within the time limit: judged on {judged}, the error is "
+                f"No missing effect was identified within the time limit: judged on {validation}, the error is "
                 f"{in_percent(before)} of the current; the noise floor is {in_percent(floor)}."
             )
         elif not differs and _explains_nothing(diagnosis, before):
             nothing = (
-                f"No model of this program explains these currents: judged on {judged}, the error is "
+                f"No model of this program explains these currents: judged on {validation}, the error is "
                 f"{in_percent(before)} of the current; the noise floor is {in_percent(floor)}. No effect of the "
                 "catalogue reduces it clearly."
             )
         causes = [expected for expected in diagnosis.after.findings if expected.code in CAUSES]
         if causes and searched:
             nothing = (
-                f"{sentence(causes[0])} With the present declaration, no effect reduces the error of {judged} clearly "
-                f"below {in_percent(before)} of the current."
+                f"{sentence(causes[0])} With the present declaration, no effect reduces the error of {validation} "
+                f"clearly below {in_percent(before)} of the current."
             )
         strange = [
             sentence(finding) for finding in (runaway(diagnosis.after), unlike(diagnosis.after)) if finding
@@ -146,12 +146,12 @@ def _summary(diagnosis: Diagnosis) -> DiagnosisSummary:
     elif each:
         names = f"{names}, in addition to the effects that differ from run to run,"
     verdict = (
-        f"{_capital(names)} {said_of} missing: judged on {judged}, the error falls from {in_percent(before)} "
+        f"{_capital(names)} {said_of} missing: judged on {validation}, the error falls from {in_percent(before)} "
         f"to {in_percent(after)} of the current; the noise floor is {in_percent(floor)}."
     )
     if not laws and not each and _explains_nothing(diagnosis, after):
         verdict = (
-            f"No model of this program explains these currents: judged on {judged}, the best one has an error of "
+            f"No model of this program explains these currents: judged on {validation}, the best one has an error of "
             f"{in_percent(after)} of the current; the noise floor is {in_percent(floor)}. It adds {names}; "
             f"without, the error is {in_percent(before)}."
         )

@@ -57,7 +57,7 @@ def unexplained(
 
     encoders: relative error that the encoders' noise alone makes; asked for only where the currents' does not do.
     """
-    judged, error, floor = _judged(result, recordings)
+    held_out, error, floor = _judged(result, recordings)
     if error <= RULE.beyond_noise * floor:
         return Unexplained(Remainder.NOISE, error, floor, ())
     from_encoders = encoders()
@@ -67,16 +67,16 @@ def unexplained(
     random = np.random.default_rng(SEED)
     joints = list(result.joints)
     for j in range(len(joints)):
-        errors = np.concatenate([trace.error[:, j][trace.moving[:, j]] for trace in judged])
+        errors = np.concatenate([trace.error[:, j][trace.moving[:, j]] for trace in held_out])
         if not len(errors):
             continue  # a motor that stands still throughout leaves no error that could vary
         scale = errors.std() or 1.0
         if _in_impacts(errors):
             ratios["time"] = max(ratios.get("time", 0.0), ALMOST)
-        for name, values in _variables(judged, j).items():
+        for name, values in _variables(held_out, j).items():
             ratio = _dependence(errors / scale, values, random)
             ratios[name] = max(ratios.get(name, 0.0), ratio)
-    if _lasting(judged):
+    if _lasting(held_out):
         ratios["time"] = max(ratios.get("time", 0.0), ALMOST)
     depends = tuple(name for name, ratio in sorted(ratios.items(), key=lambda pair: -pair[1]) if ratio >= 1.0)
     what = Remainder.PATTERN if depends else Remainder.NO_PATTERN
@@ -87,8 +87,12 @@ def _judged(
     result: Identification, recordings: Sequence[Recording]
 ) -> tuple[list[CurrentSeries], float, float]:
     """The series that were not fitted, all where there are none; their relative error, and what noise leaves of it."""
-    judged = [trace for trace in result.recordings if trace.use == "validate"] or list(result.recordings)
-    return judged, relative_error(judged) or 0.0, relative_noise_floor(recordings, judged, result.settings)
+    held_out = [trace for trace in result.recordings if trace.use == "validate"] or list(result.recordings)
+    return (
+        held_out,
+        relative_error(held_out) or 0.0,
+        relative_noise_floor(recordings, held_out, result.settings),
+    )
 
 
 def _variables(series: Sequence[CurrentSeries], j: int) -> dict[str, np.ndarray]:

@@ -8,7 +8,7 @@ from bench.diagnosis.decision import RULE
 from bench.diagnosis.normal_equations import System, solve_set
 from bench.diagnosis.reason import Because, Doubt, Reason
 from bench.diagnosis.result import EffectVerdict, Unexplained, Verdict
-from bench.diagnosis.search import Found, Scored, close, contains, judged_error, score
+from bench.diagnosis.search import Scored, Selection, close, contains, held_out_error, score
 
 DOMINANT_BESIDE = 10.0  # so many times the residual, an effect must explain where much is left
 
@@ -16,7 +16,7 @@ DOMINANT_BESIDE = 10.0  # so many times the residual, an effect must explain whe
 def verdicts(
     system: System,
     proposals: Sequence[Proposal],
-    selection: Found,
+    selection: Selection,
     places: dict[str, tuple[str, ...]],
     scale: float,
     unexplained: Unexplained,
@@ -29,7 +29,7 @@ def verdicts(
     left: where it is significant, no effect accounts for it, and a found effect is only sure if the error without
     it is RULE.dominant times the residual with it, or DOMINANT_BESIDE times where much is left.
     """
-    best = selection.best
+    best = selection.selected
     chosen = set(best.fit.chosen)
     others = [i for i in selection.singles if i not in chosen]
     more = [(*best.fit.chosen, i) for i in others]
@@ -73,7 +73,7 @@ def undecided(verdict: EffectVerdict) -> bool:
 
 
 def _error(system: System, scored: Scored, scale: float) -> float:
-    return scale * judged_error(system, scored.fit)
+    return scale * held_out_error(system, scored.fit)
 
 
 def _absorbed(proposal: Proposal, error: float) -> EffectVerdict:
@@ -85,14 +85,14 @@ def _absorbed(proposal: Proposal, error: float) -> EffectVerdict:
 def _found(
     system: System,
     proposals: Sequence[Proposal],
-    selection: Found,
+    selection: Selection,
     i: int,
     places: tuple[str, ...],
     scale: float,
     sure: float,
     before: float,
 ) -> EffectVerdict:
-    best, chosen = selection.best, selection.best.fit.chosen
+    best, chosen = selection.selected, selection.selected.fit.chosen
     others = tuple(k for k in chosen if k != i)
     without = score(system, solve_set(system, others))
     alternatives = [
@@ -103,7 +103,7 @@ def _found(
         and close(best, score(system, solve_set(system, (*others, k))))
     ]
     after = _error(system, best, scale)
-    unsure = without.fit.judged < sure**2 * best.fit.judged
+    unsure = without.fit.held_out < sure**2 * best.fit.held_out
     why = Reason(Because.EXPLAINS, doubts=(Doubt.MUCH_LEFT,) if unsure else ())
     verdict: Verdict = "indistinguishable" if alternatives else "resembles" if unsure else "missing"
     return EffectVerdict(
@@ -111,7 +111,7 @@ def _found(
         verdict,
         before,
         after,
-        best.judged - without.judged,
+        best.held_out - without.held_out,
         places,
         tuple(alternatives),
         {},
@@ -120,9 +120,9 @@ def _found(
 
 
 def _other(
-    system: System, proposals: Sequence[Proposal], selection: Found, i: int, scale: float
+    system: System, proposals: Sequence[Proposal], selection: Selection, i: int, scale: float
 ) -> EffectVerdict:
-    best, chosen = selection.best, selection.best.fit.chosen
+    best, chosen = selection.selected, selection.selected.fit.chosen
     added = score(system, solve_set(system, (*chosen, i)))
     before, after = _error(system, best, scale), _error(system, added, scale)
     rivals = [
@@ -137,7 +137,7 @@ def _other(
             "indistinguishable",
             before,
             after,
-            added.judged - best.judged,
+            added.held_out - best.held_out,
             (),
             tuple(rivals),
             {},
@@ -146,5 +146,5 @@ def _other(
     nothing = after >= before or added.total + RULE.prior < best.total
     why = Reason(Because.GAINS_NOTHING if nothing else Because.GAINS_LITTLE)
     return EffectVerdict(
-        proposals[i].name, "not supported", before, after, added.judged - best.judged, (), (), {}, why
+        proposals[i].name, "not supported", before, after, added.held_out - best.held_out, (), (), {}, why
     )

@@ -6,7 +6,7 @@ from bench.diagnosis.evidence import Samples, answer_weight
 from bench.diagnosis.origin import Origin
 from bench.diagnosis.pruning import cancelling_effect, impossible_but_needed, impossible_effects
 from bench.diagnosis.reason import Reason
-from bench.diagnosis.showing import shows, wrong_sign
+from bench.diagnosis.significance import is_significant, wrong_sign
 from bench.effects import EffectInstance
 from bench.identification.identify import fit
 from bench.identification.prepare import Prepared
@@ -45,13 +45,13 @@ def _where_it_shows(
     kept = [
         instance
         for instance in added
-        if (instance.effect.name, instance.joint) in there or shows(result, instance)
+        if (instance.effect.name, instance.joint) in there or is_significant(result, instance)
     ]
     for instance in added:
         if not any(other.effect.name == instance.effect.name for other in kept):
             kept.append(instance)
     if len(kept) < len(added):
-        there_only = origin.beside(model, [instance for instance in added if instance in kept])
+        there_only = origin.warm_started(model, [instance for instance in added if instance in kept])
     else:
         there_only = origin.exactly(model)
     if there_only is model:
@@ -64,6 +64,6 @@ def _where_it_shows(
     ]
     poorer = answer_weight(samples, there_only, fitted) < answer_weight(samples, model, result)
     if poorer and len(able) > len(kept):
-        there_only = origin.beside(model, able)
+        there_only = origin.warm_started(model, able)
         fitted = fit(there_only)
     return _where_it_shows(origin, there_only, fitted, given, samples) if nearly else (there_only, fitted)

@@ -230,7 +230,7 @@ def relative_error(series: Sequence[CurrentSeries], motor: int | None = None) ->
 def error_summary(series: Sequence[CurrentSeries], joints: Sequence[str]) -> ErrorSummary:
     """Errors of all recordings by use, motor and recording."""
     fitted = [trace for trace in series if trace.use == "identify"]
-    judged = [trace for trace in series if trace.use == "validate"]
+    held_out = [trace for trace in series if trace.use == "validate"]
 
     def by_actuator(chosen: Sequence[CurrentSeries]) -> dict[str, float]:
         values = {joint: relative_error(chosen, j) for j, joint in enumerate(joints)}
@@ -238,9 +238,9 @@ def error_summary(series: Sequence[CurrentSeries], joints: Sequence[str]) -> Err
 
     return ErrorSummary(
         identify=relative_error(fitted),
-        validate=relative_error(judged),
+        validate=relative_error(held_out),
         by_actuator=by_actuator(fitted),
-        by_actuator_validate=by_actuator(judged),
+        by_actuator_validate=by_actuator(held_out),
         by_recording={
             trace.name: value for trace in series if (value := relative_error([trace])) is not None
         },

@@ -21,7 +21,7 @@ from bench.dataset.logs.segments import SHORTEST, Cutting, cut
 from bench.dataset.logs.unit_names import name_of
 from bench.dataset.logs.units import UNITS, factor_of
 from bench.dataset.recording_checks import Fault
-from bench.dataset.recording_faults import judged
+from bench.dataset.recording_faults import faults_in
 from bench.dataset.robot import Robot
 from bench.dataset.sampling import TimeFault, time_fault
 
@@ -148,7 +148,7 @@ def _judged(
     swapped = exchanged(positions, list(joints.values()))
     for target, values in signals.items() if time.size > 1 else ():
         joint = target.partition(".")[2]
-        findings = judged(target, values, time, joints[joint], fault, frozenset(mapped.accept))
+        findings = faults_in(target, values, time, joints[joint], fault, frozenset(mapped.accept))
         if target.startswith("position."):
             findings = without_exchange(findings, swapped.get(joint))
         answer[target] = [problem(target, finding) for finding in findings]

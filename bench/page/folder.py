@@ -68,7 +68,7 @@ class SavedRun:
     said: str = ""
 
     @property
-    def judged(self) -> Dataset:
+    def with_held_out(self) -> Dataset:
         """The dataset with the recordings that the currents are of: of a diagnosis, cut as it was judged."""
         return self.dataset if self.diagnosis is None else with_held_out_parts(self.dataset)[0]
 
@@ -176,12 +176,12 @@ def read_run(folder: Path) -> SavedRun:
         said = (
             f"{folder}: its dataset, robot or effects have changed since: its models are applied to them anew"
         )
-    judged = with_held_out_parts(dataset)[0] if diagnosed is not None else dataset
+    with_held_out = with_held_out_parts(dataset)[0] if diagnosed is not None else dataset
     names = [MODEL_FILE] if diagnosed is None else [AFTER_FILE, BEFORE_FILE]
     paths = [folder / name for name in names]
     if said:
         try:
-            problem = replace(_problem(dataset, run, _discovered(diagnosed or {})), dataset=judged)
+            problem = replace(_problem(dataset, run, _discovered(diagnosed or {})), dataset=with_held_out)
         except (KeyError, TypeError, ValueError) as error:
             raise _damaged(path, error) from None
         models = [read_identification(file, problem) for file in paths]
@@ -190,8 +190,10 @@ def read_run(folder: Path) -> SavedRun:
     between = _between(path, diagnosed)
     saved = [load_model(file) for file in paths]
     effects = [tuple(saved_model.model.effect_parameters) for saved_model in saved]
-    series = read_series(folder / SERIES_FILE, judged, [*effects, *(() for _ in between)])
-    models = [saved_model.applied_to(judged, its) for saved_model, its in zip(saved, series, strict=False)]
+    series = read_series(folder / SERIES_FILE, with_held_out, [*effects, *(() for _ in between)])
+    models = [
+        saved_model.applied_to(with_held_out, its) for saved_model, its in zip(saved, series, strict=False)
+    ]
     rungs = dict(zip(between, series[len(paths) :], strict=True))
     diagnosis = None if diagnosed is None else _diagnosis(path, diagnosed, models, rungs)
     workbench = None

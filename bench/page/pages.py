@@ -8,7 +8,7 @@ from bench.basics.plain_data import finite
 from bench.basics.plural import plural
 from bench.basics.versions import versions
 from bench.dataset.dataset import Dataset
-from bench.diagnosis.reason_words import judged_on
+from bench.diagnosis.reason_words import validated_on
 from bench.diagnosis.result import Diagnosis
 from bench.diagnosis.split import dataset_of
 from bench.diagnosis.unexplained import relative_noise_floor
@@ -47,7 +47,7 @@ def diagnosis_page(diagnosis: Diagnosis, problem: Problem, made: Made) -> Page:
     """What the model lacks, and all that stands behind it. made: how the page came about."""
     dataset = problem.dataset
     before, after = diagnosis.before, diagnosis.after
-    judged = dataset_of(dataset, after.recordings)
+    with_held_out = dataset_of(dataset, after.recordings)
     models = [shown_model(COMPLETED, "after", problem, after, after.settings, label="Completed model")]
     if diagnosis.added:
         models.insert(
@@ -55,7 +55,7 @@ def diagnosis_page(diagnosis: Diagnosis, problem: Problem, made: Made) -> Page:
         )
     else:
         models = [shown_model("", "error", problem, after, after.settings)]
-    noise = relative_noise_floor(judged.recordings, after.recordings, after.settings)
+    noise = relative_noise_floor(with_held_out.recordings, after.recordings, after.settings)
     ladder = ladder_section(diagnosis)
     ladder = Section(
         ladder.id,
@@ -67,14 +67,14 @@ def diagnosis_page(diagnosis: Diagnosis, problem: Problem, made: Made) -> Page:
     old = before if diagnosis.added else None
     return Page(
         title=f"What the model of {diagnosis.robot} is missing",
-        facts=_facts(dataset, f"estimator {after.method}", typeset(f"judged on {judged_on(diagnosis)}")),
+        facts=_facts(dataset, f"estimator {after.method}", typeset(f"judged on {validated_on(diagnosis)}")),
         verdict=diagnosis_verdict(diagnosis),
         tiles=diagnosis_tiles(diagnosis),
         sections=(
             ladder,
             *([laws_section(diagnosis)] if diagnosis.discovered else []),
             ranking_section(diagnosis, problem.catalogue),
-            currents_section(models, _moving(judged, after.recordings, after.settings)),
+            currents_section(models, _moving(with_held_out, after.recordings, after.settings)),
             where_section(models),
             gains_section(after, old),
             parameters_section(after, old, diagnosed=True),

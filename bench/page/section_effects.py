@@ -4,7 +4,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 from bench.basics.plural import plural
-from bench.diagnosis.reason_words import judged_on, reason_sentence
+from bench.diagnosis.reason_words import reason_sentence, validated_on
 from bench.diagnosis.result import Diagnosis, EffectVerdict
 from bench.diagnosis.summary import reason
 from bench.document import table as document
@@ -85,7 +85,7 @@ def ranking_section(diagnosis: Diagnosis, catalogue: Mapping[str, Effect]) -> Se
                 title, aid, (PageColumn("effect", "keep"), PageColumn("reason", "words")), rows, folded=True
             )
         )
-    lead = f"Every effect of the catalogue, and every set of a few, was fitted and judged on {judged_on(diagnosis)}."
+    lead = f"Every effect of the catalogue, and every set of a few, was fitted and judged on {validated_on(diagnosis)}."
     return Section("ranking", "Which effects are missing", typeset(lead), tuple(parts), "Missing effects")
 
 

@@ -3,7 +3,7 @@
 from collections.abc import Callable, Sequence
 
 from bench.basics.plural import plural
-from bench.diagnosis.reason_words import judged_on
+from bench.diagnosis.reason_words import validated_on
 from bench.diagnosis.result import Diagnosis
 from bench.document import identification as document
 from bench.document.charts.currents import Curve, currents_chart
@@ -37,10 +37,11 @@ ERROR_AID = "Error: RMS(measured − modelled current) over RMS(measured current
 def ladder_section(diagnosis: Diagnosis) -> Section:
     """The error after each added effect."""
     steps, floor = diagnosis.ladder, diagnosis.unexplained.noise_floor
-    lead = f"How the error falls as effects are added, the one that helps most first; judged on {judged_on(diagnosis)}."
+    judged = f"judged on {validated_on(diagnosis)}."
+    lead = f"How the error falls as effects are added, the one that helps most first; {judged}"
     figure: Figure | Text = chart_figure(ladder_chart(diagnosis), 300)
     if len(steps) == 1:
-        lead = f"No effect helps beyond chance; judged on {judged_on(diagnosis)}."
+        lead = f"No effect helps beyond chance; {judged}"
         only = steps[0].identify if steps[0].validate is None else steps[0].validate
         said = f"No effect was added: the model as it is leaves an error of {share(only)}, noise alone {share(floor)}."
         figure = Text("", (typeset(said),))

@@ -7,7 +7,7 @@ from typing import Any
 from bench.basics.shell_word import quoted
 from bench.basics.versions import Versions, versions
 from bench.dataset.dataset import Dataset
-from bench.diagnosis.reason_words import judged_on, left_words
+from bench.diagnosis.reason_words import left_words, validated_on
 from bench.diagnosis.result import Diagnosis, Unfinished
 from bench.diagnosis.unfinished_words import unfinished_sentence
 from bench.document.numbers import STD_FROM, USES, fit_rate
@@ -88,7 +88,7 @@ def limits_section(
     validated = any(recording.use == "validate" for recording in dataset.recordings)
     if not validated and diagnosis is not None:
         limits.append(
-            typeset(f"No recording is kept for validation: judged on {judged_on(diagnosis)}.")
+            typeset(f"No recording is kept for validation: judged on {validated_on(diagnosis)}.")
             + " Another movement is a harder judge."
         )
     elif not validated:

@@ -176,18 +176,18 @@ def _verdict(summary: TrialSummary) -> tuple[str, ...]:
             f"{_of(outside)}"
         )
     second = f"{'; '.join(said)}." if said else "False alarms were not tried."
-    judged = [
+    limited = [
         target
         for target in summary.targets
         if target.reached is not None and (target.least, target.most) != (None, None)
     ]
-    kept = sum(target.kept is Attained.YES for target in judged)
-    if not judged:
+    kept = sum(target.kept is Attained.YES for target in limited)
+    if not limited:
         third = "No case counts, so nothing is said: longer recordings or more seeds help."
         return tuple(typeset(name[:1].upper() + name[1:]) for name in (first, second, third))
-    third = f"Of {plural(len(judged), 'figure')} with a limit, {kept} surely keep it"
+    third = f"Of {plural(len(limited), 'figure')} with a limit, {kept} surely keep it"
     for answer, words in NOT_KEPT.items():
-        names = [WORDS[target.figure] for target in judged if target.kept is answer]
+        names = [WORDS[target.figure] for target in limited if target.kept is answer]
         third += f"; {words}: {and_list(names)}" if names else ""
     third += "."
     return tuple(typeset(name[:1].upper() + name[1:]) for name in (first, second, third))

@@ -38,7 +38,7 @@ def diagnosis_verdict(diagnosis: Diagnosis) -> tuple[str, ...]:
         )
     if doubtful:
         middle += f"; {and_list(doubtful)}: these recordings cannot tell"
-    sentences = (said.verdict, said.unfinished, *said.laws, f"{middle}.", said.left)
+    sentences = (said.verdict, said.unfinished, *said.laws, f"{middle}.", said.residual)
     return tuple(typeset(name) for name in sentences if name)
 
 
@@ -116,12 +116,12 @@ def diagnosis_tiles(diagnosis: Diagnosis) -> tuple[Tile, ...]:
 
 def identification_tiles(result: Identification, noise: float) -> tuple[Tile, ...]:
     """The numbers that count of an identification."""
-    judged = result.error.validate
-    error = judged if judged is not None else result.error.identify
+    validation = result.error.validate
+    error = validation if validation is not None else result.error.identify
     fitted = share(result.error.identify)
-    note = f"fitted {fitted}" if judged is not None else "no recording kept for validation"
+    note = f"fitted {fitted}" if validation is not None else "no recording kept for validation"
     return (
-        Tile("Error, not fitted" if judged is not None else "Error, fitted", share(error), note),
+        Tile("Error, not fitted" if validation is not None else "Error, fitted", share(error), note),
         Tile("Noise floor", share(noise), "of the currents, as an error"),
         _gain_tile(result, None),
         Tile("Condition number", short(result.scaled_condition, 3), "columns of unit length"),
@@ -175,10 +175,10 @@ def _gain_tile(result: Identification, before: Identification | None) -> Tile:
 
 
 def _level(error: ErrorSummary, noise: float, subject: str) -> tuple[str]:
-    fitted, judged = error.identify, error.validate
+    fitted, validation = error.identify, error.validate
     parts = []
-    if judged is not None:
-        parts.append(f"{share(judged)} on recordings that were not fitted")
+    if validation is not None:
+        parts.append(f"{share(validation)} on recordings that were not fitted")
     if fitted is not None:
         parts.append(f"{share(fitted)} on those for identification")
     size = " and ".join(parts) or "no error: no recording"

@@ -60,7 +60,7 @@ class MachineStep:
 class MachineRun:
     """One command's answer. seconds: of the processor, from start to end. failed: why there is no answer.
 
-    judged: what the errors not fitted are of; said: sentences of a diagnosis, else notes; named_effects, ladder,
+    validated_on: what the errors not fitted are of; said: sentences of a diagnosis, else notes; named_effects, ladder,
     noise_floor: of a diagnosis.
     """
 
@@ -69,7 +69,7 @@ class MachineRun:
     effects: tuple[str, ...] = ()
     error_identify: float | None = None
     error_validate: float | None = None
-    judged: str = "recordings that were not fitted"
+    validated_on: str = "recordings that were not fitted"
     rows: tuple[AgainstKnown, ...] = ()
     said: tuple[str, ...] = ()
     named_effects: tuple[NamedEffects, ...] = ()
@@ -151,7 +151,7 @@ def _diagnosed(line: str, seconds: float, answer: dict[str, Any], table: Machine
         tuple(answer["after"]["effects"]),
         ladder[-1].identify,
         ladder[-1].validate,
-        judged=answer["judged_on"],
+        validated_on=answer["judged_on"],
         rows=compared(answer["after"], table.known),
         said=tuple(answer["summary"]),
         named_effects=tuple(

@@ -13,8 +13,8 @@ def stood_for(this_round: Round, laws: Sequence[str], barred: Collection[str]) -
     As sign(load) is a constant offset where the load does not change its sign. Effects have less to earn than laws, so
     that the evidence for the set with the effect is at least as large where both explain the same.
     """
-    system, proposals, selection = this_round.system, this_round.proposals, this_round.found
-    chosen, total = selection.best.fit.chosen, selection.best.total
+    system, proposals, selection = this_round.system, this_round.proposals, this_round.selection
+    chosen, total = selection.selected.fit.chosen, selection.selected.total
     called: dict[str, int] = {}
     for name in laws:
         place = next((i for i in chosen if proposals[i].name == name), None)

@@ -21,6 +21,7 @@ from bench.diagnosis.catalogue_search import (
 )
 from bench.diagnosis.decision import RULE
 from bench.diagnosis.discovery.called import stood_for
+from bench.diagnosis.discovery.discovered_at import discovered_at
 from bench.diagnosis.discovery.doubted import doubted
 from bench.diagnosis.discovery.laws import Law, laws_of
 from bench.diagnosis.discovery.merged import merged
@@ -28,7 +29,6 @@ from bench.diagnosis.discovery.refine import Judge, Refined
 from bench.diagnosis.discovery.search import Laws, search_laws
 from bench.diagnosis.discovery.seen import places_of
 from bench.diagnosis.discovery.smooth import tabled_laws
-from bench.diagnosis.discovery.told import discovered_at
 from bench.diagnosis.discovery.variables import Place
 from bench.diagnosis.origin import Origin
 from bench.diagnosis.reason import Because, Reason
@@ -38,7 +38,7 @@ from bench.diagnosis.result import (
     Unexplained,
     Unfinished,
 )
-from bench.diagnosis.rounds import Round, judged, usable
+from bench.diagnosis.rounds import Round, round_about, usable
 from bench.diagnosis.search import best_set
 from bench.effects import EffectInstance
 from bench.identification.finding import Finding
@@ -205,7 +205,7 @@ def _with_laws(
     ]
     proposals += _proposed(model, laws, prior)
     barred = _never_beside(plain.finding, named)
-    this_round = _judged_from(origin, model, proposals, barred)
+    this_round = _round_from(origin, model, proposals, barred)
     called = stood_for(this_round, [law.name for law in laws], barred)
     if called:
         laws = [law for law in laws if law.name not in called]
@@ -216,7 +216,7 @@ def _with_laws(
             for instance in proposal.instances
         ]
         model = origin.with_instances([*named, *(instance for law in laws for instance in law.instances)])
-        this_round = _judged_from(
+        this_round = _round_from(
             origin, model, [proposal for proposal in proposals if proposal.name not in called], barred
         )
     if not called and this_round.names.isdisjoint(law.name for law in laws):
@@ -230,18 +230,18 @@ def _with_laws(
     return _Answer(finding, staying, _told(finding, staying, laws, answered(case, finding, progress)))
 
 
-def _judged_from(
+def _round_from(
     origin: Origin, model: Prepared, proposals: Sequence[Proposal], barred: Collection[str]
 ) -> Round:
-    """As `judged`, but the set is sought from that of the model, too: of laws at one motor each none shows alone."""
-    this_round = judged(origin, model, proposals, barred)
+    """As `round_about`; the search also starts from the model's set: of laws at one motor each, none shows alone."""
+    this_round = round_about(origin, model, proposals, barred)
     there = {instance.effect.name for instance in model.effects[len(origin.start.effects) :]}
     known = usable(proposals, barred)
     begun = [i for i in known if proposals[i].name in there]
     best = best_set(this_round.system, [begun, this_round.chosen], known, origin.deadline)
     return (
-        replace(this_round, found=replace(this_round.found, best=best))
-        if best.total > this_round.found.best.total
+        replace(this_round, selection=replace(this_round.selection, selected=best))
+        if best.total > this_round.selection.selected.total
         else this_round
     )
 
@@ -284,7 +284,7 @@ def _with_tables(case: SplitProblem, plain: _Answer, progress: Progress) -> _Ans
     model = origin.with_instances(instances)
     proposals = [proposal for proposal in finding.last.proposals if proposal.name in finding.names]
     proposals += _proposed(model, laws, RULE.prior)
-    this_round = _judged_from(origin, model, proposals, finding.barred)
+    this_round = _round_from(origin, model, proposals, finding.barred)
     if this_round.names.isdisjoint(law.name for law in laws):
         return plain
     wider = search_from(case, origin, this_round, progress, finding.barred, wholly=True)

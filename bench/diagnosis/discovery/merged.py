@@ -86,7 +86,7 @@ def _with_power(
         model = with_effects(found_model, (*origin.start.effects, *added))
         begun.append((judge.refined(model, {**terms, NAME: term}), term, added))
     _, term, added = max(begun, key=lambda each: each[0].weight)
-    return judge.refined(origin.beside(found_model, added), {**terms, NAME: term})
+    return judge.refined(origin.warm_started(found_model, added), {**terms, NAME: term})
 
 
 def fewer(alike: Sequence[Part], law_unknowns: int, catalogue: Mapping[str, Effect]) -> list[list[Part]]:

@@ -27,13 +27,13 @@ FAR_LESS = 1.5**2  # times the best squared error: a model that starts from ther
 @dataclass(frozen=True)
 class Refined:
     """A converged model, its terms of the grammar by their effect's name, and its weight: see `Samples.log_posterior`;
-    judged: sum of squares where nothing was fitted.
+    held_out: sum of squares where nothing was fitted.
     """
 
     model: Prepared
     terms: Mapping[str, Term]
     weight: float
-    judged: float = 0.0
+    held_out: float = 0.0
 
     def size(self, given_count: int) -> int:
         """How many effects it has beyond the first `own` instances."""
@@ -251,6 +251,6 @@ def _without(
         if i < given_count or instance.effect.name in kept
     ]
     fewer = with_effects(whole, remaining)
-    if judge.refined(fewer, {}).judged > FAR_LESS * refinement.judged:
+    if judge.refined(fewer, {}).held_out > FAR_LESS * refinement.held_out:
         return None
     return at_its_solution(converged(fewer, nearly=True, deadline=origin.deadline))

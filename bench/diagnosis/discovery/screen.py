@@ -85,7 +85,7 @@ def _groups(terms: Sequence[Term]) -> list[list[int]]:
     return groups
 
 
-class Left:
+class Residual:
     """What a model and some terms leave at all motors, in few rows, and their columns there, orthonormal.
 
     basis (M, r), error (M,), weights (M,) motor by motor: the weights take torque to errors, and are
@@ -98,7 +98,7 @@ class Left:
         error: Sequence[np.ndarray],
         weights: Sequence[np.ndarray],
         known: Sequence[Known],
-        fewer: "Left | None" = None,
+        fewer: "Residual | None" = None,
     ) -> None:
         self.basis, self.error, self.weights, self.known, self.fewer = basis, error, weights, known, fewer
         self.squares = float(sum(values @ values for values in error))
@@ -113,7 +113,7 @@ class Left:
         """Of all motors together."""
         return sum(map(len, self.error))
 
-    def beside(self, candidate: "Screened", motors: Sequence[int] | None = None) -> "Left":
+    def orthogonal_to(self, candidate: "Screened", motors: Sequence[int] | None = None) -> "Residual":
         """The residual with a term at every motor, or at some, each with a separate coefficient."""
         some = range(self.motors) if motors is None else motors
         columns = [
@@ -138,7 +138,7 @@ class Left:
         error = error - new @ (new.T @ error)
         basis = np.concatenate((spanned, new), axis=1)
         parts = at[1:-1]
-        return Left(np.split(basis, parts), np.split(error, parts), self.weights, self.known, self)
+        return Residual(np.split(basis, parts), np.split(error, parts), self.weights, self.known, self)
 
     def explained(self) -> np.ndarray:
         """Sum of squares that each of the known terms explains at all motors together, (T,)."""
@@ -165,7 +165,7 @@ class Left:
                 all_products.append(self._beside(self.fewer, self.fewer.products[k], columns))
         return all_products
 
-    def _beside(self, before: "Left", products: "Products", columns: Sequence[np.ndarray]) -> "Products":
+    def _beside(self, before: "Residual", products: "Products", columns: Sequence[np.ndarray]) -> "Products":
         """Products with columns (M, T p) of some terms at every motor, from those where less is taken away."""
         new = [values[:, before.basis[j].shape[1] :] for j, values in enumerate(self.basis)]
         along = [(values * self.weights[j][:, None]).T @ columns[j] for j, values in enumerate(new)]
@@ -246,13 +246,13 @@ class Products:
         return np.asarray((right * solved).sum(axis=1))
 
 
-def left_without(
+def residual_without(
     regression: PartialRegression,
     known: Sequence[Known],
     rows: np.ndarray,
     without: Sequence[int] = (),
     values: Sequence[float] = (),
-) -> Left:
+) -> Residual:
     """What a solved model leaves of its currents in these rows of every motor, without some of its columns.
 
     without: their places among the model's; values: their coefficients. All are linearised about the same solution,
@@ -265,7 +265,7 @@ def left_without(
     error = regression.remainder[rows].T.reshape(-1) - np.concatenate(gone)
     error = error - basis @ (basis.T @ error)
     weights = [regression.moving[rows, j] * regression.weights[j] for j in motors]
-    return Left(np.split(basis, len(motors)), np.split(error, len(motors)), weights, known)
+    return Residual(np.split(basis, len(motors)), np.split(error, len(motors)), weights, known)
 
 
 def _orthonormal(columns: np.ndarray) -> np.ndarray:
@@ -282,7 +282,7 @@ def few_rows(samples: int) -> np.ndarray:
 
 
 def screened(
-    residual: Left, terms: Sequence[Term], most: int, but: Collection[object] = frozenset()
+    residual: Residual, terms: Sequence[Term], most: int, but: Collection[object] = frozenset()
 ) -> list[Screened]:
     """Of the known terms those that explain most, each structure once, with their numbers adapted at every motor.
 

@@ -11,14 +11,14 @@ from bench.diagnosis.decision import RULE
 from bench.diagnosis.discovery.grammar import grammar
 from bench.diagnosis.discovery.named import BASICS, name_of
 from bench.diagnosis.discovery.refine import Judge, Refined, instances_of, refined
-from bench.diagnosis.discovery.screen import Known, few_rows, left_without
+from bench.diagnosis.discovery.screen import Known, few_rows, residual_without
 from bench.diagnosis.discovery.seen import places_of, scope_of, seen_at
 from bench.diagnosis.discovery.states import State, best_states
 from bench.diagnosis.discovery.term import Term
 from bench.diagnosis.normal_equations import solve_set
 from bench.diagnosis.origin import Origin
 from bench.diagnosis.rounds import Round, reshaped, system_about
-from bench.diagnosis.search import Found, best_set, score
+from bench.diagnosis.search import Selection, best_set, score
 from bench.identification.partial_regression import partial_regression
 from bench.identification.prepare import Prepared
 from bench.identification.solve_only import solved_quickly
@@ -36,7 +36,7 @@ class Laws:
     terms: Mapping[str, Term]
 
     @property
-    def found(self) -> dict[str, Term]:
+    def selected(self) -> dict[str, Term]:
         """The terms of the best set."""
         return {name: term for name, term in self.terms.items() if name in self.last.names}
 
@@ -65,20 +65,20 @@ def search_laws(
             break
         judge = Judge(new.last.system.samples, RULE.prior + float(np.log(count)))
         model = origin.with_proposals(new.last.proposals, new.last.chosen)
-        converged = judge.refined(model, new.found)
-        if converged.weight <= judge.refined(laws.last.model, laws.found).weight:
+        converged = judge.refined(model, new.selected)
+        if converged.weight <= judge.refined(laws.last.model, laws.selected).weight:
             break
         laws = replace(new, last=replace(new.last, model=model))
-    if not laws.found:
+    if not laws.selected:
         return None
-    return laws, refined(origin, laws.last.model, laws.found, places_of(origin.start), judge)
+    return laws, refined(origin, laws.last.model, laws.selected, places_of(origin.start), judge)
 
 
 def _round(origin: Origin, laws: Laws, barred: Collection[str], states: Sequence[State], count: int) -> Laws:
     """The best set of identified effects and new terms, about the identified model; of so many that were tried."""
     this_round = laws.last
     places = places_of(origin.start)
-    terms = dict(laws.found)
+    terms = dict(laws.selected)
     proposals = [
         proposal
         for proposal in this_round.proposals
@@ -107,12 +107,12 @@ def _round(origin: Origin, laws: Laws, barred: Collection[str], states: Sequence
             by_structure.get(candidate.term.structure) or name_of(candidate.term) or ""
             for candidate in state.terms
         }
-        chosen = {index[name] for name in (*names, *state.beside) if name in index}
+        chosen = {index[name] for name in (*names, *state.effects) if name in index}
         begin.append(sorted(chosen.intersection(usable)))
     system = system_about(origin, this_round.model, proposals)
     best = best_set(system, begin, usable, origin.deadline)
     singles = {i: score(system, solve_set(system, (i,))) for i in usable}
-    return Laws(Round(this_round.model, proposals, system, Found(best, singles)), terms)
+    return Laws(Round(this_round.model, proposals, system, Selection(best, singles)), terms)
 
 
 def _states(origin: Origin, laws: Laws) -> tuple[list[State], int]:
@@ -134,7 +134,7 @@ def _states(origin: Origin, laws: Laws) -> tuple[list[State], int]:
         out = [i for name, some in columns.items() if name not in kept for i in some]
         count = sum(unknowns[name] for name in kept)
         lefts[tuple(sorted(kept))] = (
-            left_without(regression, known, rows, out, solution.theta[out].tolist()),
+            residual_without(regression, known, rows, out, solution.theta[out].tolist()),
             count,
         )
     return best_states(lefts, terms, BASICS, origin.deadline), len(terms)

@@ -10,7 +10,7 @@ from bench.diagnosis.decision import RULE
 from bench.diagnosis.discovery.factors import Factor, Power
 from bench.diagnosis.discovery.grammar import TOOL, A, Q, T, V
 from bench.diagnosis.discovery.laws import Law
-from bench.diagnosis.discovery.screen import Known, Left, Screened, few_rows, left_without
+from bench.diagnosis.discovery.screen import Known, Residual, Screened, few_rows, residual_without
 from bench.diagnosis.discovery.seen import has_tool, places_of, seen_at
 from bench.diagnosis.discovery.source import law_effect
 from bench.diagnosis.discovery.table import table_over
@@ -41,7 +41,7 @@ def tabled_laws(finding: SearchResult, taken: Collection[str]) -> list[Law]:
     views = [seen_at(model, place) for place in places]
     tried = [_terms(model, place, seen) for place, seen in zip(places, views, strict=True)]
     known = [Known(seen, rows, terms) for seen, terms in zip(views, tried, strict=True)]
-    residual = left_without(regression, known, rows)
+    residual = residual_without(regression, known, rows)
     laws = []
     for place, terms in zip(places, tried, strict=True):
         chosen = _chosen(residual, place.index, terms)
@@ -67,7 +67,7 @@ def _terms(model: Prepared, place: Place, seen: Seen) -> list[Term]:
     return terms
 
 
-def _chosen(residual: Left, motor: int, terms: Sequence[Term]) -> list[Term]:
+def _chosen(residual: Residual, motor: int, terms: Sequence[Term]) -> list[Term]:
     """One term after the other, as long as it is worth its unknowns."""
     chosen: list[Term] = []
     price = RULE.prior + float(np.log(len(terms)))
@@ -77,11 +77,11 @@ def _chosen(residual: Left, motor: int, terms: Sequence[Term]) -> list[Term]:
         if not gains or max(gains) <= 0.0:
             break
         chosen.append(usable[int(np.argmax(gains))])
-        residual = residual.beside(Screened(chosen[-1], {}, 0.0), [motor])
+        residual = residual.orthogonal_to(Screened(chosen[-1], {}, 0.0), [motor])
     return chosen
 
 
-def _worth(residual: Left, motor: int, term: Term, price: float) -> float:
+def _worth(residual: Residual, motor: int, term: Term, price: float) -> float:
     """Nats by which a term at a motor does better than its unknowns cost."""
     explained = residual.explained_at(term, motor)
     gained = -0.5 * residual.rows * np.log(max(1.0 - explained / residual.squares, 1e-12))

@@ -8,7 +8,7 @@ import numpy as np
 
 from bench.basics.deadline import NEVER, Deadline
 from bench.diagnosis.decision import RULE
-from bench.diagnosis.discovery.screen import Left, Screened, screened
+from bench.diagnosis.discovery.screen import Residual, Screened, screened
 from bench.diagnosis.discovery.term import Term
 
 WIDTH = 6  # sets that are kept
@@ -22,15 +22,15 @@ class State:
     with a charge for each unknown, `charged` for those of the effects.
     """
 
-    beside: tuple[str, ...]
+    effects: tuple[str, ...]
     terms: tuple[Screened, ...]
-    left: Left
+    residual: Residual
     charged: float
     cost: float
 
 
 def best_states(
-    lefts: Mapping[tuple[str, ...], tuple[Left, int]],
+    lefts: Mapping[tuple[str, ...], tuple[Residual, int]],
     terms: Sequence[Term],
     basics: Sequence[Term],
     deadline: Deadline = NEVER,
@@ -55,7 +55,7 @@ def best_states(
         wider: list[State] = []
         for state in beam:
             deadline.check()
-            best = screened(state.left, terms, WIDER, _known(state))
+            best = screened(state.residual, terms, WIDER, _known(state))
             wider += [_joined(state, candidate, price) for candidate in best]
         beam = _distinct(wider)[:WIDTH]
         if not beam or beam[0].cost >= least:
@@ -70,7 +70,7 @@ def _known(state: State) -> set[object]:
 
 
 def _state(
-    effects: tuple[str, ...], terms: tuple[Screened, ...], residual: Left, charged: float, price: float
+    effects: tuple[str, ...], terms: tuple[Screened, ...], residual: Residual, charged: float, price: float
 ) -> State:
     unknowns = (
         sum(candidate.term.parts + len(candidate.term.numbers) for candidate in terms) * residual.motors
@@ -79,17 +79,23 @@ def _state(
     return State(effects, terms, residual, charged, float(0.5 * np.log(residual.squares) + charge))
 
 
-def _charge(residual: Left, unknowns: int, price: float) -> float:
+def _charge(residual: Residual, unknowns: int, price: float) -> float:
     return float((0.5 * np.log(residual.rows) * unknowns + price) / residual.rows)
 
 
 def _joined(state: State, candidate: Screened, price: float) -> State:
-    return _state(state.beside, (*state.terms, candidate), state.left.beside(candidate), state.charged, price)
+    return _state(
+        state.effects,
+        (*state.terms, candidate),
+        state.residual.orthogonal_to(candidate),
+        state.charged,
+        price,
+    )
 
 
 def _distinct(states: Sequence[State]) -> list[State]:
     """The best of each set of structures, the best first."""
     distinct: dict[frozenset[object], State] = {}
     for state in sorted(states, key=lambda candidate: candidate.cost):
-        distinct.setdefault(frozenset((*_known(state), *state.beside)), state)
+        distinct.setdefault(frozenset((*_known(state), *state.effects)), state)
     return list(distinct.values())

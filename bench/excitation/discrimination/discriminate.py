@@ -19,7 +19,7 @@ from bench.excitation.discrimination.motion_figures import planned_facts, record
 from bench.excitation.discrimination.predicted_currents import planned, predicted, times_of
 from bench.excitation.discrimination.result import Discrimination, ImpossibleSign
 from bench.excitation.discrimination.rival_models import Rival, fit_rivals, noise_of
-from bench.excitation.discrimination.search import DesignedMotion, band_of, best_motion, judged, starts
+from bench.excitation.discrimination.search import DesignedMotion, band_of, best_loaded, best_motion, starts
 from bench.excitation.discrimination.separation import Question, question, separation, share_left
 from bench.excitation.limits import feasible_motion
 from bench.identification.problem import Problem
@@ -89,7 +89,7 @@ def discriminate(
         questions=asked,
         envelope=around,
         given_seconds=sum(float(np.ptp(measurement.time)) for measurement in measured),
-        judged_rows=_judged_rows(dataset, first),
+        held_out_rows=_judged_rows(dataset, first),
         motion=motion,
         recorded=recorded_facts(measured, joints),
         planned={} if motion is None else planned_facts(motion.trajectory, joints),
@@ -133,7 +133,7 @@ def _heavier(
     if payload is None or payload.mass is None:
         return None
     free = replace(around, current=np.full_like(around.current, np.inf))
-    design = judged(asked, free, [SECOND], motion.trajectory)
+    design = best_loaded(asked, free, [SECOND], motion.trajectory)
     return None if design is None else (payload.mass, design.nats)
 
 

@@ -61,7 +61,7 @@ class Discrimination:
     questions: tuple[Question, ...]
     envelope: Envelope
     given_seconds: float
-    judged_rows: int
+    held_out_rows: int
     motion: DesignedMotion | None
     recorded: Mapping[str, MotionFacts]
     planned: Mapping[str, MotionFacts]
@@ -94,7 +94,7 @@ class Discrimination:
         if self.motion is None or not self.questions:
             return 0.0
         shares = [
-            2.0 * answer.nats * answer.autocorrelation_time / (self.judged_rows + answer.count)
+            2.0 * answer.nats * answer.autocorrelation_time / (self.held_out_rows + answer.count)
             for answer in self.motion.answers
         ]
         return float(np.sqrt(1.0 + min(shares)) - 1.0)
@@ -102,10 +102,10 @@ class Discrimination:
     @property
     def given_tells(self) -> bool:
         """Whether the given data are enough already."""
-        if self.motion is None or not self.questions or self.judged_rows == 0:
+        if self.motion is None or not self.questions or self.held_out_rows == 0:
             return False
         pairs = list(zip(self.given.values(), self.motion.answers, strict=True))
-        shares = [2.0 * nats * answer.autocorrelation_time / self.judged_rows for nats, answer in pairs]
+        shares = [2.0 * nats * answer.autocorrelation_time / self.held_out_rows for nats, answer in pairs]
         growth = float(np.sqrt(1.0 + min(shares)) - 1.0)
         return min(self.given.values()) >= RULE.prior and growth >= RULE.material
 

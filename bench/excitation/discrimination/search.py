@@ -56,7 +56,7 @@ def best_motion(
     progress.phase("trying random motions", STARTS)
     for i, (movement, trajectory) in enumerate(starts(rivals[0], envelope, duration, random)):
         progress.advance()
-        designed = judged(questions, envelope, [loads[i % len(loads)]], trajectory)
+        designed = best_loaded(questions, envelope, [loads[i % len(loads)]], trajectory)
         if designed is not None and (best is None or designed.nats > best[1].nats):
             best = movement, designed
     if best is None:
@@ -67,10 +67,10 @@ def best_motion(
         progress.advance()
         spread = FIRST_SPREAD * (LAST_SPREAD / FIRST_SPREAD) ** (step / STEPS)
         near, other = _varied(envelope, movement, design.trajectory, spread, random)
-        designed = judged(questions, envelope, [design.payload], other)
+        designed = best_loaded(questions, envelope, [design.payload], other)
         if designed is not None and designed.nats > design.nats:
             movement, design = near, designed
-    return judged(questions, envelope, loads, design.trajectory) or design
+    return best_loaded(questions, envelope, loads, design.trajectory) or design
 
 
 def band_of(envelope: Envelope, trajectory: FourierTrajectory) -> float:
@@ -167,7 +167,7 @@ def _inside(movement: Movement, trajectory: FourierTrajectory) -> FourierTraject
     return replace(trajectory, a=trajectory.a * scale, b=trajectory.b * scale)
 
 
-def judged(
+def best_loaded(
     questions: Sequence[Question],
     envelope: Envelope,
     loads: Sequence[str | None],

@@ -123,11 +123,11 @@ class ExperimentPlan:
             PlannedRecording(name, "identify", load, proof)
             for name, load, proof in zip(self.names, self.search.loads, self.proofs, strict=True)
         ]
-        judged = [
+        held_out = [
             PlannedRecording(f"{name}_check", "validate", load, proof)
             for name, load, proof in zip(self.names, self.search.loads, self.checks, strict=True)
         ]
-        return (*fitted, *judged)
+        return (*fitted, *held_out)
 
 
 @dataclass(frozen=True)

@@ -8,7 +8,7 @@ from bench.diagnosis.candidates import Proposal, propose
 from bench.diagnosis.normal_equations import solve_set
 from bench.diagnosis.origin import Origin
 from bench.diagnosis.rounds import Round, reshaped, system_about
-from bench.diagnosis.search import Found, score
+from bench.diagnosis.search import Selection, score
 from bench.effects import Effect, EffectInstance
 from bench.identification.perturbations import Nearby
 from bench.identification.prepare import with_effects
@@ -44,4 +44,4 @@ def _about_the_found(origin: Origin, model: DiagnosedModel, proposals: list[Prop
     every = [*(Proposal(each[0].effect.name, each, False, "") for each in groups), *some]
     system = system_about(origin, model.complete, every)
     best = score(system, solve_set(system, range(len(groups))))
-    return reshaped(origin, Round(model.complete, every, system, Found(best, {})), SILENT)
+    return reshaped(origin, Round(model.complete, every, system, Selection(best, {})), SILENT)

@@ -27,7 +27,7 @@ from bench.studies.sweep.work import FAILED, OK, Trajectories
 from bench.studies.trial.cases import Case
 from bench.studies.trial.compatible import PARTS, expected
 from bench.studies.trial.intervals import intervals, moving_alike
-from bench.studies.trial.judge import judged, named_from
+from bench.studies.trial.judge import judgement_of, named_from
 from bench.studies.trial.law_judged import law_columns
 from bench.studies.trial.name_list import cell_of
 from bench.studies.trial.plan import TrialPlan
@@ -215,7 +215,7 @@ def _answer(case: Case, diagnosis: Diagnosis) -> Row:
     named = named_from(verdicts[: len(diagnosis.missing)])
     drawn = case.effects[1:] if case.kind in UNNAMED else case.effects
     parts = [part for hide in case.hides for part in named_parts(dict(hide.numbers))]
-    judgement = judged(drawn, wanted, named, parts)
+    judgement = judgement_of(drawn, wanted, named, parts)
     absorbed = bool(case.effects) and all(
         by_name[name].verdict == "absorbed" for name in case.effects if name in by_name
     )

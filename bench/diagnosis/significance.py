@@ -12,7 +12,7 @@ from bench.identification.finding import Unknown
 from bench.identification.result import Identification
 
 
-def shows(result: Identification, instance: EffectInstance) -> bool:
+def is_significant(result: Identification, instance: EffectInstance) -> bool:
     """Whether an effect has a parameter there that is not zero, and none of an impossible sign; several parameters
     together, too, as a wave is no larger where its phase happens to be that of one of them.
 

@@ -14,24 +14,24 @@ DEPENDENT = 1e-12  # share of the largest eigenvalue of scaled normal equations
 
 
 @dataclass(frozen=True)
-class Halves:
-    """Normal equations of the linearised model: for either half of the blocks and every motor the inner products
-    (2, n, S, S) of all columns, weighted, the error last. own: how many are the model's; samples (n,): independent ones
-    of each motor; measured (n,): weighted squares of the currents.
+class BlockCrossValidation:
+    """Normal equations of the linearised model: for either half of the blocks and every motor the inner products (2, n,
+    S, S) of all columns, weighted, the error last. model_columns: how many are the model's; samples (n,): independent
+    ones of each motor; measured (n,): weighted squares of the currents.
     """
 
     inner: np.ndarray
-    own: int
+    model_columns: int
     samples: np.ndarray
     measured: np.ndarray
 
-    def judged(self, columns: Sequence[int]) -> np.ndarray:
+    def held_out_squares(self, columns: Sequence[int]) -> np.ndarray:
         """Squares (n,) left on each half by a fit to the other one, with some of the further columns."""
-        used = np.array([*range(self.own), *(self.own + i for i in columns)])
+        used = np.array([*range(self.model_columns), *(self.model_columns + i for i in columns)])
         squares = np.zeros(self.inner.shape[1])
-        for fitted, judged in ((0, 1), (1, 0)):
+        for fitted, held_out in ((0, 1), (1, 0)):
             values = _solution(self.inner[fitted].sum(axis=0), used)
-            squares += np.einsum("i,nij,j->n", values, self.inner[judged], values)
+            squares += np.einsum("i,nij,j->n", values, self.inner[held_out], values)
         return np.maximum(squares, np.finfo(float).tiny)
 
     def evidence(self, before: np.ndarray, after: np.ndarray) -> float:
@@ -39,7 +39,7 @@ class Halves:
         return 0.5 * float(self.samples @ np.log(before / after))
 
 
-def halves_of(stack: Stack, solution: Solution, further: np.ndarray) -> Halves:
+def block_cross_validation(stack: Stack, solution: Solution, further: np.ndarray) -> BlockCrossValidation:
     """The equations about a model's solution, with further columns (M, n, k) of torque."""
     modelled = (stack.phi @ solution.theta + stack.kappa) / solution.gains * stack.moving
     error = stack.current - modelled
@@ -70,7 +70,9 @@ def halves_of(stack: Stack, solution: Solution, further: np.ndarray) -> Halves:
     parts = [np.split(entry[:, None], stack.starts[1:]) for entry in residuals]
     times = np.array([autocorrelation_time(part, stack.returns) for part in parts])
     measured = ((stack.current * weights) ** 2).sum(axis=0)
-    return Halves(inner, model_columns, count / times, np.maximum(measured, np.finfo(float).tiny))
+    return BlockCrossValidation(
+        inner, model_columns, count / times, np.maximum(measured, np.finfo(float).tiny)
+    )
 
 
 def _solution(inner: np.ndarray, used: np.ndarray) -> np.ndarray:
