@@ -88,9 +88,9 @@ def again(
     monkeypatch.setattr(rounds, "_with_set", lambda here, chosen: replace(here, chosen=chosen))
     monkeypatch.setattr(rounds, "_alike", lambda here, *_: [replace(here, chosen=key) for key in alike])
     progress: Any = SimpleNamespace(phase=lambda *_: None)
-    origin: Any = SimpleNamespace(with_proposals=lambda _, chosen: leaves[chosen], deadline=NEVER)
+    base_model: Any = SimpleNamespace(with_proposals=lambda _, chosen: leaves[chosen], deadline=NEVER)
     start: Any = FakeRound((0,))
-    return rounds._again(origin, start, (), progress), seen
+    return rounds._again(base_model, start, (), progress), seen
 
 
 def test_what_is_worse_once_it_is_converged_does_not_take_the_place_of_a_set(

@@ -140,16 +140,16 @@ def test_no_effect_goes_because_of_what_is_only_nearly_so(
     for name in ("superfluous_effect", "gain_like_effect"):
         monkeypatch.setattr(catalogue_search, name, lambda *_: {})
     monkeypatch.setattr(catalogue_search, "excess", lambda *_: 0.0)
-    origin: Any = SimpleNamespace(
+    base_model: Any = SimpleNamespace(
         start=SimpleNamespace(effects=()), exactly=lambda _: "exact", in_search=None, with_instances=None
     )
-    origin.at_leisure = origin
+    base_model.at_leisure = base_model
     problem = SimpleNamespace(dataset=SimpleNamespace(recordings=()))
     case: Any = SimpleNamespace(start=SimpleNamespace(effects=()), before=None, problem=problem)
     if possible:
-        assert catalogue_search.search_from(case, origin, None).after == "exact"  # type: ignore[arg-type, comparison-overlap]
+        assert catalogue_search.search_from(case, base_model, None).after == "exact"  # type: ignore[arg-type, comparison-overlap]
     else:
         with pytest.raises(StopIteration) as ended:
-            catalogue_search.search_from(case, origin, None)  # type: ignore[arg-type]
+            catalogue_search.search_from(case, base_model, None)  # type: ignore[arg-type]
         assert ended.value.args[1] == {"found": "of an impossible sign"}
     assert asked == ["near", "exact"]

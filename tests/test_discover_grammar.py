@@ -7,6 +7,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
+from bench.diagnosis.base_model import base_model_of
 from bench.diagnosis.discovery.factors import Decay, Memory, Power, Step, Wave
 from bench.diagnosis.discovery.grammar import LOAD, TOOL, A, Q, Scope, T, V, grammar
 from bench.diagnosis.discovery.named import NAMED, name_of
@@ -18,7 +19,6 @@ from bench.diagnosis.discovery.table import PiecewiseLinear, table_over
 from bench.diagnosis.discovery.term import Term, about_its_mean, at_other_harmonics, freed
 from bench.diagnosis.discovery.units import times, written
 from bench.diagnosis.discovery.variables import OF_A_MOTOR, Place, Seen, Variable
-from bench.diagnosis.origin import origin_of
 from bench.effects import CATALOGUE, EffectInstance, effect_columns
 from bench.effects.memory import first_order
 from bench.identification.prepare import prepare, with_effects
@@ -31,7 +31,7 @@ SCOPE = Scope(2, True, True, 10.0, -1.0, 2.0, (1.0, 2.0, 3.0, 4.0), (7.0,), 0.01
 
 @pytest.fixture(scope="module")
 def context():
-    start = origin_of(prepare(problem_of(measured({**BRAKED, "joint": "left"}))))
+    start = base_model_of(prepare(problem_of(measured({**BRAKED, "joint": "left"}))))
     return start.context(start.start)
 
 

@@ -32,7 +32,7 @@ def test_one_law_is_tried_for_several_frictions(
 ) -> None:
     gain = SimpleNamespace(value=1.0, nominal=1.0)
     plain: Any = SimpleNamespace(after=SimpleNamespace(drive_gains={"motor": gain}), unexplained=None)
-    finding: Any = SimpleNamespace(origin=None, last=None, unfinished=(), barred={})
+    finding: Any = SimpleNamespace(base_model=None, last=None, unfinished=(), barred={})
     monkeypatch.setattr(find, "search_catalogue", lambda *_: finding)
     monkeypatch.setattr(find, "answered", lambda *_: plain)
     monkeypatch.setattr(find, "something_left", lambda _: left)
@@ -54,7 +54,7 @@ def test_an_effect_that_was_not_needed_may_be_found_beside_a_law(monkeypatch: py
         "joint_spring": Reason(Because.NOT_NEEDED),
         "stribeck_friction": Reason(Because.IMPOSSIBLE, ("Fs",)),
     }
-    finding: Any = SimpleNamespace(origin=None, last=None, unfinished=(), barred=barred)
+    finding: Any = SimpleNamespace(base_model=None, last=None, unfinished=(), barred=barred)
     plain: Any = SimpleNamespace(after=SimpleNamespace(drive_gains={}), unexplained=None)
     asked: list[Any] = []
     monkeypatch.setattr(find, "search_catalogue", lambda *_: finding)

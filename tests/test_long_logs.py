@@ -9,8 +9,8 @@ import pytest
 from bench.dataset.dataset import load_dataset
 from bench.dataset.recording import Recording
 from bench.dataset.robot import load_robot
+from bench.diagnosis.base_model import base_model_of
 from bench.diagnosis.candidates import propose
-from bench.diagnosis.origin import origin_of
 from bench.diagnosis.rounds import system_about
 from bench.identification import filtered as measured
 from bench.identification import observation
@@ -161,17 +161,19 @@ def test_a_motion_that_was_forgotten_is_worked_out_again_the_very_same(tmp_path,
 def test_what_a_long_motion_takes_is_gone_when_a_system_is_made(tmp_path, monkeypatch):
     monkeypatch.setattr(measured, "FEW_NUMBERS", 0)
     problem = problem_of(load_dataset(write_dataset(tmp_path / "d")))
-    origin = origin_of(prepare(problem))
+    base_model = base_model_of(prepare(problem))
     systems = [
-        system_about(origin, origin.start, propose(origin.context(origin.start), problem.catalogue))
+        system_about(
+            base_model, base_model.start, propose(base_model.context(base_model.start), problem.catalogue)
+        )
         for _ in range(2)
     ]
-    for entry in origin.start.measured:
+    for entry in base_model.start.measured:
         assert isinstance(entry.tree, LongMotion)
         assert "_whole" not in vars(entry.tree)
         assert not entry.held
         assert not any((entry.perturbed.nbytes, entry.reshaped.nbytes, entry.reactions.nbytes))
         assert entry.kept.nbytes > 0
-    for signals in origin.nearby.signals(origin.start.present, origin.start.signals):
+    for signals in base_model.nearby.signals(base_model.start.present, base_model.start.signals):
         assert not signals.noted
     np.testing.assert_array_equal(systems[0].fitted.inner, systems[1].fitted.inner)

@@ -2,10 +2,10 @@
 
 from collections.abc import Iterator, Sequence
 
+from bench.diagnosis.base_model import BaseModel
 from bench.diagnosis.candidates import Proposal
 from bench.diagnosis.decision import RULE
 from bench.diagnosis.evidence import answer_weight
-from bench.diagnosis.origin import Origin
 from bench.diagnosis.rounds import Round
 from bench.diagnosis.search import Scored, close, scored
 from bench.effects import EffectInstance
@@ -19,7 +19,7 @@ MOST_MORE = 2  # models with one effect more that are fitted, the best supported
 
 
 def with_spread_over_models(
-    origin: Origin, last: Round, model: Prepared, after: Identification, *, remains: bool
+    base_model: BaseModel, last: Round, model: Prepared, after: Identification, *, remains: bool
 ) -> Identification:
     """The identified model's answer, with deviations of its gains that hold those of models that are as good.
 
@@ -30,13 +30,13 @@ def with_spread_over_models(
     """
     samples = last.system.samples
     least = answer_weight(samples, model, after) - RULE.undecided
-    others, added = [], model.effects[len(origin.start.effects) :]
+    others, added = [], model.effects[len(base_model.start.effects) :]
     for chosen in _as_good(last, instead=remains):
         instances = [
             instance for i in chosen for instance in _instances(last.proposals[i], i in last.chosen, added)
         ]
-        origin.deadline.check()
-        wider = origin.warm_started(model, instances)
+        base_model.deadline.check()
+        wider = base_model.warm_started(model, instances)
         other = fit(wider)
         if runaway(other) is None and answer_weight(samples, wider, other) > least:
             others.append(other)

@@ -9,6 +9,7 @@ from bench.basics.progress import SILENT, Progress
 from bench.basics.threads import on_one_thread
 from bench.diagnosis.alike_places import alike_places
 from bench.diagnosis.as_good import with_spread_over_models
+from bench.diagnosis.base_model import BaseModel, base_model_of
 from bench.diagnosis.candidates import Proposal
 from bench.diagnosis.differs import differing
 from bench.diagnosis.elsewhere import differing_elsewhere, worse_elsewhere
@@ -26,7 +27,6 @@ from bench.diagnosis.ladder import (
 )
 from bench.diagnosis.mounting import mounted_otherwise
 from bench.diagnosis.normal_equations import System
-from bench.diagnosis.origin import Origin, origin_of
 from bench.diagnosis.own_values import (
     Place,
     explains_more,
@@ -101,7 +101,7 @@ class SearchResult:
     at.
     """
 
-    origin: Origin
+    base_model: BaseModel
     last: Round
     model: Prepared
     after: Identification
@@ -204,8 +204,10 @@ def _search_beside(
     before: the answer of `model` as it is.
     """
     for start in origins_of(model):
-        origin = origin_of(start, case.deadline)
-        finding = search_from(case, origin, first_round(origin, case.problem.catalogue, progress), progress)
+        base_model = base_model_of(start, case.deadline)
+        finding = search_from(
+            case, base_model, first_round(base_model, case.problem.catalogue, progress), progress
+        )
         samples = finding.last.system.samples
         if start is model or finding.weight_by(samples) >= answer_weight(samples, model, before):
             break
@@ -221,7 +223,7 @@ def _compared(case: SplitProblem, finding: SearchResult) -> SearchResult:
 
 def search_from(
     case: SplitProblem,
-    origin: Origin,
+    base_model: BaseModel,
     first: Round,
     progress: Progress = SILENT,
     barred: Mapping[str, Reason] = NONE_BARRED,
@@ -234,27 +236,36 @@ def search_from(
     end; wholly: TimeUpError is raised instead.
     """
     known, given = dict(barred), case.start.effects
-    given_count, cut, searching, origin = len(origin.start.effects), False, origin, origin.at_leisure
+    given_count, cut, searching, base_model = (
+        len(base_model.start.effects),
+        False,
+        base_model,
+        base_model.at_leisure,
+    )
     given_round = [first]
     del first  # handed on without a name, so that its system is gone before the next is built
     while True:
         this_round = given_round.pop()
-        last = staying(origin, this_round, known) if cut else searched(searching, this_round, known, progress)
+        last = (
+            staying(base_model, this_round, known)
+            if cut
+            else searched(searching, this_round, known, progress)
+        )
         cut = last.cut
         if cut and wholly:
             raise TimeUpError
         progress.phase("fitting what was found")
-        model, after, out = where_possible(origin, last.model, given, last.system.samples)
-        exact = origin.exactly(last.model) if out else last.model
+        model, after, out = where_possible(base_model, last.model, given, last.system.samples)
+        exact = base_model.exactly(last.model) if out else last.model
         if exact is not last.model:  # nothing goes because of what is only nearly so
-            model, after, out = where_possible(origin, exact, given, last.system.samples)
+            model, after, out = where_possible(base_model, exact, given, last.system.samples)
         if not out:
-            model, after, superfluous = leaving(origin, model, after, given, last.system.samples)
+            model, after, superfluous = leaving(base_model, model, after, given, last.system.samples)
             kept, new = kept_and_new(model.effects[given_count:], given)
             names = tuple(dict.fromkeys(instance.effect.name for instance in new))
-            each = dict.fromkeys(instance.request for instance in own_values(origin.start, given))
-            without = fit(origin.with_instances(kept)) if each else case.before
-            fits = fits_of(origin, kept, new, without, after)
+            each = dict.fromkeys(instance.request for instance in own_values(base_model.start, given))
+            without = fit(base_model.with_instances(kept)) if each else case.before
+            fits = fits_of(base_model, kept, new, without, after)
             ladder = ends_of_ladder(names, fits) if cut else ladder_of(names, fits)
             if not cut:
                 error_excess = partial(
@@ -311,7 +322,11 @@ def answered(case: SplitProblem, finding: SearchResult, progress: Progress = SIL
         progress.phase("fitting models that are as good")
         try:
             after = with_spread_over_models(
-                finding.origin, finding.last, model, after, remains=remaining.significant or remaining.much
+                finding.base_model,
+                finding.last,
+                model,
+                after,
+                remains=remaining.significant or remaining.much,
             )
         except TimeUpError:
             unfinished.append(Unfinished.AS_GOOD)

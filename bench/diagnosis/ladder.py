@@ -4,9 +4,9 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cache
 
+from bench.diagnosis.base_model import BaseModel
 from bench.diagnosis.evidence import ResidualSumOfSquares, answer_squares
 from bench.diagnosis.normal_equations import solve_set
-from bench.diagnosis.origin import Origin
 from bench.diagnosis.result import LadderStep
 from bench.diagnosis.rounds import Round
 from bench.diagnosis.search import held_out_error
@@ -29,7 +29,7 @@ Fits = Callable[[frozenset[str]], FittedSet]
 
 
 def fits_of(
-    origin: Origin,
+    base_model: BaseModel,
     kept: Sequence[EffectInstance],
     new: Sequence[EffectInstance],
     before: Identification,
@@ -47,7 +47,7 @@ def fits_of(
         elif len(chosen) == len(new):
             series, gains = after.recordings, values_of(after.drive_gains)
         else:
-            series, gains = fitted_currents(origin.with_instances([*kept, *chosen]))
+            series, gains = fitted_currents(base_model.with_instances([*kept, *chosen]))
         return FittedSet(step_of(tuple(names), series), answer_squares([*kept, *chosen], series), gains)
 
     return fitted

@@ -8,13 +8,13 @@ import numpy as np
 
 from bench.basics.deadline import NEVER, TimeUpError
 from bench.basics.progress import SILENT, Progress
+from bench.diagnosis.base_model import BaseModel
 from bench.diagnosis.batched_sets import solve_sets, swapped
 from bench.diagnosis.candidates import Context, Proposal, propose, shaped
 from bench.diagnosis.decision import RULE
 from bench.diagnosis.evidence import ResidualSumOfSquares, effects_prior, residual_squares
 from bench.diagnosis.noise import leaves_only_noise
 from bench.diagnosis.normal_equations import System, build_system, solve_set
-from bench.diagnosis.origin import Origin
 from bench.diagnosis.restart import restarted
 from bench.diagnosis.revealed import in_their_shape, partners
 from bench.diagnosis.search import Selection, contains, neighbours, score, search
@@ -63,26 +63,30 @@ class Round:
         return {self.proposals[i].name for i in self.chosen}
 
 
-def first_round(origin: Origin, catalogue: Mapping[str, Effect], progress: Progress = SILENT) -> Round:
+def first_round(base_model: BaseModel, catalogue: Mapping[str, Effect], progress: Progress = SILENT) -> Round:
     """Every effect in the shape that suits the starting model; after the deadline `straight_round`."""
     progress.phase("searching, round 1", len(catalogue))
     try:
-        proposals = propose(origin.context(origin.start), catalogue, progress, origin.deadline)
-        return round_about(origin, origin.start, proposals, ())
+        proposals = propose(base_model.context(base_model.start), catalogue, progress, base_model.deadline)
+        return round_about(base_model, base_model.start, proposals, ())
     except TimeUpError:
-        return straight_round(origin.at_leisure, catalogue)
+        return straight_round(base_model.at_leisure, catalogue)
 
 
-def straight_round(origin: Origin, catalogue: Mapping[str, Effect]) -> Round:
+def straight_round(base_model: BaseModel, catalogue: Mapping[str, Effect]) -> Round:
     """The best set of the effects alone whose columns depend on nothing that is sought: it is converged at once."""
     straight = {
         name: effect for name, effect in catalogue.items() if not settles([EffectInstance(effect, "", name)])
     }
-    this_round = round_about(origin, origin.start, propose(origin.context(origin.start), straight), ())
-    return replace(_converged(origin, this_round), cut=True)
+    this_round = round_about(
+        base_model, base_model.start, propose(base_model.context(base_model.start), straight), ()
+    )
+    return replace(_converged(base_model, this_round), cut=True)
 
 
-def searched(origin: Origin, first: Round, barred: Collection[str], progress: Progress = SILENT) -> Round:
+def searched(
+    base_model: BaseModel, first: Round, barred: Collection[str], progress: Progress = SILENT
+) -> Round:
     """Search, linearise about the best model, and search again until the same is found; then as long as an effect that
     joins leads to a set which, converged, leaves clearly less.
 
@@ -96,11 +100,11 @@ def searched(origin: Origin, first: Round, barred: Collection[str], progress: Pr
         whole, first = first, replace(first, selection=_search(first.system, first.proposals, barred))
         stayed = tuple(i for i in whole.chosen if whole.proposals[i].name not in barred)
         if stayed and stayed != first.chosen:
-            before = _converged(origin.at_leisure, _with_set(whole, stayed))
+            before = _converged(base_model.at_leisure, _with_set(whole, stayed))
         del whole
     given = [first]
     del first  # handed on without a name, so that its system is gone before the next is built
-    this_round = _again(origin, given.pop(), barred, progress, before)
+    this_round = _again(base_model, given.pop(), barred, progress, before)
     tried = {frozenset(this_round.chosen)}
     for _ in range(ROUNDS - 1):
         before = this_round
@@ -109,27 +113,27 @@ def searched(origin: Origin, first: Round, barred: Collection[str], progress: Pr
                 return this_round
             progress.phase("searching for partners and rivals")
             try:
-                better = seek(origin, this_round, barred)
+                better = seek(base_model, this_round, barred)
             except TimeUpError:
                 return replace(this_round, cut=True)
             if better is not None and frozenset(better.chosen) not in tried:
-                this_round = _again(origin, better, barred, progress, this_round)
+                this_round = _again(base_model, better, barred, progress, this_round)
                 tried |= {frozenset(better.chosen), frozenset(this_round.chosen)}
         if this_round is before:
             break
     return this_round
 
 
-def staying(origin: Origin, this_round: Round, barred: Collection[str]) -> Round:
+def staying(base_model: BaseModel, this_round: Round, barred: Collection[str]) -> Round:
     """What stays of a round's set where some effects may not be found, converged, without another search."""
     stayed = [i for i in this_round.chosen if this_round.proposals[i].name not in barred]
     return replace(
-        _with_set(this_round, stayed), model=origin.with_proposals(this_round.proposals, stayed), cut=True
+        _with_set(this_round, stayed), model=base_model.with_proposals(this_round.proposals, stayed), cut=True
     )
 
 
 def _again(
-    origin: Origin,
+    base_model: BaseModel,
     this_round: Round,
     barred: Collection[str],
     progress: Progress,
@@ -150,50 +154,52 @@ def _again(
             if not this_round.chosen:
                 break
             progress.phase(f"searching, round {number}", len(this_round.proposals))
-            better = _first_better(origin, this_round, before, barred)
+            better = _first_better(base_model, this_round, before, barred)
             if better is None:
                 assert before is not None  # without one to surpass, the best set is taken
                 return before
-            spare = None if origin.deadline is NEVER else better
-            proposals = reshaped(origin, better, progress)
+            spare = None if base_model.deadline is NEVER else better
+            proposals = reshaped(base_model, better, progress)
             model, chosen, names = better.model, better.chosen, better.names
             before = None
             del (
                 this_round,
                 better,
             )  # so that this round's system is gone before the next is built, unless it is spared
-            this_round = round_about(origin, model, proposals, barred)
+            this_round = round_about(base_model, model, proposals, barred)
             if this_round.names == names:
                 return this_round
             before = spare = _with_set(this_round, chosen)
-        return replace(this_round, model=origin.with_proposals(this_round.proposals, this_round.chosen))
+        return replace(this_round, model=base_model.with_proposals(this_round.proposals, this_round.chosen))
     except TimeUpError:
-        return _straight(origin, this_round, barred) if spare is None else replace(spare, cut=True)
+        return _straight(base_model, this_round, barred) if spare is None else replace(spare, cut=True)
 
 
-def _straight(origin: Origin, this_round: Round, barred: Collection[str]) -> Round:
+def _straight(base_model: BaseModel, this_round: Round, barred: Collection[str]) -> Round:
     """A round with the best set of its effects that are converged at once, and the search cut there."""
     usable_now = [
         i for i in usable(this_round.proposals, barred) if not settles(this_round.proposals[i].instances)
     ]
     best = replace(this_round, selection=search(this_round.system, usable_now))
-    return replace(_converged(origin.at_leisure, best), cut=True)
+    return replace(_converged(base_model.at_leisure, best), cut=True)
 
 
 def _first_better(
-    origin: Origin, this_round: Round, before: Round | None, barred: Collection[str]
+    base_model: BaseModel, this_round: Round, before: Round | None, barred: Collection[str]
 ) -> Round | None:
     """The best set of a round with its model, or the first like the one before that does better than that one."""
     if before is None:
-        return _converged(origin, this_round)
-    every = (_converged(origin, tried) for tried in (this_round, *_alike(this_round, before.chosen, barred)))
+        return _converged(base_model, this_round)
+    every = (
+        _converged(base_model, tried) for tried in (this_round, *_alike(this_round, before.chosen, barred))
+    )
     return next((tried for tried in every if _better(tried, before)), None)
 
 
-def _converged(origin: Origin, this_round: Round) -> Round:
+def _converged(base_model: BaseModel, this_round: Round) -> Round:
     """The round with its set's model."""
     return replace(
-        this_round, model=origin.in_search(this_round.system, this_round.proposals, this_round.chosen)
+        this_round, model=base_model.in_search(this_round.system, this_round.proposals, this_round.chosen)
     )
 
 
@@ -231,21 +237,21 @@ def _with_set(this_round: Round, chosen: Sequence[int]) -> Round:
     return replace(this_round, selection=replace(selection, selected=score(this_round.system, fit)))
 
 
-def _with_partner(origin: Origin, this_round: Round, barred: Collection[str]) -> Round | None:
+def _with_partner(base_model: BaseModel, this_round: Round, barred: Collection[str]) -> Round | None:
     """What is found when an effect joins the model and all shapes are converged anew; None if nothing better is.
 
     Sets are compared in one system: what each promises holds where it was linearised about the same model.
     """
-    context = origin.context(this_round.model)
+    context = base_model.context(this_round.model)
     for i in partners(this_round.model, context, this_round.proposals, this_round.chosen):
         if this_round.proposals[i].name in barred:
             continue
-        for settle in (origin.nearly, origin.with_proposals):
+        for settle in (base_model.nearly, base_model.with_proposals):
             joined = settle(this_round.proposals, (*this_round.chosen, i))
             if not _better(replace(this_round, model=joined), this_round):
                 break
-            others = in_their_shape(this_round.proposals, joined, len(origin.start.effects))
-            wider = round_about(origin, joined, others, barred)
+            others = in_their_shape(this_round.proposals, joined, len(base_model.start.effects))
+            wider = round_about(base_model, joined, others, barred)
             without = score(wider.system, solve_set(wider.system, this_round.chosen))
             if wider.selection.selected.total <= without.total:
                 break
@@ -254,34 +260,34 @@ def _with_partner(origin: Origin, this_round: Round, barred: Collection[str]) ->
     return None
 
 
-def _with_rival(origin: Origin, this_round: Round, barred: Collection[str]) -> Round | None:
+def _with_rival(base_model: BaseModel, this_round: Round, barred: Collection[str]) -> Round | None:
     """What is found from a set one effect away that is hardly less probable about this model, and more where it is
     converged; None if none is.
     """
     for rival in _alike(this_round, this_round.chosen, barred, RULE.undecided):
-        there = _converged(origin, rival)
+        there = _converged(base_model, rival)
         if _better(there, this_round):
-            return round_about(origin, there.model, reshaped(origin, there, SILENT), barred)
+            return round_about(base_model, there.model, reshaped(base_model, there, SILENT), barred)
     return None
 
 
 def round_about(
-    origin: Origin, model: Prepared, proposals: Sequence[Proposal], barred: Collection[str]
+    base_model: BaseModel, model: Prepared, proposals: Sequence[Proposal], barred: Collection[str]
 ) -> Round:
     """The starting model's equations with every proposal's columns, linearised about `model`, and the best set."""
-    system = system_about(origin, model, proposals)
-    return Round(model, proposals, system, search(system, usable(proposals, barred), origin.deadline))
+    system = system_about(base_model, model, proposals)
+    return Round(model, proposals, system, search(system, usable(proposals, barred), base_model.deadline))
 
 
-def system_about(origin: Origin, model: Prepared, proposals: Sequence[Proposal]) -> System:
+def system_about(base_model: BaseModel, model: Prepared, proposals: Sequence[Proposal]) -> System:
     """The starting model's equations with every proposal's columns, linearised about `model`."""
-    start = origin.start
+    start = base_model.start
     about = with_effects(model, start.effects)
     given_solution = _own_solution(start, about, solved_quickly(model)[1].weights)
     exact = model.effects[len(start.effects) :]
     listed = [() if proposal.absorbed else proposal.instances for proposal in proposals]
-    near = origin.nearby.signals(model.present, model.signals)
-    system = build_system(about, near, listed, exact, given_solution, origin.deadline)
+    near = base_model.nearby.signals(model.present, model.signals)
+    system = build_system(about, near, listed, exact, given_solution, base_model.deadline)
     return replace(system, priors=tuple(proposal.prior for proposal in proposals))
 
 
@@ -302,18 +308,18 @@ def usable(proposals: Sequence[Proposal], barred: Collection[str]) -> list[int]:
     ]
 
 
-def reshaped(origin: Origin, this_round: Round, progress: Progress) -> list[Proposal]:
+def reshaped(base_model: BaseModel, this_round: Round, progress: Progress) -> list[Proposal]:
     """Proposals in the shape that suits the found set: as found, or in the place of the effect that they rival.
 
     An effect that could replace an identified one is given the shape that it would have without that one; the
     others the shape that explains most of what the found set leaves, if that is more than noise. A special case of a
     found effect that explains little of this is given its shape in the place of that one.
     """
-    model, given_count = this_round.model, len(origin.start.effects)
+    model, given_count = this_round.model, len(base_model.start.effects)
     added = model.effects[given_count:]
-    contexts: dict[int | None, Context] = {None: origin.context(model)}
+    contexts: dict[int | None, Context] = {None: base_model.context(model)}
     result = []
-    only_noise = leaves_only_noise(this_round.system, model, origin.noise)
+    only_noise = leaves_only_noise(this_round.system, model, base_model.noise)
     asked = [
         i
         for i, candidate in enumerate(this_round.proposals)
@@ -324,7 +330,7 @@ def reshaped(origin: Origin, this_round: Round, progress: Progress) -> list[Prop
     )  # together, and kept: each is asked for below
     for i, proposal in enumerate(this_round.proposals):
         progress.advance()
-        origin.deadline.check()
+        base_model.deadline.check()
         if i in this_round.chosen:
             instances = tuple(instance for instance in added if instance.effect.name == proposal.name)
             result.append(replace(proposal, instances=instances))
@@ -339,7 +345,7 @@ def reshaped(origin: Origin, this_round: Round, progress: Progress) -> list[Prop
             instances = (
                 proposal.instances
                 if only_noise
-                else shaped(contexts[None], proposal.instances, origin.deadline)
+                else shaped(contexts[None], proposal.instances, base_model.deadline)
             )
             rival = _whole(this_round.system, this_round.selection, i)
             if rival is None or (not only_noise and explains(contexts[None], instances)):
@@ -348,8 +354,8 @@ def reshaped(origin: Origin, this_round: Round, progress: Progress) -> list[Prop
         name = this_round.proposals[rival].name
         if rival not in contexts:
             others = [instance for instance in added if instance.effect.name != name]
-            contexts[rival] = origin.context(with_effects(model, (*origin.start.effects, *others)))
-        instances = shaped(contexts[rival], proposal.instances, origin.deadline)
+            contexts[rival] = base_model.context(with_effects(model, (*base_model.start.effects, *others)))
+        instances = shaped(contexts[rival], proposal.instances, base_model.deadline)
         if contains(this_round.system.candidates[rival], this_round.system.candidates[i]):
             present = [instance for instance in added if instance.effect.name == name]
             instances = explaining_most(contexts[rival], instances, with_shapes_of(present, instances))

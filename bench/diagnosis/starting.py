@@ -3,9 +3,9 @@
 from collections.abc import Collection, Sequence
 from dataclasses import replace
 
+from bench.diagnosis.base_model import BaseModel
 from bench.diagnosis.candidates import Proposal
 from bench.diagnosis.evidence import Samples, answer_weight
-from bench.diagnosis.origin import Origin
 from bench.diagnosis.result import Superfluous
 from bench.effects import EffectInstance
 from bench.identification.identify import fit
@@ -35,14 +35,18 @@ def kept_and_new(
 
 
 def leaving(
-    origin: Origin, model: Prepared, after: Identification, given: Sequence[EffectInstance], samples: Samples
+    base_model: BaseModel,
+    model: Prepared,
+    after: Identification,
+    given: Sequence[EffectInstance],
+    samples: Samples,
 ) -> tuple[Prepared, Identification, tuple[Superfluous, ...]]:
     """The identified model, named as the user did, and those of the given effects that it does without.
 
     Each is tried once more in addition to the others: one that takes a clear share of the error away comes back.
     """
-    given_count = len(origin.start.effects)
-    each = {instance.effect.name for instance in origin.start.effects if instance.recording}
+    given_count = len(base_model.start.effects)
+    each = {instance.effect.name for instance in base_model.start.effects if instance.recording}
     added = _named(
         model.effects[given_count:], [instance for instance in given if instance.effect.name not in each]
     )
@@ -50,12 +54,12 @@ def leaving(
     if model.effects and added:
         after = replace(after, effects=tuple(dict.fromkeys(instance.request for instance in model.effects)))
     gone: list[Superfluous] = []
-    there = _places(origin.start.effects)
+    there = _places(base_model.start.effects)
     absent = [instance for instance in given if (instance.effect.name, instance.joint) not in there]
     for name in dict.fromkeys(instance.effect.name for instance in absent):
         if any(instance.effect.name == name for instance in added):
             continue
-        wider = origin.with_instances(
+        wider = base_model.with_instances(
             [*added, *(instance for instance in absent if instance.effect.name == name)]
         )
         result = fit(wider)

@@ -9,6 +9,7 @@ import numpy as np
 from bench.basics.deadline import NEVER, Deadline, TimeUpError
 from bench.basics.progress import SILENT, Progress
 from bench.basics.threads import on_one_thread
+from bench.diagnosis.base_model import BaseModel
 from bench.diagnosis.candidates import Proposal
 from bench.diagnosis.catalogue_search import (
     SearchResult,
@@ -30,7 +31,6 @@ from bench.diagnosis.discovery.search import Laws, search_laws
 from bench.diagnosis.discovery.seen import places_of
 from bench.diagnosis.discovery.smooth import tabled_laws
 from bench.diagnosis.discovery.variables import Place
-from bench.diagnosis.origin import Origin
 from bench.diagnosis.reason import Because, Reason
 from bench.diagnosis.result import (
     Diagnosis,
@@ -135,7 +135,7 @@ def _with_more(
         yield answer
     if answer.laws or not (wanted if discover is None else discover):
         return
-    found_laws = search_laws(finding.origin, finding.last, _never(finding), progress)
+    found_laws = search_laws(finding.base_model, finding.last, _never(finding), progress)
     if found_laws is not None:
         answer = _with_laws(case, answer, *found_laws, progress)
         yield answer
@@ -182,14 +182,14 @@ def _with_laws(
 
     prior: of the laws, by default that of the terms they were found with.
     """
-    origin, last = plain.finding.origin, searched.last
-    given_count = len(origin.start.effects)
+    base_model, last = plain.finding.base_model, searched.last
+    given_count = len(base_model.start.effects)
     result = fit(refined.model)
     laws = laws_of(
         result,
         refined.model.effects[given_count:],
         refined.terms,
-        places_of(origin.start),
+        places_of(base_model.start),
         case.problem.catalogue,
     )
     named = [
@@ -197,7 +197,7 @@ def _with_laws(
         for instance in refined.model.effects[given_count:]
         if instance.effect.name not in refined.terms
     ]
-    model = origin.with_instances([*named, *(instance for law in laws for instance in law.instances)])
+    model = base_model.with_instances([*named, *(instance for law in laws for instance in law.instances)])
     if prior is None:
         prior = max(proposal.prior for proposal in last.proposals)
     proposals = [
@@ -205,7 +205,7 @@ def _with_laws(
     ]
     proposals += _proposed(model, laws, prior)
     barred = _never_beside(plain.finding, named)
-    this_round = _round_from(origin, model, proposals, barred)
+    this_round = _round_from(base_model, model, proposals, barred)
     called = stood_for(this_round, [law.name for law in laws], barred)
     if called:
         laws = [law for law in laws if law.name not in called]
@@ -215,13 +215,13 @@ def _with_laws(
             if i in called.values()
             for instance in proposal.instances
         ]
-        model = origin.with_instances([*named, *(instance for law in laws for instance in law.instances)])
+        model = base_model.with_instances([*named, *(instance for law in laws for instance in law.instances)])
         this_round = _round_from(
-            origin, model, [proposal for proposal in proposals if proposal.name not in called], barred
+            base_model, model, [proposal for proposal in proposals if proposal.name not in called], barred
         )
     if not called and this_round.names.isdisjoint(law.name for law in laws):
         return plain
-    finding = search_from(case, origin, this_round, progress, barred, wholly=True)
+    finding = search_from(case, base_model, this_round, progress, barred, wholly=True)
     staying = tuple(law for law in laws if law.name in finding.names)
     if not (staying or called) or not finding.more_probable_than(
         plain.finding, plain.diagnosis.unexplained.excess
@@ -231,14 +231,14 @@ def _with_laws(
 
 
 def _round_from(
-    origin: Origin, model: Prepared, proposals: Sequence[Proposal], barred: Collection[str]
+    base_model: BaseModel, model: Prepared, proposals: Sequence[Proposal], barred: Collection[str]
 ) -> Round:
     """As `round_about`; the search also starts from the model's set: of laws at one motor each, none shows alone."""
-    this_round = round_about(origin, model, proposals, barred)
-    there = {instance.effect.name for instance in model.effects[len(origin.start.effects) :]}
+    this_round = round_about(base_model, model, proposals, barred)
+    there = {instance.effect.name for instance in model.effects[len(base_model.start.effects) :]}
     known = usable(proposals, barred)
     begun = [i for i in known if proposals[i].name in there]
-    best = best_set(this_round.system, [begun, this_round.chosen], known, origin.deadline)
+    best = best_set(this_round.system, [begun, this_round.chosen], known, base_model.deadline)
     return (
         replace(this_round, selection=replace(this_round.selection, selected=best))
         if best.total > this_round.selection.selected.total
@@ -272,8 +272,8 @@ def _with_tables(case: SplitProblem, plain: _Answer, progress: Progress) -> _Ans
     if not (unexplained.significant or unexplained.much):
         return plain
     progress.phase("tabling what no formula fits")
-    origin = finding.origin
-    given_count = len(origin.start.effects)
+    base_model = finding.base_model
+    given_count = len(base_model.start.effects)
     laws = tabled_laws(finding, {*case.problem.catalogue, *(law.name for law in plain.laws)})
     if not laws:
         return plain
@@ -281,13 +281,13 @@ def _with_tables(case: SplitProblem, plain: _Answer, progress: Progress) -> _Ans
         *finding.model.effects[given_count:],
         *(instance for law in laws for instance in law.instances),
     ]
-    model = origin.with_instances(instances)
+    model = base_model.with_instances(instances)
     proposals = [proposal for proposal in finding.last.proposals if proposal.name in finding.names]
     proposals += _proposed(model, laws, RULE.prior)
-    this_round = _round_from(origin, model, proposals, finding.barred)
+    this_round = _round_from(base_model, model, proposals, finding.barred)
     if this_round.names.isdisjoint(law.name for law in laws):
         return plain
-    wider = search_from(case, origin, this_round, progress, finding.barred, wholly=True)
+    wider = search_from(case, base_model, this_round, progress, finding.barred, wholly=True)
     staying = tuple(law for law in (*plain.laws, *laws) if law.name in wider.names)
     tabled = {law.name for law in laws}.intersection(wider.names)
     if not tabled or not wider.more_probable_than(finding, wider.excess(case)):

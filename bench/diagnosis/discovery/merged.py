@@ -4,6 +4,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from itertools import groupby, product
 
+from bench.diagnosis.base_model import BaseModel
 from bench.diagnosis.catalogue_search import SearchResult
 from bench.diagnosis.discovery.factors import Power
 from bench.diagnosis.discovery.grammar import V
@@ -14,7 +15,6 @@ from bench.diagnosis.discovery.screen import Screened
 from bench.diagnosis.discovery.seen import places_of
 from bench.diagnosis.discovery.term import Term
 from bench.diagnosis.discovery.variables import Place
-from bench.diagnosis.origin import Origin
 from bench.effects import Effect
 from bench.identification.prepare import Prepared, with_effects
 
@@ -32,13 +32,13 @@ def merged(
     laws: among the identified effects. catalogue: with their special cases. much: whether more is left
     than noise, so that a model with as many unknowns can leave clearly less.
     """
-    origin = finding.origin
-    parts = parts_of(finding.model.effects[len(origin.start.effects) :], laws)
+    base_model = finding.base_model
+    parts = parts_of(finding.model.effects[len(base_model.start.effects) :], laws)
     least = finding.weight_by(judge.samples)
     for alike in together(parts):
         others = [part for part in parts if part not in alike]
         at = {part.instance.joint for part in alike}
-        places = [place for place in places_of(origin.start) if place.name in at]
+        places = [place for place in places_of(base_model.start) if place.name in at]
         law_unknowns = OWN * len(places)
 
         def size(kept: Sequence[Part], others: Sequence[Part] = others) -> tuple[int, int]:
@@ -47,7 +47,8 @@ def merged(
         sets = sorted(fewer(alike, law_unknowns - much, catalogue), key=size)
         for _, alternatives in groupby(sets, key=size):
             tried = [
-                _with_power(origin, finding.model, [*others, *kept], places, judge) for kept in alternatives
+                _with_power(base_model, finding.model, [*others, *kept], places, judge)
+                for kept in alternatives
             ]
             best = max(tried, key=lambda each: each.weight)
             if best.weight > least:
@@ -73,7 +74,7 @@ def together(parts: Sequence[Part]) -> list[list[Part]]:
 
 
 def _with_power(
-    origin: Origin, found_model: Prepared, stay: Sequence[Part], places: Sequence[Place], judge: Judge
+    base_model: BaseModel, found_model: Prepared, stay: Sequence[Part], places: Sequence[Place], judge: Judge
 ) -> Refined:
     """What stays of the identified model, and a power of the velocity at some places, converged from the exponent that
     does best beside it as it is.
@@ -83,10 +84,10 @@ def _with_power(
     for exponent in EXPONENTS:
         term = Term((Power(V, exponent, free=True),))
         added = *(part.instance for part in stay), *instances_of(NAME, Screened(term, {}, 0.0), places)
-        model = with_effects(found_model, (*origin.start.effects, *added))
+        model = with_effects(found_model, (*base_model.start.effects, *added))
         begun.append((judge.refined(model, {**terms, NAME: term}), term, added))
     _, term, added = max(begun, key=lambda each: each[0].weight)
-    return judge.refined(origin.warm_started(found_model, added), {**terms, NAME: term})
+    return judge.refined(base_model.warm_started(found_model, added), {**terms, NAME: term})
 
 
 def fewer(alike: Sequence[Part], law_unknowns: int, catalogue: Mapping[str, Effect]) -> list[list[Part]]:

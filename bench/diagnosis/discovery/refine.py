@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from functools import partial
 from itertools import islice
 
+from bench.diagnosis.base_model import BaseModel, at_its_solution
 from bench.diagnosis.decision import RULE
 from bench.diagnosis.discovery.grammar import LOAD
 from bench.diagnosis.discovery.named import name_of
@@ -13,7 +14,6 @@ from bench.diagnosis.discovery.source import law_effect
 from bench.diagnosis.discovery.term import Term, about_its_mean, at_other_harmonics, freed
 from bench.diagnosis.discovery.variables import Place
 from bench.diagnosis.evidence import Samples, effects_prior, residual_squares
-from bench.diagnosis.origin import Origin, at_its_solution
 from bench.effects import EffectInstance
 from bench.identification.nonlinear import converged
 from bench.identification.prepare import Prepared, with_effects
@@ -75,7 +75,7 @@ class _Variant:
 
 
 def refined(
-    origin: Origin, model: Prepared, terms: Mapping[str, Term], places: Sequence[Place], judge: Judge
+    base_model: BaseModel, model: Prepared, terms: Mapping[str, Term], places: Sequence[Place], judge: Judge
 ) -> Refined:
     """The best of the identified model and those with one number more to be adapted, or with a wave at another
     harmonic.
@@ -86,39 +86,41 @@ def refined(
     that is known there; what does well is then converged as it is. MOST of them are tried, those with all or none of
     the other effects first. Raises TimeUpError after the deadline.
     """
-    given_count = len(origin.start.effects)
+    given_count = len(base_model.start.effects)
     best = judge.refined(model, terms)
-    looked_at = judge.refined(origin.again_nearby(model), terms)
+    looked_at = judge.refined(base_model.again_nearby(model), terms)
     for _ in range(best.size(given_count)):
         fewer = (
             (new, variant.looked_at)
-            for variant in _fewer(origin, looked_at, judge)
-            if (new := _converged_if_better(origin, variant, looked_at, best, judge))
+            for variant in _fewer(base_model, looked_at, judge)
+            if (new := _converged_if_better(base_model, variant, looked_at, best, judge))
         )
         simpler = next(fewer, None)
         if simpler is None:
             break
         best, looked_at = simpler
-    for variant in islice(_tried(origin, looked_at, places, judge), MOST):
-        if new := _converged_if_better(origin, variant, looked_at, best, judge):
+    for variant in islice(_tried(base_model, looked_at, places, judge), MOST):
+        if new := _converged_if_better(base_model, variant, looked_at, best, judge):
             best, looked_at = new, variant.looked_at
     return best
 
 
 def _converged_if_better(
-    origin: Origin, variant: _Variant, looked_at: Refined, best: Refined, judge: Judge
+    base_model: BaseModel, variant: _Variant, looked_at: Refined, best: Refined, judge: Judge
 ) -> Refined | None:
     """A model that is tried, converged as it is; None where the best is as good. looked_at: see `_promises`."""
-    given_count = len(origin.start.effects)
+    given_count = len(base_model.start.effects)
     if variant.looked_at.size(given_count) > best.size(given_count) or not _promises(
-        origin, variant, looked_at, best, judge
+        base_model, variant, looked_at, best, judge
     ):
         return None
     new = judge.refined(variant.exactly(), variant.looked_at.terms)
     return new if new.weight > best.weight and not _slower(new, given_count) else None
 
 
-def _promises(origin: Origin, variant: _Variant, looked_at: Refined, best: Refined, judge: Judge) -> bool:
+def _promises(
+    base_model: BaseModel, variant: _Variant, looked_at: Refined, best: Refined, judge: Judge
+) -> bool:
     """Whether a model may be better than the best: by what it leaves nearby, then as it is with the values found there.
 
     looked_at: the best as it is known nearby.
@@ -128,27 +130,29 @@ def _promises(origin: Origin, variant: _Variant, looked_at: Refined, best: Refin
         return False
     if near.model.nearby is None:
         return True
-    there = with_effects(origin.start, near.model.effects, near.model.present)
+    there = with_effects(base_model.start, near.model.effects, near.model.present)
     return judge.refined(there, near.terms).weight > best.weight - NEARBY
 
 
-def _fewer(origin: Origin, refinement: Refined, judge: Judge) -> Iterator[_Variant]:
+def _fewer(base_model: BaseModel, refinement: Refined, judge: Judge) -> Iterator[_Variant]:
     """The model without one of its effects, where a term is left."""
-    given_count = len(origin.start.effects)
+    given_count = len(base_model.start.effects)
     names = {instance.effect.name for instance in refinement.model.effects[given_count:]}
     for name in sorted(names):
         terms = {key: term for key, term in refinement.terms.items() if key != name}
-        fewer = _without(origin, refinement.model, names - {name}, refinement, judge) if terms else None
+        fewer = _without(base_model, refinement.model, names - {name}, refinement, judge) if terms else None
         if fewer is not None:
-            yield _Variant(judge.refined(fewer, terms), partial(origin.exactly, fewer))
+            yield _Variant(judge.refined(fewer, terms), partial(base_model.exactly, fewer))
 
 
-def _tried(origin: Origin, refinement: Refined, places: Sequence[Place], judge: Judge) -> Iterator[_Variant]:
+def _tried(
+    base_model: BaseModel, refinement: Refined, places: Sequence[Place], judge: Judge
+) -> Iterator[_Variant]:
     """Models with a number of one term set free, with all other effects, none of them, and all but one.
 
     found: the model that they start from, converged as it is known nearby.
     """
-    given_count = len(origin.start.effects)
+    given_count = len(base_model.start.effects)
     wholes = []
 
     def as_variant(look: Prepared, exactly: Callable[[], Prepared], name: str, variant: Term) -> _Variant:
@@ -160,11 +164,11 @@ def _tried(origin: Origin, refinement: Refined, places: Sequence[Place], judge: 
 
     def with_others(others: Sequence[EffectInstance], name: str, variant: Term) -> _Variant:
         added = instances_of(name, Screened(variant, {}, 0.0), places)
-        exactly = partial(origin.with_instances, [*others, *added])
+        exactly = partial(base_model.with_instances, [*others, *added])
         if refinement.model.nearby is None or not others:
             exact = exactly()
             return as_variant(exact, lambda: exact, name, variant)
-        return as_variant(origin.joined_nearby(refinement.model, others, added), exactly, name, variant)
+        return as_variant(base_model.joined_nearby(refinement.model, others, added), exactly, name, variant)
 
     added_names = {instance.effect.name for instance in refinement.model.effects[given_count:]}
     for name, term in refinement.terms.items():
@@ -190,9 +194,9 @@ def _tried(origin: Origin, refinement: Refined, places: Sequence[Place], judge: 
             )
     for whole_model, free, variant, names in wholes:
         for name in sorted(names) if len(names) > 1 else ():
-            fewer = _without(origin, whole_model, {*names, free} - {name}, refinement, judge)
+            fewer = _without(base_model, whole_model, {*names, free} - {name}, refinement, judge)
             if fewer is not None:
-                yield as_variant(fewer, partial(origin.exactly, fewer), free, variant)
+                yield as_variant(fewer, partial(base_model.exactly, fewer), free, variant)
 
 
 def _with_a_mean(term: Term, names: Collection[str]) -> Iterator[tuple[Term, str]]:
@@ -238,13 +242,13 @@ def _slower(new: Refined, given_count: int) -> bool:
 
 
 def _without(
-    origin: Origin, whole: Prepared, kept: Collection[str], refinement: Refined, judge: Judge
+    base_model: BaseModel, whole: Prepared, kept: Collection[str], refinement: Refined, judge: Judge
 ) -> Prepared | None:
     """A converged model without some of its effects; None where that explains far less, the others as they are.
 
     As the whole: as it is known nearby, or as it is.
     """
-    given_count = len(origin.start.effects)
+    given_count = len(base_model.start.effects)
     remaining = [
         instance
         for i, instance in enumerate(whole.effects)
@@ -253,4 +257,4 @@ def _without(
     fewer = with_effects(whole, remaining)
     if judge.refined(fewer, {}).held_out > FAR_LESS * refinement.held_out:
         return None
-    return at_its_solution(converged(fewer, nearly=True, deadline=origin.deadline))
+    return at_its_solution(converged(fewer, nearly=True, deadline=base_model.deadline))

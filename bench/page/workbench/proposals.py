@@ -4,9 +4,9 @@ from collections.abc import Mapping
 from dataclasses import replace
 
 from bench.basics.progress import SILENT
+from bench.diagnosis.base_model import BaseModel
 from bench.diagnosis.candidates import Proposal, propose
 from bench.diagnosis.normal_equations import solve_set
-from bench.diagnosis.origin import Origin
 from bench.diagnosis.rounds import Round, reshaped, system_about
 from bench.diagnosis.search import Selection, score
 from bench.effects import Effect, EffectInstance
@@ -22,16 +22,18 @@ def instances_of(
 
     In the order of `effects`; an effect that the model takes up everywhere has no instance. nearby: of `model`.
     """
-    origin = Origin(model.plain, nearby)
-    proposals = propose(origin.context(with_effects(model.complete, model.plain.effects)), effects)
+    base_model = BaseModel(model.plain, nearby)
+    proposals = propose(base_model.context(with_effects(model.complete, model.plain.effects)), effects)
     if model.effects:
-        proposals = _about_the_found(origin, model, proposals)
+        proposals = _about_the_found(base_model, model, proposals)
     instances = [instance for each in proposals if not each.absorbed for instance in each.instances]
     names = list(effects)
     return tuple(sorted(instances, key=lambda instance: names.index(instance.effect.name)))
 
 
-def _about_the_found(origin: Origin, model: DiagnosedModel, proposals: list[Proposal]) -> list[Proposal]:
+def _about_the_found(
+    base_model: BaseModel, model: DiagnosedModel, proposals: list[Proposal]
+) -> list[Proposal]:
     """Proposals as the last round of a search leaves them, which found the effects of `model`."""
     present = {(instance.effect.name, instance.joint) for instance in model.effects}
     some = []
@@ -42,6 +44,6 @@ def _about_the_found(origin: Origin, model: DiagnosedModel, proposals: list[Prop
     names = dict.fromkeys(instance.effect.name for instance in model.effects)
     groups = [tuple(instance for instance in model.effects if instance.effect.name == name) for name in names]
     every = [*(Proposal(each[0].effect.name, each, False, "") for each in groups), *some]
-    system = system_about(origin, model.complete, every)
+    system = system_about(base_model, model.complete, every)
     best = score(system, solve_set(system, range(len(groups))))
-    return reshaped(origin, Round(model.complete, every, system, Selection(best, {})), SILENT)
+    return reshaped(base_model, Round(model.complete, every, system, Selection(best, {})), SILENT)

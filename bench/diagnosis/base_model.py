@@ -28,7 +28,7 @@ SEARCHED = 1  # rounds as a model is, after it has settled nearby, as long as th
 
 
 @dataclass(frozen=True)
-class Origin:
+class BaseModel:
     """What a search starts from: the model at its solution, and what is computed once for all models near it.
 
     known: added effects that were converged before, by what they began as, and the model that they belong to.
@@ -43,7 +43,7 @@ class Origin:
     deadline: Deadline = NEVER
 
     @cached_property
-    def at_leisure(self) -> "Origin":
+    def at_leisure(self) -> "BaseModel":
         """The same without a deadline: what was begun is brought to its end."""
         return self if self.deadline is NEVER else replace(self, deadline=NEVER)
 
@@ -173,10 +173,10 @@ def _less_nearby(instances: Sequence[EffectInstance]) -> bool:
     return any(changes_torque(instance.effect) for instance in instances)
 
 
-def origin_of(start: Prepared, deadline: Deadline = NEVER) -> Origin:
+def base_model_of(start: Prepared, deadline: Deadline = NEVER) -> BaseModel:
     """The search for what a converged starting model lacks."""
     start = at_its_solution(start)
-    return Origin(start, Nearby(start.model, start.measured), deadline=deadline)
+    return BaseModel(start, Nearby(start.model, start.measured), deadline=deadline)
 
 
 def at_its_solution(model: Prepared) -> Prepared:
