@@ -99,8 +99,8 @@ def position_units(channel: Channel) -> Fault | None:
     """Degrees for radians, millimetres for metres: far from the joint's range, and within it once divided; or too
     small, and within it once multiplied: a scale that was given in vain.
 
-    A joint without a range is judged by its speed, and for a hinge by how many turns away it is; a motor's own
-    position before a gear, which turns as often and as fast as the gear lets it, is not.
+    A joint without a range is judged by its speed, and for a hinge by how many turns away it is; a motor's position
+    before a gear, which turns as often and as fast as the gear lets it, is not.
     """
     joint, values = _joint(channel), channel.values
     right = "radians" if joint.kind == "hinge" else "metres"

@@ -189,7 +189,7 @@ def _sensitivity(
 
 
 def _move(place: _Place, change: np.ndarray) -> None:
-    """Shift a place in its parent's frame by three of the change, and turn it in its own by the others."""
+    """Shift a place in its parent's frame by three of the change, and turn it in its frame by the others."""
     import mujoco  # noqa: PLC0415 - slow to import: only once a robot is really read
 
     positions, quaternions, index = place

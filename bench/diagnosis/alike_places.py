@@ -18,7 +18,7 @@ def alike_places(
 ) -> Mapping[str, Mapping[str, tuple[str, ...]]]:
     """For every effect, by name, and each of its places: others, at which a model with it is hardly less probable.
 
-    identified: effects of the model. Those in motors are left out: each motor has a current of its own.
+    identified: effects of the model. Those in motors are omitted: each motor has a current of its own.
     """
     places = places_in(model.model.geometry, model.dataset.weighed)
     there = {(instance.effect.name, instance.joint) for instance in model.effects}

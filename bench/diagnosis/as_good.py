@@ -24,7 +24,7 @@ def with_spread_over_models(
     """The identified model's answer, with deviations of its gains that hold those of models that are as good.
 
     One effect more that the data support, though it makes the error too little smaller to be reported, counts for how
-    sure a gain is. left: where something is left that no effect accounts for, another effect in the place of a found
+    sure a gain is. left: where something remains that no effect accounts for, another effect in the place of a found
     one stands for similar effects, too, whatever its sign: each has the shape of a torque that is not modelled. model:
     with the identified effects where they show. Raises TimeUpError after the deadline.
     """

@@ -76,7 +76,7 @@ def block_cross_validation(stack: Stack, solution: Solution, further: np.ndarray
 
 
 def _solution(inner: np.ndarray, used: np.ndarray) -> np.ndarray:
-    """How columns (S,) are combined to the error that is left: the used ones by least squares."""
+    """How columns (S,) are combined to the error that remains: the used ones by least squares."""
     normal, right = inner[np.ix_(used, used)], inner[used, -1]
     lengths = np.sqrt(np.diag(normal))
     lengths[lengths == 0.0] = 1.0

@@ -12,7 +12,7 @@ def from_run_to_run(
     differs: Sequence[Differing], in_model: Collection[str] = (), *, clear: bool
 ) -> tuple[str, ...]:
     """The strongest with its values, then the others; in_model: requests of those that the answer holds so; clear:
-    whether nothing is left that no effect explains.
+    whether nothing remains that no effect explains.
     """
     if not differs:
         return ()

@@ -8,7 +8,7 @@ from bench.identification.current_noise import current_noise
 from bench.identification.prepare import Prepared
 from bench.identification.solve_only import solved_quickly, spread
 
-WHITE = 0.8  # share of the noise's squares: where less is left, the noise is not white, and its floor says nothing
+WHITE = 0.8  # share of the noise's squares: where less remains, the noise is not white, and its floor says nothing
 
 
 def noise_squares(prepared: Prepared) -> np.ndarray | None:

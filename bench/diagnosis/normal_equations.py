@@ -46,8 +46,7 @@ NOTHING = 1e-10  # share of a candidate's column that the model's must leave
 
 @dataclass(frozen=True)
 class Candidate:
-    """An effect at all the places where it can sit; columns: its
-    places among the system's. lengths (k,): of its own
+    """An effect at all the places where it can sit; columns: its places among the system's. lengths (k,): of its
     columns, weighted, where the system's has the length one; zero where the model's leave nothing of it.
     """
 
@@ -314,7 +313,7 @@ def _added(
 def _rows(
     prepared: Prepared, observation: Observation, added: np.ndarray, start: Solution
 ) -> tuple[MotorRows, ...]:
-    """[phi, candidates, torque, error] of one recording at each motor, zero where it stands still; apart from what a
+    """[phi, candidates, torque, error] of one recording at each motor, zero where it does not move; apart from what a
     value of its accounts for, where it has none.
     """
     phi = regressor_rows(observation, prepared.layout)

@@ -46,7 +46,7 @@ def impossible_but_needed(whole: Identification, dropped: Sequence[EffectInstanc
 
 def cancelling_effect(result: Identification, added: Sequence[EffectInstance]) -> dict[str, Reason]:
     """The effect added last, of those with a torque many times all that a motor gives: it cancels another, or the
-    model's own parameters, and has no size by itself.
+    model's parameters, and has no size by itself.
     """
     fitted = [trace for trace in result.recordings if trace.use == "identify"]
     for name in reversed(list(dict.fromkeys(instance.effect.name for instance in added))):

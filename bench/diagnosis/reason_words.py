@@ -1,4 +1,4 @@
-"""Reasons of verdicts, and what is left, in sentences."""
+"""Reasons of verdicts, and what remains, in sentences."""
 
 from collections.abc import Callable, Mapping
 

@@ -117,12 +117,12 @@ class Unexplained:
 
     @property
     def significant(self) -> bool:
-        """Whether something is left that no known effect accounts for."""
+        """Whether something remains that no known effect accounts for."""
         return self.what == Remainder.PATTERN
 
     @property
     def much(self) -> bool:
-        """Whether so much is left, whatever it varies with, that noise alone cannot be it."""
+        """Whether so much remains, whatever it varies with, that noise alone cannot be it."""
         return self.error > MUCH_LEFT * hypot(self.noise_floor, self.encoders)
 
     @property

@@ -26,7 +26,7 @@ from bench.identification.wording import and_list, in_percent, or_list, with_err
 TELLING = 0.005  # change of a drive gain that is worth a word
 MOTIONS = 3  # that are advised: those of the effect and of its nearest alternatives
 FEW = 3  # other places that a headline lists
-HOPELESS = 10.0  # times the noise floor: where so much is left, names may be false
+HOPELESS = 10.0  # times the noise floor: where so much remains, names may be false
 UNEXPLAINED = (
     0.5  # of the current, RMS: a model that leaves more accounts for less than three quarters of its square
 )

@@ -69,7 +69,7 @@ def unexplained(
     for j in range(len(joints)):
         errors = np.concatenate([trace.error[:, j][trace.moving[:, j]] for trace in held_out])
         if not len(errors):
-            continue  # a motor that stands still throughout leaves no error that could vary
+            continue  # a motor that does not move throughout leaves no error that could vary
         scale = errors.std() or 1.0
         if _in_impacts(errors):
             ratios["time"] = max(ratios.get("time", 0.0), ALMOST)

@@ -10,7 +10,7 @@ from bench.diagnosis.reason import Because, Doubt, Reason
 from bench.diagnosis.result import EffectVerdict, Unexplained, Verdict
 from bench.diagnosis.search import Scored, Selection, close, contains, held_out_error, score
 
-DOMINANT_BESIDE = 10.0  # so many times the residual, an effect must explain where much is left
+DOMINANT_BESIDE = 10.0  # so many times the residual, an effect must explain where much remains
 
 
 def verdicts(
@@ -27,7 +27,7 @@ def verdicts(
     places: joints at which each found effect shows. scale: error of the converged model over that of its set here.
     without: error of the identified model without each of its effects, fitted anew.
     left: where it is significant, no effect accounts for it, and a found effect is only sure if the error without
-    it is RULE.dominant times the residual with it, or DOMINANT_BESIDE times where much is left.
+    it is RULE.dominant times the residual with it, or DOMINANT_BESIDE times where much remains.
     """
     best = selection.selected
     chosen = set(best.fit.chosen)

@@ -158,7 +158,7 @@ def fit_rate(result: Identification) -> float | None:
 
 
 def error_where_moving(series: CurrentSeries) -> np.ndarray:
-    """Measured minus modelled current (M, n), NaN where a joint stands still: the model says nothing there."""
+    """Measured minus modelled current (M, n), NaN where a joint does not move: the model says nothing there."""
     return np.where(series.moving, series.error, np.nan)
 
 

@@ -43,10 +43,9 @@ class IdentifiedModel:
     """What was identified.
 
     base (nb,) base parameters; payloads: what was estimated of each, by index among its ten standard parameters
-    (nothing, where what is not declared moves no motor);
-    declared: what the dataset declares of them; gains (n,) in actuator order. covariance of [base, payloads in their
-    order, linear parameters of effects, gains], (k, k); fixed (nb + ...,): base and payload parameters that were left
-    out as not needed, zero and without a deviation.
+    (nothing, where what is not declared moves no motor); declared: what the dataset declares of them; gains (n,) in
+    actuator order. covariance of [base, payloads in their order, linear parameters of effects, gains], (k, k); fixed
+    (nb + ...,): base and payload parameters that were omitted as not needed, zero and without a deviation.
     """
 
     path: Path

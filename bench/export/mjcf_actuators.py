@@ -21,7 +21,7 @@ class DrivenJoint:
 def set_motors(
     spec: mujoco.MjSpec, compiled: mujoco.MjModel, driven: Sequence[DrivenJoint], changed: list[str]
 ) -> list[mujoco.MjsActuator]:
-    """One motor a joint: the file's own where it has one, a new one otherwise.
+    """One motor a joint: the file's where it has one, a new one otherwise.
 
     A torque at the joint is gain times control, less the offset. Limits of control and keyframes keep the torque that
     they meant; a servo becomes a motor. changed: for messages. Returns the motors in the order of the joints.

@@ -1,4 +1,4 @@
-"""Which effects a joint or an actuator of MuJoCo can hold, and which are left for `bench.twin`."""
+"""Which effects a joint or an actuator of MuJoCo can hold, and which remain for `bench.twin`."""
 
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field

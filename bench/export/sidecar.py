@@ -11,7 +11,7 @@ from bench.twin.file import FORMAT
 
 
 def sidecar(physical: PhysicalSet, exported: Exported) -> dict[str, Any]:
-    """Motors, effects that are left with their values and shapes, and where the bodies are from."""
+    """Motors, effects that remain with their values and shapes, and where the bodies are from."""
     model = physical.model
     return {
         "format": FORMAT,

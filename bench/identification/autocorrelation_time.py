@@ -12,7 +12,7 @@ LONGEST_MEMORY = 60  # rows over which errors may be alike
 def autocorrelation_time(errors: Sequence[np.ndarray], returns: Returns = ()) -> float:
     """Integrated autocorrelation time of the errors (M, n) of all recordings, in rows, at least one.
 
-    Lags are summed until the correlation is lost in its own noise (Geyer 1992, initial positive pairs), and likewise
+    Lags are summed until the correlation is lost in its noise (Geyer 1992, initial positive pairs), and likewise
     about whole periods of a motion that returns. returns: after how many rows it does, for every recording; none: rows
     of different periods count as different.
     """

@@ -1,4 +1,4 @@
-"""Is the answer the same in half of the band? The choice of the filters is checked by its own result.
+"""Is the answer the same in half of the band? The choice of the filters is checked by its result.
 
 Noise of positions that is not white, a jitter of the clock or rows that are repeated hide in the motion's spectrum, and
 bias an observation matrix in all of the band that was read off it. An estimate from half of the band has other errors,

@@ -1,4 +1,4 @@
-"""Closed-loop output error: what the twin under the robot's own controller would command, beside what was logged.
+"""Closed-loop output error: what the twin under the robot's controller would command, beside what was logged.
 
 Gautier, Janot and Vandanjon, "A new closed-loop output error method for parameter identification of robot dynamics",
 2013 (DIDIM). Under the same law and reference a simulated twin keeps the motion of the robot whatever its parameters,
@@ -111,7 +111,7 @@ def commanded_currents(prepared: Prepared) -> np.ndarray:
 
 
 def law_terms(law: ControlLaw, measured: Measured, joints: Sequence[str]) -> np.ndarray:
-    """What the law makes of a recording's references and positions (N, n, 3), at its own rate.
+    """What the law makes of a recording's references and positions (N, n, 3), at its rate.
 
     It is a current, and is to lose no more of the fit's band than the logged one does, however narrow the filter of
     the motion is.

@@ -66,8 +66,8 @@ def from_products(
     """The solution with the weights (n,) of the last pass, from inner products about the start.
 
     anew: how often they are counted anew where gains come far from the start's; where that may be, steps that lead
-    nowhere end a pass. None where steps lead further away, or nowhere, and steps on the equations themselves go their
-    own way. unseen: see `creeps`.
+    nowhere end a pass. None where steps lead further away, or nowhere, and steps on the equations themselves
+    continue. unseen: see `creeps`.
     """
     near = products.about(start.theta, start.gains)
     values, gains, fit_gains = np.zeros(near.basis.shape[1]), start.gains, start.gains_fitted
@@ -101,7 +101,7 @@ def squared_errors(factors: np.ndarray, theta: np.ndarray, gains: np.ndarray) ->
 
 
 def log_likelihood(stack: Stack, solution: Solution) -> float:
-    """Of normal errors of the currents, each motor's of its own deviation, but for a constant."""
+    """Of normal errors of the currents, each motor's with its deviation, but for a constant."""
     weights = error_weights(stack, squared_errors(stack.factors, solution.theta, solution.gains))
     return float(len(stack.current) * np.log(weights).sum())
 

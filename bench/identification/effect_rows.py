@@ -132,6 +132,6 @@ def _memory(signals: RobotSignals, instance: EffectInstance) -> KeptRows:
     """Where an effect's rows are kept: with the recording, or only as long as the present model is the same."""
     alone = (
         isinstance(instance.effect, ActuatorEffect) and instance.joint in signals.joints
-    )  # which sees its own motor, and no other joint move
+    )  # which sees its motor, and no other joint move
     passing = instance.effect.depends_on_model or not (alone or signals.as_measured)
     return signals.passing if passing else signals.lasting

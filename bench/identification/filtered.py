@@ -25,7 +25,7 @@ FEW_BYTES = 5_000_000  # of forces in joints that are kept: more would be gone b
 
 @dataclass(frozen=True)
 class Measured:
-    """One recording at its own rate, N samples of n motors, border samples dropped.
+    """One recording at its rate, N samples of n motors, border samples dropped.
 
     time (N,) s; position, velocity, acceleration (N, n): rad or m and rates, filtered; current (N, n) drive
     unit, as logged; tree: the motion of all joints of the opened tree; gaps: where joints stand still. logged: how

@@ -1,4 +1,4 @@
-"""Columns of effects that the model's own parameters take up, so that no fit can tell them apart."""
+"""Columns of effects that the model's parameters take up, so that no fit can tell them apart."""
 
 from collections.abc import Callable
 
@@ -20,7 +20,7 @@ def identifiable_columns(
 ) -> np.ndarray:
     """Indices of the columns of phi without those of effects that depend on the columns before them.
 
-    Those of redundant motors' gains are left out where gains are known. With unknown gains the torque of the known
+    Those of redundant motors' gains are omitted where gains are known. With unknown gains the torque of the known
     payload, which gives their scale, counts among the columns before: an effect that can imitate it, such as a wrong
     mass of the only payload, would leave none. span: gives an orthonormal basis (n, r, b) of these columns (k,) of the
     motors' factors where it is known.

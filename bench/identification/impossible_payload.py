@@ -19,7 +19,7 @@ from bench.model.regressor import UNITS
 from bench.signals.returning import rows_until_return
 
 SHOWS = 3.0  # deviations by which the least spread must be negative
-MATERIAL = 0.03  # share of the error that the payload's own inertia must take away, to be needed all the same
+MATERIAL = 0.03  # share of the error that the payload's inertia must take away, to be needed all the same
 INERTIA = np.arange(4, 10)
 
 Fit = Callable[[Prepared], Identification]

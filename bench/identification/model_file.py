@@ -51,7 +51,7 @@ class SavedModel:
     """A model file: the answer that it holds, without currents, and where they came from.
 
     dataset: the folder that it was identified from, where the file says so. recordings: of it, those that were fitted
-    and those that it was judged on. effect_files: Python files with effects of one's own that it has.
+    and those that it was judged on. effect_files: Python files with the user's effects that it has.
     """
 
     path: Path
@@ -135,7 +135,7 @@ def save_model(
     """Write the answer as a JSON file, whole or not at all. dataset: the folder that it was identified from.
 
     effect_files: with the effects that are in no catalogue; the model names them, where possible relative to itself. A
-    model that was loaded has both from its own file, where they are not given.
+    model that was loaded has both from its file, where they are not given.
     """
     if isinstance(result, SavedModel):
         dataset, effect_files = dataset or result.dataset, effect_files or result.effect_files

@@ -93,7 +93,7 @@ def converged_from(
 ) -> Prepared:
     """The effects of a converged model converged as they are seen otherwise: in place of nearby as they are, say.
 
-    prepared: that sees them so; its own effects are not asked for. most: rounds; after fewer than MOST_ROUNDS a model
+    prepared: that sees them so; its effects are not asked for. most: rounds; after fewer than MOST_ROUNDS a model
     that has not settled is `provisional`. added_from: as `converged`.
     """
     return _rounds(prepared, *_begun(model), added_from, most, deadline=deadline)

@@ -25,7 +25,7 @@ class Observation:
     torque or force for each unit of the base parameters, of the payload's standard parameters in the tool
     frame, and of the effects' parameters. redundant (M, n, r): for each unit of the redundant motors' drive gains,
     whose nominal values are nominal (r,). position, velocity, acceleration (M, n) of the active joints.
-    moving (M, n): False where the joint stands still; such rows are neither fitted nor judged. course: the positions,
+    moving (M, n): False where the joint does not move; such rows are neither fitted nor judged. course: the positions,
     of which it is kept whether they return.
     """
 

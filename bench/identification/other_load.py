@@ -35,7 +35,7 @@ def other_load(
     other's rises; none where nothing does.
 
     All recordings are fitted together, also those for validation, with dry and viscous friction beside the rigid
-    bodies; in one after the other the load is left out, or another that the fitted recordings carry is put in. Judged
+    bodies; in one after the other the load is omitted, or another that the fitted recordings carry is put in. Judged
     motor by motor, since an effect that is missing at one hides what the load does there and not at the others. Where
     no motor's error is large in any recording, nothing is tried. prepared: the problem's equations with the filters of
     the result. Raises TimeUpError after the deadline.

@@ -13,7 +13,7 @@ COLLINEAR = 1e-12  # of the largest singular value of inner products of unit col
 
 @dataclass(frozen=True)
 class RegressionProducts:
-    """Of columns of which only what is left beside others counts: inner products (k, k), those with what is to be
+    """Of columns of which only what remains beside others counts: inner products (k, k), those with what is to be
     explained (k,), and the lengths (k,) of the whole columns.
     """
 
@@ -23,14 +23,14 @@ class RegressionProducts:
 
     @property
     def remaining(self) -> np.ndarray:
-        """Share (k,) of every column's length that is left."""
+        """Share (k,) of every column's length that remains."""
         remaining = np.sqrt(np.maximum(np.diag(self.inner), 0.0))
         return np.divide(remaining, self.lengths, out=np.zeros_like(remaining), where=self.lengths > 0.0)
 
     def explained(self) -> tuple[np.ndarray, float]:
         """Least-squares coefficients (k,), and the sum of squares that they explain.
 
-        A column of which nothing is left explains nothing: what rounding leaves of it would, by chance.
+        A column of which nothing remains explains nothing: what rounding leaves of it would, by chance.
         """
         values = np.zeros(len(self.towards))
         kept = np.flatnonzero(self.remaining > ROUNDING)
@@ -49,8 +49,8 @@ class PartialRegression:
     """The linearised system of the currents' errors with all its columns taken out of everything else.
 
     The unknowns are [theta, g], or theta alone where all gains are fixed. columns (n, M, f): weighted, motor by motor,
-    zero where a joint stands still; basis (f, r): combines them so that they are orthonormal over all motors; remainder
-    (M, n): minus the weighted error; weights (n,): one over each motor's error in torque; moving (M, n).
+    zero where a joint does not move; basis (f, r): combines them so that they are orthonormal over all motors;
+    remainder (M, n): minus the weighted error; weights (n,): one over each motor's error in torque; moving (M, n).
     """
 
     columns: np.ndarray
@@ -82,7 +82,7 @@ class PartialRegression:
 
     @property
     def sum_of_squares(self) -> float:
-        """What is left of the right side, weighted."""
+        """What remains of the right side, weighted."""
         return float((self.remainder**2).sum())
 
 
@@ -117,7 +117,7 @@ def partial_regression(stack: Stack, solution: Solution) -> PartialRegression:
 
 
 def torque_errors(stack: Stack, solution: Solution) -> np.ndarray:
-    """Torque (M, n) that a solved system lacks, N*m or N; zero where a joint stands still."""
+    """Torque (M, n) that a solved system lacks, N*m or N; zero where a joint does not move."""
     lacks = stack.current * solution.gains - stack.phi @ solution.theta - stack.kappa
     return np.asarray(lacks * stack.moving)
 

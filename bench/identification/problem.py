@@ -12,7 +12,7 @@ from bench.model.geometry import read_geometry
 from bench.signals.settings import FilterSettings
 
 Filters = FilterSettings | Mapping[str, Any] | None
-"""Settings, some of them by name, or none: what is left out is chosen from the spectra."""
+"""Settings, some of them by name, or none: what is omitted is chosen from the spectra."""
 
 
 @dataclass(frozen=True, eq=False)

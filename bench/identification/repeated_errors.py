@@ -1,6 +1,6 @@
 """Errors that come again with the motion: what a model lacks says the same each time, and counts once.
 
-A motion that returns makes a model's own error return with it. However often it is there, such an error does not
+A motion that returns makes a model's error return with it. However often it is there, such an error does not
 average out as noise does: rows a period apart are as alike as neighbours are.
 """
 
@@ -26,7 +26,7 @@ def repeated_covariances(
     """Autocovariances (L + 1,) of what one motor's residual (M,) repeats, tapered; None where it repeats nothing.
 
     Products of rows whole periods and up to L rows apart: noise is not in them. moving (M,): False where the residual
-    is zero since the joint stands still. covariances (L + 1,): of the residual itself.
+    is zero since the joint does not move. covariances (L + 1,): of the residual itself.
     """
     lags = len(covariances) - 1
     pairs, counts = np.zeros(lags + 1), np.zeros(lags + 1)

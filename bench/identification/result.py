@@ -94,9 +94,9 @@ class BandPoint:
 class CurrentSeries:
     """Measured and modelled currents of one recording at the fit's rate: time (M,) s, others (M, n).
 
-    moving: False where a joint stands still; errors are not judged there. by_effect: the torque or force (M, n) that
-    the motors supply for each effect of the model, N*m or N, filtered like the currents; NaN where a joint stands
-    still, since such rows are interpolated, not modelled. sharing (n, r): RMS of by how much a current of a redundant
+    moving: False where a joint does not move; errors are not judged there. by_effect: the torque or force (M, n) that
+    the motors supply for each effect of the model, N*m or N, filtered like the currents; NaN where a joint does not
+    move, since such rows are interpolated, not modelled. sharing (n, r): RMS of by how much a current of a redundant
     motor takes off the others' modelled currents.
     """
 
@@ -139,7 +139,7 @@ class Identification:
     gains_fitted is False where nothing fixes the scale: the gains are nominal, and all parameters scale with their
     error. Where a payload fixes some gains only, the others are nominal, with no standard error. effect_parameters:
     effect -> place -> parameter, the place being a joint, or joint@recording for the value of one recording. covariance
-    (P, P), its rows named by covariance_rows; those of given values and of parameters that were left out are zero.
+    (P, P), its rows named by covariance_rows; those of given values and of parameters that were omitted are zero.
     left_out: names of the base parameters without which the fit is as good, when only essential ones were asked for.
     findings: what limits the answer.
     std_from: what standard deviations stand for. redundant: the motors, last of the drive gains, whose currents are

@@ -100,7 +100,7 @@ def scaled_theta(stack: Stack, gains: np.ndarray) -> np.ndarray:
 
 
 def weighted_rows(stack: Stack, root: np.ndarray) -> Stack:
-    """The equations with every row of every motor multiplied by its own number, root (M, n)."""
+    """The equations with every row of every motor multiplied by a factor, root (M, n)."""
     phi, kappa, current = stack.phi * root[:, :, None], stack.kappa * root, stack.current * root
     return replace(stack, phi=phi, kappa=kappa, current=current, factors=compress(phi, kappa, current))
 

@@ -19,10 +19,10 @@ LOGARITHMIC = 2.0  # ratio of a bracket's ends from which nodes are spread by th
 
 
 def best_shape(prepared: Prepared, instance: EffectInstance, partial: PartialRegression) -> EffectInstance:
-    """The instance with the shape values that explain most of what is left.
+    """The instance with the shape values that explain most of what remains.
 
     Every combination of discrete values is tried, and with each the other parameters, one after the other. At a motor
-    that stands still the shape stays as it is: nothing there depends on it.
+    that does not move the shape stays as it is: nothing there depends on it.
     """
     if stands_still(prepared, instance):
         return instance

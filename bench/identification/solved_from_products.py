@@ -27,7 +27,7 @@ def solved_from_products(stack: Stack, gains: NominalGains, near: np.ndarray) ->
 
     It starts from weighted least squares with the gains among the unknowns, or held near, whichever leaves less. Where
     a gain runs away from its nominal value, beyond all that products are exact enough for, steps on the factors
-    themselves go their own way.
+    themselves go another way.
     """
     near = gains.with_fitted(near)
     solution = _found(stack, gains, near)

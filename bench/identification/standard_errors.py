@@ -78,10 +78,10 @@ def uncertainty(stack: Stack, solution: Solution, deviations: Deviations) -> Unc
     samples do not count as independent, nor do those between which the motion returns and the error with it (see
     repeated_errors.py). "independent": the field's customary formula (Gautier 1997), with
     the deviation of the residual about its mean; too optimistic where errors are coloured. Unknowns that change
-    nothing, such as the damping of a drive without a compliance, are left out, with variances of zero.
+    nothing, such as the damping of a drive without a compliance, are omitted, with variances of zero.
 
     Where the estimate scatters more between parts of the recordings than an autocorrelated noise makes it, the model's
-    own error is at work, and the deviations are those of that scatter, wherever they are larger.
+    error is at work, and the deviations are those of that scatter, wherever they are larger.
     """
     if solution.transform is not None:
         stack = solution.transform(stack)
@@ -131,7 +131,7 @@ def uncertainty(stack: Stack, solution: Solution, deviations: Deviations) -> Unc
 
 
 def _enlarged(covariance: np.ndarray, other: np.ndarray) -> np.ndarray:
-    """A covariance (P, P) with the deviations of another where these are larger, and its own correlations."""
+    """A covariance (P, P) with the deviations of another where these are larger, and its correlations."""
     stds, larger = (np.sqrt(np.maximum(np.diag(values), 0.0)) for values in (covariance, other))
     times = np.maximum(larger / np.where(stds > 0.0, stds, np.inf), 1.0)
     return covariance * np.outer(times, times)

@@ -1,4 +1,4 @@
-"""Where a joint stands still, friction takes any value up to its limit, and no sliding law holds. In a joint without a
+"""Where a joint does not move, friction takes any value up to its limit, and no sliding law holds. In a joint without a
 motor it then loads all motors.
 
 What is logged there says nothing, and yet the low-pass of the fit spreads it over the rows around. So the
@@ -30,7 +30,7 @@ AROUND = (
 MOST = 0.2  # of a row that may come from standstill before it is excluded
 
 Gaps = tuple[np.ndarray, ...]
-"""For each joint, the stretches (k, 3) of samples in which it stands still or reverses: the first, one past the
+"""For each joint, the stretches (k, 3) of samples in which it does not move or reverses: the first, one past the
 last, and how many on either side tell of its surroundings."""
 
 
@@ -40,7 +40,7 @@ def standstills(
     """Stretches in which joints stand still, set off or reverse, before decimation.
 
     position, velocity (N, n), rad or m and their rates; passive (N, k): velocities of joints without a motor;
-    rate Hz; cutoff of the position filter, Hz. A joint stands still where it is slower than 1 % of its RMS speed;
+    rate Hz; cutoff of the position filter, Hz. A joint does not move where it is slower than 1 % of its RMS speed;
     reversals count however swift, and so does the first way of a joint that starts from rest. A joint without a
     motor counts, for all motors, only where it stays slow: there it sticks. Stretches reach as far as the position
     filter spreads a jump.

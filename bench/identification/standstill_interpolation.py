@@ -1,4 +1,4 @@
-"""Straight lines over stretches of samples: what replaces the equations of a joint while it stands still.
+"""Straight lines over stretches of samples: what replaces the equations of a joint while it does not move.
 
 The line goes through the means of the samples on either side, those in the middle of a side weighing most (a Hann
 window); it is level where there is one side only. All of it is linear in the samples and worked out once.

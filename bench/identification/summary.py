@@ -37,7 +37,7 @@ def summarise(
     kept: np.ndarray,
     outside: Sequence[EffectInstance] = (),
 ) -> Identification:
-    """The answer. spread: covariance of [theta, gains, shape parameters]; kept: columns not left out; outside: effects
+    """The answer. spread: covariance of [theta, gains, shape parameters]; kept: columns not omitted; outside: effects
     that the data ask to be beyond their bounds.
     """
     robot, layout, base = prepared.dataset.robot, prepared.layout, prepared.model.base

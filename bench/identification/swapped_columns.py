@@ -72,7 +72,7 @@ class _ColumnsTrial:
     """The equations of all fitted recordings with every motor's current beside every motor's rows, and friction.
 
     parts: for each recording triangular factors (n, r, p + 1 + n) of [phi, kappa, all currents], formed once: an
-    exchange only picks other ones of the currents. Currents are interpolated where the motor of the rows stands still.
+    exchange only picks other ones of the currents. Currents are interpolated where the motor of the rows does not move.
     """
 
     def __init__(self, prepared: Prepared) -> None:

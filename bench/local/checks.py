@@ -91,7 +91,7 @@ def _pieces(
 ) -> list[tuple[Mapping[str, np.ndarray], int]]:
     """What becomes recordings, with the log's rows that they begin with: all of it, or what an import cuts it to.
 
-    Where it is cut, rows without a measurement are no problem any more; that nothing is left is one of the time.
+    Where it is cut, rows without a measurement are no problem any more; that nothing remains is one of the time.
     """
     count = next((values.size for values in series.values()), 0)
     time = series.get("time") if mapped.rate is None else np.arange(count) / mapped.rate

@@ -1,4 +1,4 @@
-"""Charts as the page's own script draws them: plain data with the digits that an eye sees."""
+"""Charts as the page's script draws them: plain data with the digits that an eye sees."""
 
 from functools import singledispatch
 from typing import Any
@@ -27,7 +27,7 @@ from bench.document.typeset import typeset
 from bench.page.parts import Figure, PageChart, one_figure
 from bench.page.thinned import rounded, significant, thinned
 
-HEIGHT, TALL = 210, 330  # px, of charts that stand beside each other
+HEIGHT, TALL = 210, 330  # px, of charts that stand side by side
 LINE = 24  # px for each category, where there are many
 LONGEST_NAME = 24  # letters of a category beside others
 

@@ -43,7 +43,7 @@ class _Grid:
 def grid_figure(summary: Summary, plots: Sequence[tuple[str, str | None]]) -> Figure | None:
     """The metrics of a sweep over two of its axes; None where fewer than two have several values.
 
-    plots: axes (x, lines) of the sweep's own figures, the first of which decide which two.
+    plots: axes (x, lines) of the sweep's figures, the first of which decide which two.
     """
     grid = _grid(summary, plots)
     metrics = [name for name in summary.metrics if any(line.spreads[name].count for line in summary.lines)]

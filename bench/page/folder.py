@@ -80,7 +80,7 @@ class SavedRun:
 
     @property
     def effect_files(self) -> list[Path]:
-        """Effects of the user's own that the command named, beside the dataset's."""
+        """Effects of the user's that the command named, beside the dataset's."""
         return [Path(file) for file in self.run.effect_files]
 
 

@@ -60,7 +60,7 @@ def mechanism(
 
 
 def _simulated(mjcf: Any, simulated: SimulatedPoses, time: Array) -> list[dict[str, Any]]:
-    """The bars of a twin in the frames that are next to these times, those that are fixed to the world left out."""
+    """The bars of a twin in the frames that are next to these times, those that are fixed to the world omitted."""
     nearest = np.searchsorted(0.5 * (simulated.time[1:] + simulated.time[:-1]), time)
     motion = placed(mjcf, None, time, simulated.poses[nearest])
     return [bar for bar in _bars(mjcf, motion, 1) if len(bar["from"]) > 3]

@@ -95,7 +95,7 @@ class Picture:
 
 @dataclass(frozen=True)
 class PageChart:
-    """One chart of a figure; title and aid are empty where the figure's own say it."""
+    """One chart of a figure; title and aid are empty where the figure's title and aid say it."""
 
     title: str
     aid: str
@@ -138,7 +138,7 @@ class Choice:
 
 @dataclass(frozen=True)
 class Figure:
-    """Charts, for every combination of choices. wide: one chart a line, else several beside each other.
+    """Charts, for every combination of choices. wide: one chart a line, else several side by side.
 
     variants: by the numbers of the options, as in "0|2", "" without choices; printed: those that stand on paper.
     """

@@ -62,7 +62,7 @@ class TrialResult:
 
 
 def trial_table(source: Path) -> Path | None:
-    """The table of a trial, from its folder or its own path; None where this is none.
+    """The table of a trial, from its folder or its path; None where this is none.
 
     Raises BenchError for a folder that holds the trials of several robots.
     """

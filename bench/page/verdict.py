@@ -1,4 +1,4 @@
-"""The verdict in three sentences: what is missing, what that changes, what is left; and the numbers that count."""
+"""The verdict in three sentences: what is missing, what that changes, what remains; and the numbers that count."""
 
 from collections.abc import Collection, Mapping
 

@@ -23,7 +23,7 @@ class MotorSeries:
 
     time s from the start of the recording; measured, modelled: current in the drive's unit; position,
     velocity, acceleration: rad or m and their rates, each (M,). row (M,): number of each among all rows, so
-    that gaps, where the joint stands still, are known. to_reversal (M,): rows to the nearest reversal, signed;
+    that gaps, where the joint does not move, are known. to_reversal (M,): rows to the nearest reversal, signed;
     reversal, after_standstill (M,): whether a row lies next to one. noise: RMS of the current's noise in the
     band of the fit, drive unit. rate: rows per second; band: the highest frequency that the fit sees, Hz.
     """
@@ -148,7 +148,7 @@ def _motor(series: CurrentSeries, j: int, joint: str, noise: float, band: float)
 
 
 def _standstill(moving: np.ndarray) -> np.ndarray:
-    """Rows of stretches in which the joint stands still for longer than a reversal takes."""
+    """Rows of stretches in which the joint does not move for longer than a reversal takes."""
     edges = np.flatnonzero(np.diff(np.concatenate(([False], ~moving, [False])).astype(int)))
     stretches = [np.arange(a, b) for a, b in zip(edges[::2], edges[1::2], strict=True) if b - a > SWIFT]
     return np.concatenate(stretches) if stretches else np.empty(0, dtype=int)

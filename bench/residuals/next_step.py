@@ -24,7 +24,7 @@ KEEP = "keeps the model"
 
 
 def beyond_noise(what: Compared) -> bool:
-    """Whether errors are left that noise does not account for."""
+    """Whether errors remain that noise does not account for."""
     errors = [
         (relative_error_of(what.of(joint)) or 0.0, relative_noise(what.of(joint))) for joint in what.joints
     ]

@@ -56,7 +56,7 @@ class SpectralLine:
 
 
 def time_spectrum(series: Sequence[MotorSeries]) -> Spectrum:
-    """Welch's spectrum of one motor's error, averaged over its recordings; zero where it stands still."""
+    """Welch's spectrum of one motor's error, averaged over its recordings; zero where it does not move."""
     length = min(SEGMENT, *(int(trace.row[-1] - trace.row[0]) + 1 for trace in series))
     densities, weights = [], []
     for trace in series:

@@ -52,7 +52,7 @@ class Dependence:
     """The share of a motor's squared error that a variable's bin means account for.
 
     low, high: the smallest and the largest bin mean, drive unit; low_at, high_at: where. of_rest: a share of what
-    is left when the variables named before are subtracted.
+    remains when the variables named before are subtracted.
     """
 
     joint: str

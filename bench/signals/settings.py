@@ -48,7 +48,7 @@ class FilterSettings:
         filter_order: order of one pass of the position filter.
         difference_order: order of the central differences: 2, 4, 6 or 8.
         border: samples dropped at the start and at the end after differentiation, before decimation.
-        keep_standstill: whether rows of a joint that stands still are fitted and judged; there friction takes
+        keep_standstill: whether rows of a joint that does not move are fitted and judged; there friction takes
             any value up to its limit.
     """
 

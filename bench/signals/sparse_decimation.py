@@ -78,7 +78,7 @@ def _plan(every: int, length: int, factor: int) -> _Plan:
     before = np.minimum(offsets * every, extension) / every
     nodes = -(-extension // every) + NEXT + 1
     front = 2.0 * _between(np.zeros(len(offsets)), nodes) - _between(before, nodes)
-    # counted from the last known sample backwards, in their own steps, as the last of all stands beyond it
+    # counted from the last known sample backwards, in their steps, as the last of all stands beyond it
     last = (count - 1) - (length - 1) / every
     after = np.minimum(offsets + last, extension / every)
     back = 2.0 * _between(np.full(len(offsets), last), nodes) - _between(last + after, nodes)

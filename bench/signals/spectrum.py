@@ -19,7 +19,7 @@ SEGMENTS = 3  # a segment is this fraction of the record, of a short record more
 SEGMENT = 6.0  # s, the shortest segment if the record has it: a line is then 1 Hz wide on either side
 KAISER = 20.0  # side lobes below -150 dB: the floor of a 20-bit encoder lies 130 dB below the motion
 TAPS, TAPER = 33, 12.0  # of the high-pass of a quarter of the rate, by the window method
-NEIGHBOURS = 10  # samples left out on either side of one that stands out
+NEIGHBOURS = 10  # samples omitted on either side of one that stands out
 CLIP = 4.0  # standard deviations; white noise passes but for 6 samples in 100,000
 LOBE = 13  # frequencies over which a window of that kind smears a line
 FADED, RISEN = (
@@ -103,7 +103,7 @@ def noise_density(x: FloatArray, rate: float) -> FloatArray:
 
     A short high-pass keeps the upper half of the spectrum, where noise is on its own but for sudden steps,
     such as Coulomb friction at a reversal. Those stand out in time, so samples beyond four standard
-    deviations are left out with their neighbours, again and again until no more go. A spectrum could not
+    deviations are omitted with their neighbours, again and again until no more go. A spectrum could not
     tell their tail from noise.
 
     Args:
@@ -140,7 +140,7 @@ def noise_floor(x: FloatArray, rate: float, band: float) -> FloatArray:
 
     The noise is taken as white: its density is read in the upper half of the spectrum and carried down. Noise
     that is not white (a controller that amplifies encoder noise into the current, drift) is not seen.
-    For what is left after decimation by a factor, band is noise_bandwidth(factor) * rate / 2.
+    For what remains after decimation by a factor, band is noise_bandwidth(factor) * rate / 2.
 
     Args:
         x: samples, shape (N, n), any unit.

@@ -96,7 +96,7 @@ class Machine:
     """As they really are."""
     hidden: tuple[HiddenEffect, ...]
     laws: bool
-    """Whether effects have their own laws, so that the forces of the motors are set at every step."""
+    """Whether effects have separate laws, so that the forces of the motors are set at every step."""
     home: Array
     """qpos (nq,) of the keyframe `home`."""
     inertia: Array

@@ -53,7 +53,7 @@ def blueprint(scenes: Sequence[Scene], motors: Sequence[Motor]) -> rrb.Blueprint
 def side_by_side(
     groups: Sequence[tuple[str, Sequence[Scene]]], motors: Sequence[Motor], reach: np.ndarray
 ) -> rrb.Blueprint:
-    """A tab for each group, its scenes beside each other: robot above, errors below, then the text.
+    """A tab for each group, its scenes side by side: robot above, errors below, then the text.
 
     reach (n,): the errors that all axes hold, drive units.
     """

@@ -7,7 +7,7 @@ import mujoco
 import numpy as np
 import rerun as rr
 
-HIDDEN_GROUPS = 3  # geom groups from here on are not drawn by MuJoCo's own viewer: collision shapes, mostly
+HIDDEN_GROUPS = 3  # geom groups from here on are not drawn by MuJoCo's viewer: collision shapes, mostly
 DARKEST = 0.30  # luminance below which a colour is lifted, to be seen on a dark ground
 SEEN_THROUGH = 90  # opacity of a mesh in outline, 0 to 255
 PLAIN = (0.5, 0.5, 0.5, 1.0)  # MuJoCo's default colour: a material's colour stands in its place

@@ -41,7 +41,7 @@ REFERENCE_COLUMN = "reference."  # column of a log: what the controller asked of
 
 @dataclass(frozen=True)
 class ViewedRun:
-    """One identification among several that are shown beside each other; title: in a few words, what sets it apart."""
+    """One identification among several that are shown side by side; title: in a few words, what sets it apart."""
 
     title: str
     result: Identification
@@ -91,7 +91,7 @@ def write_rrd(
 
 
 def write_side_by_side(path: str | Path, viewed: Sequence[ViewedRun]) -> None:
-    """Write several identifications as one .rrd file, recordings of the same name beside each other.
+    """Write several identifications as one .rrd file, recordings of the same name side by side.
 
     Entities lie below the title of each, otherwise as those of `write_rrd`. Raises BenchError for another suffix
     than .rrd, for none to show, and for robots whose motors differ.

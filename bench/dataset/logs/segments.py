@@ -62,7 +62,7 @@ def cut(
 ) -> tuple[list[Segment], tuple[str, ...]]:
     """The recordings of a log, in their order, and what was cut and dropped, in words.
 
-    Raises BenchError for a name that is no recording's, a fraction that cannot be, and where no piece is left.
+    Raises BenchError for a name that is no recording's, a fraction that cannot be, and where no piece remains.
     """
     path, fraction = Path(name), cutting.validate_fraction
     if path.suffix.lower() not in SUFFIXES or path.name != name:

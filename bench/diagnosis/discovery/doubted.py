@@ -18,7 +18,7 @@ def doubted(
     finding: SearchResult, laws: Sequence[Law], ranking: Sequence[EffectVerdict], remaining: Unexplained
 ) -> tuple[EffectVerdict, ...]:
     """The ranking with small effects at the motors of laws as what resembles something: they are not sure; nor are
-    others there where clearly more is left than noise: the law is not what is there, then.
+    others there where clearly more remains than noise: the law is not what is there, then.
 
     A law out of a finite grammar is near to what is there, seldom the same: what a second effect at its motor takes
     away, if that is less than INEXACT of what the law does, says little of the name. Both are errors on recordings

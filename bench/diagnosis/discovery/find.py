@@ -262,10 +262,10 @@ def _with_one_for_several(case: SplitProblem, plain: _Answer, progress: Progress
 
 
 def _with_tables(case: SplitProblem, plain: _Answer, progress: Progress) -> _Answer:
-    """The answer with functions as they were measured, where much is left that no formula fits.
+    """The answer with functions as they were measured, where much remains that no formula fits.
 
     They compete only with the identified model: what the effects of the catalogue are worth has been judged before, and
-    where more than noise is left beside them, too, they must explain a share of it. A table is no law: the gains'
+    where more than noise remains beside them, too, they must explain a share of it. A table is no law: the gains'
     standard errors hold what they are without it, where they have not run away there.
     """
     finding, unexplained = plain.finding, plain.diagnosis.unexplained

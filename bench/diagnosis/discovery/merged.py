@@ -29,7 +29,7 @@ def merged(
     """The identified model with a power of the velocity for some of its functions of the velocity at some motors,
     wherever that has fewer unknowns and leaves as little, or as many and leaves clearly less.
 
-    laws: among the identified effects. catalogue: with their special cases. much: whether more is left
+    laws: among the identified effects. catalogue: with their special cases. much: whether more remains
     than noise, so that a model with as many unknowns can leave clearly less.
     """
     base_model = finding.base_model

@@ -135,7 +135,7 @@ def _promises(
 
 
 def _fewer(base_model: BaseModel, refinement: Refined, judge: Judge) -> Iterator[_Variant]:
-    """The model without one of its effects, where a term is left."""
+    """The model without one of its effects, where a term remains."""
     given_count = len(base_model.start.effects)
     names = {instance.effect.name for instance in refinement.model.effects[given_count:]}
     for name in sorted(names):

@@ -18,7 +18,7 @@ DEPTH = 3  # terms in a set
 
 @dataclass(frozen=True)
 class State:
-    """Terms added to a model with some effects, what they leave, and half the logarithm of the squares that are left,
+    """Terms added to a model with some effects, what they leave, and half the logarithm of the squares that remain,
     with a charge for each unknown, `charged` for those of the effects.
     """
 

@@ -29,7 +29,7 @@ def current_figure(result: Identification, recordings: Sequence[str] | None = No
     """Measured and modelled current of every motor, the error below; one column for each recording.
 
     recordings: names of those to show, all by default. The band about the error is one standard deviation
-    of the errors on the fitted recordings; the error has gaps where a joint stands still. Raises BenchError
+    of the errors on the fitted recordings; the error has gaps where a joint does not move. Raises BenchError
     for a recording that the result does not have.
     """
     chosen = _chosen(result, recordings)

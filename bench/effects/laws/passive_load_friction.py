@@ -17,7 +17,7 @@ class PassiveLoadFriction(Effect):
     """Friction of a bearing in proportion to the force that it bears across its axis, carried to the motors.
 
     mu |F| is what the columns give together where they are linearised about mu and mum (Euler's rule for what is in
-    proportion to both). Friction and springs in joints without a motor press on the bearing as well, its own friction
+    proportion to both). Friction and springs in joints without a motor press on the bearing as well, its friction
     too: those of the present model count. Valid while the joint turns, for a force that follows from the motion: not
     where closures repeat one another. Source: Rosyid and El-Khasawneh, "Identification of the dynamic parameters of a
     parallel kinematics mechanism with prismatic joints by considering varying friction", Applied Sciences 10(14), 2020

@@ -10,7 +10,7 @@ from bench.effects.periods import PERIODS, followed_wave, next_to, strongest_per
 from bench.effects.samples import JointSamples
 from bench.effects.signals import JointSignals
 
-LEAST = 0.2  # of the gain, that is left where the ripple takes most
+LEAST = 0.2  # of the gain, that remains where the ripple takes most
 
 
 @dataclass(frozen=True)

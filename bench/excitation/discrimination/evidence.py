@@ -10,7 +10,7 @@ from bench.identification.standard_errors import residual_series, uncertainty
 
 
 def own_estimate(rival: Rival) -> tuple[np.ndarray, np.ndarray]:
-    """Parameters (k,) of the rival's own effect, and their covariance (k, k) as errors in a row are alike."""
+    """Parameters (k,) of the rival's effect, and their covariance (k, k) as errors in a row are alike."""
     size = len(rival.solution.theta)
     first = size - sum(len(instance.effect.parameters) for instance in rival.instances)
     spread = uncertainty(rival.stack, rival.solution, "autocorrelated")

@@ -56,7 +56,7 @@ def planned(
 
 
 def predicted(rival: Rival, plan: PlannedMotion) -> np.ndarray:
-    """Currents (N, n) that the model with its own effect predicts, drive unit, without noise.
+    """Currents (N, n) that the model with its effect predicts, drive unit, without noise.
 
     Where an effect depends on the current itself, such as a delay, both are found in turn.
     """

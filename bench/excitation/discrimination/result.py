@@ -43,7 +43,7 @@ class Discrimination:
     effects: as they were named. error_over_noise: of the better of both models on the given data, RMS over RMS
     of the currents' noise. shown: nats that each effect explains of the given data. nothing: whether neither
     shows there, nor any motion promises that it would; there is no motion then. absorbed: those of them that
-    the model's own parameters take up, so that nothing can show them. imitated: those that the other effect
+    the model's parameters take up, so that nothing can show them. imitated: those that the other effect
     does everything of, whatever the motion. questions: one for each effect that is neither, and how the motion
     answers them; given, promised: nats by the name of the effect that is taken for the true one. recorded,
     planned: facts by joint. second: mass in kg of a second payload, and the nats that the same motion promises

@@ -22,7 +22,7 @@ from bench.identification.standard_errors import residual_series
 class Rival:
     """A model with one of the two effects. request: how the user named it; instances: the effect at each of its places.
 
-    absorbed: the model's own parameters take the effect up, so that no data of this robot can show it.
+    absorbed: the model's parameters take the effect up, so that no data of this robot can show it.
     follows_current: whether some effect's torque depends on the current that was logged.
     """
 

@@ -75,7 +75,7 @@ def separation(asked: Question, plan: PlannedMotion, current: np.ndarray) -> Sep
 
 
 def share_left(asked: Question, plan: PlannedMotion, current: np.ndarray, answer: Separation) -> float:
-    """What the other model cannot imitate, as a share of what the truth's own effect does to the currents."""
+    """What the other model cannot imitate, as a share of what the truth's effect does to the currents."""
     observation, _ = rows_with(asked.truth, plan, current)
     count = sum(len(instance.effect.parameters) for instance in asked.truth.instances)
     columns = observation.effects[:, :, observation.effects.shape[2] - count :]

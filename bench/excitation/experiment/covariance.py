@@ -46,7 +46,7 @@ class ErrorSlopes:
 
     Of each error by itself: for each column of left, by_normal and by_score (P, m), left' dN by_normal + left' dS
     by_score. Of the mean of all: trace(mean_by_normal dN) + trace(mean_by_score dS), (P, P), symmetric. A single
-    error, which is its own mean, has no columns.
+    error, which is its mean, has no columns.
     """
 
     left_factor: np.ndarray

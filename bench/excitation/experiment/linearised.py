@@ -34,7 +34,7 @@ from bench.scenario.trajectory import FourierTrajectory
 
 STEP = 1e-5  # of a joint's room, speed and acceleration: of the difference quotients of the motion
 CHANGE = 1e-4  # of the largest size of a coefficient: of those of the errors
-NEAR = 0.5  # of a limit, and of the largest error: what is less of it may be left out of one step
+NEAR = 0.5  # of a limit, and of the largest error: what is less of it may be omitted of one step
 FINER = 3  # times as many samples for ranges, speeds and accelerations
 LOOKED_AT = 64  # poses, those whose closures are least held
 
@@ -380,7 +380,7 @@ def _of_bands(
 
 
 def _beside_each_other(parts: list[Linear]) -> Linear:
-    """The limits of all motions, each by its own coefficients."""
+    """The limits of all motions, each by its coefficients."""
     widths = [part.slopes.shape[1] for part in parts]
     slopes, at = [], 0
     for part, width in zip(parts, widths, strict=True):

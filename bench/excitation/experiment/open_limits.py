@@ -37,7 +37,7 @@ Limit = tuple[Kept, str]  # and the joint or box that it is of, "" for the whole
 
 @dataclass(frozen=True)
 class Margin:
-    """What is left of a limit in intervals: in their middles, and at least in the whole of each, (K,); where the last
+    """What remains of a limit in intervals: in their middles, and at least in the whole of each, (K,); where the last
     is above zero the limit is kept.
     """
 
@@ -46,7 +46,7 @@ class Margin:
 
 
 def margins(nominal: Nominal, room: Room, payload: str | None, enclosure: Enclosure) -> dict[Limit, Margin]:
-    """What is left of every limit, always in the same order."""
+    """What remains of every limit, always in the same order."""
     geometry = nominal.model.geometry
     by_limit: dict[Limit, Margin] = {}
     if geometry.closed:
@@ -121,7 +121,7 @@ def _tool(geometry: Geometry, enclosure: Enclosure) -> tuple[np.ndarray, np.ndar
 
 
 def _clear(box: Box, points: np.ndarray, radii: np.ndarray) -> np.ndarray:
-    """What is left between points (K, 3) with radii and the walls of a box that they keep inside or out of, (K,) m."""
+    """What remains between points (K, 3) with radii and the walls of a box that they keep inside or out of, (K,) m."""
     low, high = np.asarray(box.low), np.asarray(box.high)
     if box.keep == "inside":
         return np.asarray(np.minimum(points - low, high - points).min(axis=1) - radii.max(axis=1))

@@ -6,7 +6,7 @@ HARDLY = 1e-8  # of the largest singular value: what shows less is not made larg
 NEAR, TOO_NEAR = (
     0.1,
     1e-4,
-)  # of an effect's column: what the model's own ones leave, where that is carried alone
+)  # of an effect's column: what the model's columns leave, where that is carried alone
 
 
 def set_apart(
@@ -14,7 +14,7 @@ def set_apart(
 ) -> np.ndarray:
     """Combine columns (M, n, C), the model's `own` first, and what a model is by them, `reference` (C,), in place.
 
-    weighted (F, n, C): their fitted rows, weighted. The model's own columns become orthogonal and of the same size, but
+    weighted (F, n, C): their fitted rows, weighted. The model's columns become orthogonal and of the same size, but
     what the recordings do not show stays small. Of an effect's column near to them only what they leave of it is kept.
     Gives (own, C): the model's parameters are this @ coordinates by the new columns; all others are as they were.
     """

@@ -18,7 +18,7 @@ from bench.page.workbench.diagnosed_model import DiagnosedModel
 
 @dataclass(frozen=True)
 class PageSystem:
-    """columns (M, n, C) over all recordings, zero where a joint stands still: the model's own, then each effect's.
+    """columns (M, n, C) over all recordings, zero where a joint does not move: the model's own, then each effect's.
 
     effects: with shapes, and linearised, as found; starts: the first column of each, and C. reference (C,): how the
     found model combines the columns; gains (n,) its drive gains; measured, modelled, error (M, n): currents, and what
@@ -89,7 +89,7 @@ def build(model: DiagnosedModel, instances: Sequence[EffectInstance], nearby: Ne
 def _set_apart_from_values(
     plain: Prepared, columns: np.ndarray, modelled: np.ndarray, error: np.ndarray
 ) -> None:
-    """Take from columns (M, n, C), modelled currents and errors (M, n) what a value of its own accounts for in
+    """Take from columns (M, n, C), modelled currents and errors (M, n) what a separate value accounts for in
     recordings that have none: they are not judged on it.
     """
     at = 0

@@ -32,10 +32,9 @@ PAYLOAD_SHARE = 0.25  # of all that moves
 class Setup:
     """Everything that the cases of a trial have in common.
 
-    name: of the robot. content: of a scenario file, nothing hidden. motors: actuated joints. passive: joints
-    without a motor. links: joint -> body that it moves, of those with a length. effects: what can be hidden in
-    this robot, by name, those outside the catalogue included. discover: whether laws are searched where nothing is
-    left, too.
+    name: of the robot. content: of a scenario file, nothing hidden. motors: actuated joints. passive: joints without a
+    motor. links: joint -> body that it moves, of those with a length. effects: what can be hidden in this robot, by
+    name, those outside the catalogue included. discover: whether laws are searched where nothing remains, too.
     """
 
     name: str
