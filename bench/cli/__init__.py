@@ -122,7 +122,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
     `arguments` are the words after `bench`; the process's if None.
     0: done. 2: a mistake in what the user gave, reported in one line on standard error.
-    130 and 143: interrupted or terminated; files that were being written are left as they were.
+    130 and 143: interrupted or terminated; files that were being written keep their content.
     A reader of standard output who leaves early changes nothing of this.
     """
     os.environ.setdefault(

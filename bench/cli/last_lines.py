@@ -32,7 +32,7 @@ def next_line(words: Sequence[str | Path], why: str = "") -> str:
 
 
 def say(lines: Sequence[str]) -> None:
-    """Print the last lines, except those about standard output; a next command as it is typed here."""
+    """Print the last lines, except those about standard output; a next command as it is typed."""
     for line in lines:
         if not line.startswith(f"wrote {STANDARD_OUTPUT} "):
             click.echo(_as_typed(line))

@@ -34,9 +34,9 @@ def payload_keys(payload: Payload) -> dict[str, float | list[float]]:
 
 
 def edited(text: str, entries: Sequence[RecordingEntry], payloads: Sequence[Payload]) -> str:
-    """The dataset.toml `text` in which recordings and payloads that it has already are as told here.
+    """The dataset.toml `text` in which recordings and payloads that it has already are as given.
 
-    A recording's place in the list stays; its windows go. Of a payload, what is not told stays.
+    A recording's place in the list stays; its windows go. Of a payload, what is not given stays.
     """
     if not (entries or payloads):
         return text

@@ -117,7 +117,7 @@ def extended_toml(
 ) -> str:
     """The dataset.toml of `folder` with recordings added, comments and all; a new one where there is none.
 
-    A payload that is defined already as it is stated here is the same one. replace: recordings and payloads that are
+    A payload that is defined already with the same values is the same one. replace: recordings and payloads that are
     there already become those that are given.
 
     Errors: BenchError when the dataset is of another robot, lists the recording, lacks the payload, or has another

@@ -13,7 +13,7 @@ from bench.dataset.recording_checks import LIMIT_SLACK, Array, Fault
 
 def exchanged(positions: Mapping[str, Array], joints: Sequence[JointFacts]) -> dict[str, JointFacts]:
     """Joint -> the one in whose range its positions lie, of each two joints whose positions lie in each other's ranges
-    and not in their own. positions: (N,) by joint, rad or m.
+    and not in their joint's. positions: (N,) by joint, rad or m.
     """
     by_name: dict[str, JointFacts] = {}
     there = [joint for joint in joints if joint.name in positions]
@@ -27,7 +27,7 @@ def exchanged(positions: Mapping[str, Array], joints: Sequence[JointFacts]) -> d
 
 
 def exchange_fault(other: JointFacts) -> Fault:
-    """What is said of a column that lies in another joint's range, whose column lies in its own."""
+    """What is said of a column that lies in another joint's range, whose column lies in this one's."""
     return Fault(
         "limits",
         None,

@@ -73,7 +73,7 @@ class Channel:
 def find(channel: Channel, accepted: frozenset[str] = frozenset()) -> list[Fault]:
     """What all checks find in a channel, the accepted ones aside; at most one finding each.
 
-    In another unit everything is beyond its limits, which is not told then.
+    In another unit everything is beyond its limits, which is not reported then.
     """
     catalogue = CURRENT_CHECKS if channel.joint is None else POSITION_CHECKS
     checked = (check(channel) for name, check in catalogue.items() if name not in accepted)

@@ -10,7 +10,7 @@ from bench.effects import EffectInstance, places_in
 from bench.identification.identify import fit
 from bench.identification.prepare import Prepared, with_effects
 
-AT_MOTORS = ("actuator", "robot", "payload")  # where each has equations of its own, or there is one place
+AT_MOTORS = ("actuator", "robot", "payload")  # where each has separate equations, or there is one place
 
 
 def alike_places(
@@ -18,7 +18,7 @@ def alike_places(
 ) -> Mapping[str, Mapping[str, tuple[str, ...]]]:
     """For every effect, by name, and each of its places: others, at which a model with it is hardly less probable.
 
-    identified: effects of the model. Those in motors are omitted: each motor has a current of its own.
+    identified: effects of the model. Those in motors are omitted: each motor has a separate current.
     """
     places = places_in(model.model.geometry, model.dataset.weighed)
     there = {(instance.effect.name, instance.joint) for instance in model.effects}

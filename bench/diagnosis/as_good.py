@@ -24,9 +24,9 @@ def with_spread_over_models(
     """The identified model's answer, with deviations of its gains that hold those of models that are as good.
 
     One effect more that the data support, though it makes the error too little smaller to be reported, counts for how
-    sure a gain is. left: where something remains that no effect accounts for, another effect in the place of a found
-    one stands for similar effects, too, whatever its sign: each has the shape of a torque that is not modelled. model:
-    with the identified effects where they show. Raises TimeUpError after the deadline.
+    sure a gain is. remains: where something remains that no effect accounts for, another effect in the place of an
+    identified one represents similar effects, too, whatever its sign: each has the shape of a torque that is not
+    modelled. model: with the identified effects where they show. Raises TimeUpError after the deadline.
     """
     samples = last.system.samples
     least = answer_weight(samples, model, after) - RULE.undecided
@@ -44,10 +44,10 @@ def with_spread_over_models(
 
 
 def _as_good(last: Round, *, instead: bool) -> Iterator[tuple[int, ...]]:
-    """Sets one effect away from the found one that the data support as well.
+    """Sets one effect away from the identified one that the data support as well.
 
-    The best with one more keep what the found ones do to the gains; for each found one, the best with another in its
-    place does not: these only where they are asked for by `instead`.
+    The best with one more keep what the identified ones do to the gains; for each identified one, the best with another
+    in its place does not: these only where they are asked for by `instead`.
     """
     system, best = last.system, last.selection.selected
     usable = [

@@ -34,7 +34,7 @@ def diagnosis_json(diagnosis: Diagnosis, *, words: bool = True) -> dict[str, Any
     missing, ladder, ranking and unexplained as documented for other programs; size: RMS torque in N*m or force
     in N by actuator; error_share: of the squared error, taken away; reason: the codes of why. differs_by_recording:
     effects of which one value for all recordings is not enough, with request as `--with` takes it. superfluous: effects
-    of the starting model that the found one does without. before, after: gains, parameters and errors of
+    of the starting model that the identified one does without. before, after: gains, parameters and errors of
     the models without and with what is missing.
     """
     answer = {

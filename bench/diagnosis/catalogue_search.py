@@ -230,7 +230,7 @@ def search_from(
     *,
     wholly: bool = False,
 ) -> SearchResult:
-    """Search from a first round on until every found effect is possible and needed.
+    """Search from a first round on until every identified effect is possible and needed.
 
     barred: effects that may not be found, and why. After the deadline the best set so far is the answer, brought to its
     end; wholly: TimeUpError is raised instead.

@@ -38,7 +38,7 @@ def differing(
     """Effects of a converged model that have another value in each fitted recording, or would have, strongest first;
     and the answer with these values, None where nothing differs.
 
-    One value for all recordings competes with one for each. A recording that is not fitted has no value of its own, so
+    One value for all recordings competes with one for each. A recording that is not fitted has no separate value, so
     that every other part of each is kept apart to judge on.
     """
     logs = model.logs

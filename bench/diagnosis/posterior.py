@@ -19,7 +19,7 @@ LIKELY = 0.01  # probability of such a set
 @dataclass(frozen=True)
 class Posterior:
     """probability (K,) of each candidate; sets: the leading ones, the most probable first. Both are of sets of the
-    catalogue's effects: what is in no catalogue has no probability here.
+    catalogue's effects: what is in no catalogue has no probability.
     """
 
     probability: np.ndarray
@@ -63,7 +63,7 @@ def with_probability(
     verdict: EffectVerdict, probability: float | None, sets: Sequence[ProbableSet], reported: Sequence[str]
 ) -> EffectVerdict:
     """The verdict with its probability; an effect of the answer that is less probable than not is undecided between it
-    and what the leading sets without it have. told: names of all effects of the answer.
+    and what the leading sets without it have. reported: names of all effects of the answer.
     """
     verdict = replace(verdict, probability=probability)
     if (

@@ -1,4 +1,4 @@
-"""Found effects that do not stay: of an impossible sign, or needed no more where the others are converged anew."""
+"""Identified effects that do not stay: of an impossible sign, or needed no more where the others are converged anew."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
@@ -61,7 +61,7 @@ def cancelling_effect(result: Identification, added: Sequence[EffectInstance]) -
 def superfluous_effect(fits: Fits, names: Sequence[str], samples: Samples) -> dict[str, Reason]:
     """The effect that is needed least, if the others, converged without it, are more probable; and why it goes.
 
-    A search compares sets about one model. What made a difference there and makes none here only mended how the others
+    A search compares sets about one model. What made a difference there and makes none now only mended how the others
     were linearised.
     """
     every = frozenset(names)

@@ -29,7 +29,7 @@ def validated_on(diagnosis: Diagnosis) -> str:
 
 
 def left_words(unexplained: Unexplained, *, searched: bool = True) -> str:
-    """What remains beside the found effects, and beside which noise; without a capital letter and full stop.
+    """What remains with the identified effects, and how large the noise is; without a capital letter and full stop.
 
     searched: whether all effects of the catalogue were tried.
     """

@@ -1,4 +1,4 @@
-"""Effects that show only when the shape of a found one gives way, or when all are converged with them."""
+"""Effects that show only when the shape of an identified one gives way, or when all are converged with them."""
 
 from collections.abc import Collection, Sequence
 from dataclasses import replace
@@ -23,9 +23,9 @@ def partners(
 ) -> list[int]:
     """Proposals (indices) that would explain much of what the converged model leaves, the most first.
 
-    Beside the model's columns stand the derivatives by its shape parameters: a time constant that was identified
+    The model's columns are joined by the derivatives by its shape parameters: a time constant that was identified
     without a viscous friction has taken its part, and would leave it there. Where nothing bends, in the model or in
-    what joins it, a search has said all there is. context: of the model; found: what the model has already.
+    what joins it, a search has said all there is. context: of the model; chosen: what the model has already.
     """
     bends = any(map(_bends, model.effects))
     able = [

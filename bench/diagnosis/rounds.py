@@ -309,11 +309,11 @@ def usable(proposals: Sequence[Proposal], barred: Collection[str]) -> list[int]:
 
 
 def reshaped(base_model: BaseModel, this_round: Round, progress: Progress) -> list[Proposal]:
-    """Proposals in the shape that suits the found set: as found, or in the place of the effect that they rival.
+    """Proposals in the shape that suits the selected set: as found, or in the place of the effect that they rival.
 
-    An effect that could replace an identified one is given the shape that it would have without that one; the
-    others the shape that explains most of what the found set leaves, if that is more than noise. A special case of a
-    found effect that explains little of this is given its shape in the place of that one.
+    An effect that could replace an identified one is given the shape that it would have without that one; the others
+    the shape that explains most of what the selected set leaves, if that is more than noise. A special case of an
+    identified effect that explains little of this is given its shape in the place of that one.
     """
     model, given_count = this_round.model, len(base_model.start.effects)
     added = model.effects[given_count:]

@@ -15,10 +15,10 @@ EXHAUSTIVE = 3  # up to this size all sets of the shortlist compete; larger ones
 LARGEST_SET = 6
 STEPS = 6  # changes of a set
 BEGUN = 4  # sets from which a search sets out, besides the empty one
-ALONE, BESIDE = (
+ALONE, WITH_BEST = (
     9,
     7,
-)  # how many effects the shortlist has for what they do alone, and beside the best set so far
+)  # how many effects the shortlist has for what they do alone, and with the best set so far
 
 
 @dataclass(frozen=True)
@@ -79,7 +79,7 @@ def climbed(system: System, start: Scored, usable: Sequence[int], deadline: Dead
     as the set becomes more probable.
 
     Where a sign is impossible, any possible neighbour is better: what the sign belongs to may stand for that, as a
-    spring that pushes stands for an offset.
+    spring that pushes replaces an offset.
     """
     present = start
     for _ in range(STEPS):
@@ -124,13 +124,13 @@ def _total(each: Scored) -> float:
 
 
 def _shortlist(system: System, usable: Sequence[int], singles: dict[int, Scored], best: Scored) -> list[int]:
-    """Effects that explain most alone, and most beside the best set so far: one may hide the other."""
+    """Effects that explain most alone, and most with the best set so far: one may hide the other."""
     chosen = best.fit.chosen
     alone = sorted(usable, key=lambda i: -singles[i].total)[:ALONE]
     others = [i for i in usable if i not in chosen]
     wider = scored(system, enlarged(chosen, others)) if chosen else []
     totals = {i: each.total for i, each in zip(others, wider, strict=False)}
-    return list(dict.fromkeys([*chosen, *alone, *sorted(totals, key=lambda i: -totals[i])[:BESIDE]]))
+    return list(dict.fromkeys([*chosen, *alone, *sorted(totals, key=lambda i: -totals[i])[:WITH_BEST]]))
 
 
 def held_out_error(system: System, fit: SetFit) -> float:

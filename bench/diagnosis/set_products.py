@@ -54,7 +54,7 @@ class SetProducts:
 
 
 def products_of_sets(products: MotorProducts, b: int, added: Sequence[np.ndarray], c: int) -> SetProducts:
-    """Of the first b columns, and of each set's own (indices), c of them with zeros to fill up."""
+    """Of the first b columns, and of each set's added ones (indices), c of them with zeros to fill up."""
     size = products.inner.shape[1]
     picked = np.full((len(added), c + 2), size)  # the column of zeros
     picked[:, -2:] = size - 2, size - 1

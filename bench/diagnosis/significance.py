@@ -1,4 +1,4 @@
-"""Whether a found effect shows at a joint."""
+"""Whether an identified effect shows at a joint."""
 
 from collections.abc import Sequence
 from math import log, prod

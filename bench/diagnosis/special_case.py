@@ -1,4 +1,4 @@
-"""A special case of a found effect in the shape that this has, so that both are compared at their best."""
+"""A special case of an identified effect in the shape that this has, so that both are compared at their best."""
 
 from collections.abc import Sequence
 

@@ -1,4 +1,4 @@
-"""Is anything left that no known effect explains, and what does it vary with?"""
+"""Does anything remain that no known effect explains, and what does it vary with?"""
 
 from collections.abc import Callable, Sequence
 

@@ -22,12 +22,12 @@ def verdicts(
     unexplained: Unexplained,
     without: Mapping[str, float],
 ) -> tuple[EffectVerdict, ...]:
-    """Every effect, the found ones first, then by evidence.
+    """Every effect, the identified ones first, then by evidence.
 
-    places: joints at which each found effect shows. scale: error of the converged model over that of its set here.
-    without: error of the identified model without each of its effects, fitted anew.
-    left: where it is significant, no effect accounts for it, and a found effect is only sure if the error without
-    it is RULE.dominant times the residual with it, or DOMINANT_BESIDE times where much remains.
+    places: joints at which each identified effect shows. scale: error of the converged model over that of its set.
+    without: error of the identified model without each of its effects, fitted anew. unexplained: where it is
+    significant, no effect accounts for it, and an identified effect is only sure if the error without it is
+    RULE.dominant times the residual with it, or DOMINANT_BESIDE times where much remains.
     """
     best = selection.selected
     chosen = set(best.fit.chosen)

@@ -12,7 +12,7 @@ from bench.identification.standard_errors import StdFrom
 
 POOR = 0.3  # relative deviation above which a value says little
 GIVEN = "given"
-ABSORBED = "absorbed"  # by other parameters: no value of its own
+ABSORBED = "absorbed"  # by other parameters: no separate value
 UNDETERMINED = "not determined"  # a value whose deviation is so large that it says nothing
 USES = {"identify": "fitted", "validate": "not fitted"}
 

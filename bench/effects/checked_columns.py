@@ -24,7 +24,7 @@ def effect_columns(instance: EffectInstance, robot: RobotSignals) -> np.ndarray:
 
 
 def columns_at_motors(instance: EffectInstance, robot: RobotSignals) -> tuple[np.ndarray, np.ndarray]:
-    """Columns (N, m, p) of an effect at the motors (m,) at which it can show: its own, or all.
+    """Columns (N, m, p) of an effect at the motors (m,) at which it can show: its motor, or all.
 
     By the share with which it counts in this recording.
 

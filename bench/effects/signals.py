@@ -149,7 +149,7 @@ class RobotSignals:
     redundant motors give. joint_reaction: forces in joints by it; in_joints: what its effects need (N, d) in joints
     without a motor, by name, N*m or N. An effect that depends on the model is linearised about the present one, and the
     fit repeats until it converges. gaps: stretches of samples in which each joint does not move. offsets: of the
-    present model's encoders by joint, rad or m. log: the recording whose own values hold here, of effects that have a
+    present model's encoders by joint, rad or m. log: the recording whose values hold, of effects that have a
     value for each. lasting: rows of effects that do not depend on the present model, kept as long as the recording;
     passing: those that do. noted: what else effects have computed of the present model. sparse: where these are not all
     samples of the recording.

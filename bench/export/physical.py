@@ -29,7 +29,7 @@ EXACT = 0.01  # standard errors: nearer than this, the estimate itself belongs t
 class Contradiction:
     """The data lie `distance` standard errors from any real bodies, where noise explains `expected`.
 
-    culprits: without the condition on which body alone the rest could be real, and the distance that would be left;
+    culprits: without the condition on which body alone the rest could be real, and the distance that would remain;
     the one that leaves least first.
     """
 

@@ -38,7 +38,7 @@ class NotPlaced:
 
 @dataclass(frozen=True)
 class Placed:
-    """joints: by name, every one with a motor or with an effect; left: what they cannot hold; gravity (3,) m/s2."""
+    """joints: by name, every one with a motor or an effect; not_placed: what they cannot hold; gravity (3,) m/s2."""
 
     joints: Mapping[str, JointTerms]
     not_placed: tuple[NotPlaced, ...]
@@ -48,7 +48,7 @@ class Placed:
 def placed_effects(physical: PhysicalSet, log: str = "") -> Placed:
     """The effects of a model and its rotors in MuJoCo's joints, those that fit there as a whole.
 
-    log: the recording whose values count where each has its own; their mean otherwise.
+    log: the recording whose values count where each has a separate one; their mean otherwise.
     """
     model = physical.model
     joints = {

@@ -10,7 +10,7 @@ from bench.identification.observation import Observation
 LITTLE = 0.1  # of what a row counts that fits
 FEWEST = 5  # rows of a stretch
 BRIDGED = 3  # rows between two stretches that are one
-MOST = 8  # stretches that are told, the longest
+MOST = 8  # stretches that are reported, the longest
 
 
 def bad_stretches(

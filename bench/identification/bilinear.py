@@ -29,7 +29,7 @@ def normal_equations(
     """Matrix and right side of a step of Gauss and Newton: values (..., k), then gains (..., n) where any is fitted;
     no step for those that are not.
 
-    inner: (..., n, k + 2, k + 2) inner products; what stands before the last axes is of many problems. weights (n,): of
+    inner: (..., n, k + 2, k + 2) inner products; the leading axes are many problems. weights (n,): of
     the errors; start (n,): the gains that torque and error belong to.
     """
     k, n = values.shape[-1], gains.shape[-1]

@@ -17,7 +17,7 @@ STILL = 1e-3  # relative change of gains
 def beyond_bounds(prepared: Prepared) -> tuple[EffectInstance, ...]:
     """The effects of a converged model with a parameter that its data ask to be at its bound or beyond.
 
-    So are those whose motor's gain runs away beside them: the two grow together, or swing from one linearisation to the
+    So are those whose motor's gain runs away with them: the two grow together, or swing from one linearisation to the
     next and never settle, so that a few more are looked at.
     """
     if not any(
@@ -37,7 +37,8 @@ def beyond_bounds(prepared: Prepared) -> tuple[EffectInstance, ...]:
 
 
 def within_bounds(prepared: Prepared) -> tuple[Prepared, tuple[EffectInstance, ...]]:
-    """A converged model, and those of its effects that stay zero, since they cannot be told from the drive gain.
+    """A converged model, and those of its effects that stay zero, since they cannot be distinguished from the drive
+    gain.
 
     Where the data ask for such a size, gain and effect grow together without end. The others are converged without it.
     """

@@ -1,4 +1,4 @@
-"""Recordings without a value of their own of an effect that has one for each recording."""
+"""Recordings without a value of an effect that has one for each recording."""
 
 from dataclasses import replace
 
@@ -28,7 +28,7 @@ def columns_without_value(prepared: Prepared, observation: Observation) -> list[
 
 
 def in_this_recording(prepared: Prepared, observation: Observation, solution: Solution) -> Solution:
-    """The solution with the values that suit a recording best where it has none of its own.
+    """The solution with the values that suit a recording best where it has none.
 
     What differs from run to run is not what a recording is judged on.
     """

@@ -1,4 +1,4 @@
-"""Closed-loop output error: what the twin under the robot's controller would command, beside what was logged.
+"""Closed-loop output error: what the twin under the robot's controller would command, compared with what was logged.
 
 Gautier, Janot and Vandanjon, "A new closed-loop output error method for parameter identification of robot dynamics",
 2013 (DIDIM). Under the same law and reference a simulated twin keeps the motion of the robot whatever its parameters,
@@ -43,7 +43,7 @@ def output_error(
 
     terms (M, n, 3): what the controller's law makes of references and measured positions, row by row as in the stack.
     simulated (M, n, p + 1): [Phi, kappa] at the motion of the twin; nominal gains (n,) stay where they are not fitted.
-    The law counts as known: gains have the scale of its own. Raises BenchError naming a joint where it is not the law
+    The law counts as known: gains have the scale of its gains. Raises BenchError naming a joint where it is not the law
     that made the logged currents.
     """
     terms = terms * stack.moving[:, :, None]

@@ -7,7 +7,7 @@ import numpy as np
 from bench.effects import EffectInstance
 from bench.identification.finding import Code, Finding, Unknown
 
-WIDER = 10.0  # times: by how much others beside it may widen a parameter's deviation before it is said
+WIDER = 10.0  # times: by how much others may widen a parameter's deviation before it is said
 TAKES_PART = 0.2  # of the largest part in a combination
 ELSEWHERE, SHARE = (
     3.0,

@@ -1,6 +1,6 @@
 """The estimator that minimises the error of the measured current itself.
 
-Each motor's modelled current is (Phi theta + kappa) / g. The noise of a current then stands where it arises,
+Each motor's modelled current is (Phi theta + kappa) / g. The noise of a current then is where it arises,
 on the left side, whatever the gains; the problem is bilinear and solved by Gauss-Newton steps, first on inner products
 of the compressed factors, counted from the starting solution, and last on the factors themselves.
 """

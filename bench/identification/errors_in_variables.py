@@ -3,7 +3,7 @@
 Differentiated twice, the noise of a position grows with the fourth power of the frequency. In the observation matrix it
 biases every estimate that takes that matrix for exact. Whether it does is seen as Hausman does ("Specification tests in
 econometrics", 1978): by the distance to an estimate that holds with errors in the variables, too, though it is less
-exact without them. Here that is instrumental variables, see `bench.identification.instrumental`.
+exact without them. That estimate is by instrumental variables, see `bench.identification.instrumental`.
 """
 
 from collections.abc import Callable
@@ -18,7 +18,7 @@ from bench.identification.result import Identification
 from bench.signals.settings import FIT_NOISE, signal_bands
 
 HEARD = 1e-4  # share of an acceleration's power: ten times what filters that were chosen let through
-LOUD = 0.1  # of an acceleration's power: noise that is told of in any case
+LOUD = 0.1  # of an acceleration's power: noise that is reported in any case
 MOVES = 2.0  # standard errors by which the two estimates differ where noise is seen to move the answer
 DECIDES = 0.1  # of a drive gain: an answer that noise moves by so much is not to be believed
 CONSISTENT = ("iv", "oe")  # that do not take the observation matrix of the measured motion for exact

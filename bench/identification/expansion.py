@@ -1,4 +1,4 @@
-"""Of which columns those of an effect are the sum: of its own, or in a search of two that are worked out once."""
+"""Of which columns those of an effect are the sum: of its columns, or in a search of two that are worked out once."""
 
 from dataclasses import replace
 

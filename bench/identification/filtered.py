@@ -104,7 +104,7 @@ def _closed(
 
 
 def forget_motions(measured: Sequence[Measured]) -> None:
-    """Free what long motions of all joints take, and what follows from them and effects ask for once beside each model;
+    """Free what long motions of all joints take, and what follows from them and effects ask for once with each model;
     where it is asked for again, it is worked out again, the very same.
     """
     for entry in measured:

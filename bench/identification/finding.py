@@ -116,7 +116,7 @@ CAUSES = frozenset(
         Code.MOUNTED_OTHERWISE,
     }
 )
-"""Of false names: what is wrong with the data or the robot beside which a diagnosis names effects."""
+"""Of false names: what is wrong with the data or the robot with which a diagnosis names effects."""
 
 MEND_FIRST = (
     UNBELIEVABLE

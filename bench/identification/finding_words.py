@@ -13,7 +13,7 @@ from bench.identification.wording import and_list, in_percent, with_error
 
 
 def note(finding: Finding) -> str:
-    """A finding as it stands among the notes on an answer."""
+    """A finding as one of the notes on an answer."""
     said = sentence(finding)
     return f"Do not use this answer. {said}" if finding.code in UNBELIEVABLE else said
 

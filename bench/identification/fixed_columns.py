@@ -1,4 +1,4 @@
-"""The columns that all models of a dataset have, orthogonalised once: those of effects are compressed beside them."""
+"""The columns that all models of a dataset have, orthogonalised once: those of effects are compressed with them."""
 
 from collections.abc import Hashable, Mapping, Sequence
 from dataclasses import dataclass, field, replace

@@ -51,7 +51,7 @@ def identifiable_columns(
 
 
 def _all_independent(columns: np.ndarray, basis: np.ndarray, nothing: float) -> bool:
-    """Whether every column (R, e) is more than nothing, and leaves enough beside a basis (R, r) and those before it.
+    """Whether every column (R, e) is more than nothing, and leaves enough outside a basis (R, r) and those before it.
 
     All at once, as the diagonal of their triangular factor has what each leaves.
     """

@@ -42,7 +42,7 @@ def with_possible_payloads(prepared: Prepared, result: Identification, fitted: F
     payload as a point at its declared centre, if its error is as small. What came out so by chance, by fewer than SHOWS
     of its deviations, is held against a point that is as likely: no body has it, however little the data tell.
 
-    Nobody has told that it is a point: deviations are those of the answer in which its inertia is free, and hold what
+    It was not declared to be a point: deviations are those of the answer in which its inertia is free, and hold what
     the two differ by. The second moments of a body's mass about its centre are not negative (Traversaro, Brossette,
     Escande and Nori, "Identification of fully physical consistent inertial parameters using optimization on
     manifolds", IROS 2016). fitted: makes an answer of prepared equations.
@@ -86,7 +86,7 @@ def with_possible_payloads(prepared: Prepared, result: Identification, fitted: F
 
 
 def _as_likely(fewer: Identification, more: Identification) -> bool:
-    """Whether an answer with fewer unknowns is as likely as one with more, every motor with a noise of its own.
+    """Whether an answer with fewer unknowns is as likely as one with more, every motor with a separate noise.
 
     By Schwarz's criterion (1978), with as many rows as are independent of each other.
     """
@@ -112,7 +112,7 @@ def _as_likely(fewer: Identification, more: Identification) -> bool:
 def _with_values(result: Identification, other: Identification, known: Mapping[str, float]) -> Identification:
     """An answer with the values of another one, of which it has further parameters, known there.
 
-    Its own standard errors stay, or grow to what the values differ by.
+    Its standard errors stay, or grow to what the values differ by.
     """
     values = {unknown: estimate.value for unknown, estimate in estimates(other).items()}
     values |= {Unknown("parameter", name): value for name, value in known.items()}

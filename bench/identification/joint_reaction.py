@@ -28,9 +28,9 @@ def joint_reactions(
 ) -> ReactionModel:
     """The forces in joints of one recording.
 
-    base (nb,): the present base parameters; payload (10,): what is carried, in the tool frame; beside: torque (N, r) of
-    redundant motors. The base parameters stand for all others with the same torques of the motors: of those, a mass on
-    a joint's axis can sit on either side of it.
+    base (nb,): the present base parameters; payload (10,): what is carried, in the tool frame; redundant_torques:
+    torque (N, r) of redundant motors. The base parameters represent all others with the same torques of the motors: of
+    those, a mass on a joint's axis can sit on either side of it.
     """
     geometry = model.geometry
     known, loads = base, np.zeros(0, dtype=int)

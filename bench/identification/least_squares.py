@@ -17,9 +17,9 @@ REWEIGHTINGS = 3
 
 
 def least_squares(stack: Stack, gains: NominalGains) -> Solution:
-    """IDIM-LS, equation 10; with `gains.fitted` they are unknowns of equation 12 beside the parameters.
+    """IDIM-LS, equation 10; with `gains.fitted` they are unknowns of equation 12 in addition to the parameters.
 
-    The currents' noise then stands in the columns of the gains and draws them towards zero; TLS and the
+    The currents' noise then is in the columns of the gains and draws them towards zero; TLS and the
     current-domain estimator do not have that bias.
     """
     return _solve(stack, gains, np.ones(len(gains.values)))

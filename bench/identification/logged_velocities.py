@@ -1,4 +1,4 @@
-"""Velocities that a controller logged beside its positions: taken where they agree with these and have less noise."""
+"""Velocities that a controller logged with its positions: taken where they agree with these and have less noise."""
 
 from collections.abc import Mapping, Sequence
 

@@ -17,7 +17,7 @@ def mistaken(
     prepared: Prepared | None = None,
     deadline: Deadline = NEVER,
 ) -> tuple[Finding, ...]:
-    """What is probably declared wrongly. Beside currents in unlike units nothing else is looked for: all is off then.
+    """What is probably declared wrongly. With currents in unlike units nothing else is looked for: all is off then.
 
     prepared: the problem's equations with the filters of the result, where they are at hand. Raises TimeUpError after
     the deadline.

@@ -112,7 +112,7 @@ class SavedModel:
 
 @dataclass(frozen=True)
 class Comparison:
-    """A saved model beside recordings that it may never have seen."""
+    """A saved model applied to recordings that it may never have seen."""
 
     robot: str
     model: str
@@ -143,7 +143,7 @@ def save_model(
     answer = model_json(result, dataset, effect_files, folder, words=False)
     try:
         answer = model_json(result, dataset, effect_files, folder)
-    finally:  # what notes say stands there as codes, too
+    finally:  # what notes say is in the file as codes, too
         write_text_atomically(Path(path), json.dumps(answer, indent=1) + "\n")
 
 

@@ -34,7 +34,7 @@ def to_json(
     """The answer as plain data, ready for JSON; a number that is not finite becomes null.
 
     recordings: those that it is of, where the answer has lost their currents. words: whether with its notes as
-    sentences, beside what they say as codes.
+    sentences, in addition to what they say as codes.
     """
 
     def quantity(quantity: Quantity) -> dict[str, Any]:

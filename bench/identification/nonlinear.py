@@ -19,7 +19,7 @@ from bench.identification.solve_only import linearised, solved_quickly, spread
 
 MOST_ROUNDS = 6
 SETTLED = 1e-4  # relative change of gains and shape parameters between rounds
-CHANCE = 5e-3  # nats, of all errors together: what changes them by less is not told by the data
+CHANCE = 5e-3  # nats, of all errors together: what changes them by less is not determined by the data
 AS_GOOD = 1e-6  # relative change of the RMS errors between rounds: far less than chance makes of them
 
 
@@ -65,7 +65,7 @@ def converged(
 ) -> Prepared:
     """Shape parameters found and model-dependent columns linearised, in a few rounds; nothing to do without.
 
-    At first every shape is searched beside the others; then all move together by steps of Gauss and Newton, as long
+    At first every shape is searched with the others fixed; then all move together by steps of Gauss and Newton, as long
     as the errors become smaller by them (see newton.py), and are searched again where they do not. nearly: shapes and
     the present model are nearly right, so that no search comes first. added_from: in a search, the first of the effects
     that it added; these leave the places where they are out of bounds (see out_of_bounds.py). Raises TimeUpError after

@@ -61,7 +61,7 @@ def observe(model: IdentificationModel, measured: Measured) -> Observation:
     try:
         for part in blocks_of(samples, PART):
             decimation.push(_stacked(model, measured, columns, part))
-    except BenchError as error:  # of a long log, whose loops are closed here
+    except BenchError as error:  # of a long log, whose loops are closed only now
         raise BenchError(f"{recording.name}: {error}") from None
     kept = decimation.finish()
     sizes = np.cumsum([n * p, n, n, n])

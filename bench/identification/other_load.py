@@ -34,11 +34,11 @@ def other_load(
     """The recording that carries another load than declared, if with that load some motor's error falls far, and no
     other's rises; none where nothing does.
 
-    All recordings are fitted together, also those for validation, with dry and viscous friction beside the rigid
-    bodies; in one after the other the load is omitted, or another that the fitted recordings carry is put in. Judged
-    motor by motor, since an effect that is missing at one hides what the load does there and not at the others. Where
-    no motor's error is large in any recording, nothing is tried. prepared: the problem's equations with the filters of
-    the result. Raises TimeUpError after the deadline.
+    All recordings are fitted together, also those for validation, with dry and viscous friction in addition to the
+    rigid bodies; in one after the other the load is omitted, or another that the fitted recordings carry is put in.
+    Judged motor by motor, since an effect that is missing at one hides what the load does there and not at the others.
+    Where no motor's error is large in any recording, nothing is tried. prepared: the problem's equations with the
+    filters of the result. Raises TimeUpError after the deadline.
     """
     if not _large(result) or not result.gains_fitted:
         return []

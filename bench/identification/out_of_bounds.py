@@ -1,4 +1,4 @@
-"""Effects whose parameter is at its bound or beyond in a solution, or whose motor's gain has run away beside them."""
+"""Effects whose parameter is at its bound or beyond in a solution, or whose motor's gain has run away with them."""
 
 from collections import Counter
 
@@ -32,8 +32,8 @@ def out_of_bounds(prepared: Prepared, solution: Solution) -> tuple[EffectInstanc
 def staying(prepared: Prepared, solution: Solution, added_from: int) -> list[int]:
     """Which of a model's effects (indices) stay in a search that added those from `added_from` on.
 
-    One that is out of bounds never settles, and takes its motor's gain with it, so that nothing can be told beside it.
-    It leaves its place, but not the last place that it has.
+    One that is out of bounds never settles, and takes its motor's gain with it, so that nothing can be determined with
+    it. It leaves its place, but not the last place that it has.
     """
     outside = out_of_bounds(prepared, solution)
     remaining = Counter(instance.effect.name for instance in prepared.effects)

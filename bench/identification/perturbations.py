@@ -33,12 +33,12 @@ TURN, SLIDE = 1e-2, 1e-3  # rad, m: shift of a joint for a difference quotient
 MOTION = 0.999  # of a velocity's power inside the fit's band: the rest is taken for noise, or for little
 FINENESS = 10.0  # samples in a period of the highest frequency of the motion
 SHARE = 0.1  # of the RMS speed, likewise
-OWN = ("passing", "noted", "sparse")  # what signals keep of their own, for changes that are exact
+NOT_SHARED = ("passing", "noted", "sparse")  # what signals do not share, for changes that are exact
 MOST_BYTES = 80_000_000  # of what is kept
 
 
 class Nearby:
-    """The observation matrices of motions and geometries beside those of all recordings, at few samples.
+    """The observation matrices of motions and geometries near those of all recordings, at few samples.
 
     few: of every recording, the samples taken; part: where they stand among all (K,). Matrices (K, n, nb + 10 + r) have
     the base parameters' columns, then those of a payload in the tool frame, zero without a tool, and of a unit torque
@@ -67,7 +67,7 @@ class Nearby:
     def shifted(self, order: int, motor: int) -> SmallChange:
         """Derivative of the matrix by one active position (order 0), velocity (1) or acceleration (2).
 
-        Raises BenchError where the loops cannot be closed beside the motion.
+        Raises BenchError where the loops cannot be closed near the motion.
         """
         return self._differences(order, motor)[0]
 
@@ -106,18 +106,18 @@ class Nearby:
 
     @property
     def _may_keep_all(self) -> bool:
-        """Whether what all shifts add can be kept beside as much of other changes."""
+        """Whether what all shifts add can be kept with as much of other changes."""
         samples, n, columns = self._own.shape
         return 4 * n * samples * n * columns * np.dtype(KEPT).itemsize < MOST_BYTES / 2
 
     def signals(self, present: PresentModel, seen: Sequence[RobotSignals]) -> tuple[RobotSignals, ...]:
-        """Every recording, `seen` beside the present model, as effects see it that are searched for."""
+        """Every recording, `seen` near the present model, as effects see it that are searched for."""
         if self._seen is None or self._seen[0] is not present:
             self._seen = present, tuple(self._nearby(present, i, signals) for i, signals in enumerate(seen))
         return self._seen[1]
 
     def sparsely(self, seen: "NearbySignals") -> RobotSignals:
-        """A recording at its coarse samples: of each the last is kept here, so that it goes with its model."""
+        """A recording at its coarse samples: of each the last is kept, so that it goes with its model."""
         known = self._sparse.get(seen.index)
         if known is None or known[0] is not seen:
             known = self._sparse[seen.index] = seen, seen.at_coarse_samples()
@@ -125,7 +125,9 @@ class Nearby:
 
     def _nearby(self, present: PresentModel, index: int, seen: RobotSignals) -> RobotSignals:
         given = {
-            field.name: getattr(seen, field.name) for field in fields(RobotSignals) if field.name not in OWN
+            field.name: getattr(seen, field.name)
+            for field in fields(RobotSignals)
+            if field.name not in NOT_SHARED
         }
         load = np.zeros(10) if seen.payload is None else present.payloads[seen.payload]
         parameters = np.concatenate((present.base, load))

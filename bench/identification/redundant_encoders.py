@@ -21,8 +21,8 @@ TURN = 2.0 * np.pi
 def contradicted_closures(geometry: Geometry, measured: Sequence[Measured]) -> tuple[Finding, ...]:
     """Joints of redundant motors that were logged elsewhere than the loop closures put them, the worst recording each.
 
-    Told where the difference, filtered as the positions are, is more than the encoders' noise and than tolerances are.
-    Joints of which a recording has no position are passed over.
+    Reported where the difference, filtered as the positions are, is more than the encoders' noise and than tolerances
+    are. Joints of which a recording has no position are passed over.
     """
     findings = []
     for actuator in geometry.robot.redundant:

@@ -60,7 +60,7 @@ class DriveGain(Quantity):
 
 @dataclass(frozen=True)
 class Parameter(Quantity):
-    """A base or payload parameter; `grouping` says which standard parameters it stands for."""
+    """A base or payload parameter; `grouping` says which standard parameters it groups."""
 
     name: str
     grouping: str

@@ -17,7 +17,7 @@ from bench.identification.compressed import Stack, compress
 from bench.identification.current_error import current_error, current_floor, minimised
 from bench.identification.solution import Fitted, Solution, scaled_lstsq, torque_system
 
-FEWEST, MOST = 1.0, 200.0  # degrees of freedom: Cauchy's distribution, and Gauss's for all that can be told
+FEWEST, MOST = 1.0, 200.0  # degrees of freedom: Cauchy's distribution, and Gauss's for all practical purposes
 FIRST = 4.0  # where they begin
 FEW_ROUNDS, MOST_ROUNDS = 10, 100  # to choose a start, and to the end
 SETTLED = 1e-6  # largest change of a row's weight

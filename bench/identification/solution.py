@@ -45,7 +45,7 @@ class Solution:
 
     transform: how the estimator made its equations from those that it was given, where it did not take them as they
     are. dispersion (n,): by what a motor's error in them counts for more in what moves the estimate than in its
-    derivatives (1 for least squares). instruments: what stands in these equations' place where the estimate's
+    derivatives (1 for least squares). instruments: what replaces these equations where the estimate's
     derivatives are taken, for instrumental variables. row_weights (M, n): what each row counts, 1 where it fits, for a
     robust estimate.
     """

@@ -85,7 +85,7 @@ def _on_factors(stack: Stack, gains: NominalGains, near: np.ndarray) -> Solution
 
 
 def _none(gains: np.ndarray, nominal: np.ndarray) -> bool:
-    """Whether a gain is nothing beside its nominal value."""
+    """Whether a gain is negligible compared with its nominal value."""
     return bool(np.any(np.abs(gains) < NOTHING * np.abs(nominal)))
 
 

@@ -55,7 +55,7 @@ def sparse_joint(whole: JointSignals, every: int) -> SparseJoint:
 
 def sparse_gaps(gaps: Gaps, every: int, length: int) -> tuple[Gaps, tuple[np.ndarray, ...]]:
     """Stretches of the few samples in which joints stand still, those at their edges included; and shares (K,) of every
-    joint: how much of what each of the few stands for, half way to its neighbours, lies in a stretch.
+    joint: how much of what each of the few represents, half way to its neighbours, lies in a stretch.
     """
     sparse, shares = [], []
     count = -(-length // every)

@@ -132,7 +132,7 @@ def _runs(slow: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 def _stretches(slow: np.ndarray, reach: int, margin: int) -> np.ndarray:
     """Runs of True (N,), each longer by `reach` at both ends; those with hardly a sample between them are one.
 
-    beside: how many samples on either side tell of the surroundings.
+    margin: samples on either side from which the line is taken.
     """
     runs: list[list[int]] = []
     for start, stop in zip(*_runs(slow), strict=True):

@@ -34,8 +34,8 @@ def swapped_columns(
     """The two motors whose columns, exchanged, bring the error down most; none where none do.
 
     Tried one pair at a time, in all fitted recordings and in each of them, with the filters of the result, and with dry
-    and viscous friction beside the rigid bodies, lest it hide the swap. The error must fall far below that of the
-    result and below what friction alone makes of it. Where the error of the result is small, nothing is tried.
+    and viscous friction in addition to the rigid bodies, lest it hide the swap. The error must fall far below that of
+    the result and below what friction alone makes of it. Where the error of the result is small, nothing is tried.
     prepared: the problem's equations with these filters, where they are at hand. Raises TimeUpError after the deadline.
     """
     error = result.error.identify
@@ -69,7 +69,7 @@ def _swaps(names: tuple[str, ...], motors: int) -> Iterator[tuple[tuple[str, ...
 
 
 class _ColumnsTrial:
-    """The equations of all fitted recordings with every motor's current beside every motor's rows, and friction.
+    """The equations of all fitted recordings with every motor's current for every motor's rows, and friction.
 
     parts: for each recording triangular factors (n, r, p + 1 + n) of [phi, kappa, all currents], formed once: an
     exchange only picks other ones of the currents. Currents are interpolated where the motor of the rows does not move.

@@ -1,4 +1,4 @@
-"""What an import would say of a log, column by column, with what helps beside it; nothing is written."""
+"""What an import would say of a log, column by column, with what helps; nothing is written."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -198,7 +198,7 @@ def _problem(
 
 
 def _in_place(remedy: dict[str, Any] | None, given: str | float | None) -> dict[str, Any] | None:
-    """The unit that stands for one that was given and one that what came of it looks like; None where none does."""
+    """The unit that combines one that was given and one that what came of it looks like; None where none does."""
     if remedy is None or "unit" not in remedy or given is None:
         return remedy
     like = UNITS[remedy["unit"]]

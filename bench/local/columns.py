@@ -48,7 +48,7 @@ def look_at(path: str, robot: Robot, topic: str | None = None, skip_rows: int = 
 def columns_of(log: LogFile, robot: Robot) -> dict[str, Any]:
     """Every column with its small picture; for those that a recording needs, which they may be, and in which units.
 
-    stated: the unit that the log itself gives, which an import takes unless it is told another. units: the first is SI.
+    stated: the unit that the log itself gives, which an import takes unless another is given. units: the first is SI.
     """
     names = [*log.vectors, *log.texts]
     stated = {name: unit for name, text in log.units.items() if (unit := name_of(text))}
@@ -73,7 +73,7 @@ def guesses(
 ) -> dict[str, dict[str, str]]:
     """Needed column -> {column, unit, why} for those whose names or units tell; a person confirms them.
 
-    stated: units by column as the log gives them; in a language that is not known here, they tell what is what.
+    stated: units by column as the log gives them; in a language that is not known, they tell what is what.
     values: of the columns (N,), which tell a path in mm from one in m by the joint's range.
     why is "name" where the log's name holds the joint's, "order" where names are numbered as the joints are, "unit"
     where no other column measures what this joint needs, "rest" where none but this joint and column remain, and

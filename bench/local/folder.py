@@ -15,7 +15,7 @@ from bench.page.run_file import RUN_FILE
 
 MODELS = (".xml",)
 MJCF = b"<mujoco"
-BEGINNING = 1 << 16  # bytes of a model file in which that stands
+BEGINNING = 1 << 16  # bytes of a model file in which that is
 DEEP, MANY = 6, 5000  # levels and entries that are looked at
 RESULTS = ".results"  # what the folder of a dataset's results ends in
 MODEL = re.compile(r"(\d+-diagnosis-)?model(-\d+)?\.json")  # in it
@@ -28,8 +28,8 @@ FOREIGN = re.compile(r"[^\w .()+=,-]")  # what no name has
 class FolderEntry:
     """What lies in the folder, as paths relative to it, with slashes.
 
-    robots: what a command takes -> its words; runs: folders of results; models: model files beside them.
-    mjcfs: MJCF files without a robot.toml beside them.
+    robots: what a command takes -> its words; runs: folders of results; models: model files next to them.
+    mjcfs: MJCF files without a robot.toml next to them.
     """
 
     datasets: list[str] = field(default_factory=list)

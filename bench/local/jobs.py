@@ -10,9 +10,9 @@ from bench.basics.errors import BenchError
 from bench.local.worker import CancelledError, DiedError, Worker
 
 State = Literal["waiting", "running", "done", "refused", "cancelled", "ended"]
-KEPT = 60  # jobs that are remembered; what they found stands in files
-OFTEN = 0.1  # s between two states of a job that are told
-HEARTBEAT = 15.0  # s after which an open page is told that nothing has changed
+KEPT = 60  # jobs that are remembered; what they found is in files
+OFTEN = 0.1  # s between two states of a job that are sent
+HEARTBEAT = 15.0  # s after which an open page is informed that nothing has changed
 
 SAID: Mapping[State, str] = {
     "cancelled": "Cancelled; nothing was written.",
@@ -128,7 +128,7 @@ class Jobs:
 
 
 class _Heard:
-    """Progress of a job, told by the thread that waits for the worker."""
+    """Progress of a job, reported by the thread that waits for the worker."""
 
     def __init__(self, jobs: Jobs, job: Job, loop: asyncio.AbstractEventLoop) -> None:
         self._jobs, self._job, self._loop = jobs, job, loop

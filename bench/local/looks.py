@@ -99,7 +99,7 @@ def dataset(arguments: Mapping[str, Any], _progress: Progress) -> dict[str, Any]
 
 
 def curves(arguments: Mapping[str, Any], _progress: Progress) -> dict[str, Any]:
-    """The figure of measured and modelled currents, with the errors of up to two models: a report's own."""
+    """The figure of measured and modelled currents, with the errors of up to two models, as in a report."""
     data = load_dataset(arguments["dataset"])
     problem, models = problem_of(data), []
     for path, name, role in arguments["models"]:
@@ -173,7 +173,7 @@ def _told(root: Path, place: str) -> dict[str, Any]:
 
 
 def _line(path: Path, run: Any) -> str:
-    """The command of a result. Raises BenchError where it is not told."""
+    """The command of a result. Raises BenchError where it is not known."""
     try:
         known = {**run, "effects": tuple(run["effects"]), "effect_files": tuple(run["effect_files"])}
         return CommandRun(**known).line(typed())

@@ -82,7 +82,7 @@ def eliminate(rows: Sequence[Row]) -> Elimination:
     """Reduce the equations.
 
     A column that the others determine leaves infinite or NaN unknowns at the samples concerned; a column
-    with no equation left raises numpy.linalg.LinAlgError.
+    with no remaining equation raises numpy.linalg.LinAlgError.
     """
     remaining = {i: dict(row) for i, row in enumerate(rows)}
     columns = elimination_order(rows)

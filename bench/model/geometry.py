@@ -53,7 +53,7 @@ class Joint:
     The joint frame has the orientation of its body and its origin on the joint; `placement` is this frame
     in the frame of the joint `parent` (-1: the world) at zero joint position. `body` names the body that
     the joint carries, None where a further joint of the same body follows or only a rotor turns. `offset` is the
-    MuJoCo joint position at which the model's own is zero; `limits` are in the file's coordinate, rad or m.
+    MuJoCo joint position at which the model's position is zero; `limits` are in the file's coordinate, rad or m.
     """
 
     name: str
@@ -156,7 +156,7 @@ class Geometry:
 
     @cached_property
     def active_offset(self) -> np.ndarray:
-        """(n,) MuJoCo positions of the actuated joints at which the model's own are zero, rad or m."""
+        """(n,) MuJoCo positions of the actuated joints at which the model's positions are zero, rad or m."""
         by_velocity = {joint.v.start: joint.offset for joint in self.joints}
         return np.array([by_velocity[int(index)] for index in self.active])
 

@@ -240,7 +240,7 @@ def rates_of(links: tuple[Link, ...], frames: Frames, v: list[Scalar]) -> Rates:
 def carried(angular: Vector, angular_acceleration: Vector, arm: Vector) -> Vector:
     """Acceleration of a point at `arm` from the origin of a turning frame, less that of the origin.
 
-    Equals w' x r + w x (w x r), here w' x r + w (w r) - r (w w).
+    Equals w' x r + w x (w x r), in this code w' x r + w (w r) - r (w w).
     """
     along, square = dot(angular, arm), dot(angular, angular)
     turning = cross(angular_acceleration, arm)

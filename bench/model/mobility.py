@@ -116,7 +116,7 @@ def scaled_jacobian(geometry: Geometry, q: np.ndarray) -> np.ndarray:
 
 
 def scaled_jacobians(geometry: Geometry, q: np.ndarray) -> np.ndarray:
-    """Jacobians (N, m, nv) of the closures at q (N, nq), without dimension: all lengths over the robot's own.
+    """Jacobians (N, m, nv) of the closures at q (N, nq), without dimension: all lengths over the robot's length.
 
     The row of a coupling has a largest entry of one.
     """

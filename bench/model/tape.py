@@ -182,7 +182,7 @@ class Tape:
         return self._values - 1
 
     def _row(self, value: Any) -> int:
-        """The row of a value: its own, or that of a constant."""
+        """The row of a value: of its operation, or that of a constant."""
         if isinstance(value, Recorded):
             return value.row
         number = float(value)

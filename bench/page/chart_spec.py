@@ -29,7 +29,7 @@ from bench.page.thinned import rounded, significant, thinned
 
 HEIGHT, TALL = 210, 330  # px, of charts that stand side by side
 LINE = 24  # px for each category, where there are many
-LONGEST_NAME = 24  # letters of a category beside others
+LONGEST_NAME = 24  # letters of a category next to others
 
 Spec = dict[str, Any]
 

@@ -18,7 +18,7 @@ def dataset_digest(dataset: Dataset, effect_files: Sequence[Path] = ()) -> str:
     """Of dataset.toml, the recordings, the robot's description and mechanism, and the files with effects.
 
     The mechanism is taken as MuJoCo compiles it, so that files that the MJCF includes count as well. effect_files:
-    those beside the dataset's own.
+    those in addition to the dataset's.
     """
     robot = dataset.robot
     recordings = [

@@ -1,6 +1,6 @@
 """What a result folder keeps so that its page can be written again without working anything out.
 
-report.json names the command and the dataset, and holds what a diagnosis says; beside it lie the models, the currents
+report.json names the command and the dataset, and holds what a diagnosis says; next to it are the models, the currents
 that they give (series.parquet), and what the workbench of a diagnosis shows (workbench.json). It is written last, and
 knows what the other files have to be.
 """
@@ -80,7 +80,7 @@ class SavedRun:
 
     @property
     def effect_files(self) -> list[Path]:
-        """Effects of the user's that the command named, beside the dataset's."""
+        """Effects of the user that the command named, in addition to the dataset's."""
         return [Path(file) for file in self.run.effect_files]
 
 
@@ -115,7 +115,7 @@ def save_run(folder: Path, kept: SavedRun) -> None:
 
 
 def save_workbench(folder: Path, kept: SavedRun) -> None:
-    """Write what the workbench of a page shows beside a run that was saved."""
+    """Write what the workbench of a page shows, next to a saved run."""
     write_text_atomically(folder / WORKBENCH_FILE, json.dumps(finite(kept.workbench), allow_nan=False))
     content = json.loads((folder / RUN_FILE).read_text(encoding="utf-8"))
     content["files"][WORKBENCH_FILE] = file_digest(folder / WORKBENCH_FILE)
@@ -123,7 +123,7 @@ def save_workbench(folder: Path, kept: SavedRun) -> None:
 
 
 def _told(diagnosis: Diagnosis) -> dict[str, Any]:
-    """What a diagnosis says, beside its models. between: the steps of its ladder whose currents are kept as well."""
+    """What a diagnosis says, next to its models. between: the steps of its ladder whose currents are kept as well."""
     ladder = diagnosis.ladder
     return {
         "held_out": diagnosis.held_out,

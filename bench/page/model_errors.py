@@ -16,7 +16,7 @@ from bench.signals.settings import FilterSettings
 
 @dataclass(frozen=True, eq=False)
 class ShownModel:
-    """A model beside the recordings. name: as in "error ... ", label: as a choice; role: its errors' colour."""
+    """A model's errors in the recordings. name: as in "error ... ", label: as a choice; role: its errors' colour."""
 
     name: str
     role: Role

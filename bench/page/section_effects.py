@@ -90,7 +90,7 @@ def ranking_section(diagnosis: Diagnosis, catalogue: Mapping[str, Effect]) -> Se
 
 
 def _laws(diagnosis: Diagnosis, catalogue: Mapping[str, Effect]) -> list[Part]:
-    """What the found effects do, as far as their classes tell it."""
+    """What the identified effects do, as far as their classes tell it."""
     known = [catalogue[name] for name in diagnosis.missing if name in catalogue]
     rows = tuple(row(effect_name(entry.name), entry.law, entry.symbols) for entry in known if entry.law)
     columns = (PageColumn("effect", "keep"), PageColumn("law", "words"), PageColumn("symbols", "words"))

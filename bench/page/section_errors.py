@@ -146,7 +146,7 @@ def _facts(joint: str, curves: Sequence[Curve]) -> str:
 
 
 def _loudest(shown: ShownModel) -> int:
-    """The number of the motor with the largest error beside its noise: what there is to find is there."""
+    """The number of the motor with the largest error relative to its noise: what there is to find is there."""
     beyond = {
         motor.joint: motor.error / max(motor.noise, 1e-12)
         for motor in shown.where.motors

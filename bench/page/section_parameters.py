@@ -32,7 +32,7 @@ def parameters_section(
 ) -> Section:
     """Base, payload and effect parameters with their relative deviations and groupings.
 
-    diagnosed: those of effects stand beside the verdicts on them.
+    diagnosed: those of effects are shown with the verdicts on them.
     """
     aid = (
         "A base parameter is what the motion can show: its own term and those named under “together with”. Marked "

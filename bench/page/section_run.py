@@ -57,7 +57,7 @@ class CommandRun:
         return " ".join([program, *(quoted(word) for word in words)])
 
     def option_words(self) -> list[str]:
-        """All that stands behind the dataset."""
+        """All that the dataset consists of."""
         words = [word for effect in self.effects for word in ("--with", effect)]
         words += [word for file in self.effect_files for word in ("--effect-file", file)]
         for name, value in self.options.items():

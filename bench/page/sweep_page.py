@@ -40,7 +40,7 @@ from bench.studies.sweep.sweep_file import load_sweep
 from bench.studies.sweep.table import column_names, read_table
 from bench.studies.sweep.titles import axis_title, axis_words, metric_title
 
-MOST_LINES = 200  # of a table on the page; the file beside it has all
+MOST_LINES = 200  # of a table on the page; the file has all
 MOST_REASONS = 20
 MOST_TILES = 3
 FEW_SEEDS = 5

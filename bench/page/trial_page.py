@@ -1,4 +1,4 @@
-"""The page of a blind trial: what was reached, what was named for what, misses by size, intervals, errors left."""
+"""The page of a blind trial: what was reached, what was named for what, misses by size, intervals, remaining errors."""
 
 import json
 from collections import Counter

@@ -50,7 +50,7 @@ def identification_verdict(result: Identification, where: WhereItFails, noise: f
 
 
 def comparison_verdict(error: ErrorSummary, model: str, where: WhereItFails, noise: float) -> tuple[str, ...]:
-    """Three sentences on a saved model beside other recordings."""
+    """Three sentences on a saved model applied to other recordings."""
     return (
         *_level(error, noise, "Applied as it is, the saved model"),
         f"Nothing was fitted here: the model comes from {model}.",

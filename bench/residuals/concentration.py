@@ -65,7 +65,7 @@ def shares(series: Sequence[MotorSeries], region: Region) -> tuple[float, float]
 def _shares(
     squares: Sequence[np.ndarray], inside: Sequence[np.ndarray], remaining: Sequence[np.ndarray]
 ) -> tuple[float, float]:
-    """Shares of squares and of rows inside among those left."""
+    """Shares of squares and of rows inside among the remaining ones."""
     both = [rows & kept for rows, kept in zip(inside, remaining, strict=True)]
     whole = sum(float(square[kept].sum()) for square, kept in zip(squares, remaining, strict=True))
     part = sum(float(square[rows].sum()) for square, rows in zip(squares, both, strict=True))
@@ -108,7 +108,8 @@ def _divergence(error_share: float, time_share: float) -> float:
 def _independent_squares(
     series: Sequence[MotorSeries], squares: Sequence[np.ndarray], remaining: Sequence[np.ndarray]
 ) -> float:
-    """Effective number of independent squares left: of blocks as long as their memory, weighed by their size.
+    """Effective number of remaining independent squares: of blocks as long as their autocorrelation time, weighed by
+    their size.
 
     The squares of normal errors are correlated by the square of the errors' correlation.
     """

@@ -14,7 +14,7 @@ from bench.signals.settings import FilterSettings
 
 FEWEST = 20  # rows in which a motor moves, from which on a recording tells something of it
 SWIFT = 3  # rows excluded between two directions: more is a standstill, not a reversal
-BESIDE = 1.5  # rows on either side of a reversal that belong to it
+NEAR_REVERSAL = 1.5  # rows on either side of a reversal that belong to it
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -61,7 +61,7 @@ class MotorSeries:
     @property
     def at_reversal(self) -> np.ndarray:
         """The rows next to a change of direction (M,)."""
-        return np.abs(self.to_reversal) <= BESIDE
+        return np.abs(self.to_reversal) <= NEAR_REVERSAL
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -143,7 +143,7 @@ def _motor(series: CurrentSeries, j: int, joint: str, noise: float, band: float)
         velocity=velocity[row],
         acceleration=series.acceleration[row, j],
         to_reversal=_to_nearest(row, _reversals(velocity, moving)),
-        beside_standstill=np.abs(_to_nearest(row, still.astype(float))) <= BESIDE + 1,
+        beside_standstill=np.abs(_to_nearest(row, still.astype(float))) <= NEAR_REVERSAL + 1,
     )
 
 

@@ -1,4 +1,4 @@
-"""A velocity that the controller logged, beside the one that the positions give.
+"""A velocity that the controller logged, compared with the one that the positions give.
 
 Differentiated once, noise of density s on a velocity has the power (2 pi)^2 s f^3 / 3 in the acceleration up to f;
 differentiated twice, that on a position has (2 pi)^4 s f^5 / 5.
@@ -50,7 +50,7 @@ class LoggedVelocity:
 def compared_velocity(
     position: FloatArray, velocity: FloatArray, rate: float, settings: FilterSettings
 ) -> LoggedVelocity:
-    """A logged velocity (N,) beside the position (N,) at a rate [Hz]."""
+    """A logged velocity (N,) compared with the position (N,) at a rate [Hz]."""
     motion = estimate_motion(position[:, None], rate, settings)
     derived, acceleration = motion.velocity[:, 0], motion.acceleration[:, 0]
     cutoff, order = settings.position_cutoff, settings.filter_order

@@ -32,7 +32,7 @@ def chebyshev(order: int, ripple: float, cutoff: float) -> FloatArray:
 
 
 def _digital(poles: NDArray[np.complex128], gain: float, cutoff: float) -> FloatArray:
-    """Sections of an analogue low-pass without zeros, by the bilinear transform; gain: its own at 0 Hz.
+    """Sections of an analogue low-pass without zeros, by the bilinear transform; gain: at 0 Hz.
 
     The poles next to the unit circle come last; every section but the first passes a constant unchanged.
     """
@@ -169,7 +169,7 @@ class _Block:
 def _block(key: bytes) -> _Block:
     sections = np.frombuffer(key).reshape(-1, 6)
     size = 2 * len(sections)
-    # Every column a run of its own: a unit impulse at each sample, then a unit of each state.
+    # Every column a separate run: a unit impulse at each sample, then a unit of each state.
     impulses = np.concatenate((np.eye(LENGTH), np.zeros((LENGTH, size))), axis=1)
     states = np.concatenate((np.zeros((size, LENGTH)), np.eye(size)), axis=1)
     outputs, after = one_by_one(sections, impulses, states)

@@ -17,14 +17,14 @@ from bench.signals.sections import response
 BETWEEN = 40  # kept samples from the end to where the start comes again: the filter has forgotten by then
 TOGETHER = 100_000  # numbers that are transformed at a time: they stay in the processor's cache
 FACTORS = (2, 3, 5)  # of lengths that a Fourier transform is quick for
-NEXT = 4  # samples that one between or beside them is interpolated from
+NEXT = 4  # samples that one between or outside them is interpolated from
 
 
 @dataclass(frozen=True)
 class _Plan:
     """How columns of K samples are filtered: as `size` samples that repeat.
 
-    front (b, t), back (b, t): what stands before the first and after the last sample, from the first t and the last t;
+    front (b, t), back (b, t): the samples before the first and after the last sample, from the first t and the last t;
     behind both it stays as it is. forward, backward: gains at the frequencies of both passes; kept: how many samples of
     twice the rate of those that are kept come out of the second, and the first `count` of every other are those.
     """
@@ -78,7 +78,7 @@ def _plan(every: int, length: int, factor: int) -> _Plan:
     before = np.minimum(offsets * every, extension) / every
     nodes = -(-extension // every) + NEXT + 1
     front = 2.0 * _between(np.zeros(len(offsets)), nodes) - _between(before, nodes)
-    # counted from the last known sample backwards, in their steps, as the last of all stands beyond it
+    # counted from the last known sample backwards, in their steps, as the last of all is beyond it
     last = (count - 1) - (length - 1) / every
     after = np.minimum(offsets + last, extension / every)
     back = 2.0 * _between(np.full(len(offsets), last), nodes) - _between(last + after, nodes)
@@ -97,7 +97,7 @@ def _plan(every: int, length: int, factor: int) -> _Plan:
 
 
 def _between(places: FloatArray, nodes: int) -> FloatArray:
-    """Weights (b, t) of samples 0 to t - 1 at places (b,) between or beside them: the cubic through the nearest."""
+    """Weights (b, t) of samples 0 to t - 1 at places (b,) between or outside them: the cubic through the nearest."""
     weights = np.zeros((len(places), nodes))
     for row, place in zip(weights, places, strict=True):
         first = max(int(np.floor(place)) - 1, 0)

@@ -19,7 +19,7 @@ def motor_torque(
 ) -> Array:
     """Torque (S, n) for positions, velocities and accelerations (S, n) of the actuated joints that move independently.
 
-    poses: (S, nq) from which the loops are closed, each near its own, so that the assembly mode is kept.
+    poses: (S, nq) from which the loops are closed, each near the one of its sample, so that the assembly mode is kept.
     Counted are inertia, weight, and of what MuJoCo has
     itself damping, springs, dry friction that slides, and actuators other than the motors; not counted are
     laws of hidden effects, and springs and play in drives.

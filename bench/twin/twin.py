@@ -41,7 +41,7 @@ class ToolForce:
 class Twin:
     """A simulated robot whose inputs are the current references of its drives.
 
-    model, data: MuJoCo's own, to be read, rendered and changed as ever. joints: of the motors, in the order of all
+    model, data: of MuJoCo, to be read, rendered and changed as ever. joints: of the motors, in the order of all
     currents. left_out: effects that no simulation of this kind holds.
     """
 

@@ -101,7 +101,7 @@ def _tab(scene: Scene, motors: Sequence[Motor]) -> rrb.Container:
 
 
 def _pages(scene: Scene, motors: Sequence[Motor]) -> list[rrb.Container]:
-    """The tabs beside the robot; the one in front comes first."""
+    """The tabs next to the robot; the one in front comes first."""
     pages = [_steps(scene, motors)] if scene.steps else []
     pages.append(_currents(scene, motors))
     if scene.torques:

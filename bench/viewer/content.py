@@ -32,7 +32,7 @@ class Motor:
 class ShownContent:
     """One recording. root: the entity below which all lies; deviation (n,): of the fitted errors, drive unit.
 
-    steps: words and currents of the models before the one that is shown, whose own word is label.
+    steps: words and currents of the models before the one that is shown, whose word is label.
     reference_path (F, 3) m: where the controller wanted the tool, in the same frames as the motion. simulated: where a
     robot is that is drawn in outline.
     """

@@ -7,10 +7,10 @@ import mujoco
 import numpy as np
 import rerun as rr
 
-HIDDEN_GROUPS = 3  # geom groups from here on are not drawn by MuJoCo's viewer: collision shapes, mostly
+HIDDEN_GROUPS = 3  # geom groups from this one on are not drawn by MuJoCo's viewer: collision shapes, mostly
 DARKEST = 0.30  # luminance below which a colour is lifted, to be seen on a dark ground
 SEEN_THROUGH = 90  # opacity of a mesh in outline, 0 to 255
-PLAIN = (0.5, 0.5, 0.5, 1.0)  # MuJoCo's default colour: a material's colour stands in its place
+PLAIN = (0.5, 0.5, 0.5, 1.0)  # MuJoCo's default colour: a material's colour replaces it
 
 _DRAWN = {
     int(mujoco.mjtGeom.mjGEOM_BOX): "boxes",
@@ -91,7 +91,7 @@ def _solids(model: mujoco.MjModel, kind: str, geoms: np.ndarray, outline: Colour
             colors=colors,
             fill_mode=fill,
         )
-    # A capsule starts at its first end here, and is centred in MuJoCo.
+    # A capsule starts at its first end, and is centred in MuJoCo.
     axes = np.array([_rotation(quaternion)[:, 2] for quaternion in model.geom_quat[geoms]])
     return rr.Capsules3D(
         lengths=2.0 * size[:, 1],

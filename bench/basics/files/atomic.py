@@ -48,7 +48,7 @@ def _stand_in(target: Path) -> Path:
 
 @contextmanager
 def _named(path: Path, *paths: Path) -> Iterator[None]:
-    """What the system says against writing, as a line that names `path`; own: paths that mean the same.
+    """What the system says against writing, as a line that names `path`; paths: others that mean the same.
 
     An error that names another file is about that one, and goes on as it is.
     """

@@ -1,4 +1,4 @@
-"""A Python file of the user's: read, run as a separate module, its mistakes told with their line."""
+"""A Python file of the user's: read, run as a separate module, its mistakes reported with their line."""
 
 import hashlib
 import sys

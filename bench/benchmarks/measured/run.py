@@ -93,7 +93,7 @@ class Record:
 
 
 def measured(name: str, dataset: Path, table: MachineTable, report: Callable[[str], None]) -> Record:
-    """Identify and diagnose the dataset in a folder. told: hears of every command before it runs."""
+    """Identify and diagnose the dataset in a folder. report: is called with every command before it runs."""
     runs = []
     commands = [("identify", table.effects), *(("diagnose", start) for start in table.diagnose_with)]
     for command, effects in commands:

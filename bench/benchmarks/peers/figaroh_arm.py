@@ -1,7 +1,7 @@
 """The serial arm with FIGAROH: drive gains and base parameters by its total least squares on currents.
 
 FIGAROH has no closed loops, and identifies gains from an unloaded and a loaded movement and the mass of the
-payload. Its own functions filter, differentiate, build and reduce the regressor and solve; decimation is SciPy's,
+payload. Its functions filter, differentiate, build and reduce the regressor and solve; decimation is SciPy's,
 as in its examples. The cut-off is given, the same as ours chose.
 """
 

@@ -1,7 +1,7 @@
 """The five-bar with mujoco.sysid: positions predicted by simulating, gains and masses varied until they fit.
 
 It is given what the measurements do not tell: the initial state, the controller with its gains, every other mass
-and inertia. What differs is the step: the simulated truth's own, in which case the model is a copy of the truth,
+and inertia. What differs is the step: that of the simulated truth, in which case the model is a copy of the truth,
 or the log's, as for a machine that is not a simulation.
 """
 

@@ -26,7 +26,7 @@ from bench.truth.simulate import simulate
 LIMIT = 15.0  # s
 AGAIN_LIMIT = 2.0  # s
 DURATION = 20.0  # s, of each of three recordings
-FOUND = ("coulomb_friction", "viscous_friction:leg_2")
+MISSING = ("coulomb_friction", "viscous_friction:leg_2")
 ABSORBED = ("payload_mass_error", "rotor_inertia")
 SCENARIO: Mapping[str, Any] = {
     "seed": 3,
@@ -68,9 +68,9 @@ def six_motors(folder: Path, duration: float = DURATION) -> Dataset:
 
 def stand_in_diagnosis(dataset: Dataset) -> Diagnosis:
     """What a diagnosis that finds the hidden effects says, without the search: all effects are in its ranking."""
-    before, after = identify(prepare(problem_of(dataset))), identify(prepare(problem_of(dataset, FOUND)))
+    before, after = identify(prepare(problem_of(dataset))), identify(prepare(problem_of(dataset, MISSING)))
     errors = [(result.error.identify or 0.0, result.error.validate or 0.0) for result in (before, after)]
-    missing = tuple(name.partition(":")[0] for name in FOUND)
+    missing = tuple(name.partition(":")[0] for name in MISSING)
     ranking = tuple(
         EffectVerdict(
             effect=name,

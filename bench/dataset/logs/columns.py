@@ -204,7 +204,7 @@ def _misspelt(missing: Sequence[str], log_map: LogMap) -> str:
 
 
 def _example(target: str, sources: Mapping[str, str], there: Sequence[str], robot: Robot) -> str:
-    """How a column that is missing is mapped to one that is free, and its unit told."""
+    """How a column that is missing is mapped to one that is free, and its unit given."""
     free = [name for name in there if name not in sources.values()]
     if not free:
         return ""

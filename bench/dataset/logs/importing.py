@@ -116,7 +116,7 @@ def import_logs(
     A folder without a dataset.toml becomes a dataset of `robot` (or its built-in name or path); otherwise the
     recordings are added to it. `payloads` are defined in it; a request names one of them, or one that the dataset has.
     Samples are written as they were logged, after the checks that reading a dataset makes. replace: a recording of the
-    same name, and a payload, become what is given here; until that is whole, what it replaces is kept next to it.
+    same name, and a payload, become what is given; until that is whole, what it replaces is kept next to it.
 
     Errors: BenchError, and nothing is written: a file, robot, joint or name that does not exist (with what there is),
     vectors of different length, everything that is wrong with the recordings, a line each; of what several logs

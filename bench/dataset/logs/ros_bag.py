@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from rosbags.interfaces import Connection
 
 Array = npt.NDArray[np.float64]
-Found = TypeVar("Found")
+Answer = TypeVar("Answer")
 JOINT_STATE = "sensor_msgs/msg/JointState"
 KINDS = {"position": "position", "velocity": "velocity", "effort": "current"}
 """Field of a message -> the columns that it becomes."""
@@ -52,7 +52,7 @@ def joint_topics(path: Path) -> tuple[str, ...]:
     return _read(path, lambda reader: tuple(_counts(reader)))
 
 
-def _read(path: Path, read: Callable[[AnyReader], Found]) -> Found:
+def _read(path: Path, read: Callable[[AnyReader], Answer]) -> Answer:
     """What a reader of the bag gives."""
     try:
         from rosbags.highlevel import AnyReader, AnyReaderError  # noqa: PLC0415 - an extra that may be absent

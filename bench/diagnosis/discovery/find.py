@@ -265,7 +265,7 @@ def _with_tables(case: SplitProblem, plain: _Answer, progress: Progress) -> _Ans
     """The answer with functions as they were measured, where much remains that no formula fits.
 
     They compete only with the identified model: what the effects of the catalogue are worth has been judged before, and
-    where more than noise remains beside them, too, they must explain a share of it. A table is no law: the gains'
+    where more than noise remains with them, too, they must explain a share of it. A table is no law: the gains'
     standard errors hold what they are without it, where they have not run away there.
     """
     finding, unexplained = plain.finding, plain.diagnosis.unexplained
@@ -351,7 +351,7 @@ def _without(verdict: EffectVerdict, laws: Mapping[str, Sequence[str]]) -> Effec
     """A verdict that names effects of the catalogue alone. laws: by name the motors at which they stay.
 
     Indistinguishable is what has an alternative of the catalogue. An effect that does as well as laws alone resembles
-    what they say; a found one for which nothing but a law could stand is as sure as it is without that.
+    what they say; an identified one for which nothing but a law could stand is as sure as it is without that.
     """
     others = tuple(name for name in verdict.alternatives if name not in laws)
     if others or not verdict.alternatives:

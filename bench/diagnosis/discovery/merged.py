@@ -20,7 +20,7 @@ from bench.identification.prepare import Prepared, with_effects
 
 EXPONENTS = (0.5, 1.5, 2.5)
 NAME = "power"
-OWN = 2  # unknowns of a power
+POWER_UNKNOWNS = 2  # unknowns of a power
 
 
 def merged(
@@ -39,7 +39,7 @@ def merged(
         others = [part for part in parts if part not in alike]
         at = {part.instance.joint for part in alike}
         places = [place for place in places_of(base_model.start) if place.name in at]
-        law_unknowns = OWN * len(places)
+        law_unknowns = POWER_UNKNOWNS * len(places)
 
         def size(kept: Sequence[Part], others: Sequence[Part] = others) -> tuple[int, int]:
             return len({part.name for part in (*others, *kept)}), unknowns(kept)
@@ -77,7 +77,7 @@ def _with_power(
     base_model: BaseModel, found_model: Prepared, stay: Sequence[Part], places: Sequence[Place], judge: Judge
 ) -> Refined:
     """What stays of the identified model, and a power of the velocity at some places, converged from the exponent that
-    does best beside it as it is.
+    does best with it as it is.
     """
     terms = {part.name: part.term for part in stay if part.term is not None}
     begun = []
@@ -91,7 +91,7 @@ def _with_power(
 
 
 def fewer(alike: Sequence[Part], law_unknowns: int, catalogue: Mapping[str, Effect]) -> list[list[Part]]:
-    """What may stay with a law with `own` unknowns, so that unknowns are saved: some of the effects that were
+    """What may stay with a law of `law_unknowns` unknowns, so that unknowns are saved: some of the effects that were
     identified, each as it is or as a special case of it that was not found.
     """
     effects = [part for part in alike if part.term is None]

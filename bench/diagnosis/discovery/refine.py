@@ -1,4 +1,4 @@
-"""Found terms with an exponent or a frequency set free, where that does better or makes others superfluous."""
+"""Identified terms with an exponent or a frequency set free, where that does better or makes others superfluous."""
 
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -36,7 +36,7 @@ class Refined:
     held_out: float = 0.0
 
     def size(self, given_count: int) -> int:
-        """How many effects it has beyond the first `own` instances."""
+        """How many effects it has beyond the first `given_count` instances."""
         return len({instance.effect.name for instance in self.model.effects[given_count:]})
 
 
@@ -150,7 +150,7 @@ def _tried(
 ) -> Iterator[_Variant]:
     """Models with a number of one term set free, with all other effects, none of them, and all but one.
 
-    found: the model that they start from, converged as it is known nearby.
+    refinement: the model that they start from, converged as it is known nearby.
     """
     given_count = len(base_model.start.effects)
     wholes = []

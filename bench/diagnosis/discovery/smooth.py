@@ -24,7 +24,7 @@ from bench.identification.solve_only import solved_quickly
 KNOTS = 8
 OF_OTHERS: tuple[Kind, ...] = ("position", "velocity")
 TERMS = 2  # functions of a motor, added up
-TOLD = "What was measured, not a law: valid where the data were, and constant beyond."
+VALIDITY = "What was measured, not a law: valid where the data were, and constant beyond."
 
 
 def tabled_laws(finding: SearchResult, taken: Collection[str]) -> list[Law]:
@@ -98,6 +98,6 @@ def _law(terms: Sequence[Term], place: Place, taken: Collection[str]) -> Law:
     name = plain
     while name in taken:
         name += "_"
-    effect, source = law_effect(name, terms, place, TOLD)
+    effect, source = law_effect(name, terms, place, VALIDITY)
     instance = EffectInstance(effect, place.name, f"{name}:{place.name}")
     return Law(name, tuple(terms), (place,), (instance,), source)

@@ -31,7 +31,7 @@ def law_effect(name: str, terms: Sequence[Term], place: Place, validity: str = "
 
 
 def law_source(name: str, terms: Sequence[Term], place: Place, validity: str = "") -> str:
-    """The file of an effect that is the sum of terms; place: a motor at which it sits; told: how it was found."""
+    """The file of an effect that is the sum of terms; place: a motor at which it sits; validity: where it holds."""
     code_place = _nameless(place)
     numbers, names = labelled(terms)
     variables = sorted({variable for term in terms for variable in term.variables})
@@ -102,7 +102,7 @@ def labelled(terms: Sequence[Term]) -> tuple[dict[str, Number], list[list[str]]]
 
 
 def _nameless(place: Place) -> Place:
-    """The motors by where they stand to the law's own, so that it can sit at any of them."""
+    """The motors by their position after the law's motor, so that it can sit at any of them."""
     count = len(place.motors)
     ahead = ["own", *("other" if count == 2 else f"other{k}" for k in range(1, count))]
     motors = tuple(ahead[(i - place.index) % count] for i in range(count))

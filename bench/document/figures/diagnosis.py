@@ -13,7 +13,7 @@ from bench.diagnosis.result import Diagnosis
 from bench.document.charts.currents import before_after_chart
 from bench.document.charts.models import ladder_chart
 from bench.document.figures.comparison import errors_figure
-from bench.document.figures.currents import BESIDE, MOTOR_HEIGHT, PAGE_WIDTH
+from bench.document.figures.currents import COLUMNS, MOTOR_HEIGHT, PAGE_WIDTH
 from bench.document.figures.diagnosis_panels import draw_moved, moved
 from bench.document.figures.draw import draw
 from bench.document.numbers import effect_name, percent
@@ -25,7 +25,7 @@ from bench.residuals.motor import Compared
 def write_diagnosis_figures(folder: Path, diagnosis: Diagnosis, residuals: Compared) -> list[Path]:
     """Write errors.png, ladder.png, gains.png and, for the residual, errors_MOTOR.png, and tell their paths.
 
-    Where nothing is missing there is no ladder and there are no gains before and after. left: the errors of
+    Where nothing is missing there is no ladder and there are no gains before and after. residuals: the errors of
     the model with what is missing.
     """
     pages = {"errors.png": errors_before_after_figure(diagnosis)}
@@ -60,7 +60,7 @@ def errors_before_after_figure(diagnosis: Diagnosis) -> Figure:
     chosen = chosen or list(diagnosis.after.recordings)
     before = {trace.name: trace for trace in diagnosis.before.recordings} if diagnosis.added else {}
     gains = {joint: diagnosis.after.drive_gains[joint] for joint in diagnosis.after.joints}
-    columns = min(BESIDE, len(chosen))
+    columns = min(COLUMNS, len(chosen))
     rows = -(-len(chosen) // columns)
     with mpl.rc_context(STYLE):
         size = (PAGE_WIDTH, rows * (MOTOR_HEIGHT * len(gains) + 0.6) + 0.5)

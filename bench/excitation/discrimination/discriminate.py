@@ -46,7 +46,7 @@ def discriminate(
 ) -> Discrimination:
     """The motion on which models with the one or the other effect differ most, inside the robot's limits.
 
-    requests: the two effects, as EFFECT or EFFECT:JOINT, beside those of the problem. The difference is
+    requests: the two effects, as EFFECT or EFFECT:JOINT, in addition to those of the problem. The difference is
     what one model, fitted to the given data, predicts of the motor currents, and the other cannot imitate,
     fitted anew to given and new data together; in nats, as an expected log-likelihood difference. The smaller of
     both directions is made large. No motion is given where neither effect shows in the data and none promises any

@@ -28,7 +28,7 @@ Draw = Callable[[Path, Discrimination], None]
 
 @dataclass(frozen=True)
 class CommandLines:
-    """What commands are told of, as a shell takes it. designed: the one that designed the motion; diagnose: with the
+    """Command lines, as a shell takes them. designed: the one that designed the motion; diagnose: with the
     same model, once its logs are there; robot: a name or a folder.
     """
 
@@ -53,8 +53,8 @@ def write_discrimination(
 ) -> list[Path]:
     """Write the folder, whole or not at all, and tell its files; one that an earlier call wrote is replaced.
 
-    rate: samples a second, Hz, of the trajectory as a table. draw: draws the picture at a path. told: of the commands
-    that the README names. Raises BenchError if the folder holds anything else, or cannot be written.
+    rate: samples a second, Hz, of the trajectory as a table. draw: draws the picture at a path. commands: the command
+    lines that the README names. Raises BenchError if the folder holds anything else, or cannot be written.
     """
     check_folder(folder)
     with whole_folder(folder) as partial:

@@ -63,7 +63,7 @@ class RivalNoise:
 def fit_rivals(problem: Problem, requests: tuple[str, str]) -> tuple[Rival, Rival]:
     """Fit the model with either effect to all recordings, those for validation too.
 
-    requests: as EFFECT or EFFECT:PLACE, beside the problem's effects. Raises BenchError for names that
+    requests: as EFFECT or EFFECT:PLACE, in addition to the problem's effects. Raises BenchError for names that
     are unknown, alike, or in the model already.
     """
     fitted = tuple(replace(recording, use="identify") for recording in problem.dataset.recordings)

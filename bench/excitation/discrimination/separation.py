@@ -36,9 +36,9 @@ class Question:
 class Separation:
     """An answer to a question, for one motion.
 
-    nats: expected log-likelihood difference of given and new data together. left (M, n): what `other` cannot imitate of
-    the new motion, in deviations of a row's noise, at the times (M,) s. count: equations of the new motion, as many as
-    a fit to the given data makes of its duration; autocorrelation_time: how many of them count as one.
+    nats: expected log-likelihood difference of given and new data together. residual (M, n): what `other` cannot
+    imitate of the new motion, in deviations of a row's noise, at the times (M,) s. count: equations of the new motion,
+    as many as a fit to the given data makes of its duration; autocorrelation_time: how many of them count as one.
     """
 
     nats: float

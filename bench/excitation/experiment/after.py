@@ -43,7 +43,7 @@ def plan_after(
     mapper: Mapper = IN_TURN,
     progress: Progress = SILENT,
 ) -> ExperimentPlan:
-    """The motion, with a payload of the dataset or without, that tells most beside its fitted recordings.
+    """The motion, with a payload of the dataset or without, that adds most to its fitted recordings.
 
     problem: what was measured; its effects are not aimed at. The machine is the one that the data give; limits of speed
     and acceleration that the table leaves out are the largest of the recordings. See `plan_experiment`. Raises

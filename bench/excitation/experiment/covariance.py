@@ -44,7 +44,7 @@ def determined(fit: Equations) -> Determined:
 class ErrorSlopes:
     """By how much errors change where the normal matrix changes by dN and the score by dS, to first order.
 
-    Of each error by itself: for each column of left, by_normal and by_score (P, m), left' dN by_normal + left' dS
+    Of each error by itself: for each column of left_factor (L), by_normal and by_score (P, m), L' dN by_normal + L' dS
     by_score. Of the mean of all: trace(mean_by_normal dN) + trace(mean_by_score dS), (P, P), symmetric. A single
     error, which is its mean, has no columns.
     """

@@ -24,7 +24,7 @@ from bench.scenario.trajectory import FourierTrajectory
 
 FIRST, SMALLEST, MOST = 0.1, 1e-4, 0.5  # of the step that is trusted, of the largest size of a coefficient
 ENOUGH, GOOD = 0.1, 0.6  # of what was predicted: to be taken, and to be trusted further
-ALSO_MEAN = 0.03  # weight of all errors' mean beside the largest: where that one cannot fall, others shall
+ALSO_MEAN = 0.03  # weight of all errors' mean next to the largest: where that one cannot fall, others shall
 
 
 ROUNDS = ((8, 0.3), (3, 0.3), (1, 0.4))  # how many go on, and their share of the steps together
@@ -130,7 +130,7 @@ def _program(_: Search, asked: tuple[Linearised, float]) -> tuple[np.ndarray, fl
 
 @dataclass(frozen=True)
 class _Change:
-    """A trajectory beside the motion of which it is a change, with its payload."""
+    """A trajectory and the motion of which it is a change, with its payload."""
 
     trajectory: FourierTrajectory
     load: str | None

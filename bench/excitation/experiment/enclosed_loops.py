@@ -25,7 +25,7 @@ from bench.model.spin import idle_spins
 
 WIDER = 4.0  # times what is passed through: the set of poses, so that the next interval's middle lies in it
 LEAST = 0.5  # of the largest radius of a pose's set: a joint that hardly moves has that
-STARTS = 1e-12  # rad, or of the robot's length: what a closed pose may be off, beside its residual
+STARTS = 1e-12  # rad, or of the robot's length: what a closed pose may be off, in addition to its residual
 MOST_TURNED = 0.75  # of I - C A_p, below 1: with less, sets are smaller, with more, speeds in them stray more
 MOST_MOVED = (
     0.1  # rad, or of the robot's length: of a ball or free joint in its set, whose rates turn with it

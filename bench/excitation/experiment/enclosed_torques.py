@@ -2,7 +2,7 @@
 
 From the platform and the outer links inwards the forces of the bodies add up to those at every joint of the opened
 tree; the loops' Jacobian takes these to the motors. Masses: the nominal base parameters, each at the standard parameter
-that it stands for. Source of the recursion: W. Khalil and E. Dombre, "Modeling, Identification and Control of Robots",
+that it represents. Source of the recursion: W. Khalil and E. Dombre, "Modeling, Identification and Control of Robots",
 2002, chapter 9.
 """
 

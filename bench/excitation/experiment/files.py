@@ -128,7 +128,7 @@ def plan_json(plan: ExperimentPlan, forecast: Forecast) -> dict[str, Any]:
 
 
 def _limits(plan: ExperimentPlan, trajectory: FourierTrajectory) -> dict[str, Any]:
-    """What a motion reaches at most, proven between samples, beside what it may, by joint."""
+    """What a motion reaches at most, proven between samples, with its limit, by joint."""
     reach, room = extremes(trajectory), plan.room
     return {
         joint: {

@@ -59,7 +59,7 @@ class Linearised:
 
 
 def coefficient_sizes(room: Room, trajectory: FourierTrajectory) -> np.ndarray:
-    """The largest size (2, n, H) that each coefficient a, b could have on its own, rad or m."""
+    """The largest size (2, n, H) that each coefficient a, b could have alone, rad or m."""
     k_omega = 2.0 * np.pi * trajectory.base_frequency * np.arange(1, trajectory.harmonics + 1)
     ranges = 0.5 * (room.joint.high - room.joint.low)[:, None]
     by_speed, by_acceleration = room.velocity[:, None] / k_omega, room.acceleration[:, None] / k_omega**2
@@ -331,7 +331,7 @@ def _whole_robot(search: Search, probe: _Perturbed) -> list[_OfPoses]:
 
 
 def _out_of(geometry: Geometry, box: Box, motion: Motion, _: np.ndarray) -> np.ndarray:
-    """The share (m,) of a box's room that is left behind: 1 at its walls."""
+    """The share (m,) of a box's room that is used up: 1 at its walls."""
     width = max(high - low for low, high in zip(box.low, box.high, strict=True))
     return 1.0 + outside(box, tool_positions(geometry, motion)) / width
 

@@ -233,7 +233,7 @@ def plan_experiment(
 ) -> ExperimentPlan:
     """Design motions, without and with the payload, that make the standard errors of what is wanted small.
 
-    effects: what the model has beside, not aimed at. The plan is the same with every mapper. Raises BenchError for
+    effects: what else the model has, not aimed at. The plan is the same with every mapper. Raises BenchError for
     names that are unknown and limits that leave no room.
     """
     progress.phase("reading the robot")

@@ -255,7 +255,7 @@ def _no_room(search: Search, smallest: FourierTrajectory, load: str | None) -> B
 
 
 def _with_few(trajectory: FourierTrajectory, random: np.random.Generator) -> FourierTrajectory:
-    """The same with FEW harmonics left for each joint."""
+    """The same with FEW harmonics for each joint."""
     kept = random.random(trajectory.a.shape).argsort(axis=1) < FEW
     return replace(trajectory, a=trajectory.a * kept, b=trajectory.b * kept)
 

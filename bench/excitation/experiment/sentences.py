@@ -45,7 +45,7 @@ def sentences(plan: ExperimentPlan, forecast: Forecast) -> list[str]:
 
 
 def _compared(plan: ExperimentPlan, forecast: Forecast) -> list[str]:
-    """What was asked for, beside motions at random and beside the recordings that are there.
+    """What was asked for, next to motions at random and to the recordings that are there.
 
     These are compared by all of their samples, the forecast goes by the rows that a fit will take.
     """

@@ -12,11 +12,13 @@ NEAR, TOO_NEAR = (
 def set_apart(
     columns: np.ndarray, reference: np.ndarray, weighted: np.ndarray, base_count: int
 ) -> np.ndarray:
-    """Combine columns (M, n, C), the model's `own` first, and what a model is by them, `reference` (C,), in place.
+    """Combine columns (M, n, C), the model's `base_count` first, and what a model is by them, `reference` (C,), in
+    place.
 
     weighted (F, n, C): their fitted rows, weighted. The model's columns become orthogonal and of the same size, but
     what the recordings do not show stays small. Of an effect's column near to them only what they leave of it is kept.
-    Gives (own, C): the model's parameters are this @ coordinates by the new columns; all others are as they were.
+    Gives (base_count, C): the model's parameters are this @ coordinates by the new columns; all others are as they
+    were.
     """
     rows = weighted.reshape(-1, columns.shape[2])
     _, singular, right = np.linalg.svd(np.linalg.qr(rows[:, :base_count], mode="r"), full_matrices=False)

@@ -23,8 +23,9 @@ from bench.identification.summary import ROBOT
 @dataclass(frozen=True)
 class DiagnosedModel:
     """plain: the equations without any effect but those with a value for each recording, which the page does not
-    change; found: with those that the diagnosis found behind them, linearised about the answer; solution: the answer,
-    theta in the order of `found`. started: effects that the model had before the diagnosis, as (effect, place).
+    change; complete: with those that the diagnosis found behind them, linearised about the answer; solution: the
+    answer, theta in the order of `complete`. started: effects that the model had before the diagnosis, as (effect,
+    place).
     """
 
     plain: Prepared
@@ -39,7 +40,7 @@ class DiagnosedModel:
 
     @property
     def effects(self) -> tuple[EffectInstance, ...]:
-        """The found effects, those aside that the page does not change."""
+        """The identified effects, those aside that the page does not change."""
         return self.complete.effects[len(self.plain.effects) :]
 
     def nearby(self) -> Nearby:
@@ -75,7 +76,7 @@ def diagnosed_model(problem: Problem, diagnosis: Diagnosis) -> DiagnosedModel:
 
 
 def _requests(result: Identification, given: Sequence[EffectInstance]) -> list[str]:
-    """The effects with one value for all recordings; own: the others."""
+    """The effects with one value for all recordings; given: the others."""
     each = {(instance.effect.name, instance.place) for instance in given}
     return [
         name if place == ROBOT else f"{name}:{place}"
@@ -94,7 +95,7 @@ def _as_found(result: Identification, instance: EffectInstance) -> EffectInstanc
 
 
 def _present(plain: Prepared, result: Identification) -> PresentModel:
-    """The found model as effects see it."""
+    """The identified model as effects see it."""
     gains = np.array([result.drive_gains[joint].value for joint in result.joints])
     extra = plain.dataset.robot.redundant[: plain.layout.redundant]
     changes = [result.drive_gains[actuator.joint].value - actuator.gain for actuator in extra]

@@ -73,7 +73,7 @@ def with_command(data: dict[str, Any], command: str, model: dict[str, Any] | Non
 
 
 def _usable(model: DiagnosedModel, diagnosis: Diagnosis, known: Mapping[str, Effect]) -> dict[str, Effect]:
-    """What may be ticked: found, or judged and not absorbed. The page changes nothing in what the model has itself."""
+    """What may be ticked: found, or judged and not absorbed. The page changes nothing in what the model has."""
     given = {
         instance.effect.name for instance in model.plain.effects
     }  # columns of the model, as the rigid bodies' are

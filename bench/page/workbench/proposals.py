@@ -1,4 +1,4 @@
-"""Effects that can be ticked: those found as they are, all others in the shape that suits beside them."""
+"""Effects that can be ticked: those found as they are, all others in the shape that suits next to them."""
 
 from collections.abc import Mapping
 from dataclasses import replace

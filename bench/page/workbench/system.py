@@ -1,4 +1,4 @@
-"""All columns that the page can ask for, motor by motor: the model's own, and those of every effect at every place."""
+"""All columns that the page can ask for, motor by motor: the model's, and those of every effect at every place."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -18,13 +18,13 @@ from bench.page.workbench.diagnosed_model import DiagnosedModel
 
 @dataclass(frozen=True)
 class PageSystem:
-    """columns (M, n, C) over all recordings, zero where a joint does not move: the model's own, then each effect's.
+    """columns (M, n, C) over all recordings, zero where a joint does not move: the model's, then each effect's.
 
     effects: with shapes, and linearised, as found; starts: the first column of each, and C. reference (C,): how the
-    found model combines the columns; gains (n,) its drive gains; measured, modelled, error (M, n): currents, and what
-    the model leaves of them; columns, modelled and error apart from the value that suits a recording that has none of
-    what differs from run to run. moving (M, n). fitted (M,): whether a row is fitted. basis (own, C): columns are
-    combined so that they are far from each other; the model's parameters are basis @ the coordinates by these, an
+    identified model combines the columns; gains (n,) its drive gains; measured, modelled, error (M, n): currents, and
+    what the model leaves of them; columns, modelled and error apart from the value that suits a recording that has none
+    of what differs from run to run. moving (M, n). fitted (M,): whether a row is fitted. basis (starts[0], C): columns
+    are combined so that they are far from each other; the model's parameters are basis @ the coordinates by these, an
     effect's its coordinates.
     """
 
@@ -104,7 +104,7 @@ def _set_apart_from_values(
 
 
 def _added(model: DiagnosedModel, instances: Sequence[EffectInstance], nearby: Nearby) -> np.ndarray:
-    """Columns (M, n, k) of effects about the found model; of those not found as they are seen nearby."""
+    """Columns (M, n, k) of effects about the identified model; of those not found as they are seen nearby."""
     complete, decimation = model.complete, model.complete.settings.decimation
     near = nearby.signals(complete.present, complete.signals)
     exact = [instance for instance in instances if instance in model.effects]
@@ -123,7 +123,7 @@ def _added(model: DiagnosedModel, instances: Sequence[EffectInstance], nearby: N
 
 
 def _reference(model: DiagnosedModel, instances: Sequence[EffectInstance], starts: np.ndarray) -> np.ndarray:
-    """The found model by the columns (C,)."""
+    """The identified model by the columns (C,)."""
     theta = model.solution.theta
     reference = np.zeros(starts[-1])
     at = base_count = int(starts[0])

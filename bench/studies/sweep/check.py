@@ -150,7 +150,7 @@ def _measured(
 
 
 def _design(plans: Sequence[tuple[Work, Plan]], pool: Pool, folder: Path) -> None:
-    """Design all trajectories at the same time; one that fails is left to its sweep, which says why."""
+    """Design all trajectories at the same time; one that fails is reported by its sweep, which says why."""
     wanted: dict[str, Task] = {}
     for work, plan in plans:
         for run in map(plan.run, range(plan.size)):

@@ -1,4 +1,4 @@
-"""What a diagnosis makes of hidden effects that are known here."""
+"""What a diagnosis makes of hidden effects that are known."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ def diagnosis_metrics(simulation: Simulation, prepared: Prepared) -> dict[str, f
     """
     modelled = tuple(dict.fromkeys(instance.request for instance in prepared.effects))
     problem = problem_of(prepared.dataset, modelled, filters=prepared.settings)
-    diagnosis = find_missing_effects(problem, discover=False)  # effects of the catalogue are what counts here
+    diagnosis = find_missing_effects(problem, discover=False)  # effects of the catalogue are what counts
     hidden = {effect.name for effect in simulation.machine.hidden} - {
         instance.effect.name for instance in prepared.effects
     }

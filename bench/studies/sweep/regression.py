@@ -20,7 +20,7 @@ LIMITS = {
     "identify_error": "error.identify",
     "validate_error": "error.validate",
 }
-"""Tolerances of scenarios whose metric has another name; the others have their own."""
+"""Tolerances of scenarios whose metric has another name; the others have theirs."""
 
 
 @dataclass(frozen=True)

@@ -17,9 +17,9 @@ LOOK_AHEAD = 4  # sets of equations for each worker: shared motions are simulate
 FEWEST_AHEAD = 8
 
 Report = Callable[[Journal], None]
-"""Told whenever runs are finished."""
+"""Called whenever runs are finished."""
 Phase = Callable[[str], None]
-"""Told what goes on before any run is finished."""
+"""Called with what goes on before any run is finished."""
 
 
 def silent(_: str) -> None:
@@ -123,7 +123,7 @@ class Driver:
         self._next = 0
 
     def run(self, report: Report, phase: Phase = silent) -> None:
-        """Work until nothing remains; what a finished run costs here does not depend on how many are under way."""
+        """Work until nothing remains; what a finished run costs does not depend on how many are under way."""
         more_to_come = True
         while more_to_come or self._ready or self._jobs:  # no set waits where nothing is under way
             while more_to_come and len(self._waiting) + len(self._ready) < self._limit:

@@ -21,7 +21,7 @@ TABLE, JOURNAL, RECORD, DESIGNS, FILE = "runs.parquet", "runs.jsonl", "sweep.jso
 
 @dataclass(frozen=True)
 class Finished:
-    """What a sweep has left behind."""
+    """The result of a sweep."""
 
     folder: Path
     table: Path

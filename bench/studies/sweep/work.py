@@ -68,7 +68,7 @@ class RunTask:
     def __call__(self, motion: Simulation | None) -> list[Row]:
         """A row a run; a run that fails for a reason that can be named has it in its row.
 
-        motion: simulated already, because others need it too; None: it is simulated here.
+        motion: simulated already, because others need it too; None: to be simulated.
         """
         first = self.runs[0]
         try:

@@ -12,7 +12,7 @@ import numpy as np
 from bench.basics.errors import BenchError
 from bench.studies.trial.compatible import compatible
 from bench.studies.trial.setup import Setup, where
-from bench.studies.trial.unknown import BESIDE, FRICTIONS, LAW, drawn_law
+from bench.studies.trial.unknown import FRICTIONS, KNOWN_EFFECTS, LAW, drawn_law
 from bench.truth.hidden import HIDDEN_EFFECTS
 from bench.truth.hidden.base import HiddenEffect
 
@@ -29,7 +29,7 @@ SHARES = HiddenEffect.shares
 SHARES_OF = {
     name: effect.shares for name, effect in sorted(HIDDEN_EFFECTS.items()) if effect.shares != SHARES
 }
-"""The same of those that bring their own."""
+"""The same of those that bring one."""
 
 SETS_FROM = 0.6
 """Where the sizes in sets begin in these ranges, on the logarithmic scale: in sets only large effects count."""
@@ -133,7 +133,9 @@ def _unknown_case(setup: Setup, index: int) -> Case:
     numbers = drawn_law(index, len(setup.motors), random)
     law = Hide(LAW, (joint,), _even_on_log_scale(UNKNOWN_SHARES, random), tuple(numbers.items()))
     others = _drawn_set(
-        [name for name in FRICTIONS if name in setup.effects], BESIDE[index % len(BESIDE)], random
+        [name for name in FRICTIONS if name in setup.effects],
+        KNOWN_EFFECTS[index % len(KNOWN_EFFECTS)],
+        random,
     )
     return Case(
         kind="unknown",

@@ -41,7 +41,7 @@ def law_columns(simulation: Simulation, diagnosis: Diagnosis, prepared: Prepared
     law.error: RMS, over that of the hidden law's torque, of the difference between all that was found and all that was
     hidden at its motor, where that moves; so a law counts whole of which a part was found under its name, and what
     is wrong with known effects there counts, too. law.alone: the same without the known effects that are found there
-    by their names, whose own errors may be many times a small law; one of which the law is a part stays. law.elsewhere:
+    by their names, whose errors may be many times a small law; one of which the law is a part stays. law.elsewhere:
     laws at motors that have none.
     """
     joint, numbers = _hidden_law(simulation)

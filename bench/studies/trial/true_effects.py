@@ -77,7 +77,7 @@ def true_values(effect: str, hidden: True_, *, slide: bool = False) -> dict[str,
 
 
 def as_logged(hidden: Sequence[Mapping[str, Any]]) -> list[dict[str, Any]]:
-    """Hidden effects told in the positions that are logged, which a hidden encoder offset shifts.
+    """Hidden effects in terms of the positions that are logged, which a hidden encoder offset shifts.
 
     With the logged position p = q + offset, a cos(w q) + b sin(w q) and k (q - q0) have other a, b and q0 in p.
     """

@@ -12,7 +12,7 @@ from bench.truth.hidden.product_law import unit_torque
 from bench.truth.hidden.reference import Reference
 
 LAW = "product_law"
-BESIDE = (0, 1, 2)
+KNOWN_EFFECTS = (0, 1, 2)
 """How many known effects accompany a law, in turn."""
 
 Along = Callable[[Mapping[str, float], np.ndarray, np.ndarray], np.ndarray]

@@ -75,7 +75,7 @@ class CaseTask:
     trajectories: Trajectories
 
     def __call__(self, reference: Simulation | None) -> list[Row]:
-        """One row. reference: simulated already, because other cases need it too; None: it is simulated here."""
+        """One row. reference: simulated already, because other cases need it too; None: to be simulated."""
         without = reference or ReferenceTask(self.setup, self.trajectories)(None)
         try:
             case, simulation = realised(self.setup, self.case, Reference(without), self.trajectories)
