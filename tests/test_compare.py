@@ -296,8 +296,8 @@ def test_standstill_is_left_out_and_does_not_make_a_reversal():
     what = compared(robot(), [recording], [series], SETTINGS)
     (one,) = what.of("left")
     assert len(one.time) == ROWS - 12
-    assert one.beside_standstill.sum() == 4
-    assert not one.at_reversal[one.beside_standstill].any()
+    assert one.near_standstill.sum() == 4
+    assert not one.at_reversal[one.near_standstill].any()
 
 
 @pytest.mark.parametrize("rows", [0, 5])

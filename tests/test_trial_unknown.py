@@ -146,7 +146,7 @@ def test_a_law_that_is_found_exactly_has_no_error(monkeypatch: pytest.MonkeyPatc
     effect, _ = law_effect("law_left", [friction], places_of(prepared)[0])
     model = with_effects(prepared, [EffectInstance(effect, "left", "law_left:left")])
     for c, error in ((0.02, 0.0), (0.018, 0.1)):
-        monkeypatch.setattr(law_judged, "_found_model", lambda *_, c=c: (model, np.array([c])))
+        monkeypatch.setattr(law_judged, "_identified_model", lambda *_, c=c: (model, np.array([c])))
         found = _torque_error(simulation, SimpleNamespace(), prepared, "left", ())  # type: ignore[arg-type]
         assert found == pytest.approx(error, abs=0.015)
 

@@ -45,7 +45,7 @@ def _as_typed(line: str) -> str:
     return line.replace("next: bench ", f"next: {typed()} ", 1) if line.startswith("next: bench ") else line
 
 
-def quiet_here(context: click.Context, _option: click.Parameter, quiet: bool) -> bool:
+def set_quiet(context: click.Context, _option: click.Parameter, quiet: bool) -> bool:
     """Let nothing but errors be printed, if that is asked for."""
     if quiet:
         _standard_output(context)

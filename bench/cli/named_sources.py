@@ -8,7 +8,7 @@ from typing import Any
 import click
 
 from bench.basics.errors import BenchError
-from bench.cli.known_truth import known_of, simulated_again, truth_beside, truth_of
+from bench.cli.known_truth import known_of, simulated_again, truth_next_to, truth_of
 from bench.dataset.dataset import Dataset, load_dataset, refuse_log
 from bench.dataset.names import DATASET_FILE
 from bench.diagnosis.result import Diagnosis, LadderStep
@@ -198,7 +198,7 @@ def _context(
     known: Mapping[str, KnownTruth] = {}
     values = None
     logged = logged or dataset
-    content = truth_beside(logged) if truth else None
+    content = truth_next_to(logged) if truth else None
     if content is not None:
         simulation = simulated_again(logged, content)
         if simulation is not None:

@@ -143,7 +143,7 @@ def extended_toml(
     changed = [
         payload
         for payload in payloads
-        if payload.name in defined and not _told_already(defined[payload.name], payload)
+        if payload.name in defined and not _same_as_defined(defined[payload.name], payload)
     ]
     for payload in payloads:
         if (fault := payload_fault(payload)) is not None:
@@ -180,7 +180,7 @@ def _check_free(folder: Path, entry: RecordingEntry, replaced: set[str], *, list
     )
 
 
-def _told_already(spec: PayloadSpec, payload: Payload) -> bool:
+def _same_as_defined(spec: PayloadSpec, payload: Payload) -> bool:
     """Whether the given values of a payload are those in dataset.toml."""
     known = spec.model_dump()
     return all(known[key] == value for key, value in payload_keys(payload).items())

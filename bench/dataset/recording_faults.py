@@ -59,7 +59,7 @@ def faults_of(
         findings = faults_in(column, values, time, joint, fault, accepted)
         if column.startswith("position."):
             findings = without_exchange(findings, swapped.get(joint.name))
-        faults += [_told(table, column, finding) for finding in findings]
+        faults += [_fault_of(table, column, finding) for finding in findings]
     return faults
 
 
@@ -113,7 +113,7 @@ def _longest(time: np.ndarray) -> tuple[int, int]:
     return max(pairwise([0, *cut_rows(time).tolist(), time.size]), key=lambda piece: piece[1] - piece[0])
 
 
-def _told(table: FileTable, column: str, finding: Fault) -> RecordingFaultError:
+def _fault_of(table: FileTable, column: str, finding: Fault) -> RecordingFaultError:
     accept = f" (accept = [{finding.check!r}] under its file name if that is intended)".replace("'", '"')
     said = f"{table.place(column, finding.row)}: {finding.what}"
     return RecordingFaultError(

@@ -6,7 +6,7 @@ from typing import Any
 from bench.basics.plain_data import finite
 from bench.dataset.robot_locked import locked_as_data
 from bench.diagnosis.decision import RULE
-from bench.diagnosis.reason_words import left_words, validated_on
+from bench.diagnosis.reason_words import unexplained_words, validated_on
 from bench.diagnosis.result import Diagnosis, Discovered, EffectVerdict, Unfinished
 from bench.diagnosis.summary import error_share, reason, summary_sentences
 from bench.identification.model_json import to_json
@@ -56,7 +56,7 @@ def diagnosis_json(diagnosis: Diagnosis, *, words: bool = True) -> dict[str, Any
         "sets": [asdict(probable) for probable in diagnosis.sets],
         "decision_rule": asdict(RULE),
         "without_logs": [asdict(without) for without in diagnosis.without_logs],
-        "unexplained": _left(diagnosis, words),
+        "unexplained": _unexplained(diagnosis, words),
         "differs_by_recording": [
             {**asdict(differing), "request": differing.request} for differing in diagnosis.differs
         ],
@@ -96,7 +96,7 @@ def _verdict(diagnosis: Diagnosis, verdict: EffectVerdict, words: bool) -> dict[
     }
 
 
-def _left(diagnosis: Diagnosis, words: bool) -> dict[str, Any]:
+def _unexplained(diagnosis: Diagnosis, words: bool) -> dict[str, Any]:
     unexplained, searched = diagnosis.unexplained, Unfinished.SETS not in diagnosis.unfinished
     return {
         "significant": unexplained.significant,
@@ -104,7 +104,7 @@ def _left(diagnosis: Diagnosis, words: bool) -> dict[str, Any]:
         "noise_floor": unexplained.noise_floor,
         "depends_on": list(unexplained.depends_on),
         "what": unexplained.what,
-        "why": left_words(unexplained, searched=searched) if words else "",
+        "why": unexplained_words(unexplained, searched=searched) if words else "",
         "encoders": unexplained.encoders,
         "repeats": unexplained.repeats,
     }

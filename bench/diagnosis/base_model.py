@@ -63,7 +63,7 @@ class BaseModel:
     def nearly(self, proposals: Sequence[Proposal], chosen: Sequence[int]) -> Prepared:
         """The same as it is known nearby, for a first look."""
         instances = _instances(proposals, chosen)
-        earlier = self._found_before(instances)
+        earlier = self._converged_before(instances)
         return at_its_solution(self._settled_nearby(instances)) if earlier is None else earlier
 
     def in_search(self, system: System, proposals: Sequence[Proposal], chosen: Sequence[int]) -> Prepared:
@@ -88,14 +88,14 @@ class BaseModel:
         """The starting model with these effects, converged; first as it is known nearby, if that is less work."""
         if _less_nearby(instances):
             return self.exactly(self._settled_nearby(instances))
-        prepared = self._found_before(instances)
+        prepared = self._converged_before(instances)
         if prepared is None:
             prepared = self._converged(self.start, (*self.start.effects, *instances))
             if prepared.converged and _hashable(prepared.effects):
                 self.known[tuple(instances)] = prepared.effects, prepared.present
         return at_its_solution(prepared)
 
-    def _found_before(self, instances: Sequence[EffectInstance]) -> Prepared | None:
+    def _converged_before(self, instances: Sequence[EffectInstance]) -> Prepared | None:
         """The starting model with these effects, if they were converged from the same beginning before."""
         entry = self.known.get(tuple(instances)) if _hashable(instances) else None
         return None if entry is None else replace(with_effects(self.start, *entry), converged=True)
@@ -104,7 +104,7 @@ class BaseModel:
         """The starting model with these effects, converged from a converged model that is much like it and has the
         shapes that they begin with, or with which they were found.
         """
-        if (earlier := self._found_before(instances)) is not None:
+        if (earlier := self._converged_before(instances)) is not None:
             return at_its_solution(earlier)
         start = seen_nearby(self.start, self.nearby) if _less_nearby(instances) else self.start
         every = *self.start.effects, *instances

@@ -94,8 +94,8 @@ def _together(system: System, keys: Sequence[tuple[int, ...]]) -> dict[tuple[int
     begun = [start_of(system, key) for key in keys]
     columns = [pair[0] for pair in begun]
     values = np.zeros((len(keys), max(map(len, columns))))
-    for start_values, (_, found_before, _) in zip(values, begun, strict=True):
-        start_values[: len(found_before)] = found_before
+    for start_values, (_, begun_values, _) in zip(values, begun, strict=True):
+        start_values[: len(begun_values)] = begun_values
     added = [column[system.base :] for column in columns]
     wide = values.shape[1] - system.base
     products = products_of_sets(system.fitted, system.base, added, wide)

@@ -27,15 +27,6 @@ from bench.diagnosis.ladder import (
 )
 from bench.diagnosis.mounting import mounted_otherwise
 from bench.diagnosis.normal_equations import System
-from bench.diagnosis.own_values import (
-    Place,
-    explains_more,
-    leading,
-    own_values,
-    places_of,
-    with_common_values,
-    with_own_values,
-)
 from bench.diagnosis.posterior import posterior_of, with_probability
 from bench.diagnosis.pruning import (
     gain_like_effect,
@@ -57,6 +48,15 @@ from bench.diagnosis.sizes import sizes_of
 from bench.diagnosis.split import with_held_out_parts
 from bench.diagnosis.starting import given_wholly, kept_and_new, leaving, origins_of
 from bench.diagnosis.unexplained import excess, unexplained
+from bench.diagnosis.values_by_log import (
+    Place,
+    explains_more,
+    leading,
+    places_of,
+    values_by_log,
+    with_common_values,
+    with_values_by_log,
+)
 from bench.diagnosis.verdicts import undecided, verdicts
 from bench.diagnosis.where_possible import where_possible
 from bench.diagnosis.without_log import without_logs
@@ -169,7 +169,7 @@ def search_catalogue(case: SplitProblem, progress: Progress = SILENT) -> SearchR
     fitted, no less of other recordings with values of theirs, and still differ. After the deadline the best so far is
     the answer.
     """
-    plain = _search_beside(case, case.start, case.before, progress)
+    plain = _search_with_values(case, case.start, case.before, progress)
     if case.deadline.passed:
         return replace(plain, unfinished=(*plain.unfinished, Unfinished.OWN_VALUES))
     plain = _compared(case, plain)
@@ -183,8 +183,8 @@ def search_catalogue(case: SplitProblem, progress: Progress = SILENT) -> SearchR
         if wanted in tried:
             break
         tried.append(wanted)
-        start = with_own_values(case.start, wanted, case.problem.catalogue)
-        result = _search_beside(case, start, fit(start), progress)
+        start = with_values_by_log(case.start, wanted, case.problem.catalogue)
+        result = _search_with_values(case, start, fit(start), progress)
         if result.unfinished or case.deadline.passed:
             return replace(plain, unfinished=(Unfinished.OWN_VALUES,))
         result = _compared(case, result)
@@ -196,7 +196,7 @@ def search_catalogue(case: SplitProblem, progress: Progress = SILENT) -> SearchR
     return plain
 
 
-def _search_beside(
+def _search_with_values(
     case: SplitProblem, model: Prepared, before: Identification, progress: Progress
 ) -> SearchResult:
     """Search from a model that has this model's effects, or some of them: the others are to be found.
@@ -263,7 +263,7 @@ def search_from(
             model, after, superfluous = leaving(base_model, model, after, given, last.system.samples)
             kept, new = kept_and_new(model.effects[given_count:], given)
             names = tuple(dict.fromkeys(instance.effect.name for instance in new))
-            each = dict.fromkeys(instance.request for instance in own_values(base_model.start, given))
+            each = dict.fromkeys(instance.request for instance in values_by_log(base_model.start, given))
             without = fit(base_model.with_instances(kept)) if each else case.before
             fits = fits_of(base_model, kept, new, without, after)
             ladder = ends_of_ladder(names, fits) if cut else ladder_of(names, fits)

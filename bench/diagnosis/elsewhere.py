@@ -5,7 +5,7 @@ from collections.abc import Collection, Iterator, Mapping, Sequence
 import numpy as np
 
 from bench.diagnosis.decision import RULE
-from bench.diagnosis.own_values import Place
+from bench.diagnosis.values_by_log import Place
 from bench.effects import Effect, EffectInstance
 from bench.identification.effect_rows import effect_rows
 from bench.identification.findings import unlike
@@ -31,8 +31,8 @@ def differing_elsewhere(
     for error, columns in _elsewhere(model, answer, instances):
         for i, (_, joint) in enumerate(places):
             j = motors[joint]
-            before[i] += _left(error[:, j], columns[:, j, :0]) ** 2
-            after[i] += _left(error[:, j], columns[:, j, i : i + 1]) ** 2
+            before[i] += _residual_norm(error[:, j], columns[:, j, :0]) ** 2
+            after[i] += _residual_norm(error[:, j], columns[:, j, i : i + 1]) ** 2
     best = {
         joint: min((i for i, place in enumerate(places) if place[1] == joint), key=lambda i: after[i])
         for _, joint in places
@@ -55,7 +55,7 @@ def worse_elsewhere(
     }
     of_answer, of_other = (
         sum(
-            _left(error.ravel(), columns.reshape(error.size, -1)) ** 2
+            _residual_norm(error.ravel(), columns.reshape(error.size, -1)) ** 2
             for error, columns in _elsewhere(model, each, [*common.values()])
         )
         for each in (answer, other)
@@ -82,7 +82,7 @@ def _elsewhere(
         yield trace.error * trace.moving, columns
 
 
-def _left(error: np.ndarray, columns: np.ndarray) -> float:
+def _residual_norm(error: np.ndarray, columns: np.ndarray) -> float:
     """Length of an error (M,) outside columns (M, k)."""
     if not columns.any():
         return float(np.linalg.norm(error))

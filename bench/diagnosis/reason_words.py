@@ -28,7 +28,7 @@ def validated_on(diagnosis: Diagnosis) -> str:
     return f"the last {100.0 * diagnosis.held_out:.0f} % of every recording, not fitted"
 
 
-def left_words(unexplained: Unexplained, *, searched: bool = True) -> str:
+def unexplained_words(unexplained: Unexplained, *, searched: bool = True) -> str:
     """What remains with the identified effects, and how large the noise is; without a capital letter and full stop.
 
     searched: whether all effects of the catalogue were tried.

@@ -283,7 +283,7 @@ def system_about(base_model: BaseModel, model: Prepared, proposals: Sequence[Pro
     """The starting model's equations with every proposal's columns, linearised about `model`."""
     start = base_model.start
     about = with_effects(model, start.effects)
-    given_solution = _own_solution(start, about, solved_quickly(model)[1].weights)
+    given_solution = _solution_about(start, about, solved_quickly(model)[1].weights)
     exact = model.effects[len(start.effects) :]
     listed = [() if proposal.absorbed else proposal.instances for proposal in proposals]
     near = base_model.nearby.signals(model.present, model.signals)
@@ -291,7 +291,7 @@ def system_about(base_model: BaseModel, model: Prepared, proposals: Sequence[Pro
     return replace(system, priors=tuple(proposal.prior for proposal in proposals))
 
 
-def _own_solution(start: Prepared, about: Prepared, weights: np.ndarray) -> Solution:
+def _solution_about(start: Prepared, about: Prepared, weights: np.ndarray) -> Solution:
     """Of the starting model, linearised as `about` is, with other weights (n,)."""
     stack, solution = solved_quickly(about)
     return restarted(stack, replace(solution, weights=weights), start.dataset.robot.nominal_gains)

@@ -66,7 +66,7 @@ def _at_its_shape(result: Identification, instance: EffectInstance) -> np.ndarra
     places, at = [k for k, _ in there], [i for _, i in there]
     within = np.linalg.pinv(result.covariance[np.ix_(shape, shape)], hermitian=True)
     along = result.covariance[np.ix_(at, shape)]
-    own_covariance = result.covariance[np.ix_(at, at)] - along @ within @ along.T
-    np.fill_diagonal(own_covariance, np.maximum(stds[places] ** 2 - np.diag(along @ within @ along.T), 0.0))
-    covariance[np.ix_(places, places)] = own_covariance
+    conditional = result.covariance[np.ix_(at, at)] - along @ within @ along.T
+    np.fill_diagonal(conditional, np.maximum(stds[places] ** 2 - np.diag(along @ within @ along.T), 0.0))
+    covariance[np.ix_(places, places)] = conditional
     return covariance

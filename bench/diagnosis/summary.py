@@ -10,7 +10,7 @@ from bench.basics.joint_units import units_of_gain
 from bench.diagnosis.differs_words import from_run_to_run
 from bench.diagnosis.law_words import law_sentences
 from bench.diagnosis.motions import telling_motions
-from bench.diagnosis.reason_words import left_words, reason_sentence, validated_on
+from bench.diagnosis.reason_words import reason_sentence, unexplained_words, validated_on
 from bench.diagnosis.result import Diagnosis, EffectVerdict, Remainder, Unfinished
 from bench.diagnosis.unfinished_words import unfinished_sentence
 from bench.effects.display_names import spoken
@@ -85,11 +85,11 @@ def summary_of(diagnosis: Diagnosis) -> DiagnosisSummary:
 
 def _summary(diagnosis: Diagnosis) -> DiagnosisSummary:
     searched = Unfinished.SETS not in diagnosis.unfinished
-    missing = found_effects(diagnosis)
+    missing = named_effects(diagnosis)
     first, last = diagnosis.ladder[0], diagnosis.ladder[-1]
     before, after = (_first_known(step.validate, step.identify) for step in (first, last))
     floor = diagnosis.unexplained.noise_floor
-    residual_sentence = f"{_capital(left_words(diagnosis.unexplained, searched=searched))}."
+    residual_sentence = f"{_capital(unexplained_words(diagnosis.unexplained, searched=searched))}."
     validation = validated_on(diagnosis)
     needless = _superfluous(diagnosis)
     each = diagnosis.by_recording
@@ -247,7 +247,7 @@ def _cannot_tell(verdict: EffectVerdict, missing: Sequence[EffectVerdict]) -> st
     )
 
 
-def found_effects(diagnosis: Diagnosis) -> list[EffectVerdict]:
+def named_effects(diagnosis: Diagnosis) -> list[EffectVerdict]:
     """The verdicts on the effects that are missing, strongest first."""
     by_name = {verdict.effect: verdict for verdict in diagnosis.ranking}
     return [by_name[name] for name in diagnosis.missing]

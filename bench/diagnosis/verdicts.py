@@ -43,7 +43,9 @@ def verdicts(
             rows.append(_absorbed(proposal, _error(system, best, scale)))
         elif i in chosen:
             error = without.get(proposal.name, 0.0)
-            rows.append(_found(system, proposals, selection, i, places[proposal.name], scale, sure, error))
+            rows.append(
+                _identified(system, proposals, selection, i, places[proposal.name], scale, sure, error)
+            )
         else:
             rows.append(_other(system, proposals, selection, i, scale))
     order: dict[Verdict, int] = {
@@ -82,7 +84,7 @@ def _absorbed(proposal: Proposal, error: float) -> EffectVerdict:
     return EffectVerdict(proposal.name, "absorbed", error, error, 0.0, (), (), {}, why)
 
 
-def _found(
+def _identified(
     system: System,
     proposals: Sequence[Proposal],
     selection: Selection,

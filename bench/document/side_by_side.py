@@ -8,7 +8,7 @@ from bench.residuals.side_by_side import ComparedModel, SideBySide, effect_place
 MANY = 6  # parameters that are named
 
 
-def errors_beside_table(comparison: SideBySide) -> Table:
+def compared_errors_table(comparison: SideBySide) -> Table:
     """A row a use, a motor and a recording; a column a model."""
     first = comparison.models[0].model.error
     rows = [USES["identify"]] if first.identify is not None else []
@@ -28,7 +28,7 @@ def errors_beside_table(comparison: SideBySide) -> Table:
     return Table(tuple(columns), ends=(uses - 1,))
 
 
-def gains_beside_table(comparison: SideBySide) -> Table:
+def compared_gains_table(comparison: SideBySide) -> Table:
     """A row a motor, with the 95 % interval of its gain in every model."""
     gains = comparison.models[0].model.drive_gains
     columns = [

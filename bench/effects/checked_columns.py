@@ -38,7 +38,7 @@ def columns_at_motors(instance: EffectInstance, robot: RobotSignals) -> tuple[np
         alone = isinstance(effect, ActuatorEffect) and type(effect).columns is ActuatorEffect.columns
         if isinstance(effect, ActuatorEffect) and alone and instance.joint in robot.joints:
             motors = motors[[list(robot.joints).index(instance.joint)]]
-            columns = np.asarray(effect.own_column(robot, instance.joint))[:, None]
+            columns = np.asarray(effect.motor_column(robot, instance.joint))[:, None]
         else:
             columns = np.asarray(effect.columns(robot, instance.joint))
     except MISTAKES as error:

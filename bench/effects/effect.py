@@ -196,7 +196,7 @@ class ActuatorEffect(Effect):
     def torque(self, joint: JointSignals) -> np.ndarray:
         """One column (N, p) for each parameter: its torque or force at a parameter value of one."""
 
-    def own_column(self, robot: RobotSignals, joint: str) -> np.ndarray:
+    def motor_column(self, robot: RobotSignals, joint: str) -> np.ndarray:
         """`torque` (N, p) at a joint. Raises BenchError where it has another shape."""
         torque = self.torque(robot.redundant[joint] if joint in robot.redundant else robot.joints[joint])
         shape = len(robot.time), len(self.parameters)
@@ -212,7 +212,7 @@ class ActuatorEffect(Effect):
 
         At a redundant motor, what the others have to supply for it through the loops.
         """
-        torque = self.own_column(robot, joint)
+        torque = self.motor_column(robot, joint)
         if joint in robot.redundant:
             index = robot.geometry.joints[robot.geometry.joint_index(joint)].v.start
             return robot.tree.jacobian[:, index, :, None] * torque[:, None, :]

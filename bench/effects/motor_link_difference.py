@@ -15,7 +15,7 @@ TURN, SLIDE = 1e-4, 1e-5  # rad, m: shift of a joint for a derivative
 SHARE = 1e-3  # of the RMS speed, likewise
 
 
-def own_torque(robot: RobotSignals, joint: str) -> tuple[np.ndarray, np.ndarray]:
+def torque_of_motor(robot: RobotSignals, joint: str) -> tuple[np.ndarray, np.ndarray]:
     """At the coarse samples: the present rigid model's torque at a joint, and the joint's acceleration, (K,)."""
     at = list(robot.joints).index(joint)
     return robot.coarse.torque[:, at], robot.coarse.acceleration[:, at]

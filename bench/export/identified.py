@@ -14,7 +14,7 @@ from bench.dataset.payload import Payload
 from bench.dataset.robot import Robot, load_robot, refuse_other_locks, refuse_redundant
 from bench.effects import Effect, EffectInstance, catalogue_for, places_in, select_effects
 from bench.identification.layout import parameter_layout
-from bench.identification.model_file import SavedModel, load_model, with_own_effects
+from bench.identification.model_file import SavedModel, load_model, with_saved_effects
 from bench.identification.payload_parameters import payload_columns
 from bench.model.model import IdentificationModel, build_model
 from bench.model.regressor import PARAMETERS
@@ -130,7 +130,7 @@ def load_identified(
             robot = saved.model.robot
         loaded = load_robot(robot)
     known = catalogue_for(files, tuple(effect_files))
-    wider = with_own_effects(known, saved)
+    wider = with_saved_effects(known, saved)
     saved_files = () if wider is known else saved.effect_files
     model = identified_model(path, saved, loaded, payloads, wider)
     return replace(model, effect_files=(*files, *effect_files, *saved_files))

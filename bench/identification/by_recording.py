@@ -47,7 +47,7 @@ def in_this_recording(prepared: Prepared, observation: Observation, solution: So
     return replace(solution, theta=theta)
 
 
-def without_own_values(prepared: Prepared) -> list[Finding]:
+def without_values_by_log(prepared: Prepared) -> list[Finding]:
     """The recordings, and the effect with the recordings whose values are known."""
     among = {instance.effect.name: instance.among for instance in prepared.effects if instance.recording}
     findings = []

@@ -23,21 +23,21 @@ SUSPICIOUS_GAIN = 0.5  # of the nominal gain: makers are wrong by a tenth
 
 def with_findings(
     result: Identification,
-    left_aside: tuple[str, ...],
+    unusable: tuple[str, ...],
     outside: Sequence[EffectInstance] = (),
     more: Sequence[Finding] = (),
     scale: Sequence[Finding] = (),
 ) -> Identification:
     """The result with its findings.
 
-    left_aside: recordings that could not be used; outside: effects beyond their bounds. more: what else was found.
+    unusable: recordings that could not be used; outside: effects beyond their bounds. more: what else was found.
     scale: why drive gains stay nominal.
     """
     doubt = runaway(result)
     findings = [] if doubt is None else [doubt]
     findings += _beyond(outside)
-    if left_aside:
-        findings.append(Finding(Code.PAYLOAD_NOT_DECLARED, left_aside))
+    if unusable:
+        findings.append(Finding(Code.PAYLOAD_NOT_DECLARED, unusable))
     findings += scale
     if result.redundant:
         findings.append(Finding(Code.REDUNDANT, result.redundant))

@@ -69,7 +69,7 @@ def fits(
     return fixed.of == _made_of(observations, layout, payloads)
 
 
-def stacked_beside(fixed: FixedColumns, observations: Sequence[Observation]) -> Stack:
+def stacked_with_fixed(fixed: FixedColumns, observations: Sequence[Observation]) -> Stack:
     """As `stack_observations`, of observations with other effects; factors have as many rows as a motor needs."""
     stack = fixed.stack
     effects = np.concatenate([observation.effects for observation in observations]) * stack.moving[:, :, None]

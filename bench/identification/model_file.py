@@ -19,7 +19,7 @@ from bench.dataset.dataset import Dataset
 from bench.dataset.robot import refuse_other_locks
 from bench.effects import Effect, EffectInstance
 from bench.effects.user_file import load_effects
-from bench.identification.by_recording import without_own_values
+from bench.identification.by_recording import without_values_by_log
 from bench.identification.finding import Finding
 from bench.identification.finding_words import note
 from bench.identification.findings import locked_findings
@@ -214,7 +214,7 @@ def apply_model(problem: Problem, saved: SavedModel) -> Comparison:
     dataset = problem.dataset
     series = tuple(modelled_series(prepared, observation, solution) for observation in prepared.observations)
     joints = [actuator.joint for actuator in dataset.robot.actuators]
-    findings = (*without_own_values(prepared), *locked_findings(dataset.robot.locked))
+    findings = (*without_values_by_log(prepared), *locked_findings(dataset.robot.locked))
     return Comparison(dataset.robot.name, str(saved.path), series, error_summary(series, joints), findings)
 
 
@@ -229,13 +229,13 @@ def applied(problem: Problem, saved: SavedModel) -> tuple[Prepared, Solution]:
             f"{dataset.robot.name} ({', '.join(dataset.robot.driven)})"
         )
     refuse_other_locks(dataset.robot, model.locked, str(saved.path))
-    if not _own(dataset, saved):  # a log of another folder is another log, whatever its name
+    if not _same_folder(dataset, saved):  # a log of another folder is another log, whatever its name
         strangers = tuple(
             replace(recording, part_of=str(dataset.folder / recording.log))
             for recording in dataset.recordings
         )
         dataset = replace(dataset, recordings=strangers)
-    known = with_own_effects(problem.catalogue, saved)
+    known = with_saved_effects(problem.catalogue, saved)
     prepared = prepare(
         Problem(dataset, known, model.effects, model.settings), fitted_only=False, logs=saved.fitted
     )
@@ -250,7 +250,7 @@ def applied(problem: Problem, saved: SavedModel) -> tuple[Prepared, Solution]:
     return with_effects(prepared, instances, present_model(prepared, solution)), solution
 
 
-def with_own_effects(catalogue: Mapping[str, Effect], saved: SavedModel) -> Mapping[str, Effect]:
+def with_saved_effects(catalogue: Mapping[str, Effect], saved: SavedModel) -> Mapping[str, Effect]:
     """A catalogue with the effects of the files that a model names, where it does not have them yet.
 
     Raises BenchError that names the model and a file that cannot be read.
@@ -265,7 +265,7 @@ def with_own_effects(catalogue: Mapping[str, Effect], saved: SavedModel) -> Mapp
     return dict(sorted({**loaded, **catalogue}.items()))
 
 
-def _own(dataset: Dataset, saved: SavedModel) -> bool:
+def _same_folder(dataset: Dataset, saved: SavedModel) -> bool:
     """Whether a dataset is the one that the model was identified from."""
     return saved.dataset is not None and saved.dataset.resolve() == dataset.folder.resolve()
 

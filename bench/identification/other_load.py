@@ -95,10 +95,12 @@ class _LoadTrial:
         gains = self.prepared.gains
         solution = scaled_lstsq(*torque_system(factors, gains.held))
         theta = solution[: self.layout.size]
-        found_gains = solved_gains(factors, gains.with_fitted(solution[self.layout.size :]), gains.values)
-        theta, found_gains = minimised(factors, theta, found_gains, np.ones(len(found_gains)), gains.fitted)
+        fitted_gains = solved_gains(factors, gains.with_fitted(solution[self.layout.size :]), gains.values)
+        theta, fitted_gains = minimised(
+            factors, theta, fitted_gains, np.ones(len(fitted_gains)), gains.fitted
+        )
         whole = (factors[:, :, -1] ** 2).sum(axis=1)
-        squares = squared_errors(factors, theta, found_gains)
+        squares = squared_errors(factors, theta, fitted_gains)
         return np.sqrt(np.divide(squares, whole, out=np.zeros_like(whole), where=whole > 0.0))
 
     def _part(self, name: str, load: str | None) -> np.ndarray:

@@ -25,7 +25,7 @@ from bench.identification.small_change import KEPT, SmallChange, small_change
 from bench.identification.sparse_signals import FEWEST, sparse_gaps, sparse_joint
 from bench.model.geometry import Geometry
 from bench.model.model import IdentificationModel
-from bench.model.motion import BLOCK, Motion, motion_beside
+from bench.model.motion import BLOCK, Motion, motion_near
 from bench.model.regressor import payload_transform, projected_regressor, redundant_columns
 from bench.signals.decimation import fit_band
 
@@ -97,7 +97,7 @@ class Nearby:
             more, less = map(np.asarray, both)
             differences = [small_change((more - less) / (2.0 * step))]
             if not order:
-                differences.append(small_change((more + less - 2.0 * self._own) / step**2))
+                differences.append(small_change((more + less - 2.0 * self._base_rows) / step**2))
             for (_, _, degree), change in zip(keys, differences, strict=True):
                 self._kept.keep((order, index, degree), change, change.values.nbytes)
             if index == motor:
@@ -107,7 +107,7 @@ class Nearby:
     @property
     def _may_keep_all(self) -> bool:
         """Whether what all shifts add can be kept with as much of other changes."""
-        samples, n, columns = self._own.shape
+        samples, n, columns = self._base_rows.shape
         return 4 * n * samples * n * columns * np.dtype(KEPT).itemsize < MOST_BYTES / 2
 
     def signals(self, present: PresentModel, seen: Sequence[RobotSignals]) -> tuple[RobotSignals, ...]:
@@ -157,7 +157,7 @@ class Nearby:
         change = self._kept.get(key)
         if change is None:
             more = replace(geometry, gravity=geometry.gravity + np.eye(3)[axis])
-            change = small_change(self._rows(more, self._tree) - self._own)
+            change = small_change(self._rows(more, self._tree) - self._base_rows)
             self._kept.keep(key, change, change.values.nbytes)
         return change
 
@@ -169,16 +169,16 @@ class Nearby:
         change = self._kept.get(key)
         if change is None:
             try:
-                tree = motion_beside(geometry, self._tree, *self._active)
+                tree = motion_near(geometry, self._tree, *self._active)
             except BenchError as error:
                 self._barred[key] = str(error)
                 raise
-            change = small_change(self._rows(geometry, tree) - self._own)
+            change = small_change(self._rows(geometry, tree) - self._base_rows)
             self._kept.keep(key, change, change.values.nbytes)
         return change
 
     @cached_property
-    def _own(self) -> np.ndarray:
+    def _base_rows(self) -> np.ndarray:
         return self._rows(self._model.geometry, self._tree)
 
     def _step(self, order: int, motor: int) -> float:
@@ -213,7 +213,7 @@ class Nearby:
             moved[order][k * samples : (k + 1) * samples, motor] += step
         tree = self._tree.at(np.tile(np.arange(samples), count))
         geometry = self._model.geometry
-        return np.split(self._rows(geometry, motion_beside(geometry, tree, *moved)), count)
+        return np.split(self._rows(geometry, motion_near(geometry, tree, *moved)), count)
 
     def _rows(self, geometry: Geometry, tree: Motion) -> np.ndarray:
         base_columns, redundant = self._model.base.columns, redundant_columns(geometry)

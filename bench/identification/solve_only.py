@@ -9,7 +9,7 @@ from bench.effects import EffectInstance
 from bench.identification.compressed import Stack, stack_observations
 from bench.identification.effect_rows import effect_rows
 from bench.identification.essential_parameters import reduced, with_zeros
-from bench.identification.fixed_columns import FixedColumns, fits, fixed_columns, stacked_beside
+from bench.identification.fixed_columns import FixedColumns, fits, fixed_columns, stacked_with_fixed
 from bench.identification.identifiability_of_effects import identifiable_columns
 from bench.identification.prepare import Prepared
 from bench.identification.solution import NominalGains, Solution
@@ -46,7 +46,7 @@ def _stacked(prepared: Prepared) -> Stack:
     fixed = prepared.kept.get(FIXED)
     if FIXED not in prepared.kept or (fixed is not None and not fits(fixed, *parts)):
         fixed = prepared.kept[FIXED] = fixed_columns(*parts)
-    return stack_observations(*parts) if fixed is None else stacked_beside(fixed, prepared.fitted)
+    return stack_observations(*parts) if fixed is None else stacked_with_fixed(fixed, prepared.fitted)
 
 
 def solved_with(stack: Stack, kept: np.ndarray, gains: NominalGains, near: np.ndarray) -> Solution:

@@ -30,7 +30,7 @@ def solved_from_products(stack: Stack, gains: NominalGains, near: np.ndarray) ->
     themselves go another way.
     """
     near = gains.with_fitted(near)
-    solution = _found(stack, gains, near)
+    solution = _minimum(stack, gains, near)
     if solution is None:
         return _on_factors(stack, gains, near)
     return replace(
@@ -38,7 +38,7 @@ def solved_from_products(stack: Stack, gains: NominalGains, near: np.ndarray) ->
     )
 
 
-def _found(stack: Stack, gains: NominalGains, near: np.ndarray) -> Solution | None:
+def _minimum(stack: Stack, gains: NominalGains, near: np.ndarray) -> Solution | None:
     lengths = np.linalg.norm(stack.factors[:, :, -1], axis=1)
     scale = 1.0 / np.maximum(np.abs(gains.values) * lengths, TINY)
     products = products_of(stack.factors, scale)

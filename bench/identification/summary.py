@@ -7,7 +7,7 @@ import numpy as np
 from bench.basics.joint_units import drive_unit
 from bench.effects import EffectInstance
 from bench.effects.select import ROBOT as ROBOT
-from bench.identification.by_recording import in_this_recording, without_own_values
+from bench.identification.by_recording import in_this_recording, without_values_by_log
 from bench.identification.collinear import collinear, unsettled
 from bench.identification.finding import Code, Finding, Unknown
 from bench.identification.findings import with_findings
@@ -95,13 +95,13 @@ def summarise(
             redundant=tuple(actuator.joint for actuator in robot.redundant),
             locked=robot.locked,
         ),
-        prepared.left_aside,
+        prepared.unusable,
         outside,
         [
             *prepared.contradicted,
             *velocity_findings([(seen.recording.name, seen.logged) for seen in prepared.measured]),
             *_repeated_rows(prepared),
-            *without_own_values(prepared),
+            *without_values_by_log(prepared),
             *([Finding(Code.NOT_SETTLED, of=tuple(unknown for _, unknown in loose))] if loose else []),
             *collinear(prepared.effects, spread.covariance, rows),
         ],

@@ -147,12 +147,12 @@ def _effects(data: Dataset) -> list[dict[str, Any]]:
 
 def _run(root: Path, place: str) -> dict[str, Any]:
     try:
-        return {"path": place, **_told(root, place)}
+        return {"path": place, **_facts(root, place)}
     except BenchError as error:
         return {"path": place, "fault": str(error)}
 
 
-def _told(root: Path, place: str) -> dict[str, Any]:
+def _facts(root: Path, place: str) -> dict[str, Any]:
     path, line, applied = root / place, "", False
     model = path
     if path.is_dir():

@@ -184,8 +184,8 @@ def _rank(matrix: np.ndarray) -> int:
 def _bound_motors(geometry: Geometry, jacobian: np.ndarray) -> tuple[str, ...]:
     """Motors that the closures relate to one another: what no passive motion makes up for."""
     passive, active = jacobian[:, geometry.passive], jacobian[:, geometry.active]
-    left_over = active - passive @ np.linalg.lstsq(passive, active, rcond=DEPENDENT)[0]
-    sizes = np.abs(left_over).max(axis=0)
+    uncontrolled = active - passive @ np.linalg.lstsq(passive, active, rcond=DEPENDENT)[0]
+    sizes = np.abs(uncontrolled).max(axis=0)
     return tuple(
         name
         for name, size in zip(geometry.robot.joints, sizes, strict=True)

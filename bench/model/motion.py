@@ -122,7 +122,7 @@ def motion_of(
     if near is not None and geometry.closed:
         track = Track(time, position, velocity, acceleration, geometry.active_offset)
         try:
-            return _solved(geometry, closures_of(geometry), track, _beside(geometry, near, track))
+            return _solved(geometry, closures_of(geometry), track, _guess_near(geometry, near, track))
         except BenchError:
             pass  # too far: all the way from home
     return path_of(geometry, time, position, velocity, acceleration).motion(slice(None))
@@ -211,7 +211,7 @@ class Path:
         )
 
 
-def motion_beside(
+def motion_near(
     geometry: Geometry,
     near: Motion,
     position: np.ndarray,
@@ -224,7 +224,7 @@ def motion_beside(
     from there.
     """
     track = Track(near.time, position, velocity, acceleration, geometry.active_offset)
-    return _solved(geometry, closures_of(geometry), track, _beside(geometry, near, track))
+    return _solved(geometry, closures_of(geometry), track, _guess_near(geometry, near, track))
 
 
 def rates_at(
@@ -357,7 +357,7 @@ def _between(geometry: Geometry, nodes: Motion) -> Callable[[np.ndarray, np.ndar
     return guess
 
 
-def _beside(geometry: Geometry, near: Motion, track: Track) -> _Guess:
+def _guess_near(geometry: Geometry, near: Motion, track: Track) -> _Guess:
     """Poses of another motion at the same samples, moved by what they are off at the active joints."""
 
     def guess(block: slice) -> np.ndarray:

@@ -103,7 +103,7 @@ def save_run(folder: Path, kept: SavedRun) -> None:
     if diagnosis is not None:
         save_model(diagnosis.before, folder / BEFORE_FILE, dataset.folder)
         written.append(BEFORE_FILE)
-        content["diagnosis"] = _told(diagnosis)
+        content["diagnosis"] = _diagnosis_content(diagnosis)
         between = [diagnosis.ladder[i].recordings for i in content["diagnosis"]["between"]]
         bare = [tuple(replace(entry, by_effect={}) for entry in series) for series in between]
         models += [diagnosis.before.recordings, *bare]
@@ -122,7 +122,7 @@ def save_workbench(folder: Path, kept: SavedRun) -> None:
     write_json_atomically(folder / RUN_FILE, content)
 
 
-def _told(diagnosis: Diagnosis) -> dict[str, Any]:
+def _diagnosis_content(diagnosis: Diagnosis) -> dict[str, Any]:
     """What a diagnosis says, next to its models. between: the steps of its ladder whose currents are kept as well."""
     ladder = diagnosis.ladder
     return {

@@ -92,20 +92,21 @@ def _charts(law: Discovered, after: Identification) -> tuple[PageChart, ...]:
 
 
 def _chart(
-    found_law: Discovered,
+    discovered_law: Discovered,
     after: Identification,
     look: LooksAt,
     joints: Sequence[str],
     units: JointUnits,
 ) -> PageChart:
     """The law and the rest, both in torque, over one variable."""
-    j = joints.index(found_law.place)
+    j = joints.index(discovered_law.place)
     at = joints.index(look.motor) if look.motor else j
-    gain = after.drive_gains[found_law.place].value
+    gain = after.drive_gains[discovered_law.place].value
     x, law, residual, forwards = (
         np.concatenate(parts)
         for parts in zip(
-            *(_rows(each, found_law.law, j, at, look.what, gain) for each in after.recordings), strict=True
+            *(_rows(each, discovered_law.law, j, at, look.what, gain) for each in after.recordings),
+            strict=True,
         )
     )
     series: list[Series] = []
@@ -122,7 +123,7 @@ def _chart(
         units.position
     )
     title = f"Against the {WHAT[look.what]}{of}"
-    panel = Panel(Axis(f"at {found_law.place}", units.spelled_effort), tuple(series))
+    panel = Panel(Axis(f"at {discovered_law.place}", units.spelled_effort), tuple(series))
     chart = Chart(title, Axis(f"{WHAT[look.what]}{of}", unit), (panel,), legend="none")
     return PageChart(title, "", spec_of(chart, HEIGHT))
 

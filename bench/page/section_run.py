@@ -7,7 +7,7 @@ from typing import Any
 from bench.basics.shell_word import quoted
 from bench.basics.versions import Versions, versions
 from bench.dataset.dataset import Dataset
-from bench.diagnosis.reason_words import left_words, validated_on
+from bench.diagnosis.reason_words import unexplained_words, validated_on
 from bench.diagnosis.result import Diagnosis, Unfinished
 from bench.diagnosis.unfinished_words import unfinished_sentence
 from bench.document.numbers import STD_FROM, USES, fit_rate
@@ -124,7 +124,7 @@ def limits_section(
             limits.append(f"These recordings cannot decide on: {', '.join(doubtful)}.")
         if diagnosis.unexplained.significant:
             searched = Unfinished.SETS not in diagnosis.unfinished
-            words = left_words(diagnosis.unexplained, searched=searched)
+            words = unexplained_words(diagnosis.unexplained, searched=searched)
             limits.append(typeset(f"{words[:1].upper()}{words[1:]}."))
     else:
         limits.append("Which physical effects the model lacks was not looked for: bench diagnose does.")

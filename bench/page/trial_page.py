@@ -117,7 +117,7 @@ def again_line(result: TrialResult, times: int = 1) -> str:
     seeds = max(
         [*each.values(), *(-(-counts[k] // DATASETS_A_SEED) for k in kinds if k not in ("one", "outside"))]
     )
-    kept = _kept_beside(result, kinds)
+    kept = _saved_settings(result, kinds)
     given = kept.get("given", {})
     words = ["bench trial", quoted(given.get("robot", result.robot))]
     if "scenario" in given:
@@ -131,7 +131,7 @@ def again_line(result: TrialResult, times: int = 1) -> str:
     return " ".join([*words, "--seeds", str(times * seeds), "-o", quoted(result.table.parent)])
 
 
-def _kept_beside(result: TrialResult, kinds: Sequence[str]) -> dict[str, Any]:
+def _saved_settings(result: TrialResult, kinds: Sequence[str]) -> dict[str, Any]:
     """What the trial's folder keeps of its command: the effects that it drew from (none: all), and `given`."""
     for kind in kinds:
         path = result.table.with_suffix("") / f"{kind}.json"

@@ -4,7 +4,7 @@ from collections.abc import Collection, Mapping
 
 from bench.basics.chi_squared import WITHIN_95
 from bench.diagnosis.result import Diagnosis
-from bench.diagnosis.summary import found_effects, gain_moved, moved_gain, summary_of
+from bench.diagnosis.summary import gain_moved, moved_gain, named_effects, summary_of
 from bench.document.numbers import gain_change, pretty_unit
 from bench.document.typeset import effect_name, share, short, typeset
 from bench.export.replay.replay import Replay
@@ -28,7 +28,7 @@ def diagnosis_verdict(diagnosis: Diagnosis) -> tuple[str, ...]:
     doubtful = [
         f"instead of {effect_name(verdict.effect)} it could as well be "
         f"{or_list(list(map(effect_name, verdict.alternatives)))}"
-        for verdict in found_effects(diagnosis)
+        for verdict in named_effects(diagnosis)
         if verdict.alternatives
     ]
     if not doubt and not said.nominal and said.moved and 1 < len(diagnosis.after.drive_gains) <= MOST_GAINS:

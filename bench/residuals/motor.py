@@ -43,7 +43,7 @@ class MotorSeries:
     velocity: np.ndarray
     acceleration: np.ndarray
     to_reversal: np.ndarray
-    beside_standstill: np.ndarray
+    near_standstill: np.ndarray
 
     def __repr__(self) -> str:
         return f"<motor {self.joint} in {self.recording}: {len(self.time)} rows, {self.use}>"
@@ -143,7 +143,7 @@ def _motor(series: CurrentSeries, j: int, joint: str, noise: float, band: float)
         velocity=velocity[row],
         acceleration=series.acceleration[row, j],
         to_reversal=_to_nearest(row, _reversals(velocity, moving)),
-        beside_standstill=np.abs(_to_nearest(row, still.astype(float))) <= NEAR_REVERSAL + 1,
+        near_standstill=np.abs(_to_nearest(row, still.astype(float))) <= NEAR_REVERSAL + 1,
     )
 
 

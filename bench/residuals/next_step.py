@@ -7,7 +7,7 @@ from bench.residuals.residuals import MATERIAL
 MUCH = 3.0  # times the noise: worth a word where nobody asked for errors
 
 
-def left_over(what: Compared) -> list[str]:
+def remaining_errors(what: Compared) -> list[str]:
     """One sentence for every motor whose error is far above the noise of its current."""
     lines = []
     for joint in what.joints:

@@ -69,7 +69,7 @@ def regions(series: Sequence[MotorSeries], unit: str, current: str) -> list[Regi
     load = [np.abs(trace.modelled) for trace in series]
     candidates = [
         Region(RegionPlace(RegionKind.REVERSALS), tuple(trace.at_reversal for trace in series)),
-        Region(RegionPlace(RegionKind.STANDSTILL), tuple(trace.beside_standstill for trace in series)),
+        Region(RegionPlace(RegionKind.STANDSTILL), tuple(trace.near_standstill for trace in series)),
         *_by_size((RegionKind.LOW_SPEED, RegionKind.HIGH_SPEED), speed, f"{unit}/s"),
         *_by_size((RegionKind.LOW_ACCELERATION, RegionKind.HIGH_ACCELERATION), acceleration, f"{unit}/s²"),
         *_by_size((RegionKind.LOW_CURRENT, RegionKind.HIGH_CURRENT), load, current),

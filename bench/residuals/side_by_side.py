@@ -44,13 +44,13 @@ def side_by_side(problem: Problem, files: Sequence[Path]) -> SideBySide:
         if sum(file.resolve() == other.resolve() for other in files) > 1:
             raise BenchError(f"{file}: is given twice")
     dataset, models = problem.dataset, []
-    for file, name in zip(files, told_apart(files), strict=True):
+    for file, name in zip(files, distinct_names(files), strict=True):
         saved = load_model(file)
         models.append(ComparedModel(name, saved.applied_to(dataset, apply_model(problem, saved).recordings)))
     return SideBySide(dataset.robot.name, tuple(models))
 
 
-def told_apart(files: Sequence[Path]) -> list[str]:
+def distinct_names(files: Sequence[Path]) -> list[str]:
     """Names of files with their folders, as far up as tells them apart: 1-compare/model.json, 2-compare/model.json."""
     for parts in range(2, max(len(file.parts) for file in files)):
         names = [Path(*file.parts[-parts:]).as_posix() for file in files]

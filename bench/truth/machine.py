@@ -223,7 +223,7 @@ def _rigid_spec(robot: Robot, step: float) -> mujoco.MjSpec:
         spec.delete(extra)
     spec.compiler.fusestatic = False
     keep_masses(spec)
-    _own_options(spec)
+    _set_options(spec)
     option = spec.option
     option.timestep = step
     # explicit, so that the logged velocity is the one at which every force was evaluated
@@ -247,7 +247,7 @@ def _rigid_spec(robot: Robot, step: float) -> mujoco.MjSpec:
     return spec
 
 
-def _own_options(spec: mujoco.MjSpec) -> None:
+def _set_options(spec: mujoco.MjSpec) -> None:
     """MuJoCo's options but for what acts on the robot; of the file's switches only those that are the robot's.
 
     A spring, damper or friction that the file switches off is taken out, since the switch is for hidden ones as well.

@@ -51,7 +51,7 @@ class Twin:
         self.joints = tuple(motor.joint for motor in file.motors)
         self._tool: ToolForce | None = None
         self._motors, self.left_out = self._placed(file)
-        self._own = np.zeros(model.nv)
+        self._applied = np.zeros(model.nv)
         self.reset()
 
     @property
@@ -80,7 +80,7 @@ class Twin:
             mujoco.mj_resetDataKeyframe(self.model, self.data, self.model.key("home").id)
         else:
             mujoco.mj_resetData(self.model, self.data)
-        self._own[:] = 0.0
+        self._applied[:] = 0.0
         for motor in self._motors:
             for joint_law in motor.joint_laws:
                 joint_law.reset()
@@ -114,8 +114,8 @@ class Twin:
                 self.model.dof_frictionloss[motor.dof] = dry
         if self._tool is not None:
             acting += self._tool_force(self._tool)
-        self.data.qfrc_applied += acting - self._own
-        self._own[:] = acting
+        self.data.qfrc_applied += acting - self._applied
+        self._applied[:] = acting
 
     def step(self, currents: Sequence[float] | np.ndarray) -> None:
         """One step of MuJoCo under these current references (n,)."""

@@ -59,7 +59,7 @@ def side_by_side(
     """
     tabs = [
         rrb.Horizontal(
-            *(_beside(scene, motors, reach, first=not k) for k, scene in enumerate(scenes)), name=name
+            *(_tabs(scene, motors, reach, first=not k) for k, scene in enumerate(scenes)), name=name
         )
         for name, scenes in groups
     ]
@@ -109,7 +109,7 @@ def _pages(scene: Scene, motors: Sequence[Motor]) -> list[rrb.Container]:
     return [*pages, _tool(scene, motors)]
 
 
-def _beside(scene: Scene, motors: Sequence[Motor], reach: np.ndarray, *, first: bool) -> rrb.Container:
+def _tabs(scene: Scene, motors: Sequence[Motor], reach: np.ndarray, *, first: bool) -> rrb.Container:
     errors = [
         _plot(
             f"{scene.root}/error/{motor.entity}",

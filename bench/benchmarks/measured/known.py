@@ -124,7 +124,7 @@ def compared(model: Mapping[str, Any], known: tuple[KnownValue, ...]) -> tuple[A
 def _gain(model: Mapping[str, Any], joint: str, known: KnownValue | None) -> AgainstKnown:
     gain = model["drive_gains"].get(joint)
     fitted = model["gains_fitted"] if gain is None else gain.get("fitted", model["gains_fitted"])
-    return _beside(DRIVE_GAIN, joint, gain, known, fixed=not fitted)
+    return _comparison_row(DRIVE_GAIN, joint, gain, known, fixed=not fitted)
 
 
 def _row(model: Mapping[str, Any], known: KnownValue, place: str) -> AgainstKnown:
@@ -132,8 +132,8 @@ def _row(model: Mapping[str, Any], known: KnownValue, place: str) -> AgainstKnow
         return _gain(model, place, known)
     if known.of == PARAMETER:
         estimate = next((parameter for parameter in model["parameters"] if parameter["name"] == place), None)
-        return _beside(PARAMETER, place, estimate, known)
-    return _beside(f"{known.of} {known.parameter}", place, _felt(model, known, place), known)
+        return _comparison_row(PARAMETER, place, estimate, known)
+    return _comparison_row(f"{known.of} {known.parameter}", place, _felt(model, known, place), known)
 
 
 def _felt(model: Mapping[str, Any], known: KnownValue, place: str) -> Mapping[str, Any] | None:
@@ -151,7 +151,7 @@ def _felt(model: Mapping[str, Any], known: KnownValue, place: str) -> Mapping[st
     }
 
 
-def _beside(
+def _comparison_row(
     quantity: str,
     place: str,
     parameter: Mapping[str, Any] | None,

@@ -151,7 +151,7 @@ def import_logs(
     text = extended_toml(folder, _reference(loaded, folder), loaded, entries, payloads, replace=replace)
     notes += [(folder / DATASET_FILE, note) for note in _payload_notes(folder, payloads, names)]
     if replace:
-        notes += [(folder / DATASET_FILE, note) for note in _left_pieces(folder, requests, names)]
+        notes += [(folder / DATASET_FILE, note) for note in _stale_pieces(folder, requests, names)]
     progress.phase("writing the recordings", sum(part.rows for part in parts))
     _write(folder, text, parts, progress)
     return Imported(tuple(entries), tuple(notes))
@@ -206,7 +206,7 @@ def _payload_notes(folder: Path, payloads: Sequence[Payload], names: Sequence[st
     return said
 
 
-def _left_pieces(folder: Path, requests: Sequence[LogRequest], names: Sequence[str]) -> list[str]:
+def _stale_pieces(folder: Path, requests: Sequence[LogRequest], names: Sequence[str]) -> list[str]:
     """What is said of recordings called as pieces of a log that takes another place: an import that cut it otherwise
     may have left them. They are not deleted, since a recording of the user may have such a name.
     """

@@ -84,7 +84,7 @@ def cut(
     notes: tuple[str, ...] = _unmeasured(lost)
     if cuts and cutting.shortest is not None:
         whole = [piece for piece in pieces if _long_enough(time, *piece, cutting.shortest)]
-        said = _told(time, cuts, pieces, whole, cutting.shortest)
+        said = _note_on(time, cuts, pieces, whole, cutting.shortest)
         if not whole:
             raise BenchError(f"{file}: {said}: nothing remains")
         notes = (*notes, said)
@@ -133,7 +133,7 @@ def _long_enough(time: Array, first: int, end: int, shortest: float) -> bool:
     return end - first >= FEWEST and bool(time[end - 1] - time[first] >= shortest)
 
 
-def _told(
+def _note_on(
     time: Array,
     cuts: list[int],
     pieces: list[tuple[int, int]],

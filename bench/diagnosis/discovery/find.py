@@ -78,7 +78,7 @@ def find_missing_effects(
         causes = mistaken(problem, case.before, whole, deadline)
     except TimeUpError:
         unfinished = (Unfinished.CAUSES,)
-    diagnosis = _found(case, discover, not causes, progress)
+    diagnosis = _diagnosis(case, discover, not causes, progress)
     return replace(
         diagnosis,
         after=replace(diagnosis.after, findings=(*causes, *diagnosis.after.findings)),
@@ -95,7 +95,7 @@ class _Answer:
     diagnosis: Diagnosis
 
 
-def _found(case: SplitProblem, discover: bool | None, believed: bool, progress: Progress) -> Diagnosis:
+def _diagnosis(case: SplitProblem, discover: bool | None, believed: bool, progress: Progress) -> Diagnosis:
     """What is found; believed: whether nothing speaks against how the data are declared.
 
     After the deadline the last answer that came to its end is given.
@@ -127,7 +127,7 @@ def _with_more(
     finding, answer = plain.finding, plain
     gains = plain.diagnosis.after.drive_gains.values()
     believed = believed and all(1.0 / UNIT <= gain.value / gain.nominal <= UNIT for gain in gains)
-    wanted = something_left(plain.diagnosis.unexplained)
+    wanted = something_remains(plain.diagnosis.unexplained)
     if discover is None and not believed:
         return
     if discover is not False and not wanted:
@@ -135,9 +135,9 @@ def _with_more(
         yield answer
     if answer.laws or not (wanted if discover is None else discover):
         return
-    found_laws = search_laws(finding.base_model, finding.last, _never(finding), progress)
-    if found_laws is not None:
-        answer = _with_laws(case, answer, *found_laws, progress)
+    discovered_laws = search_laws(finding.base_model, finding.last, _never(finding), progress)
+    if discovered_laws is not None:
+        answer = _with_laws(case, answer, *discovered_laws, progress)
         yield answer
     if answer.laws or wanted:
         answer = _with_one_for_several(case, answer, progress)
@@ -150,7 +150,7 @@ def _never(finding: SearchResult) -> dict[str, Reason]:
     return {name: why for name, why in finding.barred.items() if why.because is not Because.NOT_NEEDED}
 
 
-def _never_beside(finding: SearchResult, named: Sequence[EffectInstance]) -> dict[str, Reason]:
+def _never_with_laws(finding: SearchResult, named: Sequence[EffectInstance]) -> dict[str, Reason]:
     """The same with laws that were identified with named effects: their special cases may be found where their sign was
     impossible at some motors alone, for what drove there may have been the law.
     """
@@ -162,7 +162,7 @@ def _never_beside(finding: SearchResult, named: Sequence[EffectInstance]) -> dic
     }
 
 
-def something_left(unexplained: Unexplained) -> bool:
+def something_remains(unexplained: Unexplained) -> bool:
     """Whether there is enough beyond the noise to look for laws in."""
     return unexplained.significant or unexplained.error > RULE.beyond_noise * hypot(
         unexplained.noise_floor, unexplained.encoders
@@ -204,7 +204,7 @@ def _with_laws(
         _as_in(model, proposal) for proposal in last.proposals if proposal.name not in searched.terms
     ]
     proposals += _proposed(model, laws, prior)
-    barred = _never_beside(plain.finding, named)
+    barred = _never_with_laws(plain.finding, named)
     this_round = _round_from(base_model, model, proposals, barred)
     called = stood_for(this_round, [law.name for law in laws], barred)
     if called:
@@ -227,7 +227,9 @@ def _with_laws(
         plain.finding, plain.diagnosis.unexplained.excess
     ):
         return plain
-    return _Answer(finding, staying, _told(finding, staying, laws, answered(case, finding, progress)))
+    return _Answer(
+        finding, staying, _with_discovered(finding, staying, laws, answered(case, finding, progress))
+    )
 
 
 def _round_from(
@@ -292,7 +294,7 @@ def _with_tables(case: SplitProblem, plain: _Answer, progress: Progress) -> _Ans
     tabled = {law.name for law in laws}.intersection(wider.names)
     if not tabled or not wider.more_probable_than(finding, wider.excess(case)):
         return plain
-    diagnosis = _told(wider, staying, (*plain.laws, *laws), answered(case, wider, progress))
+    diagnosis = _with_discovered(wider, staying, (*plain.laws, *laws), answered(case, wider, progress))
     diagnosis = replace(diagnosis, after=gains_model_averaged(diagnosis.after, [plain.diagnosis.after]))
     judged_before = {verdict.effect for verdict in diagnosis.ranking}
     others = tuple(verdict for verdict in plain.diagnosis.ranking if verdict.effect not in judged_before)
@@ -320,7 +322,7 @@ def _as_in(model: Prepared, proposal: Proposal) -> Proposal:
     return replace(proposal, instances=instances)
 
 
-def _told(
+def _with_discovered(
     finding: SearchResult, laws: Sequence[Law], tried: Sequence[Law], diagnosis: Diagnosis
 ) -> Diagnosis:
     """The laws as what was discovered, and the catalogue's names as what is missing. tried: laws that competed."""

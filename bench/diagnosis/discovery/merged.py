@@ -74,7 +74,7 @@ def together(parts: Sequence[Part]) -> list[list[Part]]:
 
 
 def _with_power(
-    base_model: BaseModel, found_model: Prepared, stay: Sequence[Part], places: Sequence[Place], judge: Judge
+    base_model: BaseModel, full_model: Prepared, stay: Sequence[Part], places: Sequence[Place], judge: Judge
 ) -> Refined:
     """What stays of the identified model, and a power of the velocity at some places, converged from the exponent that
     does best with it as it is.
@@ -84,10 +84,10 @@ def _with_power(
     for exponent in EXPONENTS:
         term = Term((Power(V, exponent, free=True),))
         added = *(part.instance for part in stay), *instances_of(NAME, Screened(term, {}, 0.0), places)
-        model = with_effects(found_model, (*base_model.start.effects, *added))
+        model = with_effects(full_model, (*base_model.start.effects, *added))
         begun.append((judge.refined(model, {**terms, NAME: term}), term, added))
     _, term, added = max(begun, key=lambda each: each[0].weight)
-    return judge.refined(base_model.warm_started(found_model, added), {**terms, NAME: term})
+    return judge.refined(base_model.warm_started(full_model, added), {**terms, NAME: term})
 
 
 def fewer(alike: Sequence[Part], law_unknowns: int, catalogue: Mapping[str, Effect]) -> list[list[Part]]:

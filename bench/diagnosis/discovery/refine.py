@@ -157,9 +157,7 @@ def _tried(
 
     def as_variant(look: Prepared, exactly: Callable[[], Prepared], name: str, variant: Term) -> _Variant:
         kept = {instance.effect.name for instance in look.effects[given_count:]}
-        terms = {key: found_term for key, found_term in refinement.terms.items() if key in kept} | {
-            name: variant
-        }
+        terms = {key: term_of for key, term_of in refinement.terms.items() if key in kept} | {name: variant}
         return _Variant(judge.refined(look, terms), exactly)
 
     def with_others(others: Sequence[EffectInstance], name: str, variant: Term) -> _Variant:

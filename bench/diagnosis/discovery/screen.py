@@ -162,10 +162,10 @@ class Residual:
             if self.fewer is None:
                 all_products.append(self._products(columns, every, self.known[0].parts_of(k)))
             else:
-                all_products.append(self._beside(self.fewer, self.fewer.products[k], columns))
+                all_products.append(self._joined(self.fewer, self.fewer.products[k], columns))
         return all_products
 
-    def _beside(self, before: "Residual", products: "Products", columns: Sequence[np.ndarray]) -> "Products":
+    def _joined(self, before: "Residual", products: "Products", columns: Sequence[np.ndarray]) -> "Products":
         """Products with columns (M, T p) of some terms at every motor, from those where less is taken away."""
         new = [values[:, before.basis[j].shape[1] :] for j, values in enumerate(self.basis)]
         along = [(values * self.weights[j][:, None]).T @ columns[j] for j, values in enumerate(new)]

@@ -47,8 +47,8 @@ def law_source(name: str, terms: Sequence[Term], place: Place, validity: str = "
     law = " + ".join(
         f"c{i + 1}*{formula}" if formula != "1" else f"c{i + 1}" for i, formula in enumerate(formulas)
     )
-    own_alone = all(variable.ahead == 0 and variable.kind not in OF_THE_ROBOT for variable in variables)
-    base = "ActuatorEffect" if own_alone else "Effect"
+    motor_alone = all(variable.ahead == 0 and variable.kind not in OF_THE_ROBOT for variable in variables)
+    base = "ActuatorEffect" if motor_alone else "Effect"
     by_load = Variable("load") in variables
     lines = [
         '"""A law found in data: an effect that is in no catalogue."""',
@@ -81,7 +81,7 @@ def law_source(name: str, terms: Sequence[Term], place: Place, validity: str = "
         *(f"    {label}: float = {number.value!r}" for label, number in numbers.items()),
         *(f"    c{i + 1}: float = 0.0" for i in range(len(columns) if by_load else 0)),
         "",
-        *(_torque(variables, columns) if own_alone else _columns(variables, columns, code_place)),
+        *(_torque(variables, columns) if motor_alone else _columns(variables, columns, code_place)),
     ]
     return "\n".join(lines) + "\n"
 

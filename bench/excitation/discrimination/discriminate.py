@@ -13,14 +13,14 @@ from bench.dataset.payload import Payload
 from bench.dataset.robot import refuse_redundant
 from bench.diagnosis.decision import RULE
 from bench.diagnosis.split import HELD_OUT
-from bench.excitation.discrimination.evidence import error_over_noise, own_estimate, shown_nats
+from bench.excitation.discrimination.evidence import error_over_noise, estimate_of_rival, shown_nats
 from bench.excitation.discrimination.limits import Envelope, envelope
 from bench.excitation.discrimination.motion_figures import planned_facts, recorded_facts
 from bench.excitation.discrimination.predicted_currents import planned, predicted, times_of
 from bench.excitation.discrimination.result import Discrimination, ImpossibleSign
 from bench.excitation.discrimination.rival_models import Rival, fit_rivals, noise_of
 from bench.excitation.discrimination.search import DesignedMotion, band_of, best_loaded, best_motion, starts
-from bench.excitation.discrimination.separation import Question, question, separation, share_left
+from bench.excitation.discrimination.separation import Question, question, residual_share, separation
 from bench.excitation.limits import feasible_motion
 from bench.identification.problem import Problem
 
@@ -154,7 +154,7 @@ def _imitated(
         plan = planned(rival, trajectory, time, tree, loads[i % len(loads)])
         for query in asked:
             current = predicted(query.truth, plan)
-            share = share_left(query, plan, current, separation(query, plan, current))
+            share = residual_share(query, plan, current, separation(query, plan, current))
             shares[query.truth.request] = max(shares[query.truth.request], share)
     return tuple(name for name, share in shares.items() if share < ALIKE)
 
@@ -163,7 +163,7 @@ def _impossible(rivals: Sequence[Rival]) -> tuple[ImpossibleSign, ...]:
     """What the fits to the given data say against an effect already: a sign that cannot be."""
     signs = []
     for rival in rivals:
-        values, covariance = own_estimate(rival)
+        values, covariance = estimate_of_rival(rival)
         std = np.sqrt(np.maximum(np.diag(covariance), 0.0))
         at = 0
         for instance in rival.instances:

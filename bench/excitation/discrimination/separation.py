@@ -74,7 +74,7 @@ def separation(asked: Question, plan: PlannedMotion, current: np.ndarray) -> Sep
     )
 
 
-def share_left(asked: Question, plan: PlannedMotion, current: np.ndarray, answer: Separation) -> float:
+def residual_share(asked: Question, plan: PlannedMotion, current: np.ndarray, answer: Separation) -> float:
     """What the other model cannot imitate, as a share of what the truth's effect does to the currents."""
     observation, _ = rows_with(asked.truth, plan, current)
     count = sum(len(instance.effect.parameters) for instance in asked.truth.instances)

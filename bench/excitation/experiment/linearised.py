@@ -29,7 +29,7 @@ from bench.excitation.experiment.room import Room, outside, tool_positions
 from bench.excitation.experiment.search import Candidate, Search, Tried
 from bench.model.geometry import Geometry
 from bench.model.mobility import least_held, smallest_singular_values
-from bench.model.motion import Motion, joined, motion_beside
+from bench.model.motion import Motion, joined, motion_near
 from bench.scenario.trajectory import FourierTrajectory
 
 STEP = 1e-5  # of a joint's room, speed and acceleration: of the difference quotients of the motion
@@ -83,7 +83,7 @@ def _joined(search: Search, candidate: Candidate, parts: list[tuple[np.ndarray, 
     """What the coefficients of all motions of a candidate do, from what those of each do."""
     errors, near = _near(search, search.fit(candidate))
     *each, mean = np.hstack([slopes for slopes, _ in parts])
-    limits = _beside_each_other([limits for _, limits in parts])
+    limits = _concatenated([limits for _, limits in parts])
     return Linearised(Linear(errors[near], np.array(each) if each else mean[None]), mean, limits)
 
 
@@ -139,7 +139,7 @@ def _perturbed(search: Search, tried: Tried, load: str | None) -> _Perturbed:
             at = (order * n + j) * count
             moved_states[order][at : at + count, j] += steps[order, j]
     every = np.tile(np.arange(count), 2 * n)
-    moved_motions = motion_beside(geometry, tried.motion.at(every), *moved_states)
+    moved_motions = motion_near(geometry, tried.motion.at(every), *moved_states)
     whole = joined((moved_motions, *(_accelerated(tried.motion, j, steps[2, j]) for j in range(n))))
     each = seen_each(search.nominal, whole, count, load)
     showing = [each[order * n : (order + 1) * n] for order in range(3)]
@@ -379,7 +379,7 @@ def _of_bands(
     return Linear(values[near], slopes.reshape(len(near), sizes.size) * values[near, None])
 
 
-def _beside_each_other(parts: list[Linear]) -> Linear:
+def _concatenated(parts: list[Linear]) -> Linear:
     """The limits of all motions, each by its coefficients."""
     widths = [part.slopes.shape[1] for part in parts]
     slopes, at = [], 0

@@ -17,7 +17,7 @@ from bench.excitation.experiment.nominal import Nominal
 from bench.excitation.experiment.open_limits import Kept, Limit, margins
 from bench.excitation.experiment.room import Room
 from bench.model.geometry import Geometry
-from bench.model.motion import Motion, blocks_of, joined, motion_beside, motion_of
+from bench.model.motion import Motion, blocks_of, joined, motion_near, motion_of
 from bench.scenario.trajectory import FourierTrajectory
 
 RATE = 1000.0  # intervals a second, before any is cut
@@ -103,7 +103,7 @@ def prove(promise: Promise) -> Proof | Unproven:
         finer = known.intervals.at(undecided).cut(parts)
         near = known.motion.at(np.repeat(np.flatnonzero(undecided), parts))
         try:
-            motion = motion_beside(
+            motion = motion_near(
                 geometry, replace(near, time=finer.middle), *trajectory.evaluate(finer.middle)
             )
         except BenchError as error:

@@ -60,7 +60,9 @@ def diagnosed_model(problem: Problem, diagnosis: Diagnosis) -> DiagnosedModel:
     each = [effect for effect in after.effects if effect.endswith(TAG)]
     given = select_effects(each, places, catalogue, plain.logs)
     instances = select_effects(_requests(after, given), places, catalogue)
-    given, instances = (tuple(_as_found(after, instance) for instance in some) for some in (given, instances))
+    given, instances = (
+        tuple(_with_values(after, instance) for instance in some) for some in (given, instances)
+    )
     present = _present(plain, after)
     plain = with_effects(plain, given, present)
     complete = with_effects(plain, (*given, *instances), present)
@@ -86,7 +88,7 @@ def _requests(result: Identification, given: Sequence[EffectInstance]) -> list[s
     ]
 
 
-def _as_found(result: Identification, instance: EffectInstance) -> EffectInstance:
+def _with_values(result: Identification, instance: EffectInstance) -> EffectInstance:
     values = result.effect_parameters[instance.effect.name][instance.place]
     shapes = {shape.name: values[shape.name].value for shape in instance.effect.shape}
     effect = replace(instance.effect, **shapes) if shapes else instance.effect

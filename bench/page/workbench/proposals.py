@@ -25,13 +25,13 @@ def instances_of(
     base_model = BaseModel(model.plain, nearby)
     proposals = propose(base_model.context(with_effects(model.complete, model.plain.effects)), effects)
     if model.effects:
-        proposals = _about_the_found(base_model, model, proposals)
+        proposals = _about_the_model(base_model, model, proposals)
     instances = [instance for each in proposals if not each.absorbed for instance in each.instances]
     names = list(effects)
     return tuple(sorted(instances, key=lambda instance: names.index(instance.effect.name)))
 
 
-def _about_the_found(
+def _about_the_model(
     base_model: BaseModel, model: DiagnosedModel, proposals: list[Proposal]
 ) -> list[Proposal]:
     """Proposals as the last round of a search leaves them, which found the effects of `model`."""

@@ -86,7 +86,7 @@ def _torque_error(
     What was hidden is interpolated where the motor reverses and decimated, like the estimate.
     """
     motor = simulation.robot.joints.index(joint)
-    model, values = _found_model(diagnosis, prepared, but)
+    model, values = _identified_model(diagnosis, prepared, but)
     difference = squares = 0.0
     for seen, rows in zip(model.measured, model.observations, strict=True):
         if rows.use != "validate":
@@ -103,7 +103,7 @@ def _torque_error(
     return float(np.sqrt(difference / squares)) if squares else float("nan")
 
 
-def _found_model(
+def _identified_model(
     diagnosis: Diagnosis, prepared: Prepared, but: Collection[str]
 ) -> tuple[Prepared, np.ndarray]:
     """The model that was identified, and the values of its effects' columns in their order, zero for some of them."""

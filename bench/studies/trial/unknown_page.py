@@ -42,7 +42,7 @@ def unknown_table(rows: Sequence[Row], nothing: Sequence[Row] = ()) -> Table:
             "at most 3 %",
         ),
         ("a law at a motor that has none", done, lambda row: bool(row.get("law.elsewhere")), ""),
-        ("nothing hidden: a law claimed", _told(nothing), lambda row: row["laws"] > 0, "at most 1 %"),
+        ("nothing hidden: a law claimed", _with_known(nothing), lambda row: row["laws"] > 0, "at most 1 %"),
     ]
     shares = [Share(sum(rule(row) for row in some), len(some)) for _, some, rule, _ in figures]
     return Table(
@@ -56,7 +56,7 @@ def unknown_table(rows: Sequence[Row], nothing: Sequence[Row] = ()) -> Table:
     )
 
 
-def _told(nothing: Sequence[Row]) -> list[Row]:
+def _with_known(nothing: Sequence[Row]) -> list[Row]:
     """Those of which it is known whether a law was claimed."""
     return [row for row in nothing if row["status"] == "ok" and row.get("laws") is not None]
 
@@ -104,7 +104,7 @@ def write_unknown(robot: str, rows: Sequence[Row], folder: Path, nothing: Sequen
         markdown(cases_table([row for row in rows if row["status"] == "ok"])),
     ]
     write_text_atomically(page, "\n\n".join(text) + "\n")
-    rows = [*rows, *_told(nothing)]
+    rows = [*rows, *_with_known(nothing)]
     names = list(dict.fromkeys(name for row in rows for name in row))
     with atomic_path(table) as partial:
         pq.write_table(

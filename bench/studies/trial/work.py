@@ -119,7 +119,7 @@ def diagnosed_row(setup: Setup, case: Case, number: int, simulation: Simulation)
     diagnosis = find_missing_effects(problem_of(dataset), discover=setup.discover or None)
     hidden = [_plain_entry(hidden_effect) for hidden_effect in simulation.scenario.settings.hidden]
     known = [name for name in case.effects if name != LAW]
-    informed, alone = _told(setup, dataset, hidden, known)
+    informed, alone = _informed_fits(setup, dataset, hidden, known)
     floor = _floor(simulation, informed)
     error_ratios = {effect: _error(result) / floor for effect, result in alone.items()}
     if case.kind in UNNAMED:
@@ -159,7 +159,7 @@ def _plain_entry(effect: Any) -> Entry:
     return {"effect": effect.effect, **({"joint": effect.joint} if effect.joint else {}), **effect.parameters}
 
 
-def _told(
+def _informed_fits(
     setup: Setup, dataset: Dataset, hidden: Sequence[Entry], effects: Sequence[str]
 ) -> tuple[Identification, dict[str, Identification]]:
     """The fit of a model with the true effects at their places, and its fits without each of them."""

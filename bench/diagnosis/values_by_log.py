@@ -28,7 +28,9 @@ def leading(differs: Sequence[Differing]) -> bool:
     return any(differing.error_after**2 < RULE.most * differing.error_before**2 for differing in differs)
 
 
-def with_own_values(start: Prepared, places: Collection[Place], catalogue: Mapping[str, Effect]) -> Prepared:
+def with_values_by_log(
+    start: Prepared, places: Collection[Place], catalogue: Mapping[str, Effect]
+) -> Prepared:
     """A starting model with a value for each recording of what differs, in place of one for all; converged."""
     names = {name for name, _ in places}
     kept = [
@@ -47,7 +49,7 @@ def with_own_values(start: Prepared, places: Collection[Place], catalogue: Mappi
     return converged(with_effects(start, (*kept, *added)))
 
 
-def own_values(model: Prepared, given: Sequence[EffectInstance]) -> tuple[EffectInstance, ...]:
+def values_by_log(model: Prepared, given: Sequence[EffectInstance]) -> tuple[EffectInstance, ...]:
     """The instances of a model with a value for one recording that the starting model (`given`) has not as such."""
     there = {(instance.effect.name, instance.place) for instance in given}
     return tuple(
@@ -59,7 +61,7 @@ def own_values(model: Prepared, given: Sequence[EffectInstance]) -> tuple[Effect
 
 def with_common_values(model: Prepared, given: Sequence[EffectInstance]) -> Prepared:
     """The converged model with one value for all recordings in the place of those; itself where it has none."""
-    per_recording = own_values(model, given)
+    per_recording = values_by_log(model, given)
     if not per_recording:
         return model
     kept = [instance for instance in model.effects if instance not in per_recording]
