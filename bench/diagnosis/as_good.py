@@ -69,7 +69,7 @@ def _as_good(last: Round, *, instead: bool) -> Iterator[tuple[int, ...]]:
 def _instances(
     proposal: Proposal, in_model: bool, added: Sequence[EffectInstance]
 ) -> Sequence[EffectInstance]:
-    """An effect at the places where it was found, or everywhere."""
+    """An effect at the places where it was identified, or everywhere."""
     return (
         [instance for instance in added if instance.effect.name == proposal.name]
         if in_model

@@ -68,7 +68,7 @@ class BaseModel:
 
     def in_search(self, system: System, proposals: Sequence[Proposal], chosen: Sequence[int]) -> Prepared:
         """The same as a search goes by it: as it is known nearby, if that is less work and all that a model can be
-        asked for, as it leaves only noise. system: in which the set was found.
+        asked for, as it leaves only noise. system: in which the set was selected.
         """
         instances = _instances(proposals, chosen)
         if not _less_nearby(instances):
@@ -102,7 +102,7 @@ class BaseModel:
 
     def warm_started(self, model: Prepared, instances: Sequence[EffectInstance]) -> Prepared:
         """The starting model with these effects, converged from a converged model that is much like it and has the
-        shapes that they begin with, or with which they were found.
+        shapes that they begin with, or with which they were identified.
         """
         if (earlier := self._converged_before(instances)) is not None:
             return at_its_solution(earlier)

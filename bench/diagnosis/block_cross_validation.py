@@ -26,7 +26,7 @@ class BlockCrossValidation:
     measured: np.ndarray
 
     def held_out_squares(self, columns: Sequence[int]) -> np.ndarray:
-        """Squares (n,) left on each half by a fit to the other one, with some of the further columns."""
+        """Residual squares (n,) on each half after a fit to the other one, with some of the further columns."""
         used = np.array([*range(self.model_columns), *(self.model_columns + i for i in columns)])
         squares = np.zeros(self.inner.shape[1])
         for fitted, held_out in ((0, 1), (1, 0)):

@@ -95,10 +95,10 @@ class SplitProblem:
 
 @dataclass(frozen=True)
 class SearchResult:
-    """What a search found. new: beyond what the starting model has; names: of their effects; fits: see `fits_of`;
-    barred: effects that may not be found, and why. differs: what differs from run to run, and differently: the answer
-    with a value of it for each; compared: whether they are known. unfinished: what the deadline kept from being looked
-    at.
+    """The result of a search. new: beyond what the starting model has; names: of their effects; fits: see `fits_of`;
+    barred: effects that may not be selected, and why. differs: what differs from run to run, and differently: the
+    answer with a value of it for each; compared: whether they are known. unfinished: what the deadline kept from being
+    looked at.
     """
 
     base_model: BaseModel
@@ -199,7 +199,7 @@ def search_catalogue(case: SplitProblem, progress: Progress = SILENT) -> SearchR
 def _search_with_values(
     case: SplitProblem, model: Prepared, before: Identification, progress: Progress
 ) -> SearchResult:
-    """Search from a model that has this model's effects, or some of them: the others are to be found.
+    """Search from a model that has this model's effects, or some of them: the others are to be identified.
 
     before: the answer of `model` as it is.
     """
@@ -232,8 +232,8 @@ def search_from(
 ) -> SearchResult:
     """Search from a first round on until every identified effect is possible and needed.
 
-    barred: effects that may not be found, and why. After the deadline the best set so far is the answer, brought to its
-    end; wholly: TimeUpError is raised instead.
+    barred: effects that may not be selected, and why. After the deadline the best set so far is the answer, brought to
+    its end; wholly: TimeUpError is raised instead.
     """
     known, given = dict(barred), case.start.effects
     given_count, cut, searching, base_model = (
@@ -298,7 +298,7 @@ def search_from(
 
 
 def answered(case: SplitProblem, finding: SearchResult, progress: Progress = SILENT) -> Diagnosis:
-    """What a search found, with a verdict on every effect."""
+    """The result of a search, with a verdict on every effect."""
     progress.phase("judging every effect")
     dataset, start = case.problem.dataset, case.start
     model = finding.model

@@ -57,7 +57,8 @@ class Candidate:
 
 @dataclass(frozen=True)
 class SetFit:
-    """A set of candidates, solved on the fitted recordings; weighted squares left there and on the held-out ones.
+    """A set of candidates, solved on the fitted recordings; weighted squares of the residual there and on the held-out
+    ones.
 
     values (k,): coefficients of the system's columns, base first, relative to the present solution; gains (n,).
     by_motor (2, n): squares of each motor's error, of fitted and of judged recordings.

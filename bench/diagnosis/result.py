@@ -165,7 +165,7 @@ Role = Literal["direction", "signed", "size", "wave", "decay", "step", "memory",
 
 @dataclass(frozen=True)
 class LooksAt:
-    """What a term of a law goes by; what: such as acceleration; motor: whose, empty for the law's own or no motor's."""
+    """What a term of a law goes by; what: such as acceleration; motor: whose, empty for the law's motor or no motor."""
 
     what: str
     motor: str

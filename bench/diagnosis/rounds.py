@@ -1,4 +1,4 @@
-"""Rounds of a search: about the model that the last one found, until the same is found."""
+"""Rounds of a search: about the model that the last one selected, until the same is selected."""
 
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -87,11 +87,11 @@ def straight_round(base_model: BaseModel, catalogue: Mapping[str, Effect]) -> Ro
 def searched(
     base_model: BaseModel, first: Round, barred: Collection[str], progress: Progress = SILENT
 ) -> Round:
-    """Search, linearise about the best model, and search again until the same is found; then as long as an effect that
-    joins leads to a set which, converged, leaves clearly less.
+    """Search, linearise about the best model, and search again until the same is selected; then as long as an effect
+    that joins leads to a set which, converged, leaves clearly less.
 
-    barred: effects that may not be found: of an impossible sign, or superfluous. What a round found without them is
-    there to be surpassed. After the deadline the best set so far is the answer.
+    barred: effects that may not be selected: of an impossible sign, or superfluous. What a round selected without them
+    is there to be surpassed. After the deadline the best set so far is the answer.
     """
     if first.cut:
         return first
@@ -125,7 +125,7 @@ def searched(
 
 
 def staying(base_model: BaseModel, this_round: Round, barred: Collection[str]) -> Round:
-    """What stays of a round's set where some effects may not be found, converged, without another search."""
+    """What stays of a round's set where some effects may not be selected, converged, without another search."""
     stayed = [i for i in this_round.chosen if this_round.proposals[i].name not in barred]
     return replace(
         _with_set(this_round, stayed), model=base_model.with_proposals(this_round.proposals, stayed), cut=True
@@ -139,7 +139,7 @@ def _again(
     progress: Progress,
     before: Round | None = None,
 ) -> Round:
-    """Linearise about the best model, and search again, until the same is found, or no set does better:
+    """Linearise about the best model, and search again, until the same is selected, or no set does better:
     the converged model with it.
 
     Sets are compared in one system, which is right about its model only. So a set takes the place of another only
@@ -238,7 +238,7 @@ def _with_set(this_round: Round, chosen: Sequence[int]) -> Round:
 
 
 def _with_partner(base_model: BaseModel, this_round: Round, barred: Collection[str]) -> Round | None:
-    """What is found when an effect joins the model and all shapes are converged anew; None if nothing better is.
+    """The round when an effect joins the model and all shapes are converged anew; None if nothing better is.
 
     Sets are compared in one system: what each promises holds where it was linearised about the same model.
     """
@@ -261,7 +261,7 @@ def _with_partner(base_model: BaseModel, this_round: Round, barred: Collection[s
 
 
 def _with_rival(base_model: BaseModel, this_round: Round, barred: Collection[str]) -> Round | None:
-    """What is found from a set one effect away that is hardly less probable about this model, and more where it is
+    """The round from a set one effect away that is hardly less probable about this model, and more where it is
     converged; None if none is.
     """
     for rival in _alike(this_round, this_round.chosen, barred, RULE.undecided):
@@ -302,7 +302,7 @@ def _search(system: System, proposals: Sequence[Proposal], barred: Collection[st
 
 
 def usable(proposals: Sequence[Proposal], barred: Collection[str]) -> list[int]:
-    """Proposals (indices) that may be found."""
+    """Proposals (indices) that may be selected."""
     return [
         i for i, proposal in enumerate(proposals) if not proposal.absorbed and proposal.name not in barred
     ]

@@ -1,4 +1,4 @@
-"""Effects that the starting model has: they are found again, replaced by others, or leave."""
+"""Effects that the starting model has: they are identified again, replaced by others, or leave."""
 
 from collections.abc import Collection, Sequence
 from dataclasses import replace
@@ -15,7 +15,7 @@ from bench.identification.result import Identification
 
 
 def origins_of(start: Prepared) -> list[Prepared]:
-    """Models to search from, the first that serves: without the effects that can be found again, and as it is.
+    """Models to search from, the first that serves: without the effects that can be identified again, and as it is.
 
     A search from effects that do not exist goes wrong, since others must undo what they do.
     """

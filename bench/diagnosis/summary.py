@@ -177,7 +177,7 @@ def doubts(diagnosis: Diagnosis) -> list[str]:
 
 
 def _strange(diagnosis: Diagnosis) -> tuple[str, ...]:
-    """Recordings that do not fit, or far more left than noise."""
+    """Recordings that do not fit, or leave far more than noise."""
     result = diagnosis.after
     causes = [finding for finding in result.findings if finding.code in CAUSES]
     strange = causes[0] if causes else runaway(result) or unlike(result)

@@ -24,7 +24,9 @@ def places_of(differs: Sequence[Differing]) -> frozenset[Place]:
 
 
 def leading(differs: Sequence[Differing]) -> bool:
-    """Whether values for each recording take most of a motor's error away: effects found without them may be theirs."""
+    """Whether values for each recording take most of a motor's error away: effects identified without them may be
+    theirs.
+    """
     return any(differing.error_after**2 < RULE.most * differing.error_before**2 for differing in differs)
 
 

@@ -171,7 +171,7 @@ def torques_in_joints(
 ) -> Callable[[], Mapping[str, np.ndarray]]:
     """What the present model's effects need (N, d) in joints without a motor, by name, in a recording `seen` so.
 
-    Where one of them asks for it, as friction does that goes by the force in its joint, it is given what was found
+    Where one of them asks for it, as friction does that goes by the force in its joint, it is given what was estimated
     before: the first time nothing, then what the others and it make of that.
     """
     known: dict[str, np.ndarray] = {}

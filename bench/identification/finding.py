@@ -7,7 +7,7 @@ from typing import Literal
 
 
 class Code(StrEnum):
-    """What was found."""
+    """What is to be noted of an answer."""
 
     # the whole answer is in doubt
     GAIN_NOT_DETERMINED = auto()

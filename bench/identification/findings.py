@@ -30,7 +30,7 @@ def with_findings(
 ) -> Identification:
     """The result with its findings.
 
-    unusable: recordings that could not be used; outside: effects beyond their bounds. more: what else was found.
+    unusable: recordings that could not be used; outside: effects beyond their bounds. more: further findings.
     scale: why drive gains stay nominal.
     """
     doubt = runaway(result)

@@ -83,7 +83,7 @@ def stacked_with_fixed(fixed: FixedColumns, observations: Sequence[Observation])
     for j, basis in enumerate(fixed.bases):
         shown_columns = np.flatnonzero(shown[j])
         remainder = effects[:, j, shown_columns]
-        for _ in range(2):  # the second time for what rounding left of the first
+        for _ in range(2):  # the second time for the rounding errors of the first
             within = basis.T @ remainder
             remainder = remainder - basis @ within
             factors[j, : p + 2, p + shown_columns] += within.T

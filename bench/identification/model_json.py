@@ -156,7 +156,7 @@ def _finding(finding: Finding) -> dict[str, Any]:
 
 
 def _findings(content: dict[str, Any]) -> tuple[Finding, ...]:
-    """What the file says that was found; of a file of an earlier version its sentences."""
+    """The findings of the file; of a file of an earlier version its sentences."""
     if "findings" not in content:
         return tuple(Finding(Code.TOLD, (str(note),)) for note in content["notes"])
     return tuple(

@@ -63,7 +63,7 @@ def converged(
     added_from: int | None = None,
     deadline: Deadline = NEVER,
 ) -> Prepared:
-    """Shape parameters found and model-dependent columns linearised, in a few rounds; nothing to do without.
+    """Shape parameters searched and model-dependent columns linearised, in a few rounds; nothing to do without.
 
     At first every shape is searched with the others fixed; then all move together by steps of Gauss and Newton, as long
     as the errors become smaller by them (see newton.py), and are searched again where they do not. nearly: shapes and
@@ -196,7 +196,7 @@ def _alike(now: tuple[np.ndarray, ...], before: tuple[np.ndarray, ...], rows: in
 def _eased(
     earlier: Sequence[EffectInstance], last: Sequence[EffectInstance], searched: Sequence[EffectInstance]
 ) -> tuple[EffectInstance, ...]:
-    """What is found, but halfway back to the last where it turns back from there: it would swing to and fro."""
+    """The result, but halfway back to the last where it turns back from there: it would swing to and fro."""
     eased = []
     for instance, two, three in zip(earlier, last, searched, strict=True):
         a, b, c = (each.effect.about_values() for each in (instance, two, three))

@@ -110,7 +110,7 @@ def partial_regression(stack: Stack, solution: Solution) -> PartialRegression:
             factors[j, :, p + j] = -(stack.factors[j] @ of_gain[j]) * weights[j]
     basis = _orthonormal(factors.reshape(-1, size))
     target = -(error * inverse_rms)
-    for _ in range(2):  # the second time for what rounding left of the first
+    for _ in range(2):  # the second time for the rounding errors of the first
         explained = basis @ (basis.T @ sum(column.T @ target[:, j] for j, column in enumerate(columns)))
         target = target - np.stack([column @ explained for column in columns], axis=1)
     return PartialRegression(columns, basis, target, weights, stack.moving)

@@ -1,7 +1,7 @@
 """The estimator for currents with bad seconds: errors of the currents follow Student's distribution, not Gauss's.
 
 A row far from the model then counts little: it is weighted by (nu + 1) / (nu + r^2), r its error over the scale of its
-motor. Scale and degrees of freedom nu of every motor are found with the parameters by maximum likelihood, so that
+motor. Scale and degrees of freedom nu of every motor are estimated with the parameters by maximum likelihood, so that
 clean data are fitted as by least squares (nu grows) and little is lost. Iteratively reweighted least squares: Lange,
 Little and Taylor, "Robust statistical modeling using the t distribution", 1989; nu as by Liu and Rubin, "ML estimation
 of the t distribution using EM and its extensions, ECM and ECME", 1995.

@@ -32,7 +32,7 @@ class NominalGains:
         return np.broadcast_to(self.fitted, self.values.shape)
 
     def with_fitted(self, fitted_gains: np.ndarray) -> np.ndarray:
-        """The gains (n,) as they are declared, those that are unknowns as they were found: (n,), or () for none."""
+        """The gains (n,) as they are declared, those that are unknowns as they were estimated: (n,), or () for none."""
         return np.where(self.fitted, fitted_gains, self.values) if np.any(self.fitted) else self.values
 
 

@@ -1,4 +1,4 @@
-"""The pages: of a diagnosis, of an identification, of a saved model beside recordings."""
+"""The pages: of a diagnosis, of an identification, of a saved model applied to recordings."""
 
 from collections.abc import Callable, Mapping, Sequence
 from datetime import UTC, datetime
@@ -44,7 +44,7 @@ OF_MODEL, OF_TWIN = "of the model itself", "of the twin"
 
 
 def diagnosis_page(diagnosis: Diagnosis, problem: Problem, made: Made) -> Page:
-    """What the model lacks, and all that stands behind it. made: how the page came about."""
+    """What the model lacks, and the evidence for it. made: how the page came about."""
     dataset = problem.dataset
     before, after = diagnosis.before, diagnosis.after
     with_held_out = dataset_of(dataset, after.recordings)
@@ -114,7 +114,7 @@ def identification_page(result: Identification, problem: Problem, made: Made) ->
 
 
 def comparison_page(comparison: Comparison, problem: Problem, saved: Identification, made: Made) -> Page:
-    """A saved model beside recordings that it may never have seen: its errors, and where they are."""
+    """A saved model applied to recordings that it may never have seen: its errors, and where they are."""
     dataset, settings = problem.dataset, saved.settings
     model = shown_model("", "error", problem, comparison, settings, saved.effects)
     noise = relative_noise_floor(dataset.recordings, comparison.recordings, settings)
@@ -139,7 +139,7 @@ def comparison_page(comparison: Comparison, problem: Problem, saved: Identificat
 
 
 def replay_page(result: Replay, problem: Problem, saved: Identification, made: Made) -> Page:
-    """A saved model's twin, simulated along the recorded motions, and the model itself beside it."""
+    """A saved model's twin, simulated along the recorded motions, and the model next to it."""
     dataset, settings = problem.dataset, saved.settings
     model = shown_model(OF_MODEL, "before", problem, result.model, settings, label="Model itself")
     twin = shown_model(OF_TWIN, "after", problem, result.twin, settings, label="Twin")

@@ -156,7 +156,7 @@ class Figure:
 @dataclass(frozen=True)
 class RunsColumn:
     """A column of `Runs`. labels: what its values number, by which runs are filtered; axis: its name in a chart's
-    `pick`. kind: "share" for what is told in percent.
+    `pick`. kind: "share" for what is given in percent.
     """
 
     header: str

@@ -116,7 +116,7 @@ def not_ranked_section() -> Section:
 
 
 def gains_section(after: Identification, before: Identification | None) -> Section:
-    """Drive gains with their 95 % intervals beside the nominal values; before: without what is missing."""
+    """Drive gains with their 95 % intervals and the nominal values; before: without what is missing."""
     why = why_nominal(after)
     if why is not None and not after.gains_fitted:
         lead = scale_sentence(why)

@@ -65,7 +65,7 @@ def where_section(models: Sequence[ShownModel]) -> Section:
 
 
 def _laws(models: Sequence[ShownModel]) -> tuple[PageTable, ...]:
-    """The effects that leave errors like those found, each once, with what they are and how they show."""
+    """The effects that leave errors like those identified, each once, with what they are and how they show."""
     alike = (rival for model in models for motor in model.where.motors for rival in motor.alike[:MOST_LOOKS])
     questions: dict[str, int] = {}
     for rival in alike:

@@ -1,4 +1,4 @@
-"""Which effects leave errors like those found at a motor: candidates, between which a diagnosis decides."""
+"""Which effects leave errors like those at a motor: candidates, between which a diagnosis decides."""
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass

@@ -34,9 +34,9 @@ class FoundParameter:
 
 @dataclass(frozen=True)
 class NamedEffects:
-    """An effect that a diagnosis found: its verdict, where it shows, what it could be instead.
+    """An effect that a diagnosis identified: its verdict, where it shows, what it could be instead.
 
-    size: RMS of its torque or force by motor, N·m or N; parameters: as found, SI.
+    size: RMS of its torque or force by motor, N·m or N; parameters: as estimated, SI.
     """
 
     effect: str

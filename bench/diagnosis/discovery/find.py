@@ -96,7 +96,7 @@ class _Answer:
 
 
 def _diagnosis(case: SplitProblem, discover: bool | None, believed: bool, progress: Progress) -> Diagnosis:
-    """What is found; believed: whether nothing speaks against how the data are declared.
+    """The diagnosis; believed: whether nothing speaks against how the data are declared.
 
     After the deadline the last answer that came to its end is given.
     """
@@ -151,8 +151,8 @@ def _never(finding: SearchResult) -> dict[str, Reason]:
 
 
 def _never_with_laws(finding: SearchResult, named: Sequence[EffectInstance]) -> dict[str, Reason]:
-    """The same with laws that were identified with named effects: their special cases may be found where their sign was
-    impossible at some motors alone, for what drove there may have been the law.
+    """The same with laws that were identified with named effects: their special cases may be selected where their sign
+    was impossible at some motors alone, for what drove there may have been the law.
     """
     specials = {special for instance in named for special in instance.effect.contains}
     return {
@@ -180,7 +180,7 @@ def _with_laws(
     """The answer with the laws that were identified, converged and judged with all effects; without, if they do not
     stay.
 
-    prior: of the laws, by default that of the terms they were found with.
+    prior: of the laws, by default that of the terms they were selected with.
     """
     base_model, last = plain.finding.base_model, searched.last
     given_count = len(base_model.start.effects)

@@ -92,7 +92,7 @@ def _with_power(
 
 def fewer(alike: Sequence[Part], law_unknowns: int, catalogue: Mapping[str, Effect]) -> list[list[Part]]:
     """What may stay with a law of `law_unknowns` unknowns, so that unknowns are saved: some of the effects that were
-    identified, each as it is or as a special case of it that was not found.
+    identified, each as it is or as a special case of it that was not selected.
     """
     effects = [part for part in alike if part.term is None]
     present = {part.name for part in effects}

@@ -121,7 +121,8 @@ def _converged_if_better(
 def _promises(
     base_model: BaseModel, variant: _Variant, looked_at: Refined, best: Refined, judge: Judge
 ) -> bool:
-    """Whether a model may be better than the best: by what it leaves nearby, then as it is with the values found there.
+    """Whether a model may be better than the best: by what it leaves nearby, then as it is with the values estimated
+    there.
 
     looked_at: the best as it is known nearby.
     """

@@ -130,7 +130,7 @@ class Residual:
             rows[at[j] : at[j + 1], i * size : (i + 1) * size] = column
         spanned = np.concatenate(self.basis)
         lengths = np.linalg.norm(rows, axis=0)
-        for _ in range(2):  # the second time for what rounding left of the first
+        for _ in range(2):  # the second time for the rounding errors of the first
             rows = rows - spanned @ (spanned.T @ rows)
         rows = rows[:, np.linalg.norm(rows, axis=0) > INVISIBLE * lengths]
         new = np.linalg.qr(rows)[0]

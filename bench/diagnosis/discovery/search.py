@@ -47,7 +47,7 @@ def search_laws(
     """Terms that do better than the catalogue alone, next to its effects or in place of them; None where none does.
 
     Rounds end where the converged model is no better than the last one. last: of a search among the effects of the
-    catalogue, with its converged model; barred: names that may not be found. Raises TimeUpError after the deadline.
+    catalogue, with its converged model; barred: names that may not be selected. Raises TimeUpError after the deadline.
     """
     last = replace(last, model=base_model.exactly(last.model))
     laws, judge = Laws(last, {}), Judge(last.system.samples, 0.0)

@@ -58,7 +58,7 @@ def planned(
 def predicted(rival: Rival, plan: PlannedMotion) -> np.ndarray:
     """Currents (N, n) that the model with its effect predicts, drive unit, without noise.
 
-    Where an effect depends on the current itself, such as a delay, both are found in turn.
+    Where an effect depends on the current itself, such as a delay, both are computed in turn.
     """
     gains, effects = rival.present.gains, rival.prepared.effects
     rigid = robot_signals(rival.prepared.model, plan.measured, rival.present).torque()

@@ -47,7 +47,7 @@ def plan_after(
 
     problem: what was measured; its effects are not aimed at. The machine is the one that the data give; limits of speed
     and acceleration that the table leaves out are the largest of the recordings. See `plan_experiment`. Raises
-    BenchError for a payload of the table's own.
+    BenchError for a payload that the table defines.
     """
     if table.payload is not None:
         raise BenchError("payload: the next motion carries what the dataset declares: leave it out")

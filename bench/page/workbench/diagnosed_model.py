@@ -1,4 +1,4 @@
-"""The model that a diagnosis found, made ready again: the one about which the workbench's columns are taken."""
+"""The model that a diagnosis identified, prepared again: the one about which the workbench's columns are taken."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -23,7 +23,7 @@ from bench.identification.summary import ROBOT
 @dataclass(frozen=True)
 class DiagnosedModel:
     """plain: the equations without any effect but those with a value for each recording, which the page does not
-    change; complete: with those that the diagnosis found behind them, linearised about the answer; solution: the
+    change; complete: with those that the diagnosis identified behind them, linearised about the answer; solution: the
     answer, theta in the order of `complete`. started: effects that the model had before the diagnosis, as (effect,
     place).
     """

@@ -27,7 +27,7 @@ VERSION = 2
 
 @on_one_thread
 def page_data(problem: Problem, diagnosis: Diagnosis) -> dict[str, Any]:
-    """Everything with which the page solves for any choice of effects in the shapes found, ready for JSON.
+    """Everything with which the page solves for any choice of effects in the identified shapes, ready for JSON.
 
     diagnosis: of this problem; its filters are used. Arrays are base64 of little-endian numbers; `triangle` holds
     the upper triangle of the factor R of [columns, modelled, error], row after row. basis: how the model's parameters
@@ -67,13 +67,13 @@ def page_data(problem: Problem, diagnosis: Diagnosis) -> dict[str, Any]:
 
 def with_command(data: dict[str, Any], command: str, model: dict[str, Any] | None = None) -> dict[str, Any]:
     """The page's data with the command that identifies without the effects that are ticked, and the model that was
-    found as its file holds it, to be downloaded.
+    identified as its file holds it, to be downloaded.
     """
     return {**data, "command": command, "model": finite(model)}
 
 
 def _usable(model: DiagnosedModel, diagnosis: Diagnosis, known: Mapping[str, Effect]) -> dict[str, Effect]:
-    """What may be ticked: found, or judged and not absorbed. The page changes nothing in what the model has."""
+    """What may be ticked: identified, or judged and not absorbed. The page changes nothing in what the model has."""
     given = {
         instance.effect.name for instance in model.plain.effects
     }  # columns of the model, as the rigid bodies' are
@@ -83,7 +83,7 @@ def _usable(model: DiagnosedModel, diagnosis: Diagnosis, known: Mapping[str, Eff
 
 
 def _ranks(model: DiagnosedModel, diagnosis: Diagnosis) -> dict[str, int]:
-    """How early an effect must have its place; those found before all."""
+    """How early an effect must have its place; those identified before all."""
     ranks = {verdict.effect: i for i, verdict in enumerate(diagnosis.ranking)}
     return ranks | {instance.effect.name: -1 for instance in model.effects}
 

@@ -1,4 +1,4 @@
-"""Effects that can be ticked: those found as they are, all others in the shape that suits next to them."""
+"""Effects that can be ticked: those identified as they are, all others in the shape that suits next to them."""
 
 from collections.abc import Mapping
 from dataclasses import replace
@@ -34,7 +34,7 @@ def instances_of(
 def _about_the_model(
     base_model: BaseModel, model: DiagnosedModel, proposals: list[Proposal]
 ) -> list[Proposal]:
-    """Proposals as the last round of a search leaves them, which found the effects of `model`."""
+    """Proposals as the last round of a search leaves them, which identified the effects of `model`."""
     present = {(instance.effect.name, instance.joint) for instance in model.effects}
     some = []
     for proposal in proposals:

@@ -13,7 +13,7 @@ NUMBER = 4  # bytes
 def without_room(system: PageSystem, ranks: Mapping[str, int]) -> frozenset[str]:
     """The effects that there is no room for in a system's equations.
 
-    The last in rank go first; those found, of a rank below zero, stay.
+    The last in rank go first; those identified, of a rank below zero, stay.
     """
     names = sorted({instance.effect.name for instance in system.effects}, key=lambda name: ranks[name])
     dropped: list[str] = []

@@ -20,12 +20,12 @@ from bench.page.workbench.diagnosed_model import DiagnosedModel
 class PageSystem:
     """columns (M, n, C) over all recordings, zero where a joint does not move: the model's, then each effect's.
 
-    effects: with shapes, and linearised, as found; starts: the first column of each, and C. reference (C,): how the
-    identified model combines the columns; gains (n,) its drive gains; measured, modelled, error (M, n): currents, and
-    what the model leaves of them; columns, modelled and error apart from the value that suits a recording that has none
-    of what differs from run to run. moving (M, n). fitted (M,): whether a row is fitted. basis (starts[0], C): columns
-    are combined so that they are far from each other; the model's parameters are basis @ the coordinates by these, an
-    effect's its coordinates.
+    effects: with shapes, and linearised, as identified; starts: the first column of each, and C. reference (C,): how
+    the identified model combines the columns; gains (n,) its drive gains; measured, modelled, error (M, n): currents,
+    and what the model leaves of them; columns, modelled and error apart from the value that suits a recording that has
+    none of what differs from run to run. moving (M, n). fitted (M,): whether a row is fitted. basis (starts[0], C):
+    columns are combined so that they are far from each other; the model's parameters are basis @ the coordinates by
+    these, an effect's its coordinates.
     """
 
     columns: np.ndarray
@@ -46,7 +46,7 @@ class PageSystem:
 
 
 def build(model: DiagnosedModel, instances: Sequence[EffectInstance], nearby: Nearby) -> PageSystem:
-    """The system of a model with the columns of these effects, those that it found among them. nearby: of `model`."""
+    """The system of a model with the columns of these effects, the identified ones among them. nearby: of `model`."""
     plain = model.plain
     moving = np.concatenate([observation.moving for observation in plain.observations])
     fitted = np.concatenate(
@@ -104,7 +104,7 @@ def _set_apart_from_values(
 
 
 def _added(model: DiagnosedModel, instances: Sequence[EffectInstance], nearby: Nearby) -> np.ndarray:
-    """Columns (M, n, k) of effects about the identified model; of those not found as they are seen nearby."""
+    """Columns (M, n, k) of effects about the identified model; of those not identified as they are seen nearby."""
     complete, decimation = model.complete, model.complete.settings.decimation
     near = nearby.signals(complete.present, complete.signals)
     exact = [instance for instance in instances if instance in model.effects]

@@ -10,9 +10,9 @@ from bench.truth.simulate import Simulation
 
 
 def diagnosis_metrics(simulation: Simulation, prepared: Prepared) -> dict[str, float | str]:
-    """Effects missed and invented, the names found, and the gain error of the model with them.
+    """Effects missed and invented, the identified names, and the gain error of the model with them.
 
-    An effect that the data cannot tell from the true one counts as found.
+    An effect that the data cannot tell from the true one counts as identified.
     """
     modelled = tuple(dict.fromkeys(instance.request for instance in prepared.effects))
     problem = problem_of(prepared.dataset, modelled, filters=prepared.settings)

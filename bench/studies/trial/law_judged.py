@@ -38,11 +38,11 @@ VARIABLES = {
 def law_columns(simulation: Simulation, diagnosis: Diagnosis, prepared: Prepared) -> Row:
     """How near a discovered law is to the hidden one: in torque, on recordings not fitted, and in structure.
 
-    law.error: RMS, over that of the hidden law's torque, of the difference between all that was found and all that was
-    hidden at its motor, where that moves; so a law counts whole of which a part was found under its name, and what
-    is wrong with known effects there counts, too. law.alone: the same without the known effects that are found there
-    by their names, whose errors may be many times a small law; one of which the law is a part stays. law.elsewhere:
-    laws at motors that have none.
+    law.error: RMS, over that of the hidden law's torque, of the difference between all that was identified and all that
+    was hidden at its motor, where that moves; so a law counts whole of which a part was identified under its name, and
+    what is wrong with known effects there counts, too. law.alone: the same without the known effects that are
+    identified there by their names, whose errors may be many times a small law; one of which the law is a part stays.
+    law.elsewhere: laws at motors that have none.
     """
     joint, numbers = _hidden_law(simulation)
     laws = [law for law in diagnosis.discovered if law.place == joint]

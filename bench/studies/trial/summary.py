@@ -203,7 +203,7 @@ def _searched(row: Row) -> bool:
 
 
 def _laws(row: Row) -> int:
-    """How many laws were found."""
+    """How many laws were identified."""
     return int(row.get("laws") or 0)
 
 
