@@ -33,7 +33,7 @@ class Source:
 
     @property
     def dataset(self) -> Path | None:
-        """Its folder, where it is a dataset; of a model, the recordings that it is shown with."""
+        """The folder of the source, where it is a dataset; of a model, the recordings that it is shown with."""
         from bench.dataset.names import DATASET_FILE
 
         if self.path.name == DATASET_FILE or (self.path / DATASET_FILE).is_file():

@@ -187,7 +187,7 @@ def _same_as_defined(spec: PayloadSpec, payload: Payload) -> bool:
 
 
 def _differing(spec: PayloadSpec, payload: Payload) -> str:
-    """In which number a payload differs, in words."""
+    """The number in which a payload differs, in words."""
     if payload.mass is None or spec.mass == payload.mass:
         return " with other numbers"
     before = "no mass" if spec.mass is None else f"{spec.mass:g} kg"

@@ -18,7 +18,7 @@ DEPENDENT = (
 
 
 def independent_motors(model: mujoco.MjModel, joints: Sequence[str]) -> tuple[str, ...]:
-    """Of these joints with a motor those that move independently in the home pose, the first ones where there is a
+    """Those of these joints with a motor that move independently in the home pose, the first ones where there is a
     choice; all of them where there are no more than degrees of freedom.
 
     Raises BenchError where there are more, and one of these joints cannot move at all.

@@ -117,12 +117,14 @@ class SearchResult:
     unfinished: tuple[Unfinished, ...] = ()
 
     def weight_by(self, samples: Samples) -> float:
-        """Of the identified model, with its laws as improbable as its proposals say: see `Samples.log_posterior`."""
+        """Log weight of the identified model, with its laws as improbable as its proposals say: see
+        `Samples.log_posterior`.
+        """
         effects = self.model.effects
         return answer_squares(effects, self.after.recordings, self.last.prior_of(effects)).weight(samples)
 
     def excess(self, case: SplitProblem) -> float:
-        """Of the identified model: see `unexplained.excess`."""
+        """Excess of the identified model: see `unexplained.excess`."""
         recordings = case.problem.dataset.recordings
         return excess(self.after, recordings, partial(encoder_error, self.model))
 

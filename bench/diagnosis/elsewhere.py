@@ -1,4 +1,4 @@
-"""By what recordings that were not fitted differ from those that were: a fitted recording tells nothing of it."""
+"""How recordings that were not fitted differ from those that were: a fitted recording tells nothing of it."""
 
 from collections.abc import Collection, Iterator, Mapping, Sequence
 
@@ -66,7 +66,7 @@ def worse_elsewhere(
 def _elsewhere(
     model: Prepared, answer: Identification, instances: Sequence[EffectInstance]
 ) -> Iterator[tuple[np.ndarray, np.ndarray]]:
-    """Of every recording that was not fitted the errors of the current (M, n), and what a unit of each effect would
+    """For every recording that was not fitted, the errors of the current (M, n) and what a unit of each effect would
     change of them (M, n, k); nothing in parts of fitted ones, whose values are known.
     """
     gains = np.array([answer.drive_gains[joint].value for joint in answer.joints])

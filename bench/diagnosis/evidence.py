@@ -67,7 +67,7 @@ class ResidualSumOfSquares:
 
 
 def residual_squares(model: Prepared, prior: float) -> ResidualSumOfSquares:
-    """Of a converged model; prior: nats that its effects must bring."""
+    """Residual squares of a converged model; prior: nats that its effects must bring."""
     _, solution = solved_quickly(model)
     squares = _squares(
         (seen.use, (seen.current - modelled_current(model, seen, solution)) * seen.moving)
@@ -80,7 +80,9 @@ def residual_squares(model: Prepared, prior: float) -> ResidualSumOfSquares:
 def answer_squares(
     effects: Sequence[EffectInstance], series: Sequence[CurrentSeries], prior: float | None = None
 ) -> ResidualSumOfSquares:
-    """Of a model with these effects, by the currents that its answer gives. prior: by default of the catalogue's."""
+    """Residual squares of a model with these effects, by the currents that its answer gives. prior: by default of the
+    catalogue's.
+    """
     squares = _squares((trace.use, trace.error * trace.moving) for trace in series)
     return ResidualSumOfSquares(
         squares, effects_unknowns(effects), effects_prior(effects) if prior is None else prior
@@ -100,7 +102,7 @@ def _squares(errors: Iterable[tuple[str, np.ndarray]]) -> np.ndarray:
 
 
 def answer_weight(samples: Samples, model: Prepared, answer: Identification) -> float:
-    """Of a model with its answer: see `Samples.log_posterior`."""
+    """Log weight of a model with its answer: see `Samples.log_posterior`."""
     return answer_squares(model.effects, answer.recordings).weight(samples)
 
 

@@ -9,7 +9,8 @@ from scipy.linalg import orth
 
 @dataclass(frozen=True)
 class MotorRows:
-    """Of one motor in one recording: M rows of some of C columns, and of the torque and the error that go with them.
+    """Rows of one motor in one recording: M rows of some of C columns, and of the torque and the error that go with
+    them.
 
     filled (c,): the columns that are not zero there; values (M, c): these; ends (M, 2): torque and error.
     """

@@ -364,7 +364,7 @@ def _orthonormal(triangle: np.ndarray, p: int) -> tuple[np.ndarray, np.ndarray]:
 def _products(
     prepared: Prepared, blocks: Mapping[str, Sequence[Sequence[MotorRows]]], change: np.ndarray
 ) -> dict[str, dict[str, MotorProducts]]:
-    """Of every log and use, their columns combined by `change`."""
+    """Products of every log and use, their columns combined by `change`."""
     size = change.shape[1] + 2
     by_log: dict[str, dict[str, MotorProducts]] = {}
     pending = {use: iter(motors) for use, motors in blocks.items()}

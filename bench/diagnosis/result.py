@@ -211,7 +211,7 @@ class Discovered:
 
     @property
     def formula(self) -> str:
-        """Of the whole law, in SI units; of a table what it goes by."""
+        """The formula of the whole law, in SI units; of a table what it goes by."""
         parts = [
             HAT.sub(r"table(\1)", term.term)
             if HAT.search(term.term)

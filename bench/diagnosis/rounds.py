@@ -44,7 +44,7 @@ class Round:
 
     @cached_property
     def residual(self) -> ResidualSumOfSquares:
-        """Of its model."""
+        """The residual sums of squares of its model."""
         return residual_squares(self.model, self.prior_of(self.model.effects))
 
     def prior_of(self, effects: Sequence[EffectInstance]) -> float:
@@ -292,7 +292,7 @@ def system_about(base_model: BaseModel, model: Prepared, proposals: Sequence[Pro
 
 
 def _solution_about(start: Prepared, about: Prepared, weights: np.ndarray) -> Solution:
-    """Of the starting model, linearised as `about` is, with other weights (n,)."""
+    """The solution of the starting model, linearised as `about` is, with other weights (n,)."""
     stack, solution = solved_quickly(about)
     return restarted(stack, replace(solution, weights=weights), start.dataset.robot.nominal_gains)
 

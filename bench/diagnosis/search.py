@@ -146,7 +146,7 @@ def close(scored: Scored, other: Scored) -> bool:
 
 
 def simplest(system: System, scored: Scored, rivals: Sequence[Scored]) -> Scored:
-    """Of the sets that are as good and hold a special case of an effect instead of it, the one with fewest unknowns."""
+    """The set with fewest unknowns among those that are as good and hold a special case in place of an effect."""
     size = _unknowns(system, scored)
     simpler = [
         rival
@@ -159,7 +159,7 @@ def simplest(system: System, scored: Scored, rivals: Sequence[Scored]) -> Scored
 
 
 def _unknowns(system: System, scored: Scored) -> int:
-    """Its columns, and the shape parameters of its effects."""
+    """Number of its columns and the shape parameters of its effects."""
     shapes = (instance.effect.shape for i in scored.fit.chosen for instance in system.candidates[i].instances)
     return len(scored.fit.columns) + sum(map(len, shapes))
 

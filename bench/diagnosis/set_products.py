@@ -11,7 +11,7 @@ from bench.identification.bilinear import TINY
 
 @dataclass(frozen=True)
 class SetProducts:
-    """Of S sets with every motor's [base, added, torque, error]: b columns that all have, c that each has.
+    """Products of S sets with every motor's [base, added, torque, error]: b columns that all have, c that each has.
 
     base (n, b, b); across (S, n, b, c + 2): base by a set's added columns; within (S, n, c + 2, c + 2).
     """
@@ -49,12 +49,12 @@ class SetProducts:
         return np.asarray(every[..., -2] / start[:, None] + every[..., -1])
 
     def some(self, which: np.ndarray) -> "SetProducts":
-        """Of some of the sets (S,) True or False."""
+        """The products of some of the sets, (S,) True or False."""
         return SetProducts(self.base, self.across[which], self.within[which])
 
 
 def products_of_sets(products: MotorProducts, b: int, added: Sequence[np.ndarray], c: int) -> SetProducts:
-    """Of the first b columns, and of each set's added ones (indices), c of them with zeros to fill up."""
+    """Products of the first b columns and of each set's added ones (indices), c of them with zeros to fill up."""
     size = products.inner.shape[1]
     picked = np.full((len(added), c + 2), size)  # the column of zeros
     picked[:, -2:] = size - 2, size - 1

@@ -28,7 +28,7 @@ def origins_of(start: Prepared) -> list[Prepared]:
 def kept_and_new(
     effects: Sequence[EffectInstance], given: Sequence[EffectInstance]
 ) -> tuple[tuple[EffectInstance, ...], tuple[EffectInstance, ...]]:
-    """Of the identified effects, those of the starting model, and the rest."""
+    """The identified effects, split into those of the starting model and the rest."""
     there = _places(given)
     kept = tuple(instance for instance in effects if (instance.effect.name, instance.joint) in there)
     return kept, tuple(instance for instance in effects if instance not in kept)

@@ -334,7 +334,7 @@ def moved_gain(diagnosis: Diagnosis) -> str | None:
 
 
 def gain_moved(before: Quantity, after: Quantity) -> float:
-    """By which share of itself a gain moves; without bounds where it was zero."""
+    """The share of itself by which a gain moves; without bounds where it was zero."""
     return after.value / before.value - 1.0 if before.value else math.inf
 
 

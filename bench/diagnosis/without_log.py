@@ -15,7 +15,7 @@ from bench.identification.prepare import Prepared
 def without_logs(
     model: Prepared, system: System, selection: Selection, proposals: Sequence[Proposal]
 ) -> tuple[WithoutLog, ...]:
-    """Of every log that is fitted, where others are: which effects of the best set the others do not support.
+    """For every fitted log, where there are others: which effects of the best set the others do not support.
 
     Sets are solved about the identified model, in the equations of the other logs.
     """

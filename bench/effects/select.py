@@ -47,7 +47,7 @@ class EffectInstance:
         return (self.joint or ROBOT) + (f"@{self.recording}" if self.recording else "")
 
     def share(self, log: str) -> float:
-        """By which its columns count in a recording: the mean of all values holds for one that has none."""
+        """The share by which its columns count in a recording: the mean of all values holds for one that has none."""
         if not self.recording:
             return 1.0
         if log in self.among:

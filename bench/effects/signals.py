@@ -129,7 +129,7 @@ class Coarse:
 
 @dataclass(frozen=True)
 class Sparse:
-    """That signals are every so many-th of `length` samples of a recording, from the first one on.
+    """Signals that are every so many-th of `length` samples of a recording, from the first one on.
 
     shares: of every joint the share of each sample, half way to its neighbours, that lies in a gap, (K,) each.
     """
@@ -217,17 +217,17 @@ class RobotSignals:
 
     @cached_property
     def position(self) -> np.ndarray:
-        """Of the active joints (N, n), rad or m, as logged."""
+        """Positions of the active joints (N, n), rad or m, as logged."""
         return np.column_stack([joint.position for joint in self.joints.values()])
 
     @cached_property
     def velocity(self) -> np.ndarray:
-        """Of the active joints (N, n), rad/s or m/s."""
+        """Velocities of the active joints (N, n), rad/s or m/s."""
         return np.column_stack([joint.velocity for joint in self.joints.values()])
 
     @cached_property
     def acceleration(self) -> np.ndarray:
-        """Of the active joints (N, n), rad/s2 or m/s2."""
+        """Accelerations of the active joints (N, n), rad/s2 or m/s2."""
         return np.column_stack([joint.acceleration for joint in self.joints.values()])
 
     @cached_property

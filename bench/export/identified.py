@@ -29,7 +29,7 @@ class EffectValues:
 
     @property
     def name(self) -> str:
-        """Of the effect."""
+        """The name of the effect."""
         return self.instance.effect.name
 
     @property

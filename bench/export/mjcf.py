@@ -230,7 +230,7 @@ def _add_payload(
 
 
 def _comment(physical: PhysicalSet, placed: Placed) -> str:
-    """For the head of the file; a comment in XML must not have two hyphens in a row."""
+    """The comment at the head of the file; a comment in XML must not have two hyphens in a row."""
     model = physical.model
     lines = [
         f"Identified: {model.path.name}, robot {model.robot.name}.",

@@ -38,7 +38,7 @@ class Contradiction:
     culprits: tuple[tuple[str, float], ...]
 
     def words(self) -> str:
-        """In one line."""
+        """The contradiction in one line."""
         name, remaining = self.culprits[0]
         enough = [body for body, rest in self.culprits if rest <= self.expected]
         who = " or ".join(enough) if enough else f"{name} most of all (without it {remaining:.1f} remain)"

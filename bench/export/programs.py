@@ -143,7 +143,7 @@ class Programs:
         return Nearest(distance, min(freedom, len(known)), np.asarray(estimated))
 
     def drawn_to_prior(self, distance: float) -> Reached:
-        """Of all bodies so near to the estimate, in standard errors, those nearest to the prior.
+        """Among all bodies so near to the estimate, in standard errors, those nearest to the prior.
 
         distance: zero for bodies that reproduce the estimate.
         """

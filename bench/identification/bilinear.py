@@ -105,7 +105,7 @@ def moved_gains(gains: np.ndarray, by_gain: np.ndarray) -> np.ndarray:
 
 
 def errors_by(values: np.ndarray, gains: np.ndarray, start: np.ndarray) -> np.ndarray:
-    """By what every motor's current error is combined from [columns, torque, error]: (..., n, k + 2)."""
+    """Coefficients by which every motor's current error is combined from [columns, torque, error]: (..., n, k + 2)."""
     errors = np.ones((*gains.shape, values.shape[-1] + 2))
     errors[..., :-2] = -values[..., None, :] / gains[..., None]
     errors[..., -2] = 1.0 / start - 1.0 / gains

@@ -12,7 +12,7 @@ from bench.identification.solution import Solution
 
 
 def columns_without_value(prepared: Prepared, observation: Observation) -> list[np.ndarray]:
-    """Of effects that have a value for each recording, but none for this one: the columns (of theta) that are one
+    """The columns, for effects that have a value for each recording but none for this one (of theta) that are one
     effect's, each with its share of the mean.
     """
     (log,) = {seen.recording.log for seen in prepared.measured if seen.recording.name == observation.name}

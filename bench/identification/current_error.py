@@ -89,7 +89,7 @@ def from_products(
 
 
 def error_weights(stack: Stack, squares: np.ndarray) -> np.ndarray:
-    """One over each motor's current error (n,), of the sums of their squares."""
+    """Inverse of each motor's current error (n,), of the sums of their squares."""
     return np.asarray(1.0 / np.maximum(np.sqrt(squares / len(stack.current)), current_floor(stack)))
 
 
@@ -101,7 +101,7 @@ def squared_errors(factors: np.ndarray, theta: np.ndarray, gains: np.ndarray) ->
 
 
 def log_likelihood(stack: Stack, solution: Solution) -> float:
-    """Of normal errors of the currents, each motor's with its deviation, but for a constant."""
+    """Log-likelihood of normal errors of the currents, each motor's with its deviation, but for a constant."""
     weights = error_weights(stack, squared_errors(stack.factors, solution.theta, solution.gains))
     return float(len(stack.current) * np.log(weights).sum())
 

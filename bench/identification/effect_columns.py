@@ -230,7 +230,7 @@ def _redundant_signals(
 
 
 def _encoder_offsets(present: PresentModel, log: str) -> dict[str, float]:
-    """Of the present model's encoders in a recording, by joint."""
+    """Offsets of the present model's encoders in a recording, by joint."""
     offsets: dict[str, float] = {}
     for instance, values in present.effects:
         if offset := instance.share(log) * instance.effect.position_offset(values):

@@ -42,7 +42,7 @@ class FixedColumns:
 def fixed_columns(
     observations: Sequence[Observation], layout: ParameterLayout, payloads: Mapping[str, Payload]
 ) -> FixedColumns | None:
-    """None where they are too many to be kept, or fewer rows than columns."""
+    """The orthogonalised columns of all models; None where they are too many to be kept, or fewer rows than columns."""
     stack = stack_observations(
         [replace(observation, effects=observation.effects[:, :, :0]) for observation in observations],
         replace(layout, effects=0),

@@ -132,7 +132,9 @@ def _with_payloads(prepared: Prepared, payloads: Mapping[str, Payload]) -> Prepa
 
 
 def _least_spread(prepared: Prepared, result: Identification, name: str) -> _Spread | None:
-    """Of a payload of which mass and centre are declared and all six moments were estimated; None for others."""
+    """Least moment spread of a payload of which mass and centre are declared and all six moments were estimated; None
+    for others.
+    """
     payload, index = prepared.dataset.payloads[name], prepared.layout.payloads[name]
     if payload.mass is None or payload.center_of_mass is None or not np.array_equal(index, INERTIA):
         return None

@@ -73,7 +73,7 @@ class SavedModel:
 
     @property
     def drive_gains(self) -> Mapping[str, DriveGain]:
-        """By joint."""
+        """Drive gains by joint."""
         return self.model.drive_gains
 
     @property

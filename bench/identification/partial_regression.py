@@ -13,7 +13,7 @@ COLLINEAR = 1e-12  # of the largest singular value of inner products of unit col
 
 @dataclass(frozen=True)
 class RegressionProducts:
-    """Of columns of which only what remains without others counts: inner products (k, k), those with what is to be
+    """Products of columns after projection on the complement of others: inner products (k, k), those with what is to be
     explained (k,), and the lengths (k,) of the whole columns.
     """
 

@@ -342,7 +342,7 @@ class NearbySignals(RobotSignals):
         return self._smooth(self._torque(self._rows(change)), self.coarse.time)
 
     def _rows(self, change: SmallChange) -> np.ndarray:
-        """Of a change of all recordings' rows those of this one, at the few samples."""
+        """Part of this recording in a change of all recordings' rows, at the few samples."""
         return change.rows(self.nearby.part[self.index])
 
     def _torque(self, rows: np.ndarray) -> np.ndarray:

@@ -84,7 +84,8 @@ def times_repeated(errors: Sequence[np.ndarray], returns: Returns, reach: int) -
 
 
 def _whole_periods_apart(products: np.ndarray, period: float, reach: int) -> np.ndarray:
-    """Of products (M, k) by lag, the sums (reach + 1, k) of those whole periods and so many rows apart, to either side.
+    """For products (M, k) by lag, the sums (reach + 1, k) of those whole periods and so many rows apart, to either
+    side.
 
     Between two lags they are read off a spline: a period is no whole number of rows.
     """

@@ -69,7 +69,7 @@ def within(stretches: np.ndarray, part: slice) -> slice:
 def sides(
     chosen: slice, stretches: np.ndarray, length: int
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-    """Of the chosen stretches start and stop, and where their surroundings begin before and end after, (k,) each."""
+    """For the chosen stretches, start and stop, and where their surroundings begin before and end after, (k,) each."""
     start, stop, margin = stretches[chosen].T
     last = stretches[chosen.start - 1, 1] if chosen.start else 0
     before = np.maximum(start - margin, np.concatenate(([last], stop))[: len(stop)])

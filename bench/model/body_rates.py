@@ -23,7 +23,7 @@ class Twist:
 
 @dataclass(frozen=True)
 class BodyRates:
-    """Of one joint frame, in its axes: w [1/s], w' [1/s2], a less gravity [m/s2], and a twist for every motor."""
+    """Rates of one joint frame, in its axes: w [1/s], w' [1/s2], a less gravity [m/s2], and a twist for every motor."""
 
     angular: Vector
     turning: Vector

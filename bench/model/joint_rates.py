@@ -17,7 +17,7 @@ from bench.model.spin import Spin, idle_spins
 
 @dataclass(frozen=True)
 class JointRates:
-    """Of one joint, in its d coordinates: 1 of a hinge or slide, 3 of a ball joint, in the frame of its body.
+    """Rates of one joint, in its d coordinates: 1 of a hinge or slide, 3 of a ball joint, in the frame of its body.
 
     velocity and acceleration (N, d), rad/s or m/s and their rates; jacobian (N, d, n): that velocity for the active
     joints' velocities.

@@ -56,7 +56,7 @@ def _named(geometry: Geometry, coupling: Coupling) -> str:
 
 
 def _unit(geometry: Geometry, coupling: Coupling) -> str:
-    """That of the first joint's position."""
+    """The unit of the first joint's position."""
     joint, _ = coupling.first[0]
     return joint_units(geometry.joints[joint].kind != "slide").position
 
@@ -132,7 +132,9 @@ def scaled_jacobians(geometry: Geometry, q: np.ndarray) -> np.ndarray:
 
 
 def smallest_singular_values(geometry: Geometry, q: np.ndarray) -> np.ndarray:
-    """Of the scaled loop Jacobian by the passive joints at q (N, nq): (N,). Zero: some joint is not held."""
+    """The smallest singular values (N,) of the scaled loop Jacobian by the passive joints at q (N, nq). Zero: some
+    joint is not held.
+    """
     return _smallest(scaled_jacobians(geometry, q)[:, :, geometry.passive])
 
 
@@ -155,8 +157,8 @@ def conditioning(geometry: Geometry, q: np.ndarray) -> float:
 
 
 def least_held(geometry: Geometry, q: np.ndarray, count: int) -> tuple[np.ndarray, np.ndarray]:
-    """Of the poses q (N, nq) the numbers (count,), in order, of those where the determinant by the passive joints is
-    smallest, and their `smallest_singular_values`.
+    """Among the poses q (N, nq), the numbers (count,), in order, of those where the determinant by the passive joints
+    is smallest, and their `smallest_singular_values`.
     """
     passive = scaled_jacobians(geometry, q)[:, :, geometry.passive]
     square = passive

@@ -135,7 +135,7 @@ class Tape:
         self._stages: list[tuple[list[int], list[_Operation], list[int]]] = []
 
     def inputs(self, count: int) -> list[Scalar]:
-        """That many inputs of the stage that begins or has begun."""
+        """Record so many inputs of the stage that begins or has begun."""
         rows = [self._new(0) for _ in range(count)]
         self._inputs += rows
         return [Recorded(self, row) for row in rows]  # type: ignore[misc]

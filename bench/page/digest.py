@@ -15,7 +15,7 @@ SIZE = 16  # bytes
 
 
 def dataset_digest(dataset: Dataset, effect_files: Sequence[Path] = ()) -> str:
-    """Of dataset.toml, the recordings, the robot's description and mechanism, and the files with effects.
+    """Digest of dataset.toml, the recordings, the robot's description and mechanism, and the files with effects.
 
     The mechanism is taken as MuJoCo compiles it, so that files that the MJCF includes count as well. effect_files:
     those in addition to the dataset's.

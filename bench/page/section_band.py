@@ -50,7 +50,7 @@ def band_figure(result: Identification) -> list[Part]:
 
 
 def _moves(points: list[BandPoint], chosen_point: BandPoint, unknown: Unknown) -> np.ndarray:
-    """By how many of the standard errors of both a value differs from that in this band; NaN where it is not there."""
+    """How many of the standard errors of both a value differs from that in this band; NaN where it is not there."""
     value, std = chosen_point.values[unknown]
     moves = []
     for point in points:

@@ -1,4 +1,4 @@
-"""In which part of the motion a motor's squared error is concentrated, far beyond chance."""
+"""The part of the motion in which a motor's squared error is concentrated, far beyond chance."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass

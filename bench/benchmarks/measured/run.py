@@ -121,7 +121,7 @@ def _run(command: str, dataset: Path, given: Sequence[str], line: str, table: Ma
 
 
 def _processor_seconds() -> float:
-    """Of all processes that were started and have ended, s."""
+    """Processor time of all processes that were started and have ended, s."""
     used = resource.getrusage(resource.RUSAGE_CHILDREN)
     return used.ru_utime + used.ru_stime
 

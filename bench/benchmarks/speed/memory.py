@@ -9,7 +9,7 @@ KILO = 1024
 
 
 def peak_bytes() -> int:
-    """Of this process since it was started.
+    """Peak memory of this process since it was started, bytes.
 
     What `getrusage` says on Linux is never less than what the process had that started it.
     """

@@ -51,7 +51,7 @@ def _small(finding: SearchResult, effect: str, laws: Collection[str]) -> bool:
 
 
 def _taken_away(finding: SearchResult, without: LadderStep) -> float:
-    """By how much the squared error of a model exceeds that of the identified one."""
+    """How much the squared error of a model exceeds that of the identified one."""
     return _error(without) ** 2 - _error(finding.after.error) ** 2
 
 

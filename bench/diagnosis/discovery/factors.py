@@ -55,18 +55,18 @@ class Factor(ABC):
 
     @abstractmethod
     def values(self, seen: Seen) -> np.ndarray:
-        """Its parts (M, parts)."""
+        """Values (M, parts) of its parts."""
 
     @abstractmethod
     def formula(self, place: Place) -> tuple[str, ...]:
-        """Its parts with numbers, such as "abs(a)"."""
+        """Formulas of its parts with numbers, such as "abs(a)"."""
 
     @abstractmethod
     def code(self, place: Place, number: str) -> tuple[str, ...]:
-        """Its parts as Python code with numpy; number: the name of its number."""
+        """The parts of the factor as Python code with numpy; number: the name of its number."""
 
     def unit(self, place: Place) -> Unit:  # noqa: ARG002 - by default none
-        """Of its values."""
+        """The unit of its values."""
         return {}
 
     def with_number(self, value: float) -> "Factor":  # noqa: ARG002 - by default it has none

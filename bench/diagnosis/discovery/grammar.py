@@ -87,7 +87,7 @@ def _steps(x: Variable, low: float, high: float) -> list[Factor]:
 
 
 def _of_another(ahead: int) -> list[Factor]:
-    """Of the motor so many places further."""
+    """Factors of the motor so many places further."""
     q, v, a, load = (Variable(variable.kind, ahead) for variable in (Q, V, A, LOAD))
     powers = [Power(v, 0.0), Power(v), Power(v, 2.0), *(Power(x, 1.0, odd=False) for x in (v, a, load))]
     return [

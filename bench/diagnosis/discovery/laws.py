@@ -24,7 +24,7 @@ class Law:
     source: str
 
     def at(self, numbers: Mapping[str, float]) -> list[Term]:
-        """Its terms with these numbers, by label."""
+        """The terms of the law with these numbers, by label."""
         return [
             term.with_numbers([numbers[label] for label in labels])
             for term, labels in zip(self.terms, labelled(self.terms)[1], strict=True)

@@ -46,12 +46,12 @@ class Known:
         self._values = {factor: factor.values(seen)[rows] for factor in every}
 
     def values(self, factor: Factor) -> np.ndarray:
-        """Its parts (M, parts)."""
+        """Values (M, parts) of the factor's parts."""
         kept = self._values.get(factor)
         return factor.values(self._seen)[self._rows] if kept is None else kept
 
     def columns(self, terms: Sequence[Term]) -> np.ndarray:
-        """Of terms of as many parts each, (M, T p)."""
+        """Columns (M, T p) of terms of as many parts each."""
         matrix = np.empty((len(self._rows), len(terms), terms[0].parts))
         for i, term in enumerate(terms):
             first, *others = term.factors
@@ -66,7 +66,7 @@ class Known:
         return self._terms[self.groups[group][0]].parts
 
     def columns_of(self, group: int) -> np.ndarray:
-        """Of the terms of one of the groups, (M, T p)."""
+        """Columns (M, T p) of the terms of one of the groups."""
         columns = self._kept.get(group)
         if columns is None:
             columns = self.columns([self._terms[i] for i in self.groups[group]])
@@ -110,7 +110,7 @@ class Residual:
 
     @property
     def rows(self) -> int:
-        """Of all motors together."""
+        """Number of rows of all motors together."""
         return sum(map(len, self.error))
 
     def orthogonal_to(self, candidate: "Screened", motors: Sequence[int] | None = None) -> "Residual":
@@ -154,7 +154,9 @@ class Residual:
 
     @cached_property
     def products(self) -> "list[Products]":
-        """Of the known terms in their groups; only the new columns are compared with the residual without them."""
+        """Products of the known terms in their groups; only the new columns are compared with the residual without
+        them.
+        """
         every = range(self.motors)
         all_products = []
         for k in range(len(self.known[0].groups)):
@@ -198,7 +200,7 @@ class Residual:
         return tuple(other.value for other in term.numbers)
 
     def _products(self, columns: Sequence[np.ndarray], motors: Sequence[int], parts: int) -> "Products":
-        """Of columns (M, T p) of terms of so many parts at some motors."""
+        """Products of columns (M, T p) of terms of so many parts at some motors."""
         inner, across, towards, whole = [], [], [], []
         for j, column in zip(motors, columns, strict=True):
             rows = column * self.weights[j][:, None]
@@ -220,7 +222,8 @@ class Residual:
 
 @dataclass(frozen=True)
 class Products:
-    """Of each of some terms: inner products (T, q, q) of its columns, those with the residual (T, q), lengths (T, q).
+    """Products of some terms: for each, inner products (T, q, q) of its columns, those with the residual (T, q),
+    lengths (T, q).
 
     All but the lengths without what the model and other terms take away. q: the parts of a term at all motors.
     """
@@ -284,7 +287,7 @@ def few_rows(samples: int) -> np.ndarray:
 def screened(
     residual: Residual, terms: Sequence[Term], most: int, but: Collection[object] = frozenset()
 ) -> list[Screened]:
-    """Of the known terms those that explain most, each structure once, with their numbers adapted at every motor.
+    """The known terms that explain most, each structure once, with their numbers adapted at every motor.
 
     but: structures that are not wanted.
     """

@@ -143,7 +143,9 @@ def _states(base_model: BaseModel, laws: Laws) -> tuple[list[State], int]:
 
 
 def _columns_of(model: Prepared, given_count: int) -> tuple[dict[str, list[int]], dict[str, int]]:
-    """By effect beyond the first `given_count` ones: its columns among the model's, and how many unknowns it has."""
+    """For every effect beyond the first `given_count` ones: its columns among the model's, and how many unknowns it
+    has.
+    """
     columns: dict[str, list[int]] = {}
     unknowns: dict[str, int] = {}
     at = model.layout.size - model.layout.effects

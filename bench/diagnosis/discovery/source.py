@@ -199,7 +199,7 @@ def _torque(variables: Sequence[Variable], columns: Sequence[str]) -> list[str]:
 
 
 def _columns(variables: Sequence[Variable], columns: Sequence[str], place: Place) -> list[str]:
-    """Of a law that looks at other motors or at the tool."""
+    """The `columns` method of a law that looks at other motors or at the tool."""
     replaced = [column.replace("joint.rate", "own.rate") for column in columns]
     lines = [
         "    def columns(self, robot, joint):",

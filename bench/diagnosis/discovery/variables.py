@@ -84,7 +84,7 @@ class Place:
 
     @property
     def name(self) -> str:
-        """Of the motor."""
+        """The name of the motor."""
         return self.motors[self.index]
 
 

@@ -90,7 +90,7 @@ class Discrimination:
 
     @property
     def growth(self) -> float:
-        """By which share the wrong model's error is the larger, over given data not fitted and the new motion."""
+        """The share by which the wrong model's error is the larger, over given data not fitted and the new motion."""
         if self.motion is None or not self.questions:
             return 0.0
         shares = [

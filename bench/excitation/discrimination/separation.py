@@ -86,7 +86,7 @@ def residual_share(asked: Question, plan: PlannedMotion, current: np.ndarray, an
 
 
 def _weights(asked: Question, plan: PlannedMotion) -> np.ndarray:
-    """One over a row's noise (n,): white noise is less in a narrower band."""
+    """Inverse noise (n,) of a row: white noise is less in a narrower band."""
     return np.asarray(asked.noise.weights * np.sqrt(asked.noise.row_rate / plan.row_rate))
 
 

@@ -42,7 +42,8 @@ def determined(fit: Equations) -> Determined:
 
 @dataclass(frozen=True)
 class ErrorSlopes:
-    """By how much errors change where the normal matrix changes by dN and the score by dS, to first order.
+    """Derivatives of the errors: how much they change where the normal matrix changes by dN and the score by dS, to
+    first order.
 
     Of each error by itself: for each column of left_factor (L), by_normal and by_score (P, m), L' dN by_normal + L' dS
     by_score. Of the mean of all: trace(mean_by_normal dN) + trace(mean_by_score dS), (P, P), symmetric. A single
@@ -58,7 +59,7 @@ class ErrorSlopes:
 
 @dataclass(frozen=True)
 class RelativeErrors:
-    """Of targets (k,), by number: logarithms of their standard errors over sizes (P,) of all unknowns."""
+    """Criterion of targets (k,), by number: logarithms of their standard errors over sizes (P,) of all unknowns."""
 
     sizes: np.ndarray
     targets: np.ndarray
@@ -87,8 +88,8 @@ class RelativeErrors:
 
 @dataclass(frozen=True)
 class Volume:
-    """Of targets (k,), by number, with sizes (P,) of all unknowns: the logarithm of the geometric mean of the axes of
-    their relative error ellipsoid: D-optimality.
+    """Criterion of targets (k,), by number, with sizes (P,) of all unknowns: the logarithm of the geometric mean of the
+    axes of their relative error ellipsoid: D-optimality.
     """
 
     sizes: np.ndarray

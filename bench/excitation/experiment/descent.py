@@ -150,7 +150,7 @@ def _changes(search: Search, candidate: Candidate, step: np.ndarray) -> list[_Ch
 
 
 def _tried(search: Search, change: _Change) -> Tried | None:
-    """None where it does not keep the limits."""
+    """The changed motion with its rows; None where it does not keep the limits."""
     return search.tried(change.trajectory, change.load, change.near)
 
 

@@ -72,7 +72,7 @@ class _Linear:
     largest: np.ndarray
 
     def bounded(self, sizes: np.ndarray) -> np.ndarray:
-        """Of x with |x| <= sizes + |I - C A_p| |x|: bounds (K, passive, c)."""
+        """Bounds (K, passive, c) of x with |x| <= sizes + |I - C A_p| |x|."""
         ratio = (sizes / self.weights[:, :, None]).max(axis=1, initial=0.0) / (1.0 - self.largest[:, None])
         return np.asarray(sizes + self.turned[:, :, None] * ratio[:, None, :])
 
@@ -101,7 +101,7 @@ def enclosed(
     first = np.abs(motion.v[:, passive]) + _by(passive_jacobian, speeding)
 
     def moved(speeds: np.ndarray) -> np.ndarray:
-        """By all joints (K, nv), with such speeds of the passive ones."""
+        """Movement (K, nv) of all joints, with such speeds of the passive ones."""
         rates = np.zeros_like(motion.v)
         rates[:, active] = motors.radius[0]
         rates[:, passive] = half * speeds

@@ -207,7 +207,7 @@ def enough_for(plan: ExperimentPlan, rows: Sequence[PlannedRows], accuracy: floa
 
 
 def moving_mass(nominal: Nominal) -> float:
-    """Of all bodies that move, kg, by the MJCF."""
+    """Mass of all bodies that move, kg, by the MJCF."""
     geometry = nominal.model.geometry
     masses = cad_prior(geometry).parameters[::10]
     return float(sum(masses[joint] for joint, _ in geometry.bodies))

@@ -300,7 +300,7 @@ def _whole_robot(search: Search, probe: _Perturbed) -> list[_OfPoses]:
     def of(
         values: Callable[[Motion, np.ndarray], np.ndarray], samples: np.ndarray, whole: np.ndarray
     ) -> None:
-        """Of values, `whole` at some samples: those that are near."""
+        """Keep the values, `whole` at some samples, that are near their limit."""
         near, present = samples[whole > NEAR], whole[whole > NEAR]
         if len(near):
             moved_values = values(probe.moved_at(near), np.tile(near, len(room.home)))

@@ -79,7 +79,7 @@ def margins(nominal: Nominal, room: Room, payload: str | None, enclosure: Enclos
 
 
 def _below(most: float, middle: np.ndarray, largest: np.ndarray) -> Margin:
-    """Of what is at most so large everywhere; middle, largest (K, nv, n)."""
+    """Margin of what is at most so large everywhere; middle, largest (K, nv, n)."""
     return Margin(most - middle.max(axis=(1, 2)), most - largest.max(axis=(1, 2)) * (1.0 + ROUNDING))
 
 

@@ -29,7 +29,7 @@ LOOPS: Limit = (Kept.LOOPS, "")
 
 @dataclass(frozen=True)
 class Proof:
-    """That a motion keeps all limits: by so many intervals, the shortest of which takes so many seconds."""
+    """Proof that a motion keeps all limits: by so many intervals, the shortest of which takes so many seconds."""
 
     intervals: int
     shortest: float
@@ -77,8 +77,8 @@ class Promise:
 
 
 def prove(promise: Promise) -> Proof | Unproven:
-    """That the robot keeps its loops closed and clear of singular poses, its passive joints' ranges, the boxes of its
-    tool and the torques of its motors at all times; or what could not be proven, and when.
+    """Prove that the robot keeps its loops closed and clear of singular poses, its passive joints' ranges, the boxes of
+    its tool and the torques of its motors at all times; or what could not be proven, and when.
 
     Ranges, speeds and accelerations of the motors follow from the trajectory alone, see `between_samples`.
     """
@@ -214,7 +214,7 @@ def _first(geometry: Geometry, known: _Looked) -> Unproven:
 
 
 def _amplified(geometry: Geometry, motion: Motion, sample: int) -> Unproven:
-    """That a joint, the fastest at a sample, moves too fast for the motors' speed there."""
+    """The finding that a joint, the fastest at a sample, moves too fast for the motors' speed there."""
     fastest = int(np.abs(motion.jacobian[sample]).max(axis=1).argmax())
     where = next(joint.name for joint in geometry.joints if joint.v.start <= fastest < joint.v.stop)
     return Unproven(Kept.AMPLIFICATION, where, float(motion.time[sample]), exceeded=True)

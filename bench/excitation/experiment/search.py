@@ -53,7 +53,7 @@ class Shape:
 
     @property
     def rate(self) -> float:
-        """Of `times`, Hz."""
+        """The rate of `times`, Hz."""
         return (len(self.times) - 1) / self.duration
 
 

@@ -32,7 +32,7 @@ def carried_columns(system: PageSystem, without: Collection[str]) -> np.ndarray:
 
 
 def _numbers(system: PageSystem, without: Collection[str]) -> int:
-    """In the triangles of all motors: of the fitted rows, and of the judged ones where there are any."""
+    """How many numbers the triangles of all motors have: of fitted rows, and of held-out ones if there are any."""
     uses = 1 if system.fitted.all() else 2
     counts = carried_columns(system, without).sum(axis=1) + 2
     return uses * int((counts * (counts + 1) // 2).sum())

@@ -106,7 +106,7 @@ def spread_chart(metric: str, values: Sequence[Any]) -> Chart:
 
 
 def _points(table: Path, x: str, y: str, lines: str | None) -> dict[Any, Points]:
-    """By the value of `lines`: values of x with the spread of y; both rising where they are numbers."""
+    """Points by the value of `lines`: values of x with the spread of y; both rising where they are numbers."""
     points: dict[Any, Points] = {}
     for line in summarise_in_parts(table, [x, *([lines] if lines else [])], [y]).lines:
         at, *names = line.values

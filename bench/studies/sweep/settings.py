@@ -65,7 +65,7 @@ def _position(elements: Sequence[Any], name: str) -> int | None:
 
 
 def _element_name(elements: Sequence[Any], index: int) -> str:
-    """Its `name` or `effect` where no other element has the same, otherwise its number."""
+    """The element's `name` or `effect` where no other element has the same, otherwise its number."""
     for key in NAMES:
         names = [element.get(key) if isinstance(element, Mapping) else None for element in elements]
         its_name = names[index]
