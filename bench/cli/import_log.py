@@ -173,7 +173,7 @@ def _said_once(notes: Sequence[tuple[Path, str]]) -> list[str]:
 
 
 def _refuse_with_mapping(context: click.Context) -> None:
-    """A mapping file says it all, but for where it goes and how the command speaks."""
+    """A mapping file says it all, except for where it goes and how the command speaks."""
     for option in context.command.params:
         given = context.get_parameter_source(option.name or "") is not click.core.ParameterSource.DEFAULT
         if given and option.name not in BESIDE_MAPPING:

@@ -46,7 +46,7 @@ def _as_typed(line: str) -> str:
 
 
 def set_quiet(context: click.Context, _option: click.Parameter, quiet: bool) -> bool:
-    """Let nothing but errors be printed, if that is asked for."""
+    """Print only errors, if that is asked for."""
     if quiet:
         _standard_output(context)
         context.meta[_QUIET] = True

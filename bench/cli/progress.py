@@ -17,7 +17,7 @@ _elsewhere: ContextVar[Progress | None] = ContextVar("progress shown elsewhere",
 
 
 def quiet_option(command: Callable[..., Any]) -> Callable[..., Any]:
-    """Show no progress, and print nothing but errors."""
+    """Show no progress, and print only errors."""
     return click.option("-q", "--quiet", is_flag=True, callback=set_quiet, help=QUIET)(command)
 
 

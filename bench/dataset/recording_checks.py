@@ -83,7 +83,7 @@ def find(channel: Channel, accepted: frozenset[str] = frozenset()) -> list[Fault
 
 
 def constant(channel: Channel) -> Fault | None:
-    """A signal that never changes; a position that shows nothing but noise."""
+    """A signal that never changes; a position that shows only noise."""
     values = channel.values
     span = np.ptp(values)
     if span == 0.0:

@@ -27,7 +27,7 @@ def faults_of(
     """Every fault of a recording of the driven `joints`: cells that are no number, then the time, then the signals.
 
     A column that is not in the table is passed over. Every check of bench.dataset.sampling and
-    bench.dataset.recording_checks runs, but for the accepted ones.
+    bench.dataset.recording_checks runs, except for the accepted ones.
     """
     faults: list[RecordingFaultError] = []
     time = _read(table, "time", faults)

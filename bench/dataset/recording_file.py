@@ -65,7 +65,7 @@ def recording_from_table(
 
     The redundant motors' joints come last; their positions, which the others give, are kept among
     the extra columns.
-    Every check of bench.dataset.sampling and bench.dataset.recording_checks runs, but for the accepted ones.
+    Every check of bench.dataset.sampling and bench.dataset.recording_checks runs, except for the accepted ones.
 
     Errors: RecordingFaultError "FILE: column COLUMN, line N: ..." for the first fault, which holds all others; a
     BenchError where columns are missing.

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 ROUNDING = 1e-5  # m or rad: what the rounding of a drawing leaves open; a wider gap is a mistake
 CLOSED = 1e-9  # m or rad: a smaller gap is none
 DEPENDENT = (
-    1e-4  # of the largest singular value: equations below repeat others, but for the slack of drawings
+    1e-4  # of the largest singular value: equations below repeat others, except for the slack of drawings
 )
 POSES, MANY_POSES = 10, 60  # at which loops are compared; at which they are made to agree
 STEP = 0.1  # rad or m: of the free motions from one pose to the next
@@ -31,7 +31,7 @@ SEED = 20120607
 
 @dataclass(frozen=True)
 class _Closures:
-    """A compiled file with nothing but its equalities, and scratch space."""
+    """A compiled file with only its equalities, and scratch space."""
 
     model: mujoco.MjModel
     data: mujoco.MjData

@@ -206,8 +206,8 @@ def _converged(base_model: BaseModel, this_round: Round) -> Round:
 def _alike(
     this_round: Round, chosen: tuple[int, ...], barred: Collection[str], less: float = 0.0
 ) -> list[Round]:
-    """The best sets of a round's system that are this one but for one effect, more, less or another, and less probable
-    by no more than so many nats.
+    """The best sets of a round's system that are this one except for one effect, more, less or another, and less
+    probable by no more than so many nats.
     """
     present = score(this_round.system, solve_set(this_round.system, chosen))
     scored = neighbours(

@@ -28,7 +28,7 @@ def apparent_inertia(torque: np.ndarray, acceleration: np.ndarray) -> float:
 
 
 def motion_cutoff(robot: RobotSignals, joint: str) -> float:
-    """Hz: a frequency above which a joint's motion holds nothing but noise, at most twice the fit's band.
+    """Hz: a frequency above which a joint's motion holds only noise, at most twice the fit's band.
 
     MARGIN times that below which all but a ten-thousandth of the acceleration's power lies, inside the band.
     """

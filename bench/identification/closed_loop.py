@@ -2,10 +2,11 @@
 
 Gautier, Janot and Vandanjon, "A new closed-loop output error method for parameter identification of robot dynamics",
 2013 (DIDIM). Under the same law and reference a simulated twin keeps the motion of the robot whatever its parameters,
-but for an error e of the size that encoders resolve; to first order in e the errors of its positions and currents are
-linear in the parameters. Position errors reach the equations through the law: the current that it makes of reference
-and measured position is a second reading of the motors' current, without the noise of the logged one. The twin's motion
-gives the instruments: the measured one has noise in it, which would bias the estimate where the filters are wide.
+except for an error e of the size that encoders resolve; to first order in e the errors of its positions and currents
+are linear in the parameters. Position errors reach the equations through the law: the current that it makes of
+reference and measured position is a second reading of the motors' current, without the noise of the logged one. The
+twin's motion gives the instruments: the measured one has noise in it, which would bias the estimate where the filters
+are wide.
 """
 
 from collections.abc import Sequence

@@ -101,7 +101,7 @@ def squared_errors(factors: np.ndarray, theta: np.ndarray, gains: np.ndarray) ->
 
 
 def log_likelihood(stack: Stack, solution: Solution) -> float:
-    """Log-likelihood of normal errors of the currents, each motor's with its deviation, but for a constant."""
+    """Log-likelihood of normal errors of the currents, each motor's with its deviation, except for a constant."""
     weights = error_weights(stack, squared_errors(stack.factors, solution.theta, solution.gains))
     return float(len(stack.current) * np.log(weights).sum())
 

@@ -38,7 +38,7 @@ class _Spread:
 
 
 def with_possible_payloads(prepared: Prepared, result: Identification, fitted: Fit) -> Identification:
-    """The answer `result` of `prepared`; where a payload's inertia came out such as no body has, the one with that
+    """The answer `result` of `prepared`; where no body can have a payload's estimated inertia, the one with that
     payload as a point at its declared centre, if its error is as small. What came out so by chance, by fewer than SHOWS
     of its deviations, is held against a point that is as likely: no body has it, however little the data tell.
 

@@ -22,7 +22,7 @@ from bench.identification.solve_only import (
     spread,
 )
 
-NO_WORSE = 1e-9  # relative: squared errors that are the same but for rounding
+NO_WORSE = 1e-9  # relative: squared errors that are the same except for rounding
 NEARBY = 0.02  # relative: how far around its present value a shape parameter may go, with all else
 STRIDE = 0.5  # relative: the most that a parameter may change at once, with all others
 SHARES = (1.0, 0.3, 0.1)  # of a step that are tried, until one makes the errors no larger

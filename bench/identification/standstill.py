@@ -105,7 +105,7 @@ def no_gaps(joints: int) -> Gaps:
 
 
 def moving_rows(gaps: Gaps, samples: int, decimation: int) -> np.ndarray:
-    """Which decimated rows of which joints come from motion but for a small part, (M, n) True or False."""
+    """Which decimated rows of which joints come from motion except for a small part, (M, n) True or False."""
     inside = np.zeros((samples, len(gaps)))
     for j, stretches in enumerate(gaps):
         for start, stop, _ in stretches:

@@ -34,9 +34,10 @@ def swapped_columns(
     """The two motors whose columns, exchanged, bring the error down most; none where none do.
 
     Tried one pair at a time, in all fitted recordings and in each of them, with the filters of the result, and with dry
-    and viscous friction in addition to the rigid bodies, lest it hide the swap. The error must fall far below that of
-    the result and below what friction alone makes of it. Where the error of the result is small, nothing is tried.
-    prepared: the problem's equations with these filters, where they are at hand. Raises TimeUpError after the deadline.
+    and viscous friction in addition to the rigid bodies, so that it does not hide the swap. The error must fall far
+    below that of the result and below what friction alone makes of it. Where the error of the result is small, nothing
+    is tried. prepared: the problem's equations with these filters, where they are at hand. Raises TimeUpError after the
+    deadline.
     """
     error = result.error.identify
     joints = list(result.joints)

@@ -131,7 +131,7 @@ def _cut(name: str, longest: int | None) -> str:
 
 @singledispatch
 def _series(series: Any) -> Spec:
-    """One series, but for lines, without its name and colour."""
+    """One series, except for lines, without its name and colour."""
     raise TypeError(f"{type(series).__name__}: no such series")
 
 
@@ -228,7 +228,7 @@ def _curve(line: Line, y: Axis, most: int | None) -> Spec:
 
 
 def _rows(x: np.ndarray) -> tuple[np.ndarray, float]:
-    """Number of each row from the first on, of rows that are evenly spaced but for gaps, and the space."""
+    """Number of each row from the first on, of rows that are evenly spaced except for gaps, and the space."""
     known = x[np.isfinite(x)]
     step = float(np.median(np.diff(known))) if len(known) > 1 else 1.0
     return np.rint((known - known[0]) / step).astype(int), step

@@ -3,7 +3,7 @@
 A filter with state s takes a block of samples x to outputs T x + O s and to the state F x + P s. So does its run
 backward over those outputs, and both together: all that is between x and the few samples that are kept are
 constant matrices, which take many blocks at once. Only the states are carried from block to block. The numbers are
-those of the run sample by sample, but for rounding.
+those of the run sample by sample, except for rounding.
 """
 
 from dataclasses import dataclass

@@ -160,7 +160,7 @@ def choose_settings(
 ) -> FilterSettings:
     """Choose the filters from the spectra of all recordings.
 
-    The fit's band holds the currents but for a thousandth of their power (where Coulomb friction leaves a
+    The fit's band holds the currents except for a thousandth of their power (where Coulomb friction leaves a
     long tail: at most fifteen times the band of the motion) and gives at least 800 rows. It ends earlier
     where the noise of the positions, differentiated twice, would bias the fit (an acceleration whose noise
     is a share e of its power lowers a least-squares inertia by about e), but not before the motion does.

@@ -20,7 +20,7 @@ SEGMENT = 6.0  # s, the shortest segment if the record has it: a line is then 1 
 KAISER = 20.0  # side lobes below -150 dB: the floor of a 20-bit encoder lies 130 dB below the motion
 TAPS, TAPER = 33, 12.0  # of the high-pass of a quarter of the rate, by the window method
 NEIGHBOURS = 10  # samples omitted on either side of an outlier
-CLIP = 4.0  # standard deviations; white noise passes but for 6 samples in 100,000
+CLIP = 4.0  # standard deviations; white noise passes except for 6 samples in 100,000
 LOBE = 13  # frequencies over which a window of that kind smears a line
 FADED, RISEN = (
     100.0,
@@ -101,7 +101,7 @@ def _window(length: int) -> FloatArray:
 def noise_density(x: FloatArray, rate: float) -> FloatArray:
     """Return the density [unit^2/Hz] of the white noise on each channel, shape (n,).
 
-    A short high-pass keeps the upper half of the spectrum, where noise is alone but for sudden steps,
+    A short high-pass keeps the upper half of the spectrum, where noise is alone except for sudden steps,
     such as Coulomb friction at a reversal. Those stand out in time, so samples beyond four standard
     deviations are omitted with their neighbours, again and again until no more go. A spectrum could not
     tell their tail from noise.

@@ -248,7 +248,7 @@ def _rigid_spec(robot: Robot, step: float) -> mujoco.MjSpec:
 
 
 def _set_options(spec: mujoco.MjSpec) -> None:
-    """MuJoCo's options but for what acts on the robot; of the file's switches only those that are the robot's.
+    """MuJoCo's options except for what acts on the robot; of the file's switches only those that are the robot's.
 
     A spring, damper or friction that the file switches off is taken out, since the switch is for hidden ones as well.
     """

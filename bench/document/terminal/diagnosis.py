@@ -86,7 +86,7 @@ def diagnosis_report(diagnosis: Diagnosis, console: Console | None = None, *, ve
 def _shown(
     ranking: Sequence[EffectVerdict], verbose: bool
 ) -> tuple[list[EffectVerdict], list[EffectVerdict]]:
-    """Which verdicts are shown, and which are only named: those not supported but for the first few."""
+    """Which verdicts are shown, and which are only named: those not supported except for the first few."""
     unsupported = [verdict for verdict in ranking if verdict.verdict == "not supported"]
     left_out = [] if verbose else unsupported[SHOWN:]
     return [verdict for verdict in ranking if verdict not in left_out], left_out

@@ -21,7 +21,7 @@ class DriveTrain(JointEffect):
     """The motor's rotor, and a spring and a damper from it to the joint; the encoder is on the rotor.
 
     The armature that the joint has in the MJCF is the rotor's. The rotor is a separate body in the
-    world, with its axis through its centre of mass, so that it feels nothing but its motor and its spring.
+    world, with its axis through its centre of mass, so that it feels only its motor and its spring.
     """
 
     positive: ClassVar[tuple[str, ...]] = ("stiffness",)
