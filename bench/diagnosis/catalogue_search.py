@@ -117,9 +117,7 @@ class SearchResult:
     unfinished: tuple[Unfinished, ...] = ()
 
     def weight_by(self, samples: Samples) -> float:
-        """Log weight of the identified model, with its laws as improbable as its proposals say: see
-        `Samples.log_posterior`.
-        """
+        """Log weight of the identified model, its laws as improbable as proposed: see `Samples.log_posterior`."""
         effects = self.model.effects
         return answer_squares(effects, self.after.recordings, self.last.prior_of(effects)).weight(samples)
 
@@ -207,9 +205,8 @@ def _search_with_values(
     """
     for start in origins_of(model):
         base_model = base_model_of(start, case.deadline)
-        finding = search_from(
-            case, base_model, first_round(base_model, case.problem.catalogue, progress), progress
-        )
+        first = first_round(base_model, case.problem.catalogue, progress)
+        finding = search_from(case, base_model, first, progress)
         samples = finding.last.system.samples
         if start is model or finding.weight_by(samples) >= answer_weight(samples, model, before):
             break
@@ -238,12 +235,8 @@ def search_from(
     its end; wholly: TimeUpError is raised instead.
     """
     known, given = dict(barred), case.start.effects
-    given_count, cut, searching, base_model = (
-        len(base_model.start.effects),
-        False,
-        base_model,
-        base_model.at_leisure,
-    )
+    given_count, cut = len(base_model.start.effects), False
+    searching, base_model = base_model, base_model.at_leisure
     given_round = [first]
     del first  # handed on without a name, so that its system is gone before the next is built
     while True:
@@ -323,21 +316,15 @@ def answered(case: SplitProblem, finding: SearchResult, progress: Progress = SIL
     if model.fit_gains:
         progress.phase("fitting models that are as good")
         try:
-            after = with_spread_over_models(
-                finding.base_model,
-                finding.last,
-                model,
-                after,
-                remains=remaining.significant or remaining.much,
-            )
+            remains = remaining.significant or remaining.much
+            after = with_spread_over_models(finding.base_model, finding.last, model, after, remains=remains)
         except TimeUpError:
             unfinished.append(Unfinished.AS_GOOD)
     if not finding.compared and not unfinished:
         finding = _compared(case, finding)
     if finding.differently is not None and not {each.request for each in finding.differs} <= {*after.effects}:
-        after = gains_model_averaged(
-            after, [finding.differently]
-        )  # values for each recording explain the data, too
+        # values for each recording explain the data, too
+        after = gains_model_averaged(after, [finding.differently])
     ranking = verdicts(
         system, proposals, best, _shown_places(proposals, best, places), scale, remaining, without
     )
