@@ -47,7 +47,7 @@ motors = st.builds(
     error=sizes,
     noise=sizes,
     by_recording=st.dictionaries(names, st.tuples(sizes, sizes), max_size=2),
-    memory=sizes,
+    autocorrelation_time=sizes,
     above_noise=st.booleans(),
     concentrations=some(
         st.builds(Concentration, names, places, sizes, sizes, numbers, st.booleans()), most=2
@@ -204,7 +204,7 @@ def plans_of(told: Forecast) -> st.SearchStrategy[Any]:
 
 _requests = st.sampled_from(["viscous_friction", "current_delay:left", "mine", "coulomb_friction:a b"])
 _facts = st.builds(MotionFacts, numbers, numbers, sizes, sizes, sizes, sizes)
-_answer = st.builds(SimpleNamespace, nats=sizes, memory=_positive, count=st.integers(1, 9))
+_answer = st.builds(SimpleNamespace, nats=sizes, autocorrelation_time=_positive, count=st.integers(1, 9))
 
 
 def _question(request: str) -> st.SearchStrategy[Any]:
@@ -243,7 +243,7 @@ def discriminations(draw: Any) -> Discrimination:
         questions=questions,
         envelope=None,
         given_seconds=draw(sizes),
-        judged_rows=draw(st.integers(0, 9)),
+        held_out_rows=draw(st.integers(0, 9)),
         motion=motion,
         recorded=draw(facts),
         planned=draw(facts),

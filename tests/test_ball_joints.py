@@ -140,9 +140,9 @@ def test_exports_have_it_or_say_that_they_do_not(found, tmp_path):
     _, _, model = found
     physical = physical_set(model)
     exported = write_mjcf(tmp_path / "out.xml", physical)
-    left = {(one.effect.name, one.effect.place) for one in exported.placed.left}
+    left = {(one.effect.name, one.effect.place) for one in exported.placed.not_placed}
     assert left == {("passive_coulomb_friction", "near"), ("passive_coulomb_friction", "far")}
-    assert "each axis of a ball joint by itself" in exported.placed.left[0].why
+    assert "each axis of a ball joint by itself" in exported.placed.not_placed[0].why
     made = mujoco.MjModel.from_xml_path(str(tmp_path / "out.xml"))
     values = {
         effect.place: effect.values for effect in physical.model.effects_in() if "viscous" in effect.name

@@ -5,8 +5,8 @@ import pytest
 
 from bench.dataset.robot import load_robot
 from bench.effects import catalogue_for, places_in, select_effects
+from bench.identification.collinear import collinear
 from bench.identification.finding import Code, Unknown
-from bench.identification.hardly_apart import hardly_apart
 from bench.identification.identify import identify
 from bench.identification.prepare import prepare
 from bench.identification.problem import problem_of
@@ -79,8 +79,8 @@ def test_a_combination_is_named_by_what_takes_part_in_it():
         for one in instance.effect.parameters
     ]
     covariance = np.diag([1.0, 4.0, 0.0, 9.0])  # offsets of shoulder and elbow, tilt_x (not known), tilt_y
-    assert hardly_apart(effects, covariance, rows) == []
+    assert collinear(effects, covariance, rows) == []
     covariance[0, 3] = covariance[3, 0] = -0.9999 * 3.0
-    (finding,) = hardly_apart(effects, covariance, rows)
+    (finding,) = collinear(effects, covariance, rows)
     assert finding.of == (rows[0], rows[3])
     assert finding.numbers["wider"] == pytest.approx(100.0, rel=0.01)

@@ -13,7 +13,7 @@ from bench.document.charts.chart import Axis, Binned, Chart, Line, Panel
 from bench.document.charts.currents import currents_chart
 from bench.document.charts.motor import motor_charts
 from bench.document.figures.draw import draw
-from bench.page.chart_spec import beside, rows_a_pair, spec_of
+from bench.page.chart_spec import page_chart, rows_a_pair, spec_of
 from bench.residuals.error_breakdown import error_breakdown
 from tests.compared_kit import made, white
 
@@ -57,7 +57,7 @@ def test_both_renderers_draw_every_kind_of_series(kind):
 def test_a_page_and_a_picture_show_the_same_numbers(what):
     drawn_by_page = {}
     for name, chart in motor_charts(error_breakdown(what, "left")).items():
-        drawn_by_page[name] = beside(chart).spec
+        drawn_by_page[name] = page_chart(chart).spec
         axes = Figure().subplots()
         draw(axes, chart)
         assert drawn_by_page[name]["label"] == chart.title

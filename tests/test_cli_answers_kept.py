@@ -45,7 +45,7 @@ def asked(folder, tmp_path, monkeypatch):
 WORDS = [
     "bench.diagnosis.as_json.summary_sentences",
     "bench.diagnosis.as_json.reason",
-    "bench.diagnosis.as_json.left_words",
+    "bench.diagnosis.as_json.unexplained_words",
     "bench.identification.result.note",
     "bench.document.terminal.diagnosis.summary_sentences",
     "bench.document.figures.diagnosis.write_diagnosis_figures",

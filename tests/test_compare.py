@@ -9,7 +9,7 @@ import pytest
 from bench.effects import CATALOGUE
 from bench.identification.wording import with_error
 from bench.residuals.as_json import where_json
-from bench.residuals.autocorrelation import autocorrelation, correlations, memory
+from bench.residuals.autocorrelation import autocorrelation, correlations, integrated_autocorrelation_time
 from bench.residuals.concentration import concentrations, shares
 from bench.residuals.motor import compared, relative_error_of, relative_noise
 from bench.residuals.opposing_motion import changes
@@ -241,7 +241,7 @@ def test_memory_of_an_autoregressive_error_is_the_known_one():
     rows = [np.arange(20000)] * 3
     found = correlations(rows, values)
     np.testing.assert_allclose(found[:6], 0.8 ** np.arange(6), atol=0.02)
-    assert memory(found) == pytest.approx((1 + 0.8) / (1 - 0.8), rel=0.1)
+    assert integrated_autocorrelation_time(found) == pytest.approx((1 + 0.8) / (1 - 0.8), rel=0.1)
     # every third row missing: correlations are over time, not over what is left
     kept = np.flatnonzero(np.arange(20000) % 3)
     np.testing.assert_allclose(correlations([kept], [values[0][kept]])[:6], 0.8 ** np.arange(6), atol=0.04)
@@ -296,8 +296,8 @@ def test_standstill_is_left_out_and_does_not_make_a_reversal():
     what = compared(robot(), [recording], [series], SETTINGS)
     (one,) = what.of("left")
     assert len(one.time) == ROWS - 12
-    assert one.beside_standstill.sum() == 4
-    assert not one.at_reversal[one.beside_standstill].any()
+    assert one.near_standstill.sum() == 4
+    assert not one.at_reversal[one.near_standstill].any()
 
 
 @pytest.mark.parametrize("rows", [0, 5])

@@ -12,8 +12,8 @@ from bench.diagnosis.pruning import impossible_but_needed
 from bench.diagnosis.reason import Because, Reason
 from bench.diagnosis.search import Scored
 from bench.effects import CATALOGUE, EffectInstance
+from bench.identification.model_averaged import gains_model_averaged
 from bench.identification.result import Quantity
-from bench.identification.widened import gains_widened
 from tests.shown import dataset_of, identification_of
 
 
@@ -30,7 +30,7 @@ def with_left(result, value):
 def test_a_gain_that_moves_has_that_for_its_deviation(result):
     gain = result.drive_gains["left"]
     others = [with_left(result, gain.value + 20.0 * gain.std), with_left(result, gain.value - 5.0 * gain.std)]
-    wide = gains_widened(result, others)
+    wide = gains_model_averaged(result, others)
     assert wide.std_from == "models"
     assert wide.drive_gains["left"].std == pytest.approx(20.0 * gain.std)
     assert wide.drive_gains["left"].value == gain.value
@@ -43,8 +43,8 @@ def test_a_gain_that_moves_has_that_for_its_deviation(result):
 
 def test_deviations_never_become_smaller(result):
     gain = result.drive_gains["left"]
-    assert gains_widened(result, [with_left(result, gain.value + 0.5 * gain.std)]) is result
-    assert gains_widened(result, []) is result
+    assert gains_model_averaged(result, [with_left(result, gain.value + 0.5 * gain.std)]) is result
+    assert gains_model_averaged(result, []) is result
 
 
 def test_an_effect_left_out_at_a_cost_goes_with_its_reason(result):
@@ -71,7 +71,7 @@ def test_models_that_are_as_good_have_one_effect_more_or_another_for_each_found_
     best = Scored(SimpleNamespace(chosen=(0, 4)), 0.0, 100.0)
     last = SimpleNamespace(
         system=None,
-        found=SimpleNamespace(best=best),
+        selection=SimpleNamespace(selected=best),
         proposals=[SimpleNamespace(absorbed=False)] * 5,
         chosen=(0, 4),
     )

@@ -6,8 +6,8 @@ from typing import Any
 import numpy as np
 import pytest
 
+from bench.diagnosis.base_model import base_model_of
 from bench.diagnosis.discovery import find
-from bench.diagnosis.origin import origin_of
 from bench.effects import CATALOGUE, EffectInstance
 from bench.identification.nonlinear import converged, converged_from
 from bench.identification.prepare import prepare, with_effects
@@ -21,7 +21,7 @@ HIDDEN = {"effect": "geometric_error", "joint": "left", "error": 0.004}
 
 def test_a_provisional_model_is_converged_before_it_is_told():
     start = prepare(problem_of(as_dataset(simulated(HIDDEN))))
-    origin = origin_of(start)
+    base_model = base_model_of(start)
     asked = [
         EffectInstance(CATALOGUE["geometric_error"], body, f"geometric_error:{body}")
         for body in ("left_crank", "right_crank")
@@ -32,25 +32,25 @@ def test_a_provisional_model_is_converged_before_it_is_told():
     assert (whole.converged, whole.provisional) == (True, False)
     for model in (once, whole):
         assert all(observation.effects.shape[2] == 2 for observation in model.observations)
-    exact = origin.exactly(once)
+    exact = base_model.exactly(once)
     assert not exact.provisional
-    assert origin.exactly(exact) is exact
+    assert base_model.exactly(exact) is exact
     gains = [solved_quickly(model)[1].gains for model in (exact, whole)]
     np.testing.assert_allclose(*gains, rtol=1e-4)
 
 
 def test_a_table_that_is_not_in_the_best_set_is_searched_no_further(monkeypatch: pytest.MonkeyPatch):
     table: Any = SimpleNamespace(name="measured_left", instances=())
-    origin: Any = SimpleNamespace(start=SimpleNamespace(effects=()), with_instances=lambda _: "model")
+    base_model: Any = SimpleNamespace(start=SimpleNamespace(effects=()), with_instances=lambda _: "model")
     last = SimpleNamespace(proposals=[])
     finding: Any = SimpleNamespace(
-        origin=origin, last=last, model=SimpleNamespace(effects=()), names=(), barred={}
+        base_model=base_model, last=last, model=SimpleNamespace(effects=()), names=(), barred={}
     )
     left = SimpleNamespace(significant=True, much=True)
     plain = find._Answer(finding, (), SimpleNamespace(unexplained=left))
     case: Any = SimpleNamespace(problem=SimpleNamespace(catalogue={}))
     monkeypatch.setattr(find, "tabled_laws", lambda *_: [table])
     monkeypatch.setattr(find, "_proposed", lambda *_: [])
-    monkeypatch.setattr(find, "_judged_from", lambda *_: SimpleNamespace(names={"coulomb_friction"}))
+    monkeypatch.setattr(find, "_round_from", lambda *_: SimpleNamespace(names={"coulomb_friction"}))
     monkeypatch.setattr(find, "search_from", lambda *_: pytest.fail("nothing is to be searched"))
     assert find._with_tables(case, plain, SimpleNamespace(phase=lambda _: None)) is plain

@@ -9,7 +9,7 @@ import pytest
 
 from bench.dataset.robot import load_robot
 from bench.diagnosis.decision import RULE
-from bench.diagnosis.evidence import ResidualSquares, Samples
+from bench.diagnosis.evidence import ResidualSumOfSquares, Samples
 from bench.diagnosis.pruning import gain_like_effect, superfluous_effect
 from bench.diagnosis.reason import Because, Reason
 from bench.identification.result import Identification
@@ -34,7 +34,7 @@ def fits_with(answer: Identification, error: float, moved: float) -> Any:
 
     def fits(names: frozenset[str]) -> Any:
         size = (1.0 if "saturation" in names else error) * (1.0 if "friction" in names else 10.0)
-        residual = ResidualSquares(np.full((2, 2), size**2), 2 * len(names), RULE.prior * len(names))
+        residual = ResidualSumOfSquares(np.full((2, 2), size**2), 2 * len(names), RULE.prior * len(names))
         away = 0.0 if "saturation" in names else moved * gain.std
         return SimpleNamespace(residual=residual, gains={**at, "left": gain.value + away})
 

@@ -12,17 +12,17 @@ from bench.basics.deadline import NEVER
 from bench.dataset.dataset import load_dataset
 from bench.diagnosis import rounds
 from bench.diagnosis.catalogue_search import diagnose_with_catalogue
-from bench.diagnosis.evidence import ResidualSquares, Samples
+from bench.diagnosis.evidence import ResidualSumOfSquares, Samples
 from bench.identification.bilinear import AWAY, run_away
 from bench.identification.problem import problem_of
 
 SYSTEM: Any = SimpleNamespace(samples=Samples(np.full(2, 400.0), np.full(2, 200.0)))
 
 
-def left(fitted: float, judged: float, unknowns: int = 5, *, away: bool = False) -> ResidualSquares:
+def left(fitted: float, judged: float, unknowns: int = 5, *, away: bool = False) -> ResidualSumOfSquares:
     """Two motors, the second of which has a hundredth of the first one's current."""
     squares = np.array([[fitted], [judged]]) * np.array([1.0, 1e-4])
-    return ResidualSquares(squares, unknowns, 0.0, away)
+    return ResidualSumOfSquares(squares, unknowns, 0.0, away)
 
 
 @pytest.mark.parametrize(
@@ -33,12 +33,12 @@ def left(fitted: float, judged: float, unknowns: int = 5, *, away: bool = False)
         (left(0.9, 1.4), False),
         (left(0.8, 0.8, unknowns=60), False),  # less than its unknowns cost
         (
-            ResidualSquares(np.array([[1.0, 0.5e-4], [1.0, 0.5e-4]]), 5, 0.0),
+            ResidualSumOfSquares(np.array([[1.0, 0.5e-4], [1.0, 0.5e-4]]), 5, 0.0),
             True,
         ),  # a small motor counts as much
     ],
 )
-def test_a_model_is_more_probable_by_what_it_leaves(model: ResidualSquares, more: bool) -> None:
+def test_a_model_is_more_probable_by_what_it_leaves(model: ResidualSumOfSquares, more: bool) -> None:
     assert (model.weight(SYSTEM.samples) > left(1.0, 1.0).weight(SYSTEM.samples)) is more
 
 
@@ -47,11 +47,11 @@ class FakeRound:
     """A set of effects with what its own model leaves, where it has one."""
 
     chosen: tuple[int, ...]
-    model: ResidualSquares | None = None
+    model: ResidualSumOfSquares | None = None
     proposals: tuple[str, ...] = ("a", "b", "c", "d")
 
     @property
-    def residual(self) -> ResidualSquares | None:
+    def residual(self) -> ResidualSumOfSquares | None:
         return self.model
 
     @property
@@ -65,7 +65,7 @@ class FakeRound:
 
 def again(
     monkeypatch: pytest.MonkeyPatch,
-    leaves: dict[tuple[int, ...], ResidualSquares],
+    leaves: dict[tuple[int, ...], ResidualSumOfSquares],
     promised: dict[tuple[int, ...], tuple[int, ...]],
     alike: tuple[tuple[int, ...], ...] = (),
 ) -> tuple[Any, list[tuple[int, ...]]]:
@@ -78,19 +78,19 @@ def again(
         seen.append(here.chosen)
         return replace(here, model=leaves[here.chosen])
 
-    def judged(_: object, model: ResidualSquares, *__: object) -> FakeRound:
+    def judged(_: object, model: ResidualSumOfSquares, *__: object) -> FakeRound:
         here = next(key for key, value in leaves.items() if value is model)
         return FakeRound(promised[here], model)
 
     monkeypatch.setattr(rounds, "_converged", converge)
-    monkeypatch.setattr(rounds, "judged", judged)
+    monkeypatch.setattr(rounds, "round_about", judged)
     monkeypatch.setattr(rounds, "reshaped", lambda *_: ())
     monkeypatch.setattr(rounds, "_with_set", lambda here, chosen: replace(here, chosen=chosen))
     monkeypatch.setattr(rounds, "_alike", lambda here, *_: [replace(here, chosen=key) for key in alike])
     progress: Any = SimpleNamespace(phase=lambda *_: None)
-    origin: Any = SimpleNamespace(with_proposals=lambda _, chosen: leaves[chosen], deadline=NEVER)
+    base_model: Any = SimpleNamespace(with_proposals=lambda _, chosen: leaves[chosen], deadline=NEVER)
     start: Any = FakeRound((0,))
-    return rounds._again(origin, start, (), progress), seen
+    return rounds._again(base_model, start, (), progress), seen
 
 
 def test_what_is_worse_once_it_is_converged_does_not_take_the_place_of_a_set(

@@ -20,7 +20,10 @@ def system_of(rows: list[float], judged: list[float] | None = None) -> SimpleNam
     samples = Samples(np.array(rows), np.array(rows if judged is None else judged))
     counts = SimpleNamespace(rows_of_motor=np.array(rows))
     return SimpleNamespace(
-        samples=samples, judged=counts, memory=1.0, prior_of=lambda chosen: RULE.prior * len(chosen)
+        samples=samples,
+        held_out=counts,
+        autocorrelation_time=1.0,
+        prior_of=lambda chosen: RULE.prior * len(chosen),
     )
 
 
@@ -59,7 +62,7 @@ def test_evidence_is_summed_motor_by_motor(heavy: float) -> None:
         score(system, fit_of((), 3, [[left, heavy]] * 2))  # type: ignore[arg-type]
         for left in (1e-4, 1.0)
     )
-    assert with_it.judged - without.judged == pytest.approx(0.5 * 100.0 * np.log(1e4))
+    assert with_it.held_out - without.held_out == pytest.approx(0.5 * 100.0 * np.log(1e4))
     share = RULE.coarsening / (RULE.coarsening + 200.0)
     assert with_it.total - without.total == pytest.approx(share * 100.0 * np.log(1e4))
 
@@ -105,7 +108,7 @@ def test_nothing_is_lacking_where_no_more_than_noise_is_left(
         noise, "solved_quickly", lambda _: (SimpleNamespace(moving=moving), SimpleNamespace(weights=weights))
     )
     monkeypatch.setattr(noise, "spread", lambda *_: np.sqrt(left) * floor)
-    system = SimpleNamespace(fitted=SimpleNamespace(rows=2000), memory=2.0)
+    system = SimpleNamespace(fitted=SimpleNamespace(rows=2000), autocorrelation_time=2.0)
     squares = floor**2 * 1000
     assert noise.leaves_only_noise(system, None, squares) is expected  # type: ignore[arg-type]
     assert not noise.leaves_only_noise(system, None, None)  # type: ignore[arg-type]
@@ -137,16 +140,16 @@ def test_no_effect_goes_because_of_what_is_only_nearly_so(
     for name in ("superfluous_effect", "gain_like_effect"):
         monkeypatch.setattr(catalogue_search, name, lambda *_: {})
     monkeypatch.setattr(catalogue_search, "excess", lambda *_: 0.0)
-    origin: Any = SimpleNamespace(
+    base_model: Any = SimpleNamespace(
         start=SimpleNamespace(effects=()), exactly=lambda _: "exact", in_search=None, with_instances=None
     )
-    origin.at_leisure = origin
+    base_model.at_leisure = base_model
     problem = SimpleNamespace(dataset=SimpleNamespace(recordings=()))
     case: Any = SimpleNamespace(start=SimpleNamespace(effects=()), before=None, problem=problem)
     if possible:
-        assert catalogue_search.search_from(case, origin, None).after == "exact"  # type: ignore[arg-type, comparison-overlap]
+        assert catalogue_search.search_from(case, base_model, None).after == "exact"  # type: ignore[arg-type, comparison-overlap]
     else:
         with pytest.raises(StopIteration) as ended:
-            catalogue_search.search_from(case, origin, None)  # type: ignore[arg-type]
+            catalogue_search.search_from(case, base_model, None)  # type: ignore[arg-type]
         assert ended.value.args[1] == {"found": "of an impossible sign"}
     assert asked == ["near", "exact"]

@@ -5,10 +5,10 @@ import pytest
 from bench.basics.progress import SILENT
 from bench.dataset.dataset import Dataset
 from bench.diagnosis import rounds
+from bench.diagnosis.base_model import base_model_of
 from bench.diagnosis.candidates import Proposal
 from bench.diagnosis.catalogue_search import diagnose_with_catalogue
-from bench.diagnosis.origin import origin_of
-from bench.diagnosis.rounds import judged
+from bench.diagnosis.rounds import round_about
 from bench.diagnosis.special_case import with_shapes_of
 from bench.effects import CATALOGUE, EffectInstance
 from bench.identification.nonlinear import converged
@@ -34,17 +34,17 @@ def after_a_cable(dataset: Dataset, monkeypatch: pytest.MonkeyPatch) -> tuple[li
     displacement that it is given at each motor, and the set that is best then.
     """
     monkeypatch.setattr(rounds, "_rival", lambda *_: None)
-    origin = origin_of(converged(prepare(problem_of(dataset))))
+    base_model = base_model_of(converged(prepare(problem_of(dataset))))
     proposals = [
         Proposal("hysteretic_cable", at_both("hysteretic_cable"), False, ""),
         Proposal("presliding_hysteresis", at_both("presliding_hysteresis", x0=FAR), False, ""),
     ]
-    model = origin.with_proposals(proposals, [0])
-    found = judged(origin, model, proposals, {"presliding_hysteresis"})
+    model = base_model.with_proposals(proposals, [0])
+    found = round_about(base_model, model, proposals, {"presliding_hysteresis"})
     assert found.names == {"hysteretic_cable"}
-    after = rounds.reshaped(origin, found, SILENT)
+    after = rounds.reshaped(base_model, found, SILENT)
     values = [instance.effect.shape_values()["x0"] for instance in after[1].instances]
-    return values, judged(origin, model, after, ()).names
+    return values, round_about(base_model, model, after, ()).names
 
 
 def test_presliding_friction_has_its_name_where_a_cable_was_found(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -127,8 +127,8 @@ def test_sets_solved_side_by_side_are_those_solved_alone(known):
     for found, wanted in zip(solve_sets(system, sets), alone, strict=True):
         assert found.chosen == wanted.chosen
         rounding = 8.0 * np.finfo(float).eps * solve_set(system, ()).fitted
-        squares = [wanted.fitted, wanted.judged]
-        np.testing.assert_allclose([found.fitted, found.judged], squares, rtol=1e-5, atol=rounding)
+        squares = [wanted.fitted, wanted.held_out]
+        np.testing.assert_allclose([found.fitted, found.held_out], squares, rtol=1e-5, atol=rounding)
         np.testing.assert_allclose(found.gains, wanted.gains, rtol=1e-4)
 
 

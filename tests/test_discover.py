@@ -15,7 +15,7 @@ from bench.dataset.dataset import Dataset
 from bench.diagnosis.as_json import diagnosis_json
 from bench.diagnosis.catalogue_search import diagnose_with_catalogue
 from bench.diagnosis.discovery import find
-from bench.diagnosis.discovery.find import find_missing_effects, something_left
+from bench.diagnosis.discovery.find import find_missing_effects, something_remains
 from bench.diagnosis.discovery.written import write_laws
 from bench.diagnosis.law_words import law_sentences, symbols
 from bench.diagnosis.result import Diagnosis, Remainder, Unexplained
@@ -72,7 +72,7 @@ def test_a_law_is_told_where_it_stays(found: Diagnosis, monkeypatch: pytest.Monk
     places = (SimpleNamespace(name="left"), SimpleNamespace(name="right"))
     finding = SimpleNamespace(after=SimpleNamespace(effect_parameters={"law": {"right": {}}}))
     laws = [SimpleNamespace(name="law", places=places)]
-    told = find._told(finding, laws, laws, found)
+    told = find._with_discovered(finding, laws, laws, found)
     assert told.discovered == (("law", "right"),)
 
 
@@ -120,9 +120,9 @@ def test_without_anything_hidden_no_law_is_claimed() -> None:
 
 def test_noise_of_the_encoders_is_not_searched_for_laws() -> None:
     left = Unexplained(Remainder.NO_PATTERN, error=0.02, noise_floor=0.01, depends_on=())
-    assert something_left(left)
-    assert not something_left(replace(left, encoders=0.015))
-    assert something_left(replace(left, encoders=0.015, what=Remainder.PATTERN))
+    assert something_remains(left)
+    assert not something_remains(replace(left, encoders=0.015))
+    assert something_remains(replace(left, encoders=0.015, what=Remainder.PATTERN))
 
 
 def test_a_law_beside_a_known_effect_is_one_law_of_both_motors() -> None:

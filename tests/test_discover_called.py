@@ -31,6 +31,6 @@ def test_what_an_effect_does_as_well_is_called_by_its_name(
     here: Any = SimpleNamespace(
         system=None,
         proposals=[SimpleNamespace(name=name) for name in NAMES],
-        found=SimpleNamespace(best=best, singles=dict.fromkeys(range(5))),
+        selection=SimpleNamespace(selected=best, singles=dict.fromkeys(range(5))),
     )
     assert called.stood_for(here, ("law_left", "law_right"), barred) == found

@@ -7,18 +7,18 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
+from bench.diagnosis.base_model import base_model_of
 from bench.diagnosis.discovery.factors import Decay, Memory, Power, Step, Wave
 from bench.diagnosis.discovery.grammar import LOAD, TOOL, A, Q, Scope, T, V, grammar
 from bench.diagnosis.discovery.named import NAMED, name_of
 from bench.diagnosis.discovery.refine import Refined, _slower, _with_a_mean, instances_of
-from bench.diagnosis.discovery.screen import Known, Left, Screened, few_rows, left_without, screened
+from bench.diagnosis.discovery.screen import Known, Residual, Screened, few_rows, residual_without, screened
 from bench.diagnosis.discovery.seen import places_of, scope_of, seen_at
 from bench.diagnosis.discovery.source import law_effect, law_source
 from bench.diagnosis.discovery.table import PiecewiseLinear, table_over
 from bench.diagnosis.discovery.term import Term, about_its_mean, at_other_harmonics, freed
 from bench.diagnosis.discovery.units import times, written
 from bench.diagnosis.discovery.variables import OF_A_MOTOR, Place, Seen, Variable
-from bench.diagnosis.origin import origin_of
 from bench.effects import CATALOGUE, EffectInstance, effect_columns
 from bench.effects.memory import first_order
 from bench.identification.prepare import prepare, with_effects
@@ -31,7 +31,7 @@ SCOPE = Scope(2, True, True, 10.0, -1.0, 2.0, (1.0, 2.0, 3.0, 4.0), (7.0,), 0.01
 
 @pytest.fixture(scope="module")
 def context():
-    start = origin_of(prepare(problem_of(measured({**BRAKED, "joint": "left"}))))
+    start = base_model_of(prepare(problem_of(measured({**BRAKED, "joint": "left"}))))
     return start.context(start.start)
 
 
@@ -176,10 +176,10 @@ def test_a_fixed_exponent_or_frequency_can_be_freed():
 
 def test_the_hidden_law_explains_most_of_what_a_rigid_model_leaves(context):
     places = places_of(context.prepared)
-    terms = grammar(scope_of(context.prepared, context.left, places))
-    rows = few_rows(len(context.left.remainder))
+    terms = grammar(scope_of(context.prepared, context.regression, places))
+    rows = few_rows(len(context.regression.remainder))
     known = [Known(seen_at(context.prepared, place), rows, terms) for place in places]
-    found = screened(left_without(context.left, known, rows), terms, 3)
+    found = screened(residual_without(context.regression, known, rows), terms, 3)
     assert found[0].term.formulas(places[0]) == ("sign(v)*abs(a)",)
     assert all(one.share >= other.share for one, other in pairwise(found))
     assert re.match(r"\{effort\}", found[0].term.unit(places[0]))
@@ -187,25 +187,25 @@ def test_the_hidden_law_explains_most_of_what_a_rigid_model_leaves(context):
 
 def test_what_is_left_beside_terms_is_known_from_what_was_left_without_them(context):
     places = places_of(context.prepared)
-    terms = grammar(scope_of(context.prepared, context.left, places))
-    rows = few_rows(len(context.left.remainder))
+    terms = grammar(scope_of(context.prepared, context.regression, places))
+    rows = few_rows(len(context.regression.remainder))
     known = [Known(seen_at(context.prepared, place), rows, terms) for place in places]
-    wide = left_without(context.left, known, rows)
+    wide = residual_without(context.regression, known, rows)
     for _ in range(2):
-        wide = wide.beside(screened(wide, terms, 1)[0])
-    anew = Left(wide.basis, wide.error, wide.weights, known)
+        wide = wide.orthogonal_to(screened(wide, terms, 1)[0])
+    anew = Residual(wide.basis, wide.error, wide.weights, known)
     np.testing.assert_allclose(wide.explained(), anew.explained(), rtol=1e-6, atol=1e-9 * wide.squares)
 
 
 def test_a_term_that_is_there_already_takes_nothing_away(context):
     places = places_of(context.prepared)
-    terms = grammar(scope_of(context.prepared, context.left, places))
-    rows = few_rows(len(context.left.remainder))
+    terms = grammar(scope_of(context.prepared, context.regression, places))
+    rows = few_rows(len(context.regression.remainder))
     known = [Known(seen_at(context.prepared, place), rows, terms) for place in places]
-    wide = left_without(context.left, known, rows)
+    wide = residual_without(context.regression, known, rows)
     (first,) = screened(wide, terms, 1)
-    once = wide.beside(first)
-    again = once.beside(first)
+    once = wide.orthogonal_to(first)
+    again = once.orthogonal_to(first)
     assert again.basis[0].shape == once.basis[0].shape
     np.testing.assert_allclose(again.explained(), once.explained(), rtol=1e-6, atol=1e-9 * wide.squares)
 

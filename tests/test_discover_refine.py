@@ -10,7 +10,7 @@ from bench.basics.deadline import NEVER
 from bench.diagnosis.discovery import find, refine
 from bench.diagnosis.discovery.refine import NEARBY, Refined, refined
 from bench.diagnosis.rounds import Round
-from bench.diagnosis.search import Found
+from bench.diagnosis.search import Selection
 
 
 def model(weight: float, *, near: bool, values: str = "") -> Any:
@@ -36,7 +36,7 @@ def tried(monkeypatch: pytest.MonkeyPatch, near: float, there: float, exact: flo
     found: list[Any] = []
     start = model(0.0, near=False)
     nearby_too = model(-1.0, near=True)  # as it is known nearby, it leaves a little more
-    origin: Any = SimpleNamespace(start=start, again_nearby=lambda _: nearby_too)
+    base_model: Any = SimpleNamespace(start=start, again_nearby=lambda _: nearby_too)
 
     def exactly() -> Any:
         found.append(model(exact, near=False, values="converged"))
@@ -46,7 +46,7 @@ def tried(monkeypatch: pytest.MonkeyPatch, near: float, there: float, exact: flo
     monkeypatch.setattr(refine, "_tried", lambda *_: iter([variant]))
     monkeypatch.setattr(refine, "_slower", lambda *_: False)
     monkeypatch.setattr(refine, "with_effects", lambda *_: model(there, near=False))
-    return refined(origin, model(0.0, near=False), {}, (), JUDGE), bool(found)
+    return refined(base_model, model(0.0, near=False), {}, (), JUDGE), bool(found)
 
 
 @pytest.mark.parametrize(("near", "there"), [(-2.0 * NEARBY, 50.0), (50.0, -2.0 * NEARBY)])
@@ -75,7 +75,7 @@ def test_an_effect_that_is_not_needed_goes_before_a_number_is_set_free(
     law, length = (SimpleNamespace(effect=SimpleNamespace(name=name)) for name in ("law", "length"))
     whole = SimpleNamespace(weight=0.0, nearby=None, effects=(law, length), present="")
     fewer = SimpleNamespace(weight=9.0, nearby=None, effects=(law,), present="")
-    origin: Any = SimpleNamespace(
+    base_model: Any = SimpleNamespace(
         start=SimpleNamespace(effects=()), again_nearby=lambda of: of, exactly=lambda of: of
     )
     asked: list[set[str]] = []
@@ -88,7 +88,7 @@ def test_an_effect_that_is_not_needed_goes_before_a_number_is_set_free(
     monkeypatch.setattr(refine, "_tried", lambda *_: iter(()))
     monkeypatch.setattr(refine, "_slower", lambda *_: False)
     term: Any = "term"
-    best = refined(origin, whole, {"law": term}, (), JUDGE)  # type: ignore[arg-type]
+    best = refined(base_model, whole, {"law": term}, (), JUDGE)  # type: ignore[arg-type]
     assert best.model is fewer  # type: ignore[comparison-overlap]
     assert asked == [{"law"}], "the law itself is not what goes"
     assert best.terms == {"law": term}
@@ -100,14 +100,14 @@ def test_the_set_of_a_converged_model_is_one_that_a_search_begins_with(
     """Of laws at one motor each none shows alone, and a search that grew from single effects missed them."""
     proposals: Any = [SimpleNamespace(name=name) for name in ("a", "b", "c")]
     model: Any = SimpleNamespace(effects=[SimpleNamespace(effect=SimpleNamespace(name=n)) for n in "bc"])
-    origin: Any = SimpleNamespace(start=SimpleNamespace(effects=()), deadline=NEVER)
-    found = Found(SimpleNamespace(total=10.0, fit=SimpleNamespace(chosen=(0,))), {})  # type: ignore[arg-type]
-    monkeypatch.setattr(find, "judged", lambda *_: Round(model, proposals, None, found))  # type: ignore[arg-type]
+    base_model: Any = SimpleNamespace(start=SimpleNamespace(effects=()), deadline=NEVER)
+    found = Selection(SimpleNamespace(total=10.0, fit=SimpleNamespace(chosen=(0,))), {})  # type: ignore[arg-type]
+    monkeypatch.setattr(find, "round_about", lambda *_: Round(model, proposals, None, found))  # type: ignore[arg-type]
     monkeypatch.setattr(find, "usable", lambda *_: [0, 1, 2])
     for total, chosen in ((20.0, (1, 2)), (5.0, (0,))):
         best = SimpleNamespace(total=total, fit=SimpleNamespace(chosen=(1, 2)))
         begun: list[Any] = []
         monkeypatch.setattr(find, "best_set", lambda _, begin, *__, b=best, s=begun: s.extend(begin) or b)
-        here = find._judged_from(origin, model, proposals, ())
+        here = find._round_from(base_model, model, proposals, ())
         assert here.chosen == chosen
         assert [1, 2] in begun

@@ -32,19 +32,19 @@ def test_one_law_is_tried_for_several_frictions(
 ) -> None:
     gain = SimpleNamespace(value=1.0, nominal=1.0)
     plain: Any = SimpleNamespace(after=SimpleNamespace(drive_gains={"motor": gain}), unexplained=None)
-    finding: Any = SimpleNamespace(origin=None, last=None, unfinished=(), barred={})
+    finding: Any = SimpleNamespace(base_model=None, last=None, unfinished=(), barred={})
     monkeypatch.setattr(find, "search_catalogue", lambda *_: finding)
     monkeypatch.setattr(find, "answered", lambda *_: plain)
-    monkeypatch.setattr(find, "something_left", lambda _: left)
+    monkeypatch.setattr(find, "something_remains", lambda _: left)
     monkeypatch.setattr(find, "search_laws", lambda *_: laws)
     monkeypatch.setattr(
         find, "_with_laws", lambda *_: SimpleNamespace(laws=("term",), diagnosis="laws", finding=None)
     )
     monkeypatch.setattr(find, "_with_one_for_several", lambda *_: ONE)
     monkeypatch.setattr(find, "_with_tables", lambda _, answer, __: answer)
-    monkeypatch.setattr(find, "band_checked", lambda _, diagnosis: diagnosis)
+    monkeypatch.setattr(find, "completed", lambda _, diagnosis: diagnosis)
     case: Any = None
-    found = find._found(case, discover, True, find.SILENT)
+    found = find._diagnosis(case, discover, True, find.SILENT)
     assert ("frictions" if found is plain else found) == told
 
 
@@ -54,18 +54,18 @@ def test_an_effect_that_was_not_needed_may_be_found_beside_a_law(monkeypatch: py
         "joint_spring": Reason(Because.NOT_NEEDED),
         "stribeck_friction": Reason(Because.IMPOSSIBLE, ("Fs",)),
     }
-    finding: Any = SimpleNamespace(origin=None, last=None, unfinished=(), barred=barred)
+    finding: Any = SimpleNamespace(base_model=None, last=None, unfinished=(), barred=barred)
     plain: Any = SimpleNamespace(after=SimpleNamespace(drive_gains={}), unexplained=None)
     asked: list[Any] = []
     monkeypatch.setattr(find, "search_catalogue", lambda *_: finding)
     monkeypatch.setattr(find, "answered", lambda *_: plain)
-    monkeypatch.setattr(find, "something_left", lambda _: True)
+    monkeypatch.setattr(find, "something_remains", lambda _: True)
     monkeypatch.setattr(find, "search_laws", lambda _, __, never, ___: asked.append(never))
     monkeypatch.setattr(find, "_with_one_for_several", lambda *_: ONE)
     monkeypatch.setattr(find, "_with_tables", lambda _, answer, __: answer)
-    monkeypatch.setattr(find, "band_checked", lambda _, diagnosis: diagnosis)
+    monkeypatch.setattr(find, "completed", lambda _, diagnosis: diagnosis)
     case: Any = None
-    find._found(case, None, True, find.SILENT)
+    find._diagnosis(case, None, True, find.SILENT)
     assert [list(never) for never in asked] == [["stribeck_friction"]]
 
 
@@ -85,4 +85,4 @@ def test_a_special_case_that_drove_at_one_motor_may_be_found_beside_a_law(
     """Friction by a power of the load beside Coulomb friction at another motor was called Stribeck friction."""
     finding: Any = SimpleNamespace(barred={"coulomb_friction": why})
     named = [EffectInstance(CATALOGUE[beside], "left", beside)]
-    assert ("coulomb_friction" in find._never_beside(finding, named)) is barred
+    assert ("coulomb_friction" in find._never_with_laws(finding, named)) is barred

@@ -14,7 +14,7 @@ from bench.diagnosis.catalogue_search import diagnose_with_catalogue
 from bench.effects import CATALOGUE
 from bench.excitation.discrimination.discriminate import discriminate
 from bench.excitation.discrimination.figure import discrimination_figure, write_discrimination_figure
-from bench.excitation.discrimination.files import Told, write_discrimination
+from bench.excitation.discrimination.files import CommandLines, write_discrimination
 from bench.excitation.discrimination.sentences import motion_words, next_step, sentences, warnings
 from bench.identification.problem import Problem, problem_of
 from bench.model.geometry import read_geometry
@@ -185,8 +185,10 @@ def test_a_model_that_is_known_to_be_wrong_is_told(given, tmp_path, capsys):
 
 
 def test_the_readme_repeats_what_was_asked_and_of_which_data(found, tmp_path):
-    told = Told("bench discriminate data a b --with c", "bench diagnose data --with c", "data", "robots/arm")
-    write_discrimination(tmp_path / "out", found, write_discrimination_figure, told=told)
+    told = CommandLines(
+        "bench discriminate data a b --with c", "bench diagnose data --with c", "data", "robots/arm"
+    )
+    write_discrimination(tmp_path / "out", found, write_discrimination_figure, commands=told)
     readme = (tmp_path / "out" / "README.md").read_text()
     for line in (
         "bench import first.csv --robot robots/arm -o data --name telling.csv",

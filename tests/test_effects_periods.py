@@ -40,6 +40,6 @@ def test_small_steps_stay_at_a_peak_without_looking_for_others(name, monkeypatch
     seen = samples(12.0)
     effect = type(CATALOGUE[name])(periods=12.0)
     monkeypatch.setattr(periods, "_moments", None)
-    ((low, value, high),) = effect.beside(effect.shape[0], seen)
+    ((low, value, high),) = effect.brackets_near(effect.shape[0], seen)
     assert low < value == 12.0 < high
     assert high - low == pytest.approx(4.0 * np.pi / seen[0].travel)

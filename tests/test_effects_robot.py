@@ -333,17 +333,17 @@ def test_the_rotor_does_not_follow_its_link(name: str, tmp_path: Path) -> None:
 def test_friction_of_a_bearing_goes_by_the_size_of_its_force(tmp_path: Path) -> None:
     robot, *_ = moving_robot("five_bar", tmp_path, "disc")
     mu, mum = 0.002, 0.003
-    borne = robot.borne("left_elbow", robot.every)
-    force = np.hypot(*(borne.force + mum / mu * borne.of_mass).T)
+    reaction = robot.joint_reaction("left_elbow", robot.every)
+    force = np.hypot(*(reaction.force + mum / mu * reaction.of_mass).T)
     index = robot.geometry.joints[robot.geometry.joint_index("left_elbow")].v.start
     friction = mu * robot.refined(force) * np.sign(robot.tree.v[:, index])
     expected = robot.tree.jacobian[:, index] * friction[:, None]
     found = columns_at(robot, "passive_load_friction", "left_elbow", mu=mu, mum=mum) @ np.array([mu, mum])
     close(found, expected, 1e-6)
     plain = columns_at(robot, "passive_load_friction", "left_elbow") @ np.array(
-        [1.0, borne.mass]
+        [1.0, reaction.mass]
     )  # as bars have it
-    force = np.hypot(*(borne.force + borne.mass * borne.of_mass).T)
+    force = np.hypot(*(reaction.force + reaction.mass * reaction.of_mass).T)
     friction = robot.refined(force) * np.sign(robot.tree.v[:, index])
     close(plain, robot.tree.jacobian[:, index] * friction[:, None], 1e-6)
 
@@ -357,9 +357,9 @@ def test_friction_of_a_bearing_counts_what_friction_presses_on_it(tmp_path: Path
     robot = robot_signals(model, measured, replace(present, effects=effects))
     torques = robot.in_joints()
     assert set(torques) == {"left_elbow", "right_elbow"}
-    borne = robot.borne("left_elbow", robot.every)
-    force = robot.refined(borne.force + 1.5 * borne.of_mass)
-    force += sum(robot.refined(borne.by_torque(name))[:, :, 0] * torques[name] for name in torques)
+    reaction = robot.joint_reaction("left_elbow", robot.every)
+    force = robot.refined(reaction.force + 1.5 * reaction.of_mass)
+    force += sum(robot.refined(reaction.by_torque(name))[:, :, 0] * torques[name] for name in torques)
     index = robot.geometry.joints[robot.geometry.joint_index("left_elbow")].v.start
     friction = 0.02 * np.hypot(*force.T) * np.sign(robot.tree.v[:, index])
     close(torques["left_elbow"], friction[:, None], 5e-3)  # a few rounds of what presses on itself

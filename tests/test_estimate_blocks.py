@@ -10,7 +10,7 @@ from bench.identification.identify import identify
 from bench.identification.model_json import from_json, to_json
 from bench.identification.prepare import prepare
 from bench.identification.problem import problem_of
-from bench.identification.standard_errors import _widened
+from bench.identification.standard_errors import _enlarged
 from bench.scenario.scenario import load_scenario
 from bench.truth.dataset import as_dataset
 from bench.truth.machine import true_gains
@@ -63,7 +63,7 @@ def test_blocks_cover_every_row_once_and_are_never_too_short():
 
 def test_wider_deviations_keep_their_correlation():
     own = np.array([[1.0, 0.5], [0.5, 1.0]])
-    wide = _widened(own, np.diag([9.0, 0.25]))
+    wide = _enlarged(own, np.diag([9.0, 0.25]))
     assert np.allclose(wide, [[9.0, 1.5], [1.5, 1.0]])
 
 

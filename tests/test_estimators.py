@@ -11,10 +11,10 @@ from bench.basics.errors import BenchError
 from bench.benchmarks.peers.problems import make_problem
 from bench.dataset.dataset import Dataset, load_dataset
 from bench.dataset.recording import Recording
+from bench.identification.errors_in_variables import noise_share
 from bench.identification.finding import Code
 from bench.identification.findings import runaway
 from bench.identification.identify import identify
-from bench.identification.noise_let_through import noise_share
 from bench.identification.prepare import prepare
 from bench.identification.problem import problem_of
 from bench.identification.result import Identification
@@ -245,7 +245,7 @@ def test_spectra_that_chose_the_filters_are_not_read_again_for_the_noise(
     chosen = prepare(problem_of(fine))
     given = prepare(problem_of(fine, filters=chosen.settings))
     assert (given.bands, noise_share(given)) == (None, noise_share(chosen))
-    monkeypatch.setattr("bench.identification.noise_let_through.signal_bands", None)
+    monkeypatch.setattr("bench.identification.errors_in_variables.signal_bands", None)
     assert 0.0 < noise_share(chosen) < 1e-4
     with pytest.raises(TypeError):
         noise_share(given)

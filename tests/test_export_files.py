@@ -23,7 +23,7 @@ from bench.effects.select import EffectInstance
 from bench.export.identified import EffectValues, load_identified
 from bench.export.mjcf import write_mjcf
 from bench.export.physical import physical_set
-from bench.export.placed import RULES, left_lines, placed_effects
+from bench.export.placed import RULES, not_placed_lines, placed_effects
 from bench.export.prior import cad_prior
 from bench.export.urdf import urdf_text
 from bench.identification.identify import identify
@@ -104,8 +104,8 @@ def test_friction_springs_and_offsets_stand_in_joints_and_motors(tmp_path):
     )
     physical = physical_set(model)
     exported = write_mjcf(tmp_path / "out.xml", physical)
-    assert [one.effect.name for one in exported.placed.left] == ["cogging_torque", "viscous_friction"]
-    assert "negative" in exported.placed.left[1].why
+    assert [one.effect.name for one in exported.placed.not_placed] == ["cogging_torque", "viscous_friction"]
+    assert "negative" in exported.placed.not_placed[1].why
     made = mujoco.MjModel.from_xml_path(str(tmp_path / "out.xml"))
     data = mujoco.MjData(made)
     velocity = np.array([-2.0, 0.5, 1.5, -0.4])
@@ -138,9 +138,9 @@ def test_every_effect_of_the_catalogue_is_placed_or_listed():
         for name, one in CATALOGUE.items()
     ]
     placed = placed_effects(physical_set(with_effects(model, *effects)))
-    lines = left_lines(placed.left)
+    lines = not_placed_lines(placed.not_placed)
     assert len(lines) == len(CATALOGUE) - len(RULES) - 1  # a tilt is gravity's
-    assert all(line.startswith(one.effect.name) for line, one in zip(lines, placed.left, strict=True))
+    assert all(line.startswith(one.effect.name) for line, one in zip(lines, placed.not_placed, strict=True))
 
 
 def test_what_the_file_says_and_the_model_does_not_is_told(tmp_path):

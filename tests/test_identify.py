@@ -171,7 +171,7 @@ def test_a_model_file_gives_back_the_answer_with_its_covariance_named(
     dataset = as_dataset(noisy)
     result = identify(prepare(problem_of(dataset, ["stribeck_friction:left", "current_delay:right"])))
     save_model(result, tmp_path / "model.json")
-    again = load_model(tmp_path / "model.json").beside(dataset, result.recordings)
+    again = load_model(tmp_path / "model.json").applied_to(dataset, result.recordings)
     assert to_json(again) == to_json(result)
     stds = {("parameter", one.name, "", ""): one.std for one in result.parameters}
     stds |= {("gain", "gain", joint, ""): gain.std for joint, gain in result.drive_gains.items()}

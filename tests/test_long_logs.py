@@ -9,8 +9,8 @@ import pytest
 from bench.dataset.dataset import load_dataset
 from bench.dataset.recording import Recording
 from bench.dataset.robot import load_robot
+from bench.diagnosis.base_model import base_model_of
 from bench.diagnosis.candidates import propose
-from bench.diagnosis.origin import origin_of
 from bench.diagnosis.rounds import system_about
 from bench.identification import filtered as measured
 from bench.identification import observation
@@ -21,7 +21,7 @@ from bench.identification.observation import all_currents, observe
 from bench.identification.prepare import prepare
 from bench.identification.problem import problem_of
 from bench.identification.standard_errors import MOST_LAGS, _autocorrelated, _covariances
-from bench.identification.standstill import around, bridged, bridged_part
+from bench.identification.standstill import around, interpolated, interpolated_part
 from bench.model.model import build_model
 from bench.model.motion import LongMotion
 from bench.signals.decimation import Decimation, decimate
@@ -48,12 +48,12 @@ def test_a_standstill_over_many_parts_is_bridged_as_in_one_piece():
     rows = random.normal(size=(1000, 2, 3)).cumsum(axis=0)
     left = [[0, 30, 20], [40, 45, 20], [60, 700, 20], [980, 1000, 20]]
     gaps = (np.array(left), np.array([[100, 110, 20]]))
-    whole = bridged(rows, gaps)
+    whole = interpolated(rows, gaps)
     for size in (1000, 333, 50, 7):
         parts = [slice(a, min(a + size, 1000)) for a in range(0, 1000, size)]
         seen = [around(part, gaps, 1000) for part in parts]
         pieces = [
-            bridged_part(rows[one].copy(), one, part, gaps, 1000)
+            interpolated_part(rows[one].copy(), one, part, gaps, 1000)
             for one, part in zip(seen, parts, strict=True)
         ]
         assert np.concatenate(pieces) == pytest.approx(whole, abs=1e-12)
@@ -161,17 +161,19 @@ def test_a_motion_that_was_forgotten_is_worked_out_again_the_very_same(tmp_path,
 def test_what_a_long_motion_takes_is_gone_when_a_system_is_made(tmp_path, monkeypatch):
     monkeypatch.setattr(measured, "FEW_NUMBERS", 0)
     problem = problem_of(load_dataset(write_dataset(tmp_path / "d")))
-    origin = origin_of(prepare(problem))
+    base_model = base_model_of(prepare(problem))
     systems = [
-        system_about(origin, origin.start, propose(origin.context(origin.start), problem.catalogue))
+        system_about(
+            base_model, base_model.start, propose(base_model.context(base_model.start), problem.catalogue)
+        )
         for _ in range(2)
     ]
-    for entry in origin.start.measured:
+    for entry in base_model.start.measured:
         assert isinstance(entry.tree, LongMotion)
         assert "_whole" not in vars(entry.tree)
         assert not entry.held
-        assert not any((entry.perturbed.nbytes, entry.reshaped.nbytes, entry.borne.nbytes))
+        assert not any((entry.perturbed.nbytes, entry.reshaped.nbytes, entry.reactions.nbytes))
         assert entry.kept.nbytes > 0
-    for signals in origin.nearby.signals(origin.start.present, origin.start.signals):
+    for signals in base_model.nearby.signals(base_model.start.present, base_model.start.signals):
         assert not signals.noted
     np.testing.assert_array_equal(systems[0].fitted.inner, systems[1].fitted.inner)

@@ -96,7 +96,7 @@ def test_rows_of_a_robot_with_a_tool_are_the_regressor_s_own_and_no_copy(tmp_pat
         perturbations, "projected_regressor", lambda *given: made.append(regressor(*given)) or made[-1]
     )
     _, model, measured, _ = moving_robot("delta", tmp_path, samples=3001)
-    assert np.shares_memory(Nearby(model, [measured])._own, made[0])
+    assert np.shares_memory(Nearby(model, [measured])._base_rows, made[0])
 
 
 def test_torque_that_the_model_needs_with_an_offset_is_known_nearby(tmp_path):

@@ -30,7 +30,7 @@ def lowest(five_bar_simulation: Simulation) -> tuple[Prepared, float]:
     plain = prepare(problem_of(as_dataset(five_bar_simulation)))
     thinning = at_left("shear_thinning_friction")
     lacks = partial_regression(*solved_quickly(plain)).lacks
-    brackets = thinning.effect.beside(thinning.effect.shape[0], joint_samples(plain, thinning, lacks))
+    brackets = thinning.effect.brackets_near(thinning.effect.shape[0], joint_samples(plain, thinning, lacks))
     low = min(one[0] for one in brackets)
     hidden = [at_left("presliding_hysteresis", x0=TRUE), reshaped(thinning, {"va": 0.2 * low})]
     torque = candidate_columns(plain, hidden) @ np.array([0.3, 0.3])

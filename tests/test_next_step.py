@@ -7,7 +7,7 @@ import pytest
 from bench.basics.errors import BenchError
 from bench.dataset.robot import load_robot
 from bench.identification.findings import with_findings
-from bench.residuals.next_step import beyond_noise, left_over
+from bench.residuals.next_step import beyond_noise, remaining_errors
 from bench.truth.dataset import write_simulation
 from tests.compared_kit import NOISE, made
 from tests.shown import dataset_of, identification_of
@@ -15,10 +15,10 @@ from tests.shown import dataset_of, identification_of
 
 def test_errors_far_above_the_noise_are_told():
     noisy = made(lambda row, random: NOISE * random.standard_normal(len(row["time"])) / 5.0)
-    assert left_over(noisy) == []
+    assert remaining_errors(noisy) == []
     assert not beyond_noise(noisy)
     wrong = made(lambda row, random: 0.2 * row["velocity"])
-    (sentence,) = left_over(wrong)
+    (sentence,) = remaining_errors(wrong)
     assert sentence.startswith("motor left: error ")
     assert "times the noise of the current" in sentence
     assert beyond_noise(wrong)

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from bench.dataset.dataset import Dataset
+from bench.identification.autocorrelation_time import autocorrelation_time
 from bench.identification.compressed import Stack, compress
 from bench.identification.identify import fit
-from bench.identification.memory import memory_in_rows
 from bench.identification.prepare import prepare
 from bench.identification.problem import problem_of
 from bench.identification.solution import Solution
@@ -66,10 +66,10 @@ def test_deviations_hold_whatever_share_of_the_error_returns(repeated: float, no
 def test_rows_that_say_the_same_count_once() -> None:
     random = np.random.default_rng(6)
     again, noise = waves(random, 2), random.normal(size=(ROWS, 2))
-    alone = memory_in_rows([again])
-    assert memory_in_rows([again], [PERIOD]) == pytest.approx(alone * ROWS / PERIOD, rel=0.1)
-    assert memory_in_rows([again], [None]) == alone
-    assert memory_in_rows([noise], [PERIOD]) == memory_in_rows([noise])
+    alone = autocorrelation_time([again])
+    assert autocorrelation_time([again], [PERIOD]) == pytest.approx(alone * ROWS / PERIOD, rel=0.1)
+    assert autocorrelation_time([again], [None]) == alone
+    assert autocorrelation_time([noise], [PERIOD]) == autocorrelation_time([noise])
 
 
 def test_a_motion_returns_after_its_period() -> None:

@@ -10,17 +10,17 @@ from rich.console import Console
 
 from bench.cli import main
 from bench.dataset.robot import load_robot
-from bench.document.side_by_side import changed_sentences, errors_beside_table, gains_beside_table
+from bench.document.side_by_side import changed_sentences, compared_errors_table, compared_gains_table
 from bench.document.terminal.side_by_side import side_by_side_report
 from bench.identification.result import Quantity
 from bench.residuals.side_by_side import (
-    Beside,
+    ComparedModel,
     SideBySide,
+    distinct_names,
     effect_places,
     interval,
     moved_parameters,
     side_by_side_json,
-    told_apart,
 )
 from tests.shown import dataset_of, identification_of
 
@@ -37,14 +37,14 @@ def found():
         parameters=(far, *after.parameters[1:]),
         error=replace(after.error, identify=0.001, validate=0.002),
     )
-    return SideBySide("five_bar", (Beside("a.json", before), Beside("b.json", after)))
+    return SideBySide("five_bar", (ComparedModel("a.json", before), ComparedModel("b.json", after)))
 
 
 def test_names_are_as_short_as_tells_files_apart():
-    assert told_apart([Path("x/a.json"), Path("y/b.json")]) == ["x/a.json", "y/b.json"]
-    assert told_apart([Path("a.json"), Path("b.json")]) == ["a.json", "b.json"]
-    assert told_apart([Path("r/1/m.json"), Path("r/2/m.json")]) == ["1/m.json", "2/m.json"]
-    assert told_apart([Path("m.json"), Path("r/m.json")]) == ["m.json", "r/m.json"]
+    assert distinct_names([Path("x/a.json"), Path("y/b.json")]) == ["x/a.json", "y/b.json"]
+    assert distinct_names([Path("a.json"), Path("b.json")]) == ["a.json", "b.json"]
+    assert distinct_names([Path("r/1/m.json"), Path("r/2/m.json")]) == ["1/m.json", "2/m.json"]
+    assert distinct_names([Path("m.json"), Path("r/m.json")]) == ["m.json", "r/m.json"]
 
 
 def test_an_interval_is_two_deviations_to_either_side_and_a_given_value_has_none():
@@ -71,7 +71,7 @@ def test_what_changed_is_said(found):
 
 def test_the_same_model_has_nothing_to_tell(found):
     first = found.models[0]
-    again = changed_sentences(SideBySide("five_bar", (first, Beside("c.json", first.model))))
+    again = changed_sentences(SideBySide("five_bar", (first, ComparedModel("c.json", first.model))))
     assert again[0] == "c.json has the same effects, beside a.json"
     assert not [one for one in again if "gain" in one or "parameters" in one]
     assert moved_parameters(first.model, first.model) == []
@@ -80,12 +80,12 @@ def test_the_same_model_has_nothing_to_tell(found):
 def test_other_filters_are_told(found):
     first = found.models[0]
     other = replace(first.model, settings=replace(first.model.settings, decimation=7))
-    said = changed_sentences(SideBySide("five_bar", (first, Beside("c.json", other))))
+    said = changed_sentences(SideBySide("five_bar", (first, ComparedModel("c.json", other))))
     assert "another rate or with other filters" in said[-1]
 
 
 def test_the_tables_have_a_column_a_model(found):
-    errors, gains = errors_beside_table(found), gains_beside_table(found)
+    errors, gains = compared_errors_table(found), compared_gains_table(found)
     assert [column.header for column in errors.columns] == ["error", "a.json", "b.json"]
     assert len({len(column.cells) for column in errors.columns}) == 1
     assert [column.header for column in gains.columns] == ["drive gain", "a.json", "b.json", "unit"]

@@ -10,7 +10,7 @@ from bench.basics.errors import BenchError
 from bench.effects import CATALOGUE
 from bench.studies.trial.cases import KINDS, SETS_FROM, SHARES, SHARES_OF, Kind, datasets_a_seed, draw_case
 from bench.studies.trial.compatible import compatible, exclusive, expected
-from bench.studies.trial.judge import Named, judged
+from bench.studies.trial.judge import Named, judgement_of
 from bench.studies.trial.name_list import cell_of
 from bench.studies.trial.places import placed
 from bench.studies.trial.plan import TrialPlan
@@ -153,17 +153,17 @@ def _named(effect: str, verdict: str = "missing", *alternatives: str) -> Named:
 
 def test_the_right_name_first() -> None:
     answer = [_named("viscous_friction"), _named("base_tilt")]
-    found = judged(["viscous_friction"], ["viscous_friction"], answer)
+    found = judgement_of(["viscous_friction"], ["viscous_friction"], answer)
     assert found.first
     assert not found.exact
     assert found.wrong == ("base_tilt",)
-    assert judged(["viscous_friction"], ["viscous_friction"], answer[:1]).exact
+    assert judgement_of(["viscous_friction"], ["viscous_friction"], answer[:1]).exact
 
 
 def test_undecided_counts_only_where_it_is_said() -> None:
     open_answer = [_named("current_delay", "indistinguishable", "current_loop_lag")]
     sure_answer = [_named("current_delay", "missing", "current_loop_lag")]
-    found = judged(["current_loop_lag"], ["current_loop_lag"], open_answer)
+    found = judgement_of(["current_loop_lag"], ["current_loop_lag"], open_answer)
     assert (found.first, found.first_undecided, found.exact, found.exact_undecided) == (
         False,
         True,
@@ -171,7 +171,7 @@ def test_undecided_counts_only_where_it_is_said() -> None:
         True,
     )
     assert found.wrong == ()
-    found = judged(["current_loop_lag"], ["current_loop_lag"], sure_answer)
+    found = judgement_of(["current_loop_lag"], ["current_loop_lag"], sure_answer)
     assert not found.first_undecided
     assert found.wrong == ("current_delay",)
 
@@ -181,10 +181,10 @@ def test_one_undecided_name_does_not_stand_for_two_effects() -> None:
         _named("current_delay", "indistinguishable", "current_loop_lag"),
         _named("encoder_offset", "indistinguishable", "geometric_error"),
     ]
-    assert judged(
+    assert judgement_of(
         ["current_loop_lag", "geometric_error"], ["current_loop_lag", "geometric_error"], answer
     ).exact_undecided
-    assert not judged(
+    assert not judgement_of(
         ["current_loop_lag", "base_tilt"], ["current_loop_lag", "base_tilt"], answer
     ).exact_undecided
 
@@ -194,19 +194,19 @@ def test_companions_and_parts_are_neither_firsts_nor_wrong() -> None:
     wanted = expected(drawn)
     assert wanted == ("position_dependent_friction", "coulomb_friction")
     answer = [_named("coulomb_friction"), _named("position_dependent_friction")]
-    found = judged(drawn, wanted, answer)
+    found = judgement_of(drawn, wanted, answer)
     assert found.first
     assert found.exact
-    assert not judged(drawn, wanted, answer[:1]).first
+    assert not judgement_of(drawn, wanted, answer[:1]).first
     answer = [_named("drive_flexibility"), _named("backlash")]
-    assert judged(["backlash"], ["backlash"], answer).exact
+    assert judgement_of(["backlash"], ["backlash"], answer).exact
 
 
 def test_nothing_named_is_wrong_for_something_hidden() -> None:
-    found = judged(["viscous_friction"], ["viscous_friction"], [])
+    found = judgement_of(["viscous_friction"], ["viscous_friction"], [])
     assert not found.first_undecided
     assert not found.exact_undecided
-    assert judged([], [], []).exact
+    assert judgement_of([], [], []).exact
 
 
 def test_shares_carry_their_uncertainty() -> None:

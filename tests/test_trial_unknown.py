@@ -20,7 +20,7 @@ from bench.identification.problem import problem_of
 from bench.scenario.scenario import load_scenario, resolve_trajectories
 from bench.studies.trial import law_judged
 from bench.studies.trial.cases import Case, Hide
-from bench.studies.trial.judge import Named, judged
+from bench.studies.trial.judge import Named, judgement_of
 from bench.studies.trial.law_judged import _alike, _torque_error, law_columns
 from bench.studies.trial.unknown import FAMILIES, drawn_law, law_along, named_parts, sized
 from bench.studies.trial.unknown_page import unknown_table, write_unknown
@@ -146,7 +146,7 @@ def test_a_law_that_is_found_exactly_has_no_error(monkeypatch: pytest.MonkeyPatc
     effect, _ = law_effect("law_left", [friction], places_of(prepared)[0])
     model = with_effects(prepared, [EffectInstance(effect, "left", "law_left:left")])
     for c, error in ((0.02, 0.0), (0.018, 0.1)):
-        monkeypatch.setattr(law_judged, "_found_model", lambda *_, c=c: (model, np.array([c])))
+        monkeypatch.setattr(law_judged, "_identified_model", lambda *_, c=c: (model, np.array([c])))
         found = _torque_error(simulation, SimpleNamespace(), prepared, "left", ())  # type: ignore[arg-type]
         assert found == pytest.approx(error, abs=0.015)
 
@@ -172,7 +172,7 @@ def test_the_page_counts_what_is_large_enough(tmp_path) -> None:
 def test_the_known_effects_beside_a_law_can_be_named_exactly() -> None:
     """The law itself has no name, and is not asked for."""
     named = [Named("viscous_friction", "missing", ())]
-    assert judged(["viscous_friction"], ["viscous_friction"], named).exact
+    assert judgement_of(["viscous_friction"], ["viscous_friction"], named).exact
     case = Case(
         "unknown",
         0,
@@ -197,4 +197,4 @@ def test_a_summand_of_the_law_that_has_a_name_may_be_named() -> None:
     assert named_parts(swinging) == {"viscous_friction"}
     assert named_parts({"c": 0.1, "direction": 1.0, "v": 1.0, "a": 1.0}) == frozenset()
     named = [Named("viscous_friction", "missing", ()), Named("backlash", "missing", ())]
-    assert judged([], [], named, named_parts(swinging)).wrong == ("backlash",)
+    assert judgement_of([], [], named, named_parts(swinging)).wrong == ("backlash",)

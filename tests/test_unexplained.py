@@ -7,7 +7,7 @@ import pytest
 
 from bench.dataset.robot import load_robot
 from bench.diagnosis.encoder_noise import encoder_error
-from bench.diagnosis.reason_words import left_words
+from bench.diagnosis.reason_words import unexplained_words
 from bench.diagnosis.unexplained import unexplained
 from bench.identification.identify import fit
 from bench.identification.nonlinear import converged
@@ -40,7 +40,7 @@ def _left(gentle, error, encoders=0.0):
 def test_noise_is_noise(gentle):
     left = _left(gentle, lambda row, noise: noise)
     assert not left.significant
-    assert "is at the noise floor of the currents" in left_words(left)
+    assert "is at the noise floor of the currents" in unexplained_words(left)
 
 
 def test_white_errors_beyond_the_currents_noise_are_not_called_the_currents_noise(gentle):
@@ -48,7 +48,7 @@ def test_white_errors_beyond_the_currents_noise_are_not_called_the_currents_nois
     assert not left.significant
     assert left.much  # so that the gains' deviations hold what models that are as good make of them
     assert left.depends_on == ()
-    assert "depends on no variable that was tested" in left_words(left)
+    assert "depends on no variable that was tested" in unexplained_words(left)
 
 
 def test_what_the_encoders_noise_leaves_is_theirs(gentle):
@@ -58,7 +58,7 @@ def test_what_the_encoders_noise_leaves_is_theirs(gentle):
     assert _left(gentle, error).significant
     left = _left(gentle, error, encoders=2.0 * _left(gentle, error).noise_floor)
     assert not left.significant
-    assert "and of the encoders" in left_words(left)
+    assert "and of the encoders" in unexplained_words(left)
 
 
 def test_the_encoders_noise_is_carried_through_the_model():

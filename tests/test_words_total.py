@@ -14,7 +14,7 @@ from bench.diagnosis.as_json import diagnosis_json
 from bench.diagnosis.differs_words import from_run_to_run
 from bench.diagnosis.law_words import law_sentences
 from bench.diagnosis.reason import Because
-from bench.diagnosis.reason_words import left_words, reason_sentence
+from bench.diagnosis.reason_words import reason_sentence, unexplained_words
 from bench.diagnosis.summary import reason, summary_of
 from bench.document.markdown.diagnosis import diagnosis_markdown
 from bench.document.markdown.identification import parameters_markdown, summary_markdown
@@ -75,7 +75,7 @@ def test_reasons(because, data):
 @often
 @given(left)
 def test_what_is_left(unexplained):
-    assert left_words(unexplained)
+    assert unexplained_words(unexplained)
 
 
 @often

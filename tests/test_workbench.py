@@ -15,7 +15,7 @@ from bench.identification.solve_only import solved_quickly
 from bench.identification.summary import modelled_series
 from bench.page.workbench import room
 from bench.page.workbench.decorrelated import set_apart
-from bench.page.workbench.found_model import found_model
+from bench.page.workbench.diagnosed_model import diagnosed_model
 from bench.page.workbench.page_data import page_data, with_command
 from bench.page.workbench.page_files import script, style
 from bench.page.workbench.proposals import instances_of
@@ -91,7 +91,7 @@ def test_the_page_finds_what_identify_finds(dataset, solver, requests):
 @pytest.mark.parametrize("requests", CURVED, ids="+".join)
 def test_shapes_and_what_follows_the_model_stay_as_found(dataset, diagnosis, carried, solver, requests):
     """The same from rows in place of products: effects in the shape that the page names, about the found model."""
-    model = found_model(problem_of(dataset), diagnosis)
+    model = diagnosed_model(problem_of(dataset), diagnosis)
     keys = solver.keys(requests)
     instances = [
         one
@@ -101,7 +101,7 @@ def test_shapes_and_what_follows_the_model_stay_as_found(dataset, diagnosis, car
     for one in instances:
         told = {each["name"]: each["value"] for each in solver.places[one.request]["shape"]}
         assert told == one.effect.shape_values()
-    prepared = with_effects(model.plain, instances, model.found.present)
+    prepared = with_effects(model.plain, instances, model.complete.present)
     _, expected = solved_quickly(prepared)
     found = solver.fit(keys)
     np.testing.assert_allclose(found.gains, expected.gains, rtol=1e-4)

@@ -96,7 +96,7 @@ class Carried:
             start = replace(system.start, weights=np.sqrt(self.data["rows"] / left))
             fit = solve_set(replace(system, start=start, solved={}), chosen)
         shares = {}
-        for use, products in (("fitted", system.fitted), ("judged", system.judged)):
+        for use, products in (("fitted", system.fitted), ("judged", system.held_out)):
             left = squared_errors(products, fit, system.start)
             shares[use] = float(np.sqrt(left.sum() / (self.squares[use].sum() or 1.0)))
         values, at = {}, self.own

@@ -30,7 +30,7 @@ COLUMNS = ("motor", "recording", "use", "error", "noise")
 class ModelErrors:
     """A model compared with recordings: how large its errors are, and where.
 
-    effects: those of the model. identified: what was fitted here, or given as a result; None where a saved model was
+    effects: those of the model. identified: what was fitted, or given as a result; None where a saved model was
     applied.
     """
 

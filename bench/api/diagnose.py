@@ -31,8 +31,8 @@ def diagnose(
 
     data: a dataset or its folder. effects: those that the model has already, each as EFFECT or EFFECT:PLACE. filters:
     settings by name, the others chosen from the data. effect_files: Python files with user-defined effects, which
-    compete as well as those that the dataset names. discover: whether laws that are in no catalogue compete too; left
-    out, where the catalogue leaves something unexplained. progress: informed how far the search is. time_limit: s,
+    compete as well as those that the dataset names. discover: whether laws that are in no catalogue compete too;
+    omitted, where the catalogue leaves something unexplained. progress: informed how far the search is. time_limit: s,
     after which the best answer so far is given, and says what was not looked at (`finished`, `unfinished`); None:
     without. Raises BenchError naming what in dataset, robot or files cannot be used.
     """

@@ -32,29 +32,29 @@ def figures(
         )
     dataset = as_dataset(data)
     if isinstance(result, ModelErrors):
-        found = figures_of_errors(result.motors, result.identified)
+        available = figures_of_errors(result.motors, result.identified)
     elif isinstance(result, Diagnosis):
-        found = figures_of(dataset_behind(dataset, result.after), result.after, result)
+        available = figures_of(dataset_behind(dataset, result.after), result.after, result)
     else:
-        found = figures_of(dataset_behind(dataset, result), result, None)
-    return tuple(write_paper_figures(Path(folder), figures_named(found, names)))
+        available = figures_of(dataset_behind(dataset, result), result, None)
+    return tuple(write_paper_figures(Path(folder), figures_named(available, names)))
 
 
-def figures_named(found: Sequence[PaperFigure], names: Sequence[str]) -> list[PaperFigure]:
+def figures_named(available: Sequence[PaperFigure], names: Sequence[str]) -> list[PaperFigure]:
     """The figures whose names begin so, all without any. Raises BenchError for a name that no figure has."""
     for name in names:
-        if not any(figure.name.startswith(name) for figure in found):
+        if not any(figure.name.startswith(name) for figure in available):
             raise BenchError(
-                f"{name}: no such figure; there are {', '.join(figure.name for figure in found)}"
+                f"{name}: no such figure; there are {', '.join(figure.name for figure in available)}"
             )
-    return [figure for figure in found if not names or figure.name.startswith(tuple(names))]
+    return [figure for figure in available if not names or figure.name.startswith(tuple(names))]
 
 
 def figures_of(dataset: Dataset, result: Identification, diagnosis: Diagnosis | None) -> list[PaperFigure]:
     """Every figure of a result, and of the diagnosis that it comes from, if any."""
     what = compared(dataset.robot, dataset.recordings, result.recordings, result.settings)
-    found = figures_of_errors(what, result)
-    return [*found, *(diagnosis_figures(diagnosis) if diagnosis is not None else [])]
+    available = figures_of_errors(what, result)
+    return [*available, *(diagnosis_figures(diagnosis) if diagnosis is not None else [])]
 
 
 def figures_of_errors(what: Compared, result: Identification | None) -> list[PaperFigure]:

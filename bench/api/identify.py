@@ -45,9 +45,9 @@ def identify(
     causes = mistaken(problem, result, prepared)
     mounted = mounted_otherwise(prepared)
     short = short_recordings(dataset.recordings, result.settings)
-    found = replace(result, findings=(*causes, *mounted, *result.findings, *short))
+    annotated = replace(result, findings=(*causes, *mounted, *result.findings, *short))
     if not physical:
-        return found
+        return annotated
     from bench.export.constrained import physically_consistent  # noqa: PLC0415 - slow, and for this alone
 
-    return physically_consistent(found, problem)
+    return physically_consistent(annotated, problem)

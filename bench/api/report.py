@@ -27,7 +27,7 @@ Result = Identification | Diagnosis | ModelErrors | SavedModel
 
 @dataclass(frozen=True, repr=False)
 class Report:
-    """A result, told: `print(report)`, or shown at the end of a notebook's cell. verbose: the complete report."""
+    """A result in words: `print(report)`, or shown at the end of a notebook's cell. verbose: the complete report."""
 
     result: Result
     verbose: bool = False

@@ -102,10 +102,10 @@ def hermite_weights(share: FloatArray) -> FloatArray:
 
 def _equations(step: Given) -> tuple[Given, Given, Given]:
     """Diagonals below, on and above that of the equations for a spline's slopes, of steps (K - 1,)."""
-    own = np.concatenate((step[1:2], 2.0 * (step[:-1] + step[1:]), step[-2:-1]))
+    diagonal = np.concatenate((step[1:2], 2.0 * (step[:-1] + step[1:]), step[-2:-1]))
     below = np.append(step[1:], step[-1] + step[-2])
     above = np.concatenate(([step[0] + step[1]], step[:-1]))
-    return below, own, above
+    return below, diagonal, above
 
 
 @lru_cache(maxsize=64)

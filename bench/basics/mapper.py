@@ -20,7 +20,7 @@ class Mapper(Protocol):
 
 
 class _InTurn:
-    """In this process."""
+    """A mapper that works in this process."""
 
     def map(
         self, work: Callable[[Shared, Item], Result], shared: Shared, items: Sequence[Item]

@@ -19,5 +19,5 @@ def typed() -> str:
     name, called = called_as(), Path(sys.argv[0])
     if called.stem != name or not called.is_file():  # `python -m bench`, or called from Python
         return name
-    found = shutil.which(name)
-    return name if found is not None and Path(found).samefile(called) else quoted(called)
+    on_path = shutil.which(name)
+    return name if on_path is not None and Path(on_path).samefile(called) else quoted(called)

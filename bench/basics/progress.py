@@ -4,7 +4,7 @@ from typing import Protocol
 
 
 class Progress(Protocol):
-    """Told which phase of the work begins, and of every step of it."""
+    """Called with the phase of the work that begins, and of every step of it."""
 
     def phase(self, name: str, total: int | None = None) -> None:
         """A phase begins, of `total` steps; None: nobody knows how many."""

@@ -120,9 +120,9 @@ def cli() -> None:
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command `bench` and return its exit code.
 
-    `arguments` are the words after `bench`; the process's own if None.
+    `arguments` are the words after `bench`; the process's if None.
     0: done. 2: a mistake in what the user gave, reported in one line on standard error.
-    130 and 143: interrupted or terminated; files that were being written are left as they were.
+    130 and 143: interrupted or terminated; files that were being written keep their content.
     A reader of standard output who leaves early changes nothing of this.
     """
     os.environ.setdefault(

@@ -111,7 +111,7 @@ def _of_one(
         )
         result = errors.identified
         if result is None and model_file is not None:
-            result = load_model(model_file).beside(data, errors.recordings)
+            result = load_model(model_file).applied_to(data, errors.recordings)
         _draw(output, errors.motors, result, data, run, model_file, written)
 
     take_all(

@@ -117,7 +117,7 @@ class _Outcome:
         self.laws: list[Path] = []
 
     def write_laws(self, model: Path | None) -> None:
-        """Write discovered laws next to the model file; from here on the diagnosis names their files."""
+        """Write discovered laws next to the model file; from then on the diagnosis names their files."""
         if model is None:
             return
         from bench.diagnosis.discovery.written import write_laws

@@ -84,7 +84,7 @@ def discriminate(
         from bench.dataset.dataset import load_dataset
         from bench.excitation.discrimination.discriminate import discriminate as run
         from bench.excitation.discrimination.figure import write_discrimination_figure
-        from bench.excitation.discrimination.files import Told, check_folder, write_discrimination
+        from bench.excitation.discrimination.files import CommandLines, check_folder, write_discrimination
         from bench.identification.problem import problem_of
         from bench.page.section_run import CommandRun
 
@@ -111,11 +111,11 @@ def discriminate(
         }
         run_of = CommandRun("discriminate", str(dataset), effects, files, {**given, **motion}, str(output))
         words = ["bench", "discriminate", str(dataset), effect_a, effect_b, *run_of.option_words()]
-        own = data.robot.folder.resolve()
-        built_in = [name for name, folder in built_in_robots().items() if folder.resolve() == own]
-        robot = quoted(built_in[0] if built_in else own)
-        told = Told(" ".join(map(quoted, words)), run_diagnosis.line(), quoted(dataset), robot)
-        paths = write_discrimination(output, answer, write_discrimination_figure, rate=rate, told=told)
+        robot_folder = data.robot.folder.resolve()
+        built_in = [name for name, folder in built_in_robots().items() if folder.resolve() == robot_folder]
+        robot = quoted(built_in[0] if built_in else robot_folder)
+        context = CommandLines(" ".join(map(quoted, words)), run_diagnosis.line(), quoted(dataset), robot)
+        paths = write_discrimination(output, answer, write_discrimination_figure, rate=rate, commands=context)
     from rich.console import Console
     from rich.text import Text
 

@@ -159,7 +159,7 @@ def excite(
             problem = problem_of(data, effects, effect_files=effect_files)
             plan = plan_after(problem, table, aim, mapper=mapper, progress=progress)
         progress.phase("predicting the standard errors")
-        told = forecast(plan, gain_accuracy)
+        prediction = forecast(plan, gain_accuracy)
         rehearsal = rehearse(plan, progress=progress)
         progress.phase("writing the motions")
 
@@ -167,8 +167,8 @@ def excite(
             motions = {recording.name: recording.trajectory for recording in plan.recordings}
             write_planned_rrd(path, plan.robot, motions)
 
-        write_plan(output, plan, told, {PICTURE: write_plan_figure, VIEW: view}, rehearsal.drive)
-    for sentence in [*sentences(plan, told), rehearsal_sentence(rehearsal)]:
+        write_plan(output, plan, prediction, {PICTURE: write_plan_figure, VIEW: view}, rehearsal.drive)
+    for sentence in [*sentences(plan, prediction), rehearsal_sentence(rehearsal)]:
         if sentence:
             click.echo(sentence)
     say([wrote(output, "tables, coefficients, scenario, pictures, forecast")])

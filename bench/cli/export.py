@@ -53,7 +53,7 @@ def export(
     from bench.export.identified import load_identified
     from bench.export.mjcf import write_mjcf
     from bench.export.physical import physical_set
-    from bench.export.placed import left_lines
+    from bench.export.placed import not_placed_lines
     from bench.export.sidecar import sidecar, write_sidecar
     from bench.export.tables import write_csv, write_yaml
     from bench.export.urdf import write_urdf
@@ -62,29 +62,29 @@ def export(
         raise click.UsageError("--payload needs --to mjcf or --to c")
     identified = load_identified(model, robot, effect_files)
     step = after_export(model, form, output, effect_files)
-    told: list[str] = []
+    messages: list[str] = []
     if form == "c":
         lines, written = list(write_c(output, identified, payload)), [output]
     else:
         physical = physical_set(identified, use_cad=cad)
         if physical.contradiction is not None and not nearest:
             raise BenchError(f"{model}: {physical.contradiction.words()}; --nearest writes them anyway")
-        told.append(_bodies_line(physical.distance, physical.prior))
+        messages.append(_bodies_line(physical.distance, physical.prior))
         if physical.guessed:
-            told.append(f"No mass in the MJCF, treated as bars: {', '.join(physical.guessed)}")
+            messages.append(f"No mass in the MJCF, treated as bars: {', '.join(physical.guessed)}")
         shared = [effect.instance.request for effect in identified.effects if effect.instance.recording]
-        told += [f"Mean of the values of the recordings: {request}" for request in dict.fromkeys(shared)]
+        messages += [f"Mean of the values of the recordings: {request}" for request in dict.fromkeys(shared)]
         lines, written = [], [output]
         if form == "mjcf":
             exported = write_mjcf(output, physical, payload)
-            lines = left_lines(exported.placed.left)
-            told += [f"Changed: {line}" for line in exported.changed]
+            lines = not_placed_lines(exported.placed.not_placed)
+            messages += [f"Changed: {line}" for line in exported.changed]
             written.append(write_sidecar(output, sidecar(physical, exported)))
         elif form == "urdf":
             lines = list(write_urdf(output, physical).not_held)
         else:
             (write_csv if form == "csv" else write_yaml)(output, physical)
-    for line in (*told, *(f"Not held: {line}" for line in lines)):
+    for line in (*messages, *(f"Not held: {line}" for line in lines)):
         click.echo(line)
     say([*map(wrote, written), *step])
 

@@ -92,7 +92,7 @@ def identify(  # noqa: PLR0913, PLR0917 - an argument for each option
     from bench.identification.finding import MEND_FIRST
     from bench.identification.model_file import model_json
     from bench.residuals.motor import compared
-    from bench.residuals.next_step import left_over
+    from bench.residuals.next_step import remaining_errors
 
     data = load_dataset(dataset)
     given = given_filters(**filters)
@@ -146,7 +146,7 @@ def identify(  # noqa: PLR0913, PLR0917 - an argument for each option
         what = compared(data.robot, data.recordings, result.recordings, result.settings)
         mend = any(finding.code in MEND_FIRST for finding in result.findings)
         step = _next(what, dataset, effects, effect_files, given, json_file, mend=mend)
-        say([*left_over(what), *written, step])
+        say([*remaining_errors(what), *written, step])
 
     take_all(
         answer,

@@ -141,7 +141,7 @@ def import_log(
     from bench.dataset.logs.mapping_file import import_mapping
 
     if mapping_file is not None:
-        _refuse_beside_mapping(context)
+        _refuse_with_mapping(context)
         folder = output or Path(mapping_file.stem)
         with shown_progress(quiet) as progress:
             imported = import_mapping(mapping_file, folder, replace=options["replace"], progress=progress)
@@ -172,8 +172,8 @@ def _said_once(notes: Sequence[tuple[Path, str]]) -> list[str]:
     ]
 
 
-def _refuse_beside_mapping(context: click.Context) -> None:
-    """A mapping file says it all, but for where it goes and how the command speaks."""
+def _refuse_with_mapping(context: click.Context) -> None:
+    """A mapping file says it all, except for where it goes and how the command speaks."""
     for option in context.command.params:
         given = context.get_parameter_source(option.name or "") is not click.core.ParameterSource.DEFAULT
         if given and option.name not in BESIDE_MAPPING:

@@ -16,7 +16,7 @@ from bench.truth.simulate import Simulation
 from bench.viewer.context import KnownTruth
 
 
-def truth_beside(dataset: Dataset) -> dict[str, Any] | None:
+def truth_next_to(dataset: Dataset) -> dict[str, Any] | None:
     """The content of the truth file next to a dataset's folder; None where there is none, as of a real robot."""
     path = truth_path(dataset.folder)
     if not path.is_file():

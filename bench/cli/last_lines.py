@@ -32,7 +32,7 @@ def next_line(words: Sequence[str | Path], why: str = "") -> str:
 
 
 def say(lines: Sequence[str]) -> None:
-    """Print the last lines, except those about standard output; a next command as it is typed here."""
+    """Print the last lines, except those about standard output; a next command as it is typed."""
     for line in lines:
         if not line.startswith(f"wrote {STANDARD_OUTPUT} "):
             click.echo(_as_typed(line))
@@ -45,8 +45,8 @@ def _as_typed(line: str) -> str:
     return line.replace("next: bench ", f"next: {typed()} ", 1) if line.startswith("next: bench ") else line
 
 
-def quiet_here(context: click.Context, _option: click.Parameter, quiet: bool) -> bool:
-    """Let nothing but errors be printed, if that is asked for."""
+def set_quiet(context: click.Context, _option: click.Parameter, quiet: bool) -> bool:
+    """Print only errors, if that is asked for."""
     if quiet:
         _standard_output(context)
         context.meta[_QUIET] = True
@@ -106,11 +106,11 @@ def after_diagnosis(
 
     if any(finding.code in MEND_FIRST for finding in diagnosis.after.findings):
         return f"next: {again}    {AGAIN}"
-    found = diagnosis.missing or diagnosis.discovered
-    if found and model is not None:
+    missing = diagnosis.missing or diagnosis.discovered
+    if missing and model is not None:
         files = [word for file in effect_files for word in ("--effect-file", file)]
         return next_line(["compare", dataset, "--model", model, *files], "shows the remaining error")
-    if found:
+    if missing:
         return f"next: {again} --apply model.json    writes the model with the missing effects"
     doubtful = [
         verdict

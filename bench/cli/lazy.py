@@ -7,7 +7,7 @@ from typing import Any
 
 import click
 
-from bench.cli.last_lines import quiet_here
+from bench.cli.last_lines import set_quiet
 from bench.cli.progress import QUIET
 
 
@@ -38,7 +38,7 @@ def _may_be_quiet(command: click.Command) -> None:
             _may_be_quiet(member)
     elif not any(parameter.name == "quiet" for parameter in command.params):
         quiet = ["-q", "--quiet"]
-        option = click.Option(quiet, is_flag=True, callback=quiet_here, help=QUIET, expose_value=False)
+        option = click.Option(quiet, is_flag=True, callback=set_quiet, help=QUIET, expose_value=False)
         command.params.append(option)
 
 

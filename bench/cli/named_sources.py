@@ -8,7 +8,7 @@ from typing import Any
 import click
 
 from bench.basics.errors import BenchError
-from bench.cli.known_truth import known_of, simulated_again, truth_beside, truth_of
+from bench.cli.known_truth import known_of, simulated_again, truth_next_to, truth_of
 from bench.dataset.dataset import Dataset, load_dataset, refuse_log
 from bench.dataset.names import DATASET_FILE
 from bench.diagnosis.result import Diagnosis, LadderStep
@@ -78,7 +78,7 @@ def answer_of(source: Path, asked: ViewRequest) -> tuple[Dataset, Identification
     """
     if source.is_dir() and (source / RUN_FILE).is_file():
         saved = _read(source)
-        return saved.judged, saved.after, saved.diagnosis
+        return saved.with_held_out, saved.after, saved.diagnosis
     if source.is_dir() and is_sweep_folder(source):
         raise BenchError(f"{source}: a sweep; `bench plot` draws its figures")
     if source.is_file():
@@ -135,8 +135,10 @@ def _of_result(saved: SavedRun, asked: ViewRequest) -> ViewedRun:
     dataset, after, diagnosis = saved.dataset, saved.after, saved.diagnosis
     if diagnosis is None:
         return ViewedRun(after.robot, after, dataset, _context(dataset, after, (), "", truth=asked.truth))
-    judged = saved.judged
-    problem = replace(saved.problem, dataset=judged, filters=after.settings, fit_gains=after.gains_fitted)
+    with_held_out = saved.with_held_out
+    problem = replace(
+        saved.problem, dataset=with_held_out, filters=after.settings, fit_gains=after.gains_fitted
+    )
     rungs = [_requests(diagnosis, rung) for rung in diagnosis.ladder]
     words = step_labels(rungs)
     steps = []
@@ -146,15 +148,15 @@ def _of_result(saved: SavedRun, asked: ViewRequest) -> ViewedRun:
             recordings = fit(prepare(replace(problem, effects=rung))).recordings
         steps.append(LadderModel(word, recordings))
     text = diagnosis_markdown(diagnosis)
-    context = _context(judged, after, tuple(steps), text, truth=asked.truth, logged=dataset)
-    return ViewedRun(after.robot, after, judged, replace(context, label=words[-1]))
+    context = _context(with_held_out, after, tuple(steps), text, truth=asked.truth, logged=dataset)
+    return ViewedRun(after.robot, after, with_held_out, replace(context, label=words[-1]))
 
 
 def _requests(diagnosis: Diagnosis, rung: LadderStep) -> tuple[str, ...]:
     """The effects of a rung's model where the identified model has them, and those that the model had before."""
-    own = diagnosis.before.effects
-    added = [effect for effect in diagnosis.after.effects if effect not in own]
-    return (*own, *(name for name in added if {name, name.partition(":")[0]} & {*rung.effects}))
+    initial = diagnosis.before.effects
+    added = [effect for effect in diagnosis.after.effects if effect not in initial]
+    return (*initial, *(name for name in added if {name, name.partition(":")[0]} & {*rung.effects}))
 
 
 def _of_sweep(folder: Path, asked: ViewRequest) -> list[ViewedRun]:
@@ -196,7 +198,7 @@ def _context(
     known: Mapping[str, KnownTruth] = {}
     values = None
     logged = logged or dataset
-    content = truth_beside(logged) if truth else None
+    content = truth_next_to(logged) if truth else None
     if content is not None:
         simulation = simulated_again(logged, content)
         if simulation is not None:

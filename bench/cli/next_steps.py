@@ -33,7 +33,7 @@ class Source:
 
     @property
     def dataset(self) -> Path | None:
-        """Its own folder, where it is a dataset; of a model, the recordings that it is shown with."""
+        """The folder of the source, where it is a dataset; of a model, the recordings that it is shown with."""
         from bench.dataset.names import DATASET_FILE
 
         if self.path.name == DATASET_FILE or (self.path / DATASET_FILE).is_file():
@@ -56,7 +56,7 @@ def after_looking(source: Source) -> str:
     if data == source.path:
         return f"next: {source.command('compare', data)}    shows where the model fails"
     if data is not None:
-        return _beside(source, data)
+        return _compared(source, data)
     if is_sweep_folder(source.path):
         return next_line(["table", source.path], "summarises all runs by axis")
     return next_line(["figures", source.path], "lists figures for papers")
@@ -79,7 +79,7 @@ def after_figures(source: Source) -> str:
     if data == source.path:
         return f"next: {source.command('diagnose', data)}    names the physical effect that the model lacks"
     if data is not None:
-        return _beside(source, data)
+        return _compared(source, data)
     return next_line(["view", source.path], "shows the robot in motion")
 
 
@@ -141,7 +141,7 @@ def after_replay(dataset: Path, model: Path, film: Path | None, options: Sequenc
     return next_line(words, "writes a recording for the viewer")
 
 
-def _beside(source: Source, data: Path) -> str:
+def _compared(source: Source, data: Path) -> str:
     words = ["compare", data, "--model", source.path, *_files(source.effect_files)]
     return next_line(words, "shows where the model fails")
 

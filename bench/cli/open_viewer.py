@@ -9,8 +9,8 @@ from pathlib import Path
 
 def open_viewer(path: Path) -> str:
     """Open a recording in a separate window that outlives the command; says what was done, or what to do."""
-    beside = Path(sys.executable).with_name("rerun")
-    program = str(beside) if beside.is_file() else shutil.which("rerun")
+    installed = Path(sys.executable).with_name("rerun")
+    program = str(installed) if installed.is_file() else shutil.which("rerun")
     if program is None:
         return f"The program rerun is not on the path; open it with: rerun {path}"
     if sys.platform.startswith("linux") and not (

@@ -45,12 +45,12 @@ class Numbers(click.ParamType[tuple[float, ...]]):
         if isinstance(value, tuple):  # a default that is split already
             return value
         try:
-            found = tuple(float(part) for part in str(value).split(","))
+            numbers = tuple(float(part) for part in str(value).split(","))
         except ValueError:
-            found = ()
-        if len(found) != self.count or not all(map(math.isfinite, found)):
+            numbers = ()
+        if len(numbers) != self.count or not all(map(math.isfinite, numbers)):
             self.fail(f"{value!r} is not {self.count} numbers with commas between them", param, ctx)
-        return found
+        return numbers
 
 
 def number_or_word(text: str) -> float | str:

@@ -9,7 +9,7 @@ from typing import Any
 import click
 
 from bench.basics.progress import SILENT, Progress
-from bench.cli.last_lines import quiet_here
+from bench.cli.last_lines import set_quiet
 
 QUIET = "Print nothing but errors, and show no progress."
 
@@ -17,8 +17,8 @@ _elsewhere: ContextVar[Progress | None] = ContextVar("progress shown elsewhere",
 
 
 def quiet_option(command: Callable[..., Any]) -> Callable[..., Any]:
-    """Show no progress, and print nothing but errors."""
-    return click.option("-q", "--quiet", is_flag=True, callback=quiet_here, help=QUIET)(command)
+    """Show no progress, and print only errors."""
+    return click.option("-q", "--quiet", is_flag=True, callback=set_quiet, help=QUIET)(command)
 
 
 @contextmanager

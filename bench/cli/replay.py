@@ -106,12 +106,12 @@ def replay(
         from bench.viewer.context import SimulatedPoses, ViewContext
         from bench.viewer.recording import write_rrd
 
-        told = replace(saved, method="twin", recordings=result.twin.recordings, error=result.twin.error)
+        shown = replace(saved, method="twin", recordings=result.twin.recordings, error=result.twin.error)
         simulated = {
             name: SimulatedPoses(motion.time, motion.poses) for name, motion in result.motions.items()
         }
         text = "\n\n".join(["In outline: the twin, as MuJoCo simulates it.", *replay_sentences(result)])
-        write_rrd(rrd_file, told, data, context=ViewContext(simulated=simulated, text=text))
+        write_rrd(rrd_file, shown, data, context=ViewContext(simulated=simulated, text=text))
         written.append(wrote(rrd_file, "recording"))
     replay_report(result, Console())
     options = [

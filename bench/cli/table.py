@@ -35,5 +35,5 @@ def table(folder: Path, axes: tuple[str, ...], metrics: tuple[str, ...]) -> None
     print_summary(summary, table_console())
     pooled = pooled_axes(runs, axes)
     values = ", ".join(f"{name} ({plural(count, 'value')})" for name, count in pooled.items())
-    told = [f"values of {values} are pooled; --by separates them"] if pooled else []
-    say([*told, wrote(path, "summary"), after_table(folder, axes, metrics, tuple(pooled))])
+    messages = [f"values of {values} are pooled; --by separates them"] if pooled else []
+    say([*messages, wrote(path, "summary"), after_table(folder, axes, metrics, tuple(pooled))])

@@ -18,11 +18,11 @@ def catalogue_folder(kind: str) -> Path:
 
 def built_in_robots() -> Mapping[str, Path]:
     """Name -> folder of every built-in robot, sorted by name."""
-    found = sorted(catalogue_folder("robots").glob("*/robot.toml"))
-    return {description.parent.name: description.parent for description in found}
+    descriptions = sorted(catalogue_folder("robots").glob("*/robot.toml"))
+    return {description.parent.name: description.parent for description in descriptions}
 
 
 def built_in_scenarios() -> Mapping[str, Path]:
     """Name -> TOML file of every built-in scenario, sorted by name."""
-    found = sorted(catalogue_folder("scenarios").glob("*.toml"))
-    return {path.stem: path for path in found}
+    paths = sorted(catalogue_folder("scenarios").glob("*.toml"))
+    return {path.stem: path for path in paths}

@@ -62,11 +62,11 @@ def references(recording: Recording, joints: Sequence[str]) -> Array:
         raise BenchError(
             f"{recording.name}: no column {', '.join(missing)} with the reference that the controller follows"
         )
-    found = np.column_stack([recording.extra[name] for name in columns])
-    if not np.isfinite(found).all():
-        late, joint = np.argwhere(~np.isfinite(found))[0]
+    values = np.column_stack([recording.extra[name] for name in columns])
+    if not np.isfinite(values).all():
+        late, joint = np.argwhere(~np.isfinite(values))[0]
         raise BenchError(f"{recording.name}: column {columns[joint]}, sample {late + 1}: not a number")
-    return found
+    return values
 
 
 def _per_joint(path: Path, key: str, value: float | Mapping[str, float], joints: Sequence[str]) -> Array:

@@ -26,17 +26,17 @@ class RecordingEntry:
 
 def payload_keys(payload: Payload) -> dict[str, float | list[float]]:
     """The given values of a payload, under the keys of its table."""
-    told: dict[str, float | list[float]] = {} if payload.mass is None else {"mass": float(payload.mass)}
+    keys: dict[str, float | list[float]] = {} if payload.mass is None else {"mass": float(payload.mass)}
     for key, values in (("center_of_mass", payload.center_of_mass), ("inertia", payload.inertia)):
         if values is not None:
-            told[key] = np.asarray(values, dtype=np.float64).tolist()
-    return told
+            keys[key] = np.asarray(values, dtype=np.float64).tolist()
+    return keys
 
 
 def edited(text: str, entries: Sequence[RecordingEntry], payloads: Sequence[Payload]) -> str:
-    """The dataset.toml `text` in which recordings and payloads that it has already are as told here.
+    """The dataset.toml `text` in which recordings and payloads that it has already are as given.
 
-    A recording's place in the list stays; its windows go. Of a payload, what is not told stays.
+    A recording's place in the list stays; its windows go. Of a payload, what is not given stays.
     """
     if not (entries or payloads):
         return text
@@ -52,13 +52,13 @@ def edited(text: str, entries: Sequence[RecordingEntry], payloads: Sequence[Payl
 
 
 def _set(table: Any, entry: RecordingEntry) -> None:
-    told: Mapping[str, Any] = {
+    keys: Mapping[str, Any] = {
         "use": entry.use,
         "payload": entry.payload,
         "accept": list(entry.accept) or None,
         **dict.fromkeys(OF_THE_OLD),
     }
-    for key, value in told.items():
+    for key, value in keys.items():
         if value is not None:
             table[key] = value
         elif key in table:

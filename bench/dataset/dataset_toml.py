@@ -117,7 +117,7 @@ def extended_toml(
 ) -> str:
     """The dataset.toml of `folder` with recordings added, comments and all; a new one where there is none.
 
-    A payload that is defined already as it is stated here is the same one. replace: recordings and payloads that are
+    A payload that is defined already with the same values is the same one. replace: recordings and payloads that are
     there already become those that are given.
 
     Errors: BenchError when the dataset is of another robot, lists the recording, lacks the payload, or has another
@@ -143,7 +143,7 @@ def extended_toml(
     changed = [
         payload
         for payload in payloads
-        if payload.name in defined and not _told_already(defined[payload.name], payload)
+        if payload.name in defined and not _same_as_defined(defined[payload.name], payload)
     ]
     for payload in payloads:
         if (fault := payload_fault(payload)) is not None:
@@ -180,14 +180,14 @@ def _check_free(folder: Path, entry: RecordingEntry, replaced: set[str], *, list
     )
 
 
-def _told_already(spec: PayloadSpec, payload: Payload) -> bool:
+def _same_as_defined(spec: PayloadSpec, payload: Payload) -> bool:
     """Whether the given values of a payload are those in dataset.toml."""
     known = spec.model_dump()
     return all(known[key] == value for key, value in payload_keys(payload).items())
 
 
 def _differing(spec: PayloadSpec, payload: Payload) -> str:
-    """In which number a payload differs, in words."""
+    """The number in which a payload differs, in words."""
     if payload.mass is None or spec.mass == payload.mass:
         return " with other numbers"
     before = "no mass" if spec.mass is None else f"{spec.mass:g} kg"

@@ -13,21 +13,21 @@ from bench.dataset.recording_checks import LIMIT_SLACK, Array, Fault
 
 def exchanged(positions: Mapping[str, Array], joints: Sequence[JointFacts]) -> dict[str, JointFacts]:
     """Joint -> the one in whose range its positions lie, of each two joints whose positions lie in each other's ranges
-    and not in their own. positions: (N,) by joint, rad or m.
+    and not in their joint's. positions: (N,) by joint, rad or m.
     """
-    found: dict[str, JointFacts] = {}
+    by_name: dict[str, JointFacts] = {}
     there = [joint for joint in joints if joint.name in positions]
     for first, second in combinations(there, 2):
         ours, theirs = positions[first.name], positions[second.name]
         if _inside(ours, first) or _inside(theirs, second):
             continue
         if _inside(ours, second) and _inside(theirs, first):
-            found |= {first.name: second, second.name: first}
-    return found
+            by_name |= {first.name: second, second.name: first}
+    return by_name
 
 
 def exchange_fault(other: JointFacts) -> Fault:
-    """What is said of a column that lies in another joint's range, whose column lies in its own."""
+    """What is said of a column that lies in another joint's range, whose column lies in this one's."""
     return Fault(
         "limits",
         None,

@@ -14,11 +14,11 @@ LIGHT = 5.0  # kg: lighter payloads are nothing to ask about, whatever an MJCF s
 
 @dataclass(frozen=True)
 class HeavyPayload:
-    """What is asked about. mass: as declared, kg; own: of the robot's bodies in its MJCF, kg."""
+    """What is asked about. mass: as declared, kg; robot_mass: of the robot's bodies in its MJCF, kg."""
 
     name: str
     mass: float
-    own: float
+    robot_mass: float
 
     @property
     def if_grams(self) -> float:
@@ -29,8 +29,8 @@ class HeavyPayload:
     def words(self) -> str:
         """The question."""
         return (
-            f"the payload {self.name} of {self.mass:g} kg is far heavier than the robot ({self.own:.3g} kg in its "
-            f"MJCF): is that in grams, {self.if_grams:g} kg?"
+            f"the payload {self.name} of {self.mass:g} kg is far heavier than the robot ({self.robot_mass:.3g} kg in "
+            f"its MJCF): is that in grams, {self.if_grams:g} kg?"
         )
 
 
@@ -38,8 +38,8 @@ def heavy_payload(payload: Payload, robot: Robot) -> HeavyPayload | None:
     """Whether a payload's mass is one to ask about; None where it is not, or not known."""
     if payload.mass is None or payload.mass <= LIGHT:
         return None
-    own = float(robot.mjcf_model().body_mass.sum())
-    return HeavyPayload(payload.name, payload.mass, own) if payload.mass > HEAVY * own else None
+    robot_mass = float(robot.mjcf_model().body_mass.sum())
+    return HeavyPayload(payload.name, payload.mass, robot_mass) if payload.mass > HEAVY * robot_mass else None
 
 
 def doubted(

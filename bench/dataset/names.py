@@ -1,6 +1,6 @@
 """Names that files and options give: files of a dataset and a robot, and what a recording or motor may be declared as.
 
-Nothing is imported here, so that what only needs a name starts without numpy and MuJoCo.
+This module imports nothing, so that what only needs a name starts without numpy and MuJoCo.
 """
 
 from typing import Literal

@@ -55,7 +55,7 @@ class Recording:
 
     @property
     def log(self) -> str:
-        """The log, by name, to which it belongs: what is a log's own is that of all its parts."""
+        """The log, by name, to which it belongs: what belongs to a log is that of all its parts."""
         return self.part_of or self.name
 
     @property

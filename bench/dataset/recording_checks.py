@@ -73,17 +73,17 @@ class Channel:
 def find(channel: Channel, accepted: frozenset[str] = frozenset()) -> list[Fault]:
     """What all checks find in a channel, the accepted ones aside; at most one finding each.
 
-    In another unit everything is beyond its limits, which is not told then.
+    In another unit everything is beyond its limits, which is not reported then.
     """
     catalogue = CURRENT_CHECKS if channel.joint is None else POSITION_CHECKS
-    found = (check(channel) for name, check in catalogue.items() if name not in accepted)
-    findings = [finding for finding in found if finding is not None]
-    beside = "limits" if any(finding.check == "units" for finding in findings) else ""
-    return [finding for finding in findings if finding.check != beside]
+    checked = (check(channel) for name, check in catalogue.items() if name not in accepted)
+    findings = [finding for finding in checked if finding is not None]
+    superseded = "limits" if any(finding.check == "units" for finding in findings) else ""
+    return [finding for finding in findings if finding.check != superseded]
 
 
 def constant(channel: Channel) -> Fault | None:
-    """A signal that never changes; a position that shows nothing but noise."""
+    """A signal that never changes; a position that shows only noise."""
     values = channel.values
     span = np.ptp(values)
     if span == 0.0:
@@ -99,8 +99,8 @@ def position_units(channel: Channel) -> Fault | None:
     """Degrees for radians, millimetres for metres: far from the joint's range, and within it once divided; or too
     small, and within it once multiplied: a scale that was given in vain.
 
-    A joint without a range is judged by its speed, and for a hinge by how many turns away it is; a motor's own
-    position before a gear, which turns as often and as fast as the gear lets it, is not.
+    A joint without a range is judged by its speed, and for a hinge by how many turns away it is; a motor's position
+    before a gear, which turns as often and as fast as the gear lets it, is not.
     """
     joint, values = _joint(channel), channel.values
     right = "radians" if joint.kind == "hinge" else "metres"
@@ -217,8 +217,8 @@ def current_spikes(channel: Channel) -> Fault | None:
 
 
 def _excursion_alone(distance: Array, k: int) -> bool:
-    beside = [distance[i] for i in (k - 1, k + 1) if 0 <= i < distance.size]
-    return bool(max(beside) < distance[k] / 5.0)
+    neighbours = [distance[i] for i in (k - 1, k + 1) if 0 <= i < distance.size]
+    return bool(max(neighbours) < distance[k] / 5.0)
 
 
 def frozen(channel: Channel) -> Fault | None:

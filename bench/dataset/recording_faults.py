@@ -27,28 +27,28 @@ def faults_of(
     """Every fault of a recording of the driven `joints`: cells that are no number, then the time, then the signals.
 
     A column that is not in the table is passed over. Every check of bench.dataset.sampling and
-    bench.dataset.recording_checks runs, but for the accepted ones.
+    bench.dataset.recording_checks runs, except for the accepted ones.
     """
-    found: list[RecordingFaultError] = []
-    time = _read(table, "time", found)
+    faults: list[RecordingFaultError] = []
+    time = _read(table, "time", faults)
     signals: dict[str, tuple[np.ndarray, JointFacts]] = {}
     for kind in ("position", "current"):
         for joint in joints:
             column = f"{kind}.{joint.name}"
             if column not in table.columns:
                 continue
-            values = _read(table, column, found, time)
+            values = _read(table, column, faults, time)
             if values is not None:
                 signals[column] = values, joint
     if time is None:
-        return found
+        return faults
     fault = time_fault(time)
     if fault is not None:
         cure = f"; {_between_gaps(time)}" if fault.gap else _imported(fault.remedy)
         said = f"{table.place('time', fault.row)}: {fault.what}"
-        found.append(RecordingFaultError(said, cure, fault.remedy, column="time"))
+        faults.append(RecordingFaultError(said, cure, fault.remedy, column="time"))
     if fault is not None and fault.row is None and fault.remedy not in SECONDS:
-        return found  # of no known rate
+        return faults  # of no known rate
     positions = {
         joint.name: values
         for column, (values, joint) in signals.items()
@@ -56,15 +56,15 @@ def faults_of(
     }
     swapped = exchanged(positions, joints)
     for column, (values, joint) in signals.items():
-        findings = judged(column, values, time, joint, fault, accepted)
+        findings = faults_in(column, values, time, joint, fault, accepted)
         if column.startswith("position."):
             findings = without_exchange(findings, swapped.get(joint.name))
-        found += [_told(table, column, finding) for finding in findings]
-    return found
+        faults += [_fault_of(table, column, finding) for finding in findings]
+    return faults
 
 
 def _read(
-    table: FileTable, column: str, found: list[RecordingFaultError], time: np.ndarray | None = None
+    table: FileTable, column: str, faults: list[RecordingFaultError], time: np.ndarray | None = None
 ) -> np.ndarray | None:
     """A column of measurements; None where it has a cell that is none, which is among the faults then."""
     try:
@@ -72,13 +72,13 @@ def _read(
             return table.finite(column, lambda bad: _removed(bad, table.data.num_rows))
         return table.finite(column, None if time is None else partial(_left_out, time))
     except RecordingFaultError as fault:
-        found.append(fault)
+        faults.append(fault)
     except BenchError as error:
-        found.append(RecordingFaultError(str(error), column=column))
+        faults.append(RecordingFaultError(str(error), column=column))
     return None
 
 
-def judged(
+def faults_in(
     column: str,
     values: np.ndarray,
     time: np.ndarray,
@@ -113,7 +113,7 @@ def _longest(time: np.ndarray) -> tuple[int, int]:
     return max(pairwise([0, *cut_rows(time).tolist(), time.size]), key=lambda piece: piece[1] - piece[0])
 
 
-def _told(table: FileTable, column: str, finding: Fault) -> RecordingFaultError:
+def _fault_of(table: FileTable, column: str, finding: Fault) -> RecordingFaultError:
     accept = f" (accept = [{finding.check!r}] under its file name if that is intended)".replace("'", '"')
     said = f"{table.place(column, finding.row)}: {finding.what}"
     return RecordingFaultError(

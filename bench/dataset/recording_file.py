@@ -65,7 +65,7 @@ def recording_from_table(
 
     The redundant motors' joints come last; their positions, which the others give, are kept among
     the extra columns.
-    Every check of bench.dataset.sampling and bench.dataset.recording_checks runs, but for the accepted ones.
+    Every check of bench.dataset.sampling and bench.dataset.recording_checks runs, except for the accepted ones.
 
     Errors: RecordingFaultError "FILE: column COLUMN, line N: ..." for the first fault, which holds all others; a
     BenchError where columns are missing.
@@ -87,8 +87,18 @@ def recording_from_table(
     if first == n:
         return Recording(name, use, payload, time, position, current, extra, held=held)
     extra |= {position_column(joints[j].name): position[:, j] for j in range(first, n)}
-    own, theirs = (np.ascontiguousarray(values[:, :first]) for values in (position, current))
-    return Recording(name, use, payload, time, own, theirs, extra, redundant=current[:, first:], held=held)
+    positions, currents = (np.ascontiguousarray(values[:, :first]) for values in (position, current))
+    return Recording(
+        name,
+        use,
+        payload,
+        time,
+        positions,
+        currents,
+        extra,
+        redundant=current[:, first:],
+        held=held,
+    )
 
 
 def _check_columns(table: FileTable, needed: Sequence[str]) -> None:

@@ -31,7 +31,7 @@ class Actuator:
     """A motor: torque (hinge) or force (slide) = gain * current reference, at what it drives.
 
     drives: a joint of the MJCF; or a fixed tendon, or an actuator of the file with its gear, for which `robot_model`
-    has a joint of the motor's own.
+    has a separate joint for the motor.
     """
 
     joint: str

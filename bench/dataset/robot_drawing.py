@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 ROUNDING = 1e-5  # m or rad: what the rounding of a drawing leaves open; a wider gap is a mistake
 CLOSED = 1e-9  # m or rad: a smaller gap is none
 DEPENDENT = (
-    1e-4  # of the largest singular value: equations below repeat others, but for the slack of drawings
+    1e-4  # of the largest singular value: equations below repeat others, except for the slack of drawings
 )
 POSES, MANY_POSES = 10, 60  # at which loops are compared; at which they are made to agree
 STEP = 0.1  # rad or m: of the free motions from one pose to the next
@@ -31,7 +31,7 @@ SEED = 20120607
 
 @dataclass(frozen=True)
 class _Closures:
-    """A compiled file with nothing but its equalities, and scratch space."""
+    """A compiled file with only its equalities, and scratch space."""
 
     model: mujoco.MjModel
     data: mujoco.MjData
@@ -147,8 +147,8 @@ def _with_agreeing_loops(spec: mujoco.MjSpec, home: np.ndarray) -> mujoco.MjSpec
         open_by, sensitive = [], []
         for pose in poses:
             gap, jacobian = closures.at(pose)
-            left, values, _ = np.linalg.svd(jacobian)
-            repeated = left[:, int((values > DEPENDENT * values.max(initial=0.0)).sum()) :].T
+            vectors, values, _ = np.linalg.svd(jacobian)
+            repeated = vectors[:, int((values > DEPENDENT * values.max(initial=0.0)).sum()) :].T
             open_by.append(repeated @ gap)
             sensitive.append(repeated @ _sensitivity(closures, places, pose, gap))
         change = -np.linalg.lstsq(np.vstack(sensitive), np.concatenate(open_by), rcond=DEPENDENT)[0]
@@ -189,7 +189,7 @@ def _sensitivity(
 
 
 def _move(place: _Place, change: np.ndarray) -> None:
-    """Shift a place in its parent's frame by three of the change, and turn it in its own by the others."""
+    """Shift a place in its parent's frame by three of the change, and turn it in its frame by the others."""
     import mujoco  # noqa: PLC0415 - slow to import: only once a robot is really read
 
     positions, quaternions, index = place

@@ -153,13 +153,13 @@ def _add_rotor(
         if plain.tendon_limited[tendon]:
             joint.limited, joint.range = True, (unit * plain.tendon_range[tendon]).tolist()
         sums.armature, sums.limited = 0.0, False
-    own = spec.add_tendon(neutral(), name=ROTOR + transmission.name)
-    own.wrap_joint(transmission.name, 1.0)
+    helper = spec.add_tendon(neutral(), name=ROTOR + transmission.name)
+    helper.wrap_joint(transmission.name, 1.0)
     held = spec.add_equality(
         neutral(),
         name=ROTOR + transmission.name,
         type=mujoco.mjtEq.mjEQ_TENDON,
-        name1=own.name,
+        name1=helper.name,
         name2=sums.name,
     )
     held.data[:5] = [0.0, 1.0, 0.0, 0.0, 0.0]

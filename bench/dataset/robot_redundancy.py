@@ -18,7 +18,7 @@ DEPENDENT = (
 
 
 def independent_motors(model: mujoco.MjModel, joints: Sequence[str]) -> tuple[str, ...]:
-    """Of these joints with a motor those that move independently in the home pose, the first ones where there is a
+    """Those of these joints with a motor that move independently in the home pose, the first ones where there is a
     choice; all of them where there are no more than degrees of freedom.
 
     Raises BenchError where there are more, and one of these joints cannot move at all.
@@ -100,6 +100,6 @@ def _closures(model: mujoco.MjModel) -> tuple[np.ndarray, np.ndarray]:
         full[:] = np.asarray(data.efc_J).reshape(data.nefc, model.nv)
     rows, owners = full[closing], np.asarray(data.efc_id)[closing]
     for owner in np.unique(owners):
-        own = owners == owner
-        rows[own] /= max(np.linalg.norm(rows[own], axis=1).max(), np.finfo(float).tiny)
+        of_owner = owners == owner
+        rows[of_owner] /= max(np.linalg.norm(rows[of_owner], axis=1).max(), np.finfo(float).tiny)
     return np.asarray(rows), owners

@@ -30,7 +30,7 @@ class MotorPart:
 
 @dataclass(frozen=True)
 class MjcfParts:
-    """Of an MJCF file: what motors may drive, joints first, and the sites that a payload may be fixed at."""
+    """Parts of an MJCF file: what motors may drive, joints first, and the sites that a payload may be fixed at."""
 
     path: Path
     motors: tuple[MotorPart, ...]
@@ -38,11 +38,11 @@ class MjcfParts:
 
     @property
     def named(self) -> Mapping[str, MotorPart]:
-        """By name; of a joint and an actuator of the same name the joint."""
-        found: dict[str, MotorPart] = {}
+        """Parts by name; of a joint and an actuator of the same name the joint."""
+        by_name: dict[str, MotorPart] = {}
         for part in self.motors:
-            found.setdefault(part.name, part)
-        return found
+            by_name.setdefault(part.name, part)
+        return by_name
 
 
 def mjcf_parts(path: str | Path) -> MjcfParts:
@@ -170,7 +170,7 @@ def _motors(model: mujoco.MjModel) -> Iterator[MotorPart]:
 def _tendon_effort(
     model: mujoco.MjModel, tendon: int, joints: Mapping[int, Literal["N*m", "N"]]
 ) -> Literal["N*m", "N"] | None:
-    """Of a motor on a fixed tendon: a torque, unless all of its joints slide; None for a tendon in space."""
+    """Effort of a motor on a fixed tendon: a torque, unless all of its joints slide; None for a tendon in space."""
     import mujoco  # noqa: PLC0415 - slow to import: only once a file is really read
 
     first = int(model.tendon_adr[tendon])

@@ -5,12 +5,12 @@ from dataclasses import replace
 
 from bench.diagnosis.decision import RULE
 from bench.diagnosis.evidence import Samples, residual_squares
-from bench.diagnosis.showing import wrong_sign
+from bench.diagnosis.significance import wrong_sign
 from bench.effects import EffectInstance, places_in
 from bench.identification.identify import fit
 from bench.identification.prepare import Prepared, with_effects
 
-AT_MOTORS = ("actuator", "robot", "payload")  # where each has equations of its own, or there is one place
+AT_MOTORS = ("actuator", "robot", "payload")  # where each has separate equations, or there is one place
 
 
 def alike_places(
@@ -18,12 +18,12 @@ def alike_places(
 ) -> Mapping[str, Mapping[str, tuple[str, ...]]]:
     """For every effect, by name, and each of its places: others, at which a model with it is hardly less probable.
 
-    identified: effects of the model. Those in motors are left out: each motor has a current of its own.
+    identified: effects of the model. Those in motors are omitted: each motor has a separate current.
     """
     places = places_in(model.model.geometry, model.dataset.weighed)
     there = {(instance.effect.name, instance.joint) for instance in model.effects}
     least = residual_squares(model, 0.0).weight(samples) - RULE.undecided
-    found: dict[str, dict[str, tuple[str, ...]]] = {}
+    by_effect: dict[str, dict[str, tuple[str, ...]]] = {}
     for instance in identified:
         effect = instance.effect
         if effect.place in AT_MOTORS or instance.recording:
@@ -34,8 +34,8 @@ def alike_places(
             if (effect.name, joint) not in there and _as_probable(model, instance, joint, samples, least)
         ]
         if others:
-            found.setdefault(effect.name, {})[instance.joint] = tuple(others)
-    return found
+            by_effect.setdefault(effect.name, {})[instance.joint] = tuple(others)
+    return by_effect
 
 
 def _as_probable(

@@ -2,54 +2,54 @@
 
 from collections.abc import Iterator, Sequence
 
+from bench.diagnosis.base_model import BaseModel
 from bench.diagnosis.candidates import Proposal
 from bench.diagnosis.decision import RULE
 from bench.diagnosis.evidence import answer_weight
-from bench.diagnosis.origin import Origin
 from bench.diagnosis.rounds import Round
 from bench.diagnosis.search import Scored, close, scored
 from bench.effects import EffectInstance
 from bench.identification.findings import runaway
 from bench.identification.identify import fit
+from bench.identification.model_averaged import gains_model_averaged
 from bench.identification.prepare import Prepared
 from bench.identification.result import Identification
-from bench.identification.widened import gains_widened
 
 MOST_MORE = 2  # models with one effect more that are fitted, the best supported first
 
 
 def with_spread_over_models(
-    origin: Origin, last: Round, model: Prepared, after: Identification, *, left: bool
+    base_model: BaseModel, last: Round, model: Prepared, after: Identification, *, remains: bool
 ) -> Identification:
     """The identified model's answer, with deviations of its gains that hold those of models that are as good.
 
     One effect more that the data support, though it makes the error too little smaller to be reported, counts for how
-    sure a gain is. left: where something is left that no effect accounts for, another effect in the place of a found
-    one stands for similar effects, too, whatever its sign: each has the shape of a torque that is not modelled. model:
-    with the identified effects where they show. Raises TimeUpError after the deadline.
+    sure a gain is. remains: where something remains that no effect accounts for, another effect in the place of an
+    identified one represents similar effects, too, whatever its sign: each has the shape of a torque that is not
+    modelled. model: with the identified effects where they show. Raises TimeUpError after the deadline.
     """
     samples = last.system.samples
     least = answer_weight(samples, model, after) - RULE.undecided
-    others, added = [], model.effects[len(origin.start.effects) :]
-    for chosen in _as_good(last, instead=left):
+    others, added = [], model.effects[len(base_model.start.effects) :]
+    for chosen in _as_good(last, instead=remains):
         instances = [
             instance for i in chosen for instance in _instances(last.proposals[i], i in last.chosen, added)
         ]
-        origin.deadline.check()
-        wider = origin.beside(model, instances)
+        base_model.deadline.check()
+        wider = base_model.warm_started(model, instances)
         other = fit(wider)
         if runaway(other) is None and answer_weight(samples, wider, other) > least:
             others.append(other)
-    return gains_widened(after, others)
+    return gains_model_averaged(after, others)
 
 
 def _as_good(last: Round, *, instead: bool) -> Iterator[tuple[int, ...]]:
-    """Sets one effect away from the found one that the data support as well.
+    """Sets one effect away from the identified one that the data support as well.
 
-    The best with one more keep what the found ones do to the gains; for each found one, the best with another in its
-    place does not: these only where they are asked for by `instead`.
+    The best with one more keep what the identified ones do to the gains; for each identified one, the best with another
+    in its place does not: these only where they are asked for by `instead`.
     """
-    system, best = last.system, last.found.best
+    system, best = last.system, last.selection.selected
     usable = [
         i for i, proposal in enumerate(last.proposals) if not proposal.absorbed and i not in last.chosen
     ]
@@ -58,18 +58,20 @@ def _as_good(last: Round, *, instead: bool) -> Iterator[tuple[int, ...]]:
         return sorted(scored(system, sets), key=lambda each: -each.total)
 
     more = best_first([(*last.chosen, i) for i in usable])
-    found = [larger for larger in more if larger.total + RULE.prior > best.total][:MOST_MORE]
+    candidates = [larger for larger in more if larger.total + RULE.prior > best.total][:MOST_MORE]
     for k in last.chosen if instead else ():
         others = best_first([(*(c for c in last.chosen if c != k), i) for i in usable])
-        found += [other for other in others if close(best, other)][:1]
-    for candidate in found:
+        candidates += [other for other in others if close(best, other)][:1]
+    for candidate in candidates:
         yield candidate.fit.chosen
 
 
-def _instances(proposal: Proposal, found: bool, added: Sequence[EffectInstance]) -> Sequence[EffectInstance]:
-    """An effect at the places where it was found, or everywhere."""
+def _instances(
+    proposal: Proposal, in_model: bool, added: Sequence[EffectInstance]
+) -> Sequence[EffectInstance]:
+    """An effect at the places where it was identified, or everywhere."""
     return (
         [instance for instance in added if instance.effect.name == proposal.name]
-        if found
+        if in_model
         else proposal.instances
     )

@@ -6,7 +6,7 @@ from typing import Any
 from bench.basics.plain_data import finite
 from bench.dataset.robot_locked import locked_as_data
 from bench.diagnosis.decision import RULE
-from bench.diagnosis.reason_words import judged_on, left_words
+from bench.diagnosis.reason_words import unexplained_words, validated_on
 from bench.diagnosis.result import Diagnosis, Discovered, EffectVerdict, Unfinished
 from bench.diagnosis.summary import error_share, reason, summary_sentences
 from bench.identification.model_json import to_json
@@ -34,13 +34,13 @@ def diagnosis_json(diagnosis: Diagnosis, *, words: bool = True) -> dict[str, Any
     missing, ladder, ranking and unexplained as documented for other programs; size: RMS torque in N*m or force
     in N by actuator; error_share: of the squared error, taken away; reason: the codes of why. differs_by_recording:
     effects of which one value for all recordings is not enough, with request as `--with` takes it. superfluous: effects
-    of the starting model that the found one does without. before, after: gains, parameters and errors of
+    of the starting model that the identified one does without. before, after: gains, parameters and errors of
     the models without and with what is missing.
     """
     answer = {
         "robot": diagnosis.robot,
         "locked": locked_as_data(diagnosis.after.locked),
-        "judged_on": judged_on(diagnosis) if words else "",
+        "judged_on": validated_on(diagnosis) if words else "",
         "summary": summary_sentences(diagnosis) if words else [],
         "finished": diagnosis.finished,
         "not_looked_at": list(diagnosis.unfinished),
@@ -57,7 +57,7 @@ def diagnosis_json(diagnosis: Diagnosis, *, words: bool = True) -> dict[str, Any
         "sets": [asdict(probable) for probable in diagnosis.sets],
         "decision_rule": asdict(RULE),
         "without_logs": [asdict(without) for without in diagnosis.without_logs],
-        "unexplained": _left(diagnosis, words),
+        "unexplained": _unexplained(diagnosis, words),
         "differs_by_recording": [
             {**asdict(differing), "request": differing.request} for differing in diagnosis.differs
         ],
@@ -98,17 +98,17 @@ def _verdict(diagnosis: Diagnosis, verdict: EffectVerdict, words: bool) -> dict[
     }
 
 
-def _left(diagnosis: Diagnosis, words: bool) -> dict[str, Any]:
-    left, searched = diagnosis.unexplained, Unfinished.SETS not in diagnosis.unfinished
+def _unexplained(diagnosis: Diagnosis, words: bool) -> dict[str, Any]:
+    unexplained, searched = diagnosis.unexplained, Unfinished.SETS not in diagnosis.unfinished
     return {
-        "significant": left.significant,
-        "error": left.error,
-        "noise_floor": left.noise_floor,
-        "depends_on": list(left.depends_on),
-        "what": left.what,
-        "why": left_words(left, searched=searched) if words else "",
-        "encoders": left.encoders,
-        "repeats": left.repeats,
+        "significant": unexplained.significant,
+        "error": unexplained.error,
+        "noise_floor": unexplained.noise_floor,
+        "depends_on": list(unexplained.depends_on),
+        "what": unexplained.what,
+        "why": unexplained_words(unexplained, searched=searched) if words else "",
+        "encoders": unexplained.encoders,
+        "repeats": unexplained.repeats,
     }
 
 

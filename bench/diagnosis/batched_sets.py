@@ -94,14 +94,14 @@ def _together(system: System, keys: Sequence[tuple[int, ...]]) -> dict[tuple[int
     begun = [start_of(system, key) for key in keys]
     columns = [pair[0] for pair in begun]
     values = np.zeros((len(keys), max(map(len, columns))))
-    for own, (_, found_before, _) in zip(values, begun, strict=True):
-        own[: len(found_before)] = found_before
+    for start_values, (_, begun_values, _) in zip(values, begun, strict=True):
+        start_values[: len(begun_values)] = begun_values
     added = [column[system.base :] for column in columns]
     wide = values.shape[1] - system.base
     products = products_of_sets(system.fitted, system.base, added, wide)
     now = _at(products, values, np.array([pair[2] for pair in begun]), start)
-    found: dict[int, tuple[np.ndarray, np.ndarray, np.ndarray, float]] = {}
-    left = np.arange(len(keys))  # which of them are not converged yet
+    results: dict[int, tuple[np.ndarray, np.ndarray, np.ndarray, float]] = {}
+    unconverged = np.arange(len(keys))  # which of them are not converged yet
     for _ in range(MOST_STEPS):
         step, by_gain, sound = _steps(now, start)
         share = share_within_reach(now.gains, by_gain)
@@ -109,25 +109,33 @@ def _together(system: System, keys: Sequence[tuple[int, ...]]) -> dict[tuple[int
         lower = sound & (new.cost <= now.cost * (1.0 + 1e-12))
         converged = lower & has_converged(now.cost, new.cost, share, new.gains / start.gains)
         for i in np.flatnonzero(converged):
-            found[int(left[i])] = new.values[i], new.gains[i], new.squares[i], float(new.cost[i])
+            results[int(unconverged[i])] = new.values[i], new.gains[i], new.squares[i], float(new.cost[i])
         on = lower & ~converged
         if not on.any():
             break
-        now, left = (new, left) if on.all() else (new.some(on), left[on])
-    if not found:
+        now, unconverged = (new, unconverged) if on.all() else (new.some(on), unconverged[on])
+    if not results:
         return {}
-    which = list(found)
+    which = list(results)
     last = _at(
-        products_of_sets(system.judged, system.base, [added[i] for i in which], wide),
-        np.array([found[i][0] for i in which]),
-        np.array([found[i][1] for i in which]),
+        products_of_sets(system.held_out, system.base, [added[i] for i in which], wide),
+        np.array([results[i][0] for i in which]),
+        np.array([results[i][1] for i in which]),
         start,
     )
     return {
         keys[i]: fit_of(
-            system, keys[i], columns[i], own[: len(columns[i])], gains, cost, np.stack((fitted, judged))
+            system,
+            keys[i],
+            columns[i],
+            set_values[: len(columns[i])],
+            gains,
+            cost,
+            np.stack((fitted, held_out)),
         )
-        for (i, (own, gains, fitted, cost)), judged in zip(found.items(), last.squares, strict=True)
+        for (i, (set_values, gains, fitted, cost)), held_out in zip(
+            results.items(), last.squares, strict=True
+        )
     }
 
 
@@ -173,8 +181,8 @@ def _steps(now: _Sets, start: Solution) -> tuple[np.ndarray, np.ndarray, np.ndar
         torque *= np.reshape(start.gains_fitted, (-1, 1))
         normal[:, k:, :k] = -(share / now.gains)[..., None] * by_torque[..., :k]
         normal[:, :k, k:] = normal[:, k:, :k].swapaxes(1, 2)
-        own = share / now.gains * np.einsum("snk,snk->sn", torque, by_torque[..., : k + 1])
-        normal[:, k + np.arange(n), k + np.arange(n)] = own
+        vector = share / now.gains * np.einsum("snk,snk->sn", torque, by_torque[..., : k + 1])
+        normal[:, k + np.arange(n), k + np.arange(n)] = vector
         right[:, k:] = -share * np.einsum("snk,snk->sn", torque, now.by_error[..., : k + 1])
     diagonal = np.einsum("brr->br", normal)
     there = diagonal > 0.0
@@ -184,9 +192,9 @@ def _steps(now: _Sets, start: Solution) -> tuple[np.ndarray, np.ndarray, np.ndar
     diagonal += np.where(there, ROUNDING, 1.0)
     right /= lengths
     sound = np.zeros(len(right), dtype=bool)
-    for i, (matrix, own) in enumerate(zip(normal, right, strict=True)):
-        factor, solved, wrong = dposv(matrix.T, own, overwrite_a=True)
+    for i, (matrix, vector) in enumerate(zip(normal, right, strict=True)):
+        factor, solved, wrong = dposv(matrix.T, vector, overwrite_a=True)
         sound[i] = wrong == 0 and np.diag(factor).min() > COLLINEAR
-        own[:] = solved if sound[i] else 0.0
+        vector[:] = solved if sound[i] else 0.0
     right /= lengths
     return right[:, :k], right[:, k:] if any_gain else np.zeros_like(now.gains), sound

@@ -44,13 +44,13 @@ class Context:
     """
 
     prepared: Prepared
-    left: PartialRegression
+    regression: PartialRegression
 
 
 def context_of(prepared: Prepared, near: tuple[RobotSignals, ...]) -> Context:
     """Solve the prepared equations and keep what they leave; near: what effects see that are searched for."""
-    left = partial_regression(*solved_quickly(prepared))
-    return Context(replace(prepared, signals=near), left)
+    regression = partial_regression(*solved_quickly(prepared))
+    return Context(replace(prepared, signals=near), regression)
 
 
 def propose(
@@ -79,7 +79,7 @@ def propose(
         for name, effect in catalogue.items()
     }
     # Filtered together, and kept: each is asked for by itself below.
-    plain = [instance for found in every.values() for instance in found if not instance.effect.shape]
+    plain = [instance for instances in every.values() for instance in instances if not instance.effect.shape]
     alone = [instance for instance in plain if not instance.effect.depends_on_model]
     for seen, measured in zip(prepared.signals, prepared.measured, strict=True):
         deadline.check()
@@ -87,19 +87,19 @@ def propose(
         effect_rows(seen, prepared.settings.decimation, plain if fitted else alone, deadline)
         forget_motions((measured,))
     proposals = []
-    for name, found in every.items():
+    for name, instances in every.items():
         progress.advance()
         deadline.check()
-        if not found:
+        if not instances:
             continue
         effect = catalogue[name]
         visible = [
             instance
-            for instance in found
+            for instance in instances
             if not stands_still(prepared, instance) and (effect.shape or _visible(start, instance))
         ]
         if not visible:
-            proposals.append(Proposal(name, tuple(found), True, _taken_up_by(start, found[0])))
+            proposals.append(Proposal(name, tuple(instances), True, _taken_up_by(start, instances[0])))
             continue
         proposals.append(Proposal(name, shaped(start, visible, deadline), False, ""))
         forget_motions(prepared.measured)  # few effects need them
@@ -110,20 +110,20 @@ def shaped(
     context: Context, instances: Sequence[EffectInstance], deadline: Deadline = NEVER
 ) -> tuple[EffectInstance, ...]:
     """The instances of one effect with the shape, and about the values, that explain most of the residual."""
-    found = tuple(instances)
-    if found[0].effect.shape:
-        found = tuple(_with_best_shape(context, instance, deadline) for instance in found)
+    reshaped = tuple(instances)
+    if reshaped[0].effect.shape:
+        reshaped = tuple(_with_best_shape(context, instance, deadline) for instance in reshaped)
     for _ in range(LINEARISATIONS):
-        about = _about_their_values(context, found)
-        if about == found:
+        about = _about_their_values(context, reshaped)
+        if about == reshaped:
             break
-        found = about
-    return found
+        reshaped = about
+    return reshaped
 
 
 def _with_best_shape(context: Context, instance: EffectInstance, deadline: Deadline) -> EffectInstance:
     deadline.check()
-    return best_shape(context.prepared, instance, context.left)
+    return best_shape(context.prepared, instance, context.regression)
 
 
 def _about_their_values(
@@ -132,25 +132,27 @@ def _about_their_values(
     first = instances[0].effect
     if first.about({parameter.name: 0.0 for parameter in first.parameters}) is first:
         return instances  # linear: there is nothing to be linearised about
-    values, _ = context.left.explained(candidate_columns(context.prepared, instances))
+    values, _ = context.regression.explained(candidate_columns(context.prepared, instances))
     return linearised(instances, values)
 
 
 def _visible(context: Context, instance: EffectInstance) -> bool:
     """Whether anything of an effect's columns lies outside those of the model."""
-    found = context.left.products(candidate_columns(context.prepared, [instance]))
-    return bool(np.any(found.left > INVISIBLE))
+    products = context.regression.products(candidate_columns(context.prepared, [instance]))
+    return bool(np.any(products.remaining > INVISIBLE))
 
 
 def _taken_up_by(context: Context, instance: EffectInstance) -> str:
     """The base parameter whose column is most like an effect's first; empty where the effect does nothing."""
-    prepared, left = context.prepared, context.left
-    column = (candidate_columns(prepared, [instance])[:, :, 0] * left.moving * left.weights).reshape(-1)
+    prepared, regression = context.prepared, context.regression
+    column = (
+        candidate_columns(prepared, [instance])[:, :, 0] * regression.moving * regression.weights
+    ).reshape(-1)
     if not np.any(column):
         return ""
     rigid = (
         np.concatenate([observation.rigid for observation in prepared.fitted])
-        * (left.moving * left.weights)[:, :, None]
+        * (regression.moving * regression.weights)[:, :, None]
     )
     rows = rigid.reshape(-1, rigid.shape[2])
     norms = np.linalg.norm(rows, axis=0)

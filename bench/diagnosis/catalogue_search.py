@@ -9,6 +9,7 @@ from bench.basics.progress import SILENT, Progress
 from bench.basics.threads import on_one_thread
 from bench.diagnosis.alike_places import alike_places
 from bench.diagnosis.as_good import with_spread_over_models
+from bench.diagnosis.base_model import BaseModel, base_model_of
 from bench.diagnosis.candidates import Proposal
 from bench.diagnosis.differs import differing
 from bench.diagnosis.elsewhere import differing_elsewhere, worse_elsewhere
@@ -26,16 +27,6 @@ from bench.diagnosis.ladder import (
 )
 from bench.diagnosis.mounting import mounted_otherwise
 from bench.diagnosis.normal_equations import System
-from bench.diagnosis.origin import Origin, origin_of
-from bench.diagnosis.own_values import (
-    Place,
-    explains_more,
-    leading,
-    own_values,
-    places_of,
-    with_common_values,
-    with_own_values,
-)
 from bench.diagnosis.place_shares import place_shares
 from bench.diagnosis.posterior import posterior_of, something_else, with_probability
 from bench.diagnosis.pruning import (
@@ -53,27 +44,36 @@ from bench.diagnosis.result import (
     Unfinished,
 )
 from bench.diagnosis.rounds import Round, first_round, searched, staying
-from bench.diagnosis.search import Found, judged_error
+from bench.diagnosis.search import Selection, held_out_error
 from bench.diagnosis.sizes import sizes_of
 from bench.diagnosis.split import with_held_out_parts
 from bench.diagnosis.starting import given_wholly, kept_and_new, leaving, origins_of
 from bench.diagnosis.unexplained import excess, unexplained
+from bench.diagnosis.values_by_log import (
+    Place,
+    explains_more,
+    leading,
+    places_of,
+    values_by_log,
+    with_common_values,
+    with_values_by_log,
+)
 from bench.diagnosis.verdicts import undecided, verdicts
 from bench.diagnosis.where_possible import where_possible
 from bench.diagnosis.without_log import without_logs
 from bench.effects import EffectInstance
 from bench.identification.bandwidth import with_band_checked
 from bench.identification.chosen_band import prepare_checked
+from bench.identification.errors_in_variables import with_errors_in_variables_checked
 from bench.identification.finding import Finding
 from bench.identification.findings import with_other_values
 from bench.identification.identify import fit
 from bench.identification.impossible_payload import with_possible_payloads
-from bench.identification.noise_let_through import with_noise_heard
+from bench.identification.model_averaged import gains_model_averaged
 from bench.identification.nonlinear import converged
 from bench.identification.prepare import Prepared
 from bench.identification.problem import Problem
 from bench.identification.result import Identification, relative_error
-from bench.identification.widened import gains_widened
 
 NONE_BARRED: Mapping[str, Reason] = {}
 OWN_VALUES_TRIED = 3  # sets of values for each recording with which effects are searched
@@ -96,13 +96,13 @@ class SplitProblem:
 
 @dataclass(frozen=True)
 class SearchResult:
-    """What a search found. new: beyond what the starting model has; names: of their effects; fits: see `fits_of`;
-    barred: effects that may not be found, and why. differs: what differs from run to run, and differently: the answer
-    with a value of it for each; compared: whether they are known. unfinished: what the deadline kept from being looked
-    at.
+    """The result of a search. new: beyond what the starting model has; names: of their effects; fits: see `fits_of`;
+    barred: effects that may not be selected, and why. differs: what differs from run to run, and differently: the
+    answer with a value of it for each; compared: whether they are known. unfinished: what the deadline kept from being
+    looked at.
     """
 
-    origin: Origin
+    base_model: BaseModel
     last: Round
     model: Prepared
     after: Identification
@@ -118,12 +118,12 @@ class SearchResult:
     unfinished: tuple[Unfinished, ...] = ()
 
     def weight_by(self, samples: Samples) -> float:
-        """Of the identified model, with its laws as improbable as its proposals say: see `Samples.log_posterior`."""
+        """Log weight of the identified model, its laws as improbable as proposed: see `Samples.log_posterior`."""
         effects = self.model.effects
         return answer_squares(effects, self.after.recordings, self.last.prior_of(effects)).weight(samples)
 
     def excess(self, case: SplitProblem) -> float:
-        """Of the identified model: see `unexplained.excess`."""
+        """Excess of the identified model: see `unexplained.excess`."""
         recordings = case.problem.dataset.recordings
         return excess(self.after, recordings, partial(encoder_error, self.model))
 
@@ -145,7 +145,7 @@ def diagnose_with_catalogue(problem: Problem, progress: Progress = SILENT) -> Di
     """
     case = split_and_fitted(problem, progress)
     finding = search_catalogue(case, progress)
-    return band_checked(finding, answered(case, finding, progress))
+    return completed(finding, answered(case, finding, progress))
 
 
 def split_and_fitted(
@@ -170,43 +170,44 @@ def search_catalogue(case: SplitProblem, progress: Progress = SILENT) -> SearchR
     fitted, no less of other recordings with values of theirs, and still differ. After the deadline the best so far is
     the answer.
     """
-    plain = _search_beside(case, case.start, case.before, progress)
+    plain = _search_with_values(case, case.start, case.before, progress)
     if case.deadline.passed:
         return replace(plain, unfinished=(*plain.unfinished, Unfinished.OWN_VALUES))
     plain = _compared(case, plain)
-    here, tried = plain, list[frozenset[Place]]()
+    result, tried = plain, list[frozenset[Place]]()
     while len(tried) < OWN_VALUES_TRIED:
-        wanted = places_of(here.differs)
-        if not leading(here.differs):
-            wanted |= differing_elsewhere(here.model, here.after, case.problem.catalogue)
-            if wanted == places_of(here.differs):
+        wanted = places_of(result.differs)
+        if not leading(result.differs):
+            wanted |= differing_elsewhere(result.model, result.after, case.problem.catalogue)
+            if wanted == places_of(result.differs):
                 break
         if wanted in tried:
             break
         tried.append(wanted)
-        start = with_own_values(case.start, wanted, case.problem.catalogue)
-        here = _search_beside(case, start, fit(start), progress)
-        if here.unfinished or case.deadline.passed:
+        start = with_values_by_log(case.start, wanted, case.problem.catalogue)
+        result = _search_with_values(case, start, fit(start), progress)
+        if result.unfinished or case.deadline.passed:
             return replace(plain, unfinished=(Unfinished.OWN_VALUES,))
-        here = _compared(case, here)
-        if places_of(here.differs) == wanted:
-            better = explains_more(here.model, plain.model) and not worse_elsewhere(
-                here.model, here.after, plain.after, wanted
+        result = _compared(case, result)
+        if places_of(result.differs) == wanted:
+            better = explains_more(result.model, plain.model) and not worse_elsewhere(
+                result.model, result.after, plain.after, wanted
             )
-            return here if better else plain
+            return result if better else plain
     return plain
 
 
-def _search_beside(
+def _search_with_values(
     case: SplitProblem, model: Prepared, before: Identification, progress: Progress
 ) -> SearchResult:
-    """Search from a model that has this model's effects, or some of them: the others are to be found.
+    """Search from a model that has this model's effects, or some of them: the others are to be identified.
 
     before: the answer of `model` as it is.
     """
     for start in origins_of(model):
-        origin = origin_of(start, case.deadline)
-        finding = search_from(case, origin, first_round(origin, case.problem.catalogue, progress), progress)
+        base_model = base_model_of(start, case.deadline)
+        first = first_round(base_model, case.problem.catalogue, progress)
+        finding = search_from(case, base_model, first, progress)
         samples = finding.last.system.samples
         if start is model or finding.weight_by(samples) >= answer_weight(samples, model, before):
             break
@@ -222,45 +223,52 @@ def _compared(case: SplitProblem, finding: SearchResult) -> SearchResult:
 
 def search_from(
     case: SplitProblem,
-    origin: Origin,
+    base_model: BaseModel,
     first: Round,
     progress: Progress = SILENT,
     barred: Mapping[str, Reason] = NONE_BARRED,
     *,
     wholly: bool = False,
 ) -> SearchResult:
-    """Search from a first round on until every found effect is possible and needed.
+    """Search from a first round on until every identified effect is possible and needed.
 
-    barred: effects that may not be found, and why. After the deadline the best set so far is the answer, brought to its
-    end; wholly: TimeUpError is raised instead.
+    barred: effects that may not be selected, and why. After the deadline the best set so far is the answer, brought to
+    its end; wholly: TimeUpError is raised instead.
     """
     known, given = dict(barred), case.start.effects
-    own, cut, searching, origin = len(origin.start.effects), False, origin, origin.at_leisure
+    given_count, cut = len(base_model.start.effects), False
+    searching, base_model = base_model, base_model.at_leisure
     given_round = [first]
     del first  # handed on without a name, so that its system is gone before the next is built
     while True:
-        here = given_round.pop()
-        last = staying(origin, here, known) if cut else searched(searching, here, known, progress)
+        this_round = given_round.pop()
+        last = (
+            staying(base_model, this_round, known)
+            if cut
+            else searched(searching, this_round, known, progress)
+        )
         cut = last.cut
         if cut and wholly:
             raise TimeUpError
         progress.phase("fitting what was found")
-        model, after, out = where_possible(origin, last.model, given, last.system.samples)
-        exact = origin.exactly(last.model) if out else last.model
+        model, after, out = where_possible(base_model, last.model, given, last.system.samples)
+        exact = base_model.exactly(last.model) if out else last.model
         if exact is not last.model:  # nothing goes because of what is only nearly so
-            model, after, out = where_possible(origin, exact, given, last.system.samples)
+            model, after, out = where_possible(base_model, exact, given, last.system.samples)
         if not out:
-            model, after, superfluous = leaving(origin, model, after, given, last.system.samples)
-            kept, new = kept_and_new(model.effects[own:], given)
+            model, after, superfluous = leaving(base_model, model, after, given, last.system.samples)
+            kept, new = kept_and_new(model.effects[given_count:], given)
             names = tuple(dict.fromkeys(instance.effect.name for instance in new))
-            each = dict.fromkeys(instance.request for instance in own_values(origin.start, given))
-            without = fit(origin.with_instances(kept)) if each else case.before
-            fits = fits_of(origin, kept, new, without, after)
+            each = dict.fromkeys(instance.request for instance in values_by_log(base_model.start, given))
+            without = fit(base_model.with_instances(kept)) if each else case.before
+            fits = fits_of(base_model, kept, new, without, after)
             ladder = ends_of_ladder(names, fits) if cut else ladder_of(names, fits)
             if not cut:
-                left = partial(excess, after, case.problem.dataset.recordings, partial(encoder_error, model))
+                error_excess = partial(
+                    excess, after, case.problem.dataset.recordings, partial(encoder_error, model)
+                )
                 out = superfluous_effect(fits, names, last.system.samples)
-                out = out or gain_like_effect(fits, names, last.system.samples, after, left)
+                out = out or gain_like_effect(fits, names, last.system.samples, after, error_excess)
             if each:
                 ladder = (
                     step_of((), case.before.recordings),
@@ -286,12 +294,12 @@ def search_from(
 
 
 def answered(case: SplitProblem, finding: SearchResult, progress: Progress = SILENT) -> Diagnosis:
-    """What a search found, with a verdict on every effect."""
+    """The result of a search, with a verdict on every effect."""
     progress.phase("judging every effect")
     dataset, start = case.problem.dataset, case.start
     model = finding.model
-    after = with_noise_heard(model, with_possible_payloads(model, finding.after, fit), fit)
-    proposals, system, best = finding.last.proposals, finding.last.system, finding.last.found
+    after = with_errors_in_variables_checked(model, with_possible_payloads(model, finding.after, fit), fit)
+    proposals, system, best = finding.last.proposals, finding.last.system, finding.last.selection
     places: dict[str, tuple[str, ...]] = {}
     for instance in finding.new:
         at = (instance.joint,) if instance.joint else dataset.robot.joints
@@ -305,38 +313,33 @@ def answered(case: SplitProblem, finding: SearchResult, progress: Progress = SIL
     others = differing_elsewhere(model, after, case.problem.catalogue)
     if others:
         after = with_other_values(after, [f"{effect}:{joint}" for effect, joint in sorted(others)])
-    left = unexplained(after, dataset.recordings, lambda: encoder_error(model))
+    remaining = unexplained(after, dataset.recordings, lambda: encoder_error(model))
     if model.fit_gains:
         progress.phase("fitting models that are as good")
         try:
-            after = with_spread_over_models(
-                finding.origin, finding.last, model, after, left=left.significant or left.much
-            )
+            remains = remaining.significant or remaining.much
+            after = with_spread_over_models(finding.base_model, finding.last, model, after, remains=remains)
         except TimeUpError:
             unfinished.append(Unfinished.AS_GOOD)
     if not finding.compared and not unfinished:
         finding = _compared(case, finding)
     if finding.differently is not None and not {each.request for each in finding.differs} <= {*after.effects}:
-        after = gains_widened(after, [finding.differently])  # values for each recording explain the data, too
-    ranking = verdicts(system, proposals, best, _shown_places(proposals, best, places), scale, left, without)
+        # values for each recording explain the data, too
+        after = gains_model_averaged(after, [finding.differently])
+    ranking = verdicts(
+        system, proposals, best, _shown_places(proposals, best, places), scale, remaining, without
+    )
     known = {*given_wholly(start.effects, proposals), *_shown_places(proposals, best, {})} - {*places}
     ranking = tuple(
         refused(verdict, finding.barred.get(verdict.effect))
         for verdict in ranking
         if verdict.effect not in known and not (Unfinished.SETS in unfinished and undecided(verdict))
     )
-    alike = alike_places(model, finding.new, system.samples)
-    shares = place_shares(system, best.best.fit.chosen, finding.new, alike)
     posterior = posterior_of(system, best, proposals, scale)
     probability = {proposals[i].name: float(posterior.probability[i]) for i in best.singles}
     ranking = tuple(
         with_probability(
-            replace(
-                verdict,
-                size=sizes_of(model, after, verdict.effect),
-                alike=alike.get(verdict.effect, {}),
-                places=shares.get(verdict.effect, {}),
-            ),
+            replace(verdict, size=sizes_of(model, after, verdict.effect)),
             probability.get(verdict.effect),
             posterior.sets,
             finding.names,
@@ -350,7 +353,7 @@ def answered(case: SplitProblem, finding: SearchResult, progress: Progress = SIL
         missing=missing,
         ladder=finding.ladder,
         ranking=ranking,
-        unexplained=left,
+        unexplained=remaining,
         before=case.before,
         after=replace(after, findings=(*mounted_otherwise(model), *case.extrapolated, *after.findings)),
         differs=finding.differs,
@@ -358,26 +361,35 @@ def answered(case: SplitProblem, finding: SearchResult, progress: Progress = SIL
         unfinished=tuple(unfinished),
         sets=posterior.sets,
         without_logs=without_logs(model, system, best, proposals),
-        something_else=something_else(posterior, system.samples, left),
+        something_else=something_else(posterior, system.samples, remaining),
     )
 
 
-def band_checked(finding: SearchResult, diagnosis: Diagnosis) -> Diagnosis:
-    """The answer with standard errors that hold what it is in half of the band."""
-    return replace(diagnosis, after=with_band_checked(finding.model, diagnosis.after, fit))
+def completed(finding: SearchResult, diagnosis: Diagnosis) -> Diagnosis:
+    """The final answer with the probability of every place of its effects, the places that the data cannot tell apart,
+    and standard errors that include how far the answer in half of the band is away.
+    """
+    last, model = finding.last, finding.model
+    alike = alike_places(model, finding.new, last.system.samples)
+    shares = place_shares(last.system, last.chosen, finding.new, alike)
+    ranking = tuple(
+        replace(verdict, alike=alike.get(verdict.effect, {}), places=shares.get(verdict.effect, {}))
+        for verdict in diagnosis.ranking
+    )
+    return replace(diagnosis, ranking=ranking, after=with_band_checked(model, diagnosis.after, fit))
 
 
-def _relative(after: Identification, system: System, found: Found) -> float:
+def _relative(after: Identification, system: System, selection: Selection) -> float:
     """Error of the converged model over that of its set in the system, so that the errors of sets end where it does."""
-    judged = relative_error([trace for trace in after.recordings if trace.use == "validate"]) or 0.0
-    here = judged_error(system, found.best.fit)
-    return judged / here if here > 0 else 0.0
+    error = relative_error([trace for trace in after.recordings if trace.use == "validate"]) or 0.0
+    selected_error = held_out_error(system, selection.selected.fit)
+    return error / selected_error if selected_error > 0 else 0.0
 
 
 def _shown_places(
-    proposals: Sequence[Proposal], found: Found, places: Mapping[str, tuple[str, ...]]
+    proposals: Sequence[Proposal], selection: Selection, places: Mapping[str, tuple[str, ...]]
 ) -> dict[str, tuple[str, ...]]:
-    return {proposals[i].name: places.get(proposals[i].name, ()) for i in found.best.fit.chosen}
+    return {proposals[i].name: places.get(proposals[i].name, ()) for i in selection.selected.fit.chosen}
 
 
 def _by_strength(ranking: Sequence[EffectVerdict]) -> list[EffectVerdict]:

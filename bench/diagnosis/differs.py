@@ -6,8 +6,8 @@ from itertools import combinations
 
 import numpy as np
 
+from bench.diagnosis.block_cross_validation import block_cross_validation
 from bench.diagnosis.decision import RULE
-from bench.diagnosis.halves import halves_of
 from bench.diagnosis.result import Differing
 from bench.effects import Effect, EffectInstance
 from bench.effects.select import TAG
@@ -29,7 +29,7 @@ class _Candidate:
     effect: Effect
     joint: str
     common: tuple[int, ...]
-    own: tuple[int, ...]
+    by_log: tuple[int, ...]
 
 
 def differing(
@@ -38,7 +38,7 @@ def differing(
     """Effects of a converged model that have another value in each fitted recording, or would have, strongest first;
     and the answer with these values, None where nothing differs.
 
-    One value for all recordings competes with one for each. A recording that is not fitted has no value of its own, so
+    One value for all recordings competes with one for each. A recording that is not fitted has no separate value, so
     that every other part of each is kept apart to judge on.
     """
     logs = model.logs
@@ -47,20 +47,20 @@ def differing(
     candidates, instances = _candidates(model, catalogue)
     if not candidates:
         return (), None
-    halves = halves_of(*solved_quickly(model), candidate_columns(model, instances))
+    validation = block_cross_validation(*solved_quickly(model), candidate_columns(model, instances))
     motors = list(model.dataset.robot.joints)
     chosen: list[tuple[_Candidate, float, float, float]] = []
     while len(chosen) < len(candidates):
-        taken = [i for candidate, *_ in chosen for i in (*candidate.common, *candidate.own)]
+        taken = [i for candidate, *_ in chosen for i in (*candidate.common, *candidate.by_log)]
         tried = []
         for candidate in candidates:
             if any(candidate is other for other, *_ in chosen):
                 continue
-            before = halves.judged([*taken, *candidate.common])
-            after = halves.judged([*taken, *candidate.common, *candidate.own])
-            evidence = halves.evidence(before, after)
+            before = validation.held_out_squares([*taken, *candidate.common])
+            after = validation.held_out_squares([*taken, *candidate.common, *candidate.by_log])
+            evidence = validation.evidence(before, after)
             j = motors.index(candidate.joint)
-            errors = np.sqrt(before[j] / halves.measured[j]), np.sqrt(after[j] / halves.measured[j])
+            errors = np.sqrt(before[j] / validation.measured[j]), np.sqrt(after[j] / validation.measured[j])
             if evidence > RULE.prior and errors[1] < (1.0 - MATERIAL) * errors[0]:
                 tried.append((candidate, evidence, float(errors[0]), float(errors[1])))
         if not tried:
@@ -111,16 +111,20 @@ def _that_show(
     wider = converged(with_effects(model, (*kept, *added)), nearly=True)
     result = fit(wider)
     first = wider.layout.size - len(added)
-    found = []
+    differences = []
     for i, (candidate, evidence, before, after) in enumerate(chosen):
-        own = slice(first + i * len(logs), first + (i + 1) * len(logs))
+        rows = slice(first + i * len(logs), first + (i + 1) * len(logs))
         (parameter,) = candidate.effect.parameters
-        told = result.effect_parameters[candidate.effect.name]
-        values = {log: told[f"{candidate.joint}@{log}"][parameter.name] for log in logs}
+        estimates = result.effect_parameters[candidate.effect.name]
+        values = {log: estimates[f"{candidate.joint}@{log}"][parameter.name] for log in logs}
         impossible = parameter.positive and any(x.value < -RULE.shows * x.std for x in values.values())
-        if not impossible and _apart(list(values.values()), result.covariance[own, own]):
-            found.append(Differing(candidate.effect.name, candidate.joint, values, evidence, before, after))
-    return tuple(sorted(found, key=lambda difference: -difference.evidence)), result if found else None
+        if not impossible and _apart(list(values.values()), result.covariance[rows, rows]):
+            differences.append(
+                Differing(candidate.effect.name, candidate.joint, values, evidence, before, after)
+            )
+    return tuple(
+        sorted(differences, key=lambda difference: -difference.evidence)
+    ), result if differences else None
 
 
 def _apart(values: Sequence[Quantity], covariance: np.ndarray) -> bool:

@@ -12,7 +12,7 @@ def from_run_to_run(
     differs: Sequence[Differing], in_model: Collection[str] = (), *, clear: bool
 ) -> tuple[str, ...]:
     """The strongest with its values, then the others; in_model: requests of those that the answer holds so; clear:
-    whether nothing is left that no effect explains.
+    whether nothing remains that no effect explains.
     """
     if not differs:
         return ()
@@ -25,12 +25,12 @@ def from_run_to_run(
     given = f"`--with {first.request}` estimates these values"
     if first.request in in_model:
         given = f"the answer contains them, as {given}"
-    told = (
+    opening = (
         f"The {_named(first)} {verb} from run to run: {_value(first, low)} and {_value(first, high)}{doubt}. "
         f"With one value per recording the error of {first.joint} falls from {in_percent(first.error_before)} to "
         f"{in_percent(first.error_after)} on parts that were not fitted; {given}."
     )
-    said = [told]
+    said = [opening]
     if others:
         names = [_named(differing) for differing in others]
         requests = [

@@ -1,11 +1,11 @@
-"""By what recordings that were not fitted differ from those that were: a fitted recording tells nothing of it."""
+"""How recordings that were not fitted differ from those that were: a fitted recording tells nothing of it."""
 
 from collections.abc import Collection, Iterator, Mapping, Sequence
 
 import numpy as np
 
 from bench.diagnosis.decision import RULE
-from bench.diagnosis.own_values import Place
+from bench.diagnosis.values_by_log import Place
 from bench.effects import Effect, EffectInstance
 from bench.identification.effect_rows import effect_rows
 from bench.identification.findings import unlike
@@ -31,8 +31,8 @@ def differing_elsewhere(
     for error, columns in _elsewhere(model, answer, instances):
         for i, (_, joint) in enumerate(places):
             j = motors[joint]
-            before[i] += _left(error[:, j], columns[:, j, :0]) ** 2
-            after[i] += _left(error[:, j], columns[:, j, i : i + 1]) ** 2
+            before[i] += _residual_norm(error[:, j], columns[:, j, :0]) ** 2
+            after[i] += _residual_norm(error[:, j], columns[:, j, i : i + 1]) ** 2
     best = {
         joint: min((i for i, place in enumerate(places) if place[1] == joint), key=lambda i: after[i])
         for _, joint in places
@@ -53,20 +53,20 @@ def worse_elsewhere(
         for instance in model.effects
         if (instance.effect.name, instance.joint) in places
     }
-    here, there = (
+    of_answer, of_other = (
         sum(
-            _left(error.ravel(), columns.reshape(error.size, -1)) ** 2
+            _residual_norm(error.ravel(), columns.reshape(error.size, -1)) ** 2
             for error, columns in _elsewhere(model, each, [*common.values()])
         )
         for each in (answer, other)
     )
-    return there < (1.0 - RULE.material) ** 2 * here
+    return of_other < (1.0 - RULE.material) ** 2 * of_answer
 
 
 def _elsewhere(
     model: Prepared, answer: Identification, instances: Sequence[EffectInstance]
 ) -> Iterator[tuple[np.ndarray, np.ndarray]]:
-    """Of every recording that was not fitted the errors of the current (M, n), and what a unit of each effect would
+    """For every recording that was not fitted, the errors of the current (M, n) and what a unit of each effect would
     change of them (M, n, k); nothing in parts of fitted ones, whose values are known.
     """
     gains = np.array([answer.drive_gains[joint].value for joint in answer.joints])
@@ -77,12 +77,12 @@ def _elsewhere(
             continue
         trace = series[recording.name]
         torque = effect_rows(signals, model.settings.decimation, instances)
-        own = 0.0 if recording.log in model.logs else 1.0
-        columns = own * torque / gains[:, None] * trace.moving[:, :, None]
+        weight = 0.0 if recording.log in model.logs else 1.0
+        columns = weight * torque / gains[:, None] * trace.moving[:, :, None]
         yield trace.error * trace.moving, columns
 
 
-def _left(error: np.ndarray, columns: np.ndarray) -> float:
+def _residual_norm(error: np.ndarray, columns: np.ndarray) -> float:
     """Length of an error (M,) outside columns (M, k)."""
     if not columns.any():
         return float(np.linalg.norm(error))

@@ -21,7 +21,7 @@ def encoder_error(model: Prepared) -> float:
     """RMS change of the currents' errors over the RMS of the measured ones, on recordings that were not fitted.
 
     As in `bench.identification.column_errors`, the noise of the positions is read off their spectra above the band of
-    the motion, and as much once more is added to them, with a fixed seed; the change of the errors then stands for
+    the motion, and as much once more is added to them, with a fixed seed; the change of the errors then estimates
     what the measured noise did.
     """
     _, solution = solved_quickly(model)

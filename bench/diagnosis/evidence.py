@@ -24,7 +24,7 @@ class Samples:
     """How many independent samples of each motor there are, fitted (n,) and judged (n,); and most that count."""
 
     fitted: np.ndarray
-    judged: np.ndarray
+    held_out: np.ndarray
     coarsening: float = RULE.coarsening
 
     def beyond(self, excess: float) -> "Samples":
@@ -43,15 +43,15 @@ class Samples:
         + N'_j log R'_j) - 1/2 k log(sum_j z_j N_j) - prior, where z_j = coarsening / (coarsening + N_j + N'_j).
         unknowns, prior (...,): nats that the effects must bring.
         """
-        share = self.coarsening / (self.coarsening + self.fitted + self.judged)
+        share = self.coarsening / (self.coarsening + self.fitted + self.held_out)
         logs = np.log(squares + np.finfo(float).tiny)
-        fit = logs[..., 0, :] @ (share * self.fitted) + logs[..., 1, :] @ (share * self.judged)
+        fit = logs[..., 0, :] @ (share * self.fitted) + logs[..., 1, :] @ (share * self.held_out)
         penalty = unknowns * np.log(max(float(share @ self.fitted), 1.0))
         return np.asarray(-0.5 * (fit + penalty) - prior)
 
 
 @dataclass(frozen=True)
-class ResidualSquares:
+class ResidualSumOfSquares:
     """Squares (2, n) of every motor's error in a converged model, of fitted and judged recordings, drive units squared;
     how many unknowns its effects have, and nats that its effects must bring; away: whether a gain has run away.
     """
@@ -66,23 +66,25 @@ class ResidualSquares:
         return float(samples.log_posterior(self.squares, self.unknowns, self.prior))
 
 
-def residual_squares(model: Prepared, prior: float) -> ResidualSquares:
-    """Of a converged model; prior: nats that its effects must bring."""
+def residual_squares(model: Prepared, prior: float) -> ResidualSumOfSquares:
+    """Residual squares of a converged model; prior: nats that its effects must bring."""
     _, solution = solved_quickly(model)
     squares = _squares(
         (seen.use, (seen.current - modelled_current(model, seen, solution)) * seen.moving)
         for seen in model.observations
     )
     away = bool(run_away(solution.gains / model.dataset.robot.nominal_gains))
-    return ResidualSquares(squares, effects_unknowns(model.effects), prior, away)
+    return ResidualSumOfSquares(squares, effects_unknowns(model.effects), prior, away)
 
 
 def answer_squares(
     effects: Sequence[EffectInstance], series: Sequence[CurrentSeries], prior: float | None = None
-) -> ResidualSquares:
-    """Of a model with these effects, by the currents that its answer gives. prior: by default of the catalogue's."""
+) -> ResidualSumOfSquares:
+    """Residual squares of a model with these effects, by the currents that its answer gives. prior: by default of the
+    catalogue's.
+    """
     squares = _squares((trace.use, trace.error * trace.moving) for trace in series)
-    return ResidualSquares(
+    return ResidualSumOfSquares(
         squares, effects_unknowns(effects), effects_prior(effects) if prior is None else prior
     )
 
@@ -92,12 +94,15 @@ def _squares(errors: Iterable[tuple[str, np.ndarray]]) -> np.ndarray:
     parts = [(use, (error**2).sum(axis=0)) for use, error in errors]
     nothing = np.zeros_like(parts[0][1])
     return np.stack(
-        [sum((own for use, own in parts if use == which), nothing) for which in ("identify", "validate")]
+        [
+            sum((products for use, products in parts if use == which), nothing)
+            for which in ("identify", "validate")
+        ]
     )
 
 
 def answer_weight(samples: Samples, model: Prepared, answer: Identification) -> float:
-    """Of a model with its answer: see `Samples.log_posterior`."""
+    """Log weight of a model with its answer: see `Samples.log_posterior`."""
     return answer_squares(model.effects, answer.recordings).weight(samples)
 
 

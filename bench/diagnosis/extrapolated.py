@@ -34,21 +34,21 @@ def without_extrapolation(prepared: Prepared) -> tuple[Prepared, tuple[Finding, 
     asked = stack_observations(checked, prepared.layout, prepared.dataset.payloads)
     within = leverage(stack, asked, solution, kept) <= MOST
     few = 2 * (asked.moving & within).sum(axis=0) < asked.moving.sum(axis=0)
-    judged = asked.moving & (within | few)
-    found = []
-    if not judged[asked.moving].all():
-        found.append(
-            Finding(Code.EXTRAPOLATED, numbers={"share": 1.0 - float(judged.sum() / asked.moving.sum())})
+    in_range = asked.moving & (within | few)
+    findings = []
+    if not in_range[asked.moving].all():
+        findings.append(
+            Finding(Code.EXTRAPOLATED, numbers={"share": 1.0 - float(in_range.sum() / asked.moving.sum())})
         )
     if few.any():
         joints = np.array(prepared.dataset.robot.joints)
-        found.append(Finding(Code.JUDGED_BEYOND, tuple(joints[few].tolist())))
-    parts = iter(np.split(judged, asked.starts[1:]))
+        findings.append(Finding(Code.JUDGED_BEYOND, tuple(joints[few].tolist())))
+    parts = iter(np.split(in_range, asked.starts[1:]))
 
     def narrowed(seen: Observation) -> Observation:
         return replace(seen, moving=next(parts)) if seen.use == "validate" else seen
 
-    return replace(prepared, observations=tuple(map(narrowed, prepared.observations))), tuple(found)
+    return replace(prepared, observations=tuple(map(narrowed, prepared.observations))), tuple(findings)
 
 
 def leverage(fitted: Stack, asked: Stack, solution: Solution, kept: np.ndarray) -> np.ndarray:

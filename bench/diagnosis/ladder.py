@@ -4,12 +4,12 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cache
 
-from bench.diagnosis.evidence import ResidualSquares, answer_squares
+from bench.diagnosis.base_model import BaseModel
+from bench.diagnosis.evidence import ResidualSumOfSquares, answer_squares
 from bench.diagnosis.normal_equations import solve_set
-from bench.diagnosis.origin import Origin
 from bench.diagnosis.result import LadderStep
 from bench.diagnosis.rounds import Round
-from bench.diagnosis.search import judged_error
+from bench.diagnosis.search import held_out_error
 from bench.effects import EffectInstance
 from bench.identification.identify import fitted_currents
 from bench.identification.result import CurrentSeries, DriveGain, Identification, relative_error
@@ -20,7 +20,7 @@ class FittedSet:
     """A model with some effects, fitted by itself: the step of a ladder, what it leaves, and its drive gains."""
 
     step: LadderStep
-    residual: ResidualSquares
+    residual: ResidualSumOfSquares
     gains: Mapping[str, float]
 
 
@@ -29,7 +29,7 @@ Fits = Callable[[frozenset[str]], FittedSet]
 
 
 def fits_of(
-    origin: Origin,
+    base_model: BaseModel,
     kept: Sequence[EffectInstance],
     new: Sequence[EffectInstance],
     before: Identification,
@@ -47,7 +47,7 @@ def fits_of(
         elif len(chosen) == len(new):
             series, gains = after.recordings, values_of(after.drive_gains)
         else:
-            series, gains = fitted_currents(origin.with_instances([*kept, *chosen]))
+            series, gains = fitted_currents(base_model.with_instances([*kept, *chosen]))
         return FittedSet(step_of(tuple(names), series), answer_squares([*kept, *chosen], series), gains)
 
     return fitted
@@ -68,7 +68,7 @@ def errors_nearly_without(names: Sequence[str], last: Round, scale: float) -> di
     chosen, system = last.chosen, last.system
     return {
         name: scale
-        * judged_error(system, solve_set(system, [i for i in chosen if last.proposals[i].name != name]))
+        * held_out_error(system, solve_set(system, [i for i in chosen if last.proposals[i].name != name]))
         for name in names
     }
 
@@ -76,13 +76,13 @@ def errors_nearly_without(names: Sequence[str], last: Round, scale: float) -> di
 def ladder_of(names: Sequence[str], fits: Fits) -> tuple[LadderStep, ...]:
     """Errors after each added effect, the one that helps most first. names: of all that are added."""
     steps = [fits(frozenset()).step]
-    left = list(names)
+    remaining = list(names)
     taken: list[str] = []
-    while left:
-        tried = [replace(fits(frozenset((*taken, name))).step, effects=(*taken, name)) for name in left]
+    while remaining:
+        tried = [replace(fits(frozenset((*taken, name))).step, effects=(*taken, name)) for name in remaining]
         best = min(tried, key=lambda step: step.validate or step.identify or 0.0)
         taken.append(best.effects[-1])
-        left.remove(best.effects[-1])
+        remaining.remove(best.effects[-1])
         steps.append(best)
     return tuple(steps)
 

@@ -16,17 +16,19 @@ def law_effects(discovered: Iterable[Discovered]) -> dict[str, Effect]:
     return {law: effects_in(source, Path(f"{law}.py"))[law] for law, source in sources.items()}
 
 
-def discovered_from(told: Mapping[str, Any]) -> Discovered:
+def discovered_from(content: Mapping[str, Any]) -> Discovered:
     """A law at a motor from its plain form, as `dataclasses.asdict` gives it."""
     terms = tuple(
         LawTerm(**{**term, "looks_at": tuple(LooksAt(**look) for look in term["looks_at"])})
-        for term in told["terms"]
+        for term in content["terms"]
     )
     numbers = {
         name: Quantity(
             number["value"], float("inf") if number["std"] is None else number["std"], number["unit"]
         )
-        for name, number in told["numbers"].items()
+        for name, number in content["numbers"].items()
     }
-    nearest = None if told["nearest"] is None else (str(told["nearest"][0]), float(told["nearest"][1]))
-    return Discovered(**{**told, "terms": terms, "numbers": numbers, "nearest": nearest})
+    nearest = (
+        None if content["nearest"] is None else (str(content["nearest"][0]), float(content["nearest"][1]))
+    )
+    return Discovered(**{**content, "terms": terms, "numbers": numbers, "nearest": nearest})

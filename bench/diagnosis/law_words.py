@@ -23,10 +23,10 @@ def law_sentences(discovered: Sequence[Discovered]) -> tuple[str, ...]:
     laws: dict[str, list[Discovered]] = {}
     for law in discovered:
         laws.setdefault(law.law, []).append(law)
-    return tuple(_told(some) for some in laws.values())
+    return tuple(_phrase(some) for some in laws.values())
 
 
-def _told(some: Sequence[Discovered]) -> str:
+def _phrase(some: Sequence[Discovered]) -> str:
     first = some[0]
     place = " and ".join(law.place for law in some) if len(some) < 3 else f"{len(some)} motors"
     if any(look.role == "table" for term in first.terms for look in term.looks_at):
@@ -78,8 +78,8 @@ def _function(term: LawTerm) -> str:
 
 def _kind(term: LawTerm) -> str:
     """What a term does: "a torque that opposes the motion and grows with the size of the acceleration"."""
-    own = [look for look in term.looks_at if look.what == "velocity" and not look.motor]
-    against = [look for look in own if look.role in ("direction", "signed")]
+    velocities = [look for look in term.looks_at if look.what == "velocity" and not look.motor]
+    against = [look for look in velocities if look.role in ("direction", "signed")]
     wave = any(look.role == "wave" for look in term.looks_at)
     does: list[str] = []
     if against:

@@ -9,7 +9,8 @@ from scipy.linalg import orth
 
 @dataclass(frozen=True)
 class MotorRows:
-    """Of one motor in one recording: M rows of some of C columns, and of the torque and the error that go with them.
+    """Rows of one motor in one recording: M rows of some of C columns, and of the torque and the error that go with
+    them.
 
     filled (c,): the columns that are not zero there; values (M, c): these; ends (M, 2): torque and error.
     """
@@ -28,17 +29,17 @@ def motor_rows(columns: Sequence[np.ndarray], ends: np.ndarray) -> MotorRows:
 
 def apart_from(rows: MotorRows, columns: Sequence[int]) -> MotorRows:
     """The rows without what some of the columns, in any size, account for."""
-    own = rows.values[:, np.isin(rows.filled, columns)]
-    basis = orth(own) if own.any() else np.zeros((len(own), 0))
+    selected = rows.values[:, np.isin(rows.filled, columns)]
+    basis = orth(selected) if selected.any() else np.zeros((len(selected), 0))
     values, ends = (part - basis @ (basis.T @ part) for part in (rows.values, rows.ends))
     return MotorRows(rows.filled, values, ends)
 
 
 def folded(triangle: np.ndarray, rows: MotorRows, weight: float) -> np.ndarray:
     """Triangular factor of all columns (C, C) with one motor's rows, weighted, under those that it has already."""
-    own = weight * np.asarray(np.linalg.qr(rows.values, mode="r"))
-    under = np.zeros((len(own), triangle.shape[1]))
-    under[:, rows.filled] = own
+    reduced = weight * np.asarray(np.linalg.qr(rows.values, mode="r"))
+    under = np.zeros((len(reduced), triangle.shape[1]))
+    under[:, rows.filled] = reduced
     return np.asarray(np.linalg.qr(np.concatenate((triangle, under)), mode="r"))
 
 

@@ -7,8 +7,8 @@ import numpy as np
 
 from bench.basics.threads import on_one_thread
 from bench.dataset.payload import Payload
+from bench.diagnosis.block_cross_validation import block_cross_validation
 from bench.diagnosis.decision import RULE
-from bench.diagnosis.halves import halves_of
 from bench.identification.finding import Code, Finding
 from bench.identification.layout import parameter_layout, payload_parameters
 from bench.identification.observation import Observation
@@ -36,8 +36,8 @@ def mounted_otherwise(prepared: Prepared) -> list[Finding]:
             observation.payload_name, []
         ):
             carried[observation.payload_name].append(logs[observation.name])
-    found = [_differing(prepared, name, logs) for name, of in carried.items() if len(of) > 1]
-    return [finding for finding in found if finding is not None]
+    differing = [_differing(prepared, name, logs) for name, of in carried.items() if len(of) > 1]
+    return [finding for finding in differing if finding is not None]
 
 
 def _differing(prepared: Prepared, payload: str, logs: Mapping[str, str]) -> Finding | None:
@@ -48,15 +48,15 @@ def _differing(prepared: Prepared, payload: str, logs: Mapping[str, str]) -> Fin
     if not len(index):
         return None
     stack, solution = solved_quickly(each)
-    own = [each.layout.payload_slice(name) for name in names]
-    further = np.concatenate([stack.phi[:, :, rows] for rows in own[:-1]], axis=2)
-    halves = halves_of(*solved_quickly(common), further)
-    before, after = halves.judged([]), halves.judged(range(further.shape[2]))
-    if halves.evidence(before, after) < RULE.prior or not np.any(np.sqrt(after / before) < BETTER):
+    slices = [each.layout.payload_slice(name) for name in names]
+    further = np.concatenate([stack.phi[:, :, rows] for rows in slices[:-1]], axis=2)
+    validation = block_cross_validation(*solved_quickly(common), further)
+    before, after = validation.held_out_squares([]), validation.held_out_squares(range(further.shape[2]))
+    if validation.evidence(before, after) < RULE.prior or not np.any(np.sqrt(after / before) < BETTER):
         return None
     covariance = uncertainty(stack, solution, "autocorrelated").covariance
-    values = np.array([solution.theta[rows] for rows in own])
-    variances = np.array([np.diag(covariance)[rows] for rows in own])
+    values = np.array([solution.theta[rows] for rows in slices])
+    variances = np.array([np.diag(covariance)[rows] for rows in slices])
     low, high = values.argmin(axis=0), values.argmax(axis=0)
     k = np.arange(len(index))
     apart = (values[high, k] - values[low, k]) / np.sqrt(variances[high, k] + variances[low, k])
@@ -65,11 +65,11 @@ def _differing(prepared: Prepared, payload: str, logs: Mapping[str, str]) -> Fin
         return None
     first, second = int(high[most]), int(low[most])
     symbol, unit = payload_parameters(index)[most]
-    told = [name.removeprefix(f"{payload}@") for name in (names[first], names[second])]
+    labels = [name.removeprefix(f"{payload}@") for name in (names[first], names[second])]
     std = np.sqrt(variances[:, most])
     return Finding(
         Code.MOUNTED_OTHERWISE,
-        (payload, symbol, *told),
+        (payload, symbol, *labels),
         numbers={
             "first": float(values[first, most]),
             "first_std": float(std[first]),
@@ -82,7 +82,7 @@ def _differing(prepared: Prepared, payload: str, logs: Mapping[str, str]) -> Fin
 
 def _mounted(prepared: Prepared, payload: str, named: Mapping[str, str]) -> Prepared:
     """All recordings, as if fitted, with a payload of which the mass alone is known; named: what each one carries."""
-    own = prepared.dataset.payloads[payload]
+    declared = prepared.dataset.payloads[payload]
 
     def renamed(observation: Observation) -> Observation:
         name = named[observation.name] if observation.payload_name == payload else observation.payload_name
@@ -95,7 +95,7 @@ def _mounted(prepared: Prepared, payload: str, named: Mapping[str, str]) -> Prep
         if observation.payload_name not in prepared.dataset.payloads
     ]
     payloads = dict(prepared.dataset.payloads) | {
-        name: Payload(name, own.mass, None, None) for name in [payload, *new] if name is not None
+        name: Payload(name, declared.mass, None, None) for name in [payload, *new] if name is not None
     }
     layout = parameter_layout(
         prepared.model,

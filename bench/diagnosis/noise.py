@@ -8,7 +8,7 @@ from bench.identification.current_noise import current_noise
 from bench.identification.prepare import Prepared
 from bench.identification.solve_only import solved_quickly, spread
 
-WHITE = 0.8  # share of the noise's squares: where less is left, the noise is not white, and its floor says nothing
+WHITE = 0.8  # share of the noise's squares: where less remains, the noise is not white, and its floor says nothing
 
 
 def noise_squares(prepared: Prepared) -> np.ndarray | None:
@@ -35,8 +35,8 @@ def leaves_only_noise(system: System, model: Prepared, noise: np.ndarray | None)
         return False
     stack, solution = solved_quickly(model)
     weights = solution.weights**2
-    left = float((spread(stack, solution) ** 2 * stack.moving.sum(axis=0)) @ weights)
+    residual = float((spread(stack, solution) ** 2 * stack.moving.sum(axis=0)) @ weights)
     least = float(noise @ weights)
-    samples = system.fitted.rows / system.memory
-    nats = 0.5 * samples * np.log(left / max(least, np.finfo(float).tiny))
-    return bool(WHITE * least < left and nats < RULE.prior)
+    samples = system.fitted.rows / system.autocorrelation_time
+    nats = 0.5 * samples * np.log(residual / max(least, np.finfo(float).tiny))
+    return bool(WHITE * least < residual and nats < RULE.prior)

@@ -18,6 +18,7 @@ from bench.diagnosis.evidence import Samples
 from bench.diagnosis.motor_products import MotorProducts, summed
 from bench.diagnosis.motor_rows import MotorRows, apart_from, combined, folded, motor_rows, products
 from bench.effects import EffectInstance, RobotSignals
+from bench.identification.autocorrelation_time import autocorrelation_time, repeats_of
 from bench.identification.bilinear import (
     errors_by,
     independent_of,
@@ -32,7 +33,6 @@ from bench.identification.by_recording import columns_without_value
 from bench.identification.effect_rows import effect_rows
 from bench.identification.filtered import forget_motions
 from bench.identification.layout import known_rows, regressor_rows
-from bench.identification.memory import memory_in_rows, repeats_of
 from bench.identification.observation import Observation
 from bench.identification.prepare import Prepared
 from bench.identification.solution import Solution
@@ -46,8 +46,7 @@ NOTHING = 1e-10  # share of a candidate's column that the model's must leave
 
 @dataclass(frozen=True)
 class Candidate:
-    """An effect at all the places where it can sit; columns: its
-    places among the system's. lengths (k,): of its own
+    """An effect at all the places where it can sit; columns: its places among the system's. lengths (k,): of its
     columns, weighted, where the system's has the length one; zero where the model's leave nothing of it.
     """
 
@@ -58,7 +57,8 @@ class Candidate:
 
 @dataclass(frozen=True)
 class SetFit:
-    """A set of candidates, solved on the fitted recordings; weighted squares left there and on the judged ones.
+    """A set of candidates, solved on the fitted recordings; weighted squares of the residual there and on the held-out
+    ones.
 
     values (k,): coefficients of the system's columns, base first, relative to the present solution; gains (n,).
     by_motor (2, n): squares of each motor's error, of fitted and of judged recordings.
@@ -69,7 +69,7 @@ class SetFit:
     values: np.ndarray
     gains: np.ndarray
     fitted: float
-    judged: float
+    held_out: float
     by_motor: np.ndarray
 
 
@@ -78,17 +78,17 @@ class System:
     """The equations of the fitted and of the judged recordings, with the columns of all candidates.
 
     base: how many independent columns the present model has. start: its solution, whose weights are one over each
-    motor's current error. memory: rows that count as one, since neighbouring errors are alike. priors: nats that each
-    candidate must bring beyond what every one must, none where empty. by_log: the products by use
-    of every log alone. solved: sets that were asked for already.
+    motor's current error. autocorrelation_time: rows that count as one, since neighbouring errors are alike. priors:
+    nats that each candidate must bring beyond what every one must, none where empty. by_log: the products by use of
+    every log alone. solved: sets that were asked for already.
     """
 
     candidates: tuple[Candidate, ...]
     base: int
     start: Solution
     fitted: MotorProducts
-    judged: MotorProducts
-    memory: float
+    held_out: MotorProducts
+    autocorrelation_time: float
     repeats: float = 1.0
     priors: tuple[float, ...] = ()
     by_log: Mapping[str, Mapping[str, MotorProducts]] = field(default_factory=dict)
@@ -101,9 +101,9 @@ class System:
     @cached_property
     def samples(self) -> Samples:
         """Independent ones; every period of a motion that returns counts once, with the errors that return with it."""
-        together = self.memory * self.repeats
-        fitted, judged = (part.rows_of_motor / together for part in (self.fitted, self.judged))
-        return Samples(fitted, judged)
+        together = self.autocorrelation_time * self.repeats
+        fitted, held_out = (part.rows_of_motor / together for part in (self.fitted, self.held_out))
+        return Samples(fitted, held_out)
 
     def columns_of(self, chosen: Sequence[int]) -> np.ndarray:
         """Indices of the base columns and those of the chosen candidates."""
@@ -164,7 +164,7 @@ def build_system(
         listed.append(Candidate(tuple(instances), base + some, lengths[some]))
         at += len(some)
     by_log = _products(prepared, blocks, change)
-    fitted, judged = (
+    fitted, held_out = (
         summed(
             [by_use[use] for by_use in by_log.values() if use in by_use],
             change.shape[1] + 3,
@@ -172,7 +172,7 @@ def build_system(
         )
         for use in ("identify", "validate")
     )
-    system = System(tuple(listed), base, start, fitted, judged, 1.0, by_log=by_log)
+    system = System(tuple(listed), base, start, fitted, held_out, 1.0, by_log=by_log)
     plain = [
         i
         for i, candidate in enumerate(listed)
@@ -184,9 +184,14 @@ def build_system(
         i for i, candidate in enumerate(listed) if any(instance in exact for instance in candidate.instances)
     ]
     wider = solve_set(system, sorted({*plain, *known}))
-    left = [_errors(values, change, wider, start) for values in blocks["identify"]]
+    residuals = [_errors(values, change, wider, start) for values in blocks["identify"]]
     returns = [observation.course.returns for observation in prepared.fitted]
-    return replace(system, memory=memory_in_rows(errors), repeats=repeats_of(left, returns), solved={})
+    return replace(
+        system,
+        autocorrelation_time=autocorrelation_time(errors),
+        repeats=repeats_of(residuals, returns),
+        solved={},
+    )
 
 
 def solve_set(system: System, chosen: Sequence[int]) -> SetFit:
@@ -229,8 +234,8 @@ def _solved(system: System, chosen: tuple[int, ...]) -> SetFit:
         if converged:
             break
     errors = errors_by(values, gains, start.gains)
-    left = squares_of(inner_of(system.judged, columns), errors)
-    by_motor = np.stack((squares_of(inner, errors), left))
+    held_out = squares_of(inner_of(system.held_out, columns), errors)
+    by_motor = np.stack((squares_of(inner, errors), held_out))
     return fit_of(system, chosen, columns, values, gains, cost, by_motor)
 
 
@@ -280,8 +285,8 @@ def fit_of(
     every = system.columns_of(chosen)
     whole = np.zeros(system.fitted.inner.shape[1])
     whole[columns] = values
-    judged = float(by_motor[1] @ system.start.weights**2)
-    return SetFit(chosen, every, whole[every], gains, cost, judged, by_motor)
+    held_out = float(by_motor[1] @ system.start.weights**2)
+    return SetFit(chosen, every, whole[every], gains, cost, held_out, by_motor)
 
 
 def _added(
@@ -309,7 +314,7 @@ def _added(
 def _rows(
     prepared: Prepared, observation: Observation, added: np.ndarray, start: Solution
 ) -> tuple[MotorRows, ...]:
-    """[phi, candidates, torque, error] of one recording at each motor, zero where it stands still; apart from what a
+    """[phi, candidates, torque, error] of one recording at each motor, zero where it does not move; apart from what a
     value of its accounts for, where it has none.
     """
     phi = regressor_rows(observation, prepared.layout)
@@ -319,7 +324,7 @@ def _rows(
         motor_rows((phi[:, j] * moving[:, None], added[:, j] * moving[:, None]), ends[:, j] * moving[:, None])
         for j, moving in enumerate(observation.moving.T)
     )
-    suited = [own[0] for own in columns_without_value(prepared, observation)]
+    suited = [each[0] for each in columns_without_value(prepared, observation)]
     return tuple(apart_from(rows, suited) for rows in every) if suited else every
 
 
@@ -346,9 +351,9 @@ def _orthonormal(triangle: np.ndarray, p: int) -> tuple[np.ndarray, np.ndarray]:
     basis = vectors[kept].T / singular[kept] / norms[:, None]
     lengths = np.linalg.norm(triangle[:, p:], axis=0)
     within = basis.T @ triangle[:p, :p].T @ triangle[:p, p:]
-    left = np.linalg.norm(triangle[:, p:] - triangle[:, :p] @ (basis @ within), axis=0)
-    left = np.where(left > NOTHING * lengths, left, 0.0)
-    scales = np.divide(1.0, left, out=np.zeros(k), where=left > 0.0)
+    remaining = np.linalg.norm(triangle[:, p:] - triangle[:, :p] @ (basis @ within), axis=0)
+    remaining = np.where(remaining > NOTHING * lengths, remaining, 0.0)
+    scales = np.divide(1.0, remaining, out=np.zeros(k), where=remaining > 0.0)
     change = np.zeros((p + k, basis.shape[1] + k))
     change[:p, : basis.shape[1]] = basis
     change[:p, basis.shape[1] :] = -basis @ within * scales
@@ -359,27 +364,29 @@ def _orthonormal(triangle: np.ndarray, p: int) -> tuple[np.ndarray, np.ndarray]:
 def _products(
     prepared: Prepared, blocks: Mapping[str, Sequence[Sequence[MotorRows]]], change: np.ndarray
 ) -> dict[str, dict[str, MotorProducts]]:
-    """Of every log and use, their columns combined by `change`."""
+    """Products of every log and use, their columns combined by `change`."""
     size = change.shape[1] + 2
-    found: dict[str, dict[str, MotorProducts]] = {}
-    left = {use: iter(motors) for use, motors in blocks.items()}
+    by_log: dict[str, dict[str, MotorProducts]] = {}
+    pending = {use: iter(motors) for use, motors in blocks.items()}
     for observation, measured in zip(prepared.observations, prepared.measured, strict=True):
-        motors = next(left[observation.use])
+        motors = next(pending[observation.use])
         with_zeros = np.zeros((len(motors), size + 1, size + 1))
         for inner, rows in zip(with_zeros, motors, strict=True):
             inner[:size, :size] = products(rows, change)
         of_motor = observation.moving.sum(axis=0)
         squares = float(((observation.current * observation.moving) ** 2).sum())
-        own = MotorProducts(with_zeros, int(of_motor.sum()), squares, of_motor)
-        by_use = found.setdefault(measured.recording.log, {})
+        of_recording = MotorProducts(with_zeros, int(of_motor.sum()), squares, of_motor)
+        by_use = by_log.setdefault(measured.recording.log, {})
         before = by_use.get(observation.use)
-        by_use[observation.use] = own if before is None else summed([before, own], size + 1, len(motors))
-    return found
+        by_use[observation.use] = (
+            of_recording if before is None else summed([before, of_recording], size + 1, len(motors))
+        )
+    return by_log
 
 
 def _errors(motors: Sequence[MotorRows], change: np.ndarray, fit: SetFit, start: Solution) -> np.ndarray:
     """Weighted current errors (M, n) of one recording."""
     errors = errors_by(fit.values, fit.gains, start.gains)
     values = np.concatenate((errors[:, :-2] @ change[:, fit.columns].T, errors[:, -2:]), axis=1)
-    found = [combined(rows, own) for rows, own in zip(motors, values, strict=True)]
-    return np.column_stack(found) * start.weights
+    by_motor = [combined(rows, motor_values) for rows, motor_values in zip(motors, values, strict=True)]
+    return np.column_stack(by_motor) * start.weights

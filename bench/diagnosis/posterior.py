@@ -12,7 +12,7 @@ from bench.diagnosis.decision import RULE
 from bench.diagnosis.evidence import Samples
 from bench.diagnosis.normal_equations import System
 from bench.diagnosis.result import EffectVerdict, ProbableSet, Unexplained
-from bench.diagnosis.search import Found, judged_error, possible, score
+from bench.diagnosis.search import Selection, held_out_error, possible, score
 
 LEADING = 8  # sets that an answer lists
 EVEN = 0.5  # probability
@@ -33,20 +33,20 @@ class Posterior:
 
 
 def posterior_of(
-    system: System, found: Found, proposals: Sequence[Proposal], scale: float = 1.0
+    system: System, selection: Selection, proposals: Sequence[Proposal], scale: float = 1.0
 ) -> Posterior:
     """Over the possible sets of usable effects that were solved, about one model: see `Samples.log_posterior`.
 
     What seems more probable than the best set was converged, and was not. scale: of errors, see `verdicts`.
     """
-    usable = {*found.singles, *found.best.fit.chosen}
+    usable = {*selection.singles, *selection.selected.fit.chosen}
     solved = [
         score(system, fit)
         for fit in system.solved.values()
         if usable.issuperset(fit.chosen) and possible(system, fit)
     ]
     ordered = sorted(
-        (each for each in solved if each.total <= found.best.total), key=lambda each: -each.total
+        (each for each in solved if each.total <= selection.selected.total), key=lambda each: -each.total
     )
     fits = [each.fit for each in ordered]
     weights = shares_of([each.total for each in ordered])
@@ -57,7 +57,7 @@ def posterior_of(
         ProbableSet(
             tuple(proposals[k].name for k in fit.chosen),
             float(weight),
-            scale * judged_error(system, fit),
+            scale * held_out_error(system, fit),
         )
         for fit, weight in zip(fits[:LEADING], weights, strict=False)
         if weight > LIKELY
@@ -83,21 +83,21 @@ def something_else(posterior: Posterior, samples: Samples, left: Unexplained) ->
 
 
 def with_probability(
-    verdict: EffectVerdict, probability: float | None, sets: Sequence[ProbableSet], told: Sequence[str]
+    verdict: EffectVerdict, probability: float | None, sets: Sequence[ProbableSet], reported: Sequence[str]
 ) -> EffectVerdict:
     """The verdict with its probability; an effect of the answer that is less probable than not is undecided between it
-    and what the leading sets without it have. told: names of all effects of the answer.
+    and what the leading sets without it have. reported: names of all effects of the answer.
     """
     verdict = replace(verdict, probability=probability)
     if (
-        verdict.effect not in told
+        verdict.effect not in reported
         or probability is None
         or probability >= EVEN
         or verdict.verdict not in DECIDED
     ):
         return verdict
     without = [probable.effects for probable in sets if verdict.effect not in probable.effects]
-    others = tuple(dict.fromkeys(name for effects in without for name in effects if name not in told))
+    others = tuple(dict.fromkeys(name for effects in without for name in effects if name not in reported))
     return replace(verdict, verdict="indistinguishable", alternatives=others) if others else verdict
 
 

@@ -1,4 +1,4 @@
-"""Found effects that do not stay: of an impossible sign, or needed no more where the others are converged anew."""
+"""Identified effects that do not stay: of an impossible sign, or needed no more where the others are converged anew."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
@@ -16,7 +16,7 @@ from bench.identification.result import Identification
 
 def impossible_effects(result: Identification, added: Sequence[EffectInstance]) -> dict[str, Reason]:
     """Effects with a clearly negative parameter, that must be positive, wherever they are; and why they go."""
-    found: dict[str, list[str]] = {}
+    by_name: dict[str, list[str]] = {}
     for instance in added:
         values = result.effect_parameters[instance.effect.name][instance.place]
         wrong = [
@@ -24,8 +24,8 @@ def impossible_effects(result: Identification, added: Sequence[EffectInstance]) 
             for parameter in instance.effect.parameters
             if parameter.positive and values[parameter.name].value < -RULE.shows * values[parameter.name].std
         ]
-        found.setdefault(instance.effect.name, []).append(wrong[0] if wrong else "")
-    return {name: Reason(Because.IMPOSSIBLE, (wrong[0],)) for name, wrong in found.items() if all(wrong)}
+        by_name.setdefault(instance.effect.name, []).append(wrong[0] if wrong else "")
+    return {name: Reason(Because.IMPOSSIBLE, (wrong[0],)) for name, wrong in by_name.items() if all(wrong)}
 
 
 def impossible_but_needed(whole: Identification, dropped: Sequence[EffectInstance]) -> dict[str, Reason]:
@@ -46,7 +46,7 @@ def impossible_but_needed(whole: Identification, dropped: Sequence[EffectInstanc
 
 def cancelling_effect(result: Identification, added: Sequence[EffectInstance]) -> dict[str, Reason]:
     """The effect added last, of those with a torque many times all that a motor gives: it cancels another, or the
-    model's own parameters, and has no size by itself.
+    model's parameters, and has no size by itself.
     """
     fitted = [trace for trace in result.recordings if trace.use == "identify"]
     for name in reversed(list(dict.fromkeys(instance.effect.name for instance in added))):
@@ -61,7 +61,7 @@ def cancelling_effect(result: Identification, added: Sequence[EffectInstance]) -
 def superfluous_effect(fits: Fits, names: Sequence[str], samples: Samples) -> dict[str, Reason]:
     """The effect that is needed least, if the others, converged without it, are more probable; and why it goes.
 
-    A search compares sets about one model. What made a difference there and makes none here only mended how the others
+    A search compares sets about one model. What made a difference there and makes none now only mended how the others
     were linearised.
     """
     every = frozenset(names)

@@ -20,7 +20,7 @@ class Because(StrEnum):
     MOVES_GAIN = (
         "moves a gain"  # where the model's error is no noise, and explains too little for that [the motor]
     )
-    NOT_NEEDED = "not needed"  # the other found effects do as well without it
+    NOT_NEEDED = "not needed"  # the other identified effects do as well without it
 
 
 class Doubt(StrEnum):

@@ -1,4 +1,4 @@
-"""Reasons of verdicts, and what is left, in sentences."""
+"""Reasons of verdicts, and what remains, in sentences."""
 
 from collections.abc import Callable, Mapping
 
@@ -21,35 +21,36 @@ def reason_sentence(verdict: EffectVerdict) -> str:
     return f"{'; '.join([WORDS[verdict.why.because](verdict), *doubts])}."
 
 
-def judged_on(diagnosis: Diagnosis) -> str:
+def validated_on(diagnosis: Diagnosis) -> str:
     """What the errors and the evidence are of."""
     if not diagnosis.held_out:
         return "recordings that were not fitted"
     return f"the last {100.0 * diagnosis.held_out:.0f} % of every recording, not fitted"
 
 
-def left_words(left: Unexplained, *, searched: bool = True) -> str:
-    """What remains beside the found effects, and beside which noise; without a capital letter and full stop.
+def unexplained_words(unexplained: Unexplained, *, searched: bool = True) -> str:
+    """What remains with the identified effects, and how large the noise is; without a capital letter and full stop.
 
     searched: whether all effects of the catalogue were tried.
     """
-    floor, encoders = (f"{100.0 * noise:.3g} %" for noise in (left.noise_floor, left.encoders))
-    error = f"{100.0 * left.error:.3g} %"
-    if left.what == Remainder.NOISE:
+    floor, encoders = (f"{100.0 * noise:.3g} %" for noise in (unexplained.noise_floor, unexplained.encoders))
+    error = f"{100.0 * unexplained.error:.3g} %"
+    if unexplained.what == Remainder.NOISE:
         return f"the remaining error ({error}) is at the noise floor of the currents ({floor})"
-    if left.what == Remainder.NOISE_AND_ENCODERS:
+    if unexplained.what == Remainder.NOISE_AND_ENCODERS:
         return (
             f"the remaining error ({error}) is explained by the noise of the currents ({floor}) and of the encoders "
             f"({encoders})"
         )
     noise = f"the noise floor of the currents is {floor}"
-    if left.encoders > 0.1 * left.noise_floor:
+    if unexplained.encoders > 0.1 * unexplained.noise_floor:
         noise += f", that of the encoders {encoders}"
-    if left.repeats is not None:
-        noise += f", and the logs are repeatable to {100.0 * left.repeats:.3g} %"
-    if left.what == Remainder.NO_PATTERN:
+    if unexplained.repeats is not None:
+        noise += f", and the logs are repeatable to {100.0 * unexplained.repeats:.3g} %"
+    if unexplained.what == Remainder.NO_PATTERN:
         return f"the remaining error is {error} of the current ({noise}); it depends on no variable that was tested"
-    varies = f"the remaining error is {error} of the current ({noise}), and it depends on {', '.join(left.depends_on)}"
+    variables = ", ".join(unexplained.depends_on)
+    varies = f"the remaining error is {error} of the current ({noise}), and it depends on {variables}"
     return f"{varies}: no effect of the catalogue explains it" if searched else varies
 
 

@@ -14,7 +14,7 @@ def not_repeated(series: Sequence[CurrentSeries]) -> float | None:
 
     Half of the squared difference of the errors one period apart: noise, and whatever else the motion does not decide.
     """
-    left = measured = 0.0
+    squares = measured = 0.0
     for trace in series:
         rows = rows_until_return(trace.position)
         if rows is None:
@@ -26,6 +26,6 @@ def not_repeated(series: Sequence[CurrentSeries]) -> float | None:
         still = cubic_spline(trace.time, trace.moving.astype(float))(later) <= 1.0 - 1e-6
         both = again[:, None] & trace.moving[known] & ~still
         apart = (cubic_spline(trace.time, trace.error)(later) - trace.error[known]) * both
-        left += 0.5 * float((apart**2).sum())
+        squares += 0.5 * float((apart**2).sum())
         measured += float(((trace.measured[known] * both) ** 2).sum())
-    return float(np.sqrt(left / measured)) if measured else None
+    return float(np.sqrt(squares / measured)) if measured else None

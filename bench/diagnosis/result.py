@@ -119,12 +119,12 @@ class Unexplained:
 
     @property
     def significant(self) -> bool:
-        """Whether something is left that no known effect accounts for."""
+        """Whether something remains that no known effect accounts for."""
         return self.what == Remainder.PATTERN
 
     @property
     def much(self) -> bool:
-        """Whether so much is left, whatever it varies with, that noise alone cannot be it."""
+        """Whether so much remains, whatever it varies with, that noise alone cannot be it."""
         return self.error > MUCH_LEFT * hypot(self.noise_floor, self.encoders)
 
     @property
@@ -167,7 +167,7 @@ Role = Literal["direction", "signed", "size", "wave", "decay", "step", "memory",
 
 @dataclass(frozen=True)
 class LooksAt:
-    """What a term of a law goes by; what: such as acceleration; motor: whose, empty for the law's own or no motor's."""
+    """What a term of a law goes by; what: such as acceleration; motor: whose, empty for the law's motor or no motor."""
 
     what: str
     motor: str
@@ -213,7 +213,7 @@ class Discovered:
 
     @property
     def formula(self) -> str:
-        """Of the whole law, in SI units; of a table what it goes by."""
+        """The formula of the whole law, in SI units; of a table what it goes by."""
         parts = [
             HAT.sub(r"table(\1)", term.term)
             if HAT.search(term.term)
@@ -277,11 +277,11 @@ class Diagnosis:
         return (*self.missing, *self.by_recording, *dict.fromkeys(law.law for law in self.discovered))
 
     def __repr__(self) -> str:
-        found = (*self.missing, *self.by_recording, *(law.formula for law in self.discovered))
+        parts = (*self.missing, *self.by_recording, *(law.formula for law in self.discovered))
         errors = [step.validate if step.validate is not None else step.identify for step in self.ladder]
         fall = " → ".join(f"{100.0 * error:.3g} %" for error in errors if error is not None)
         early = "" if self.finished else "; unfinished"
-        return f"<{self.robot}: {', '.join(found) or 'nothing'} missing; error {fall}{early}>"
+        return f"<{self.robot}: {', '.join(parts) or 'nothing'} missing; error {fall}{early}>"
 
     def rows(self) -> list[dict[str, str | float]]:
         """The ranking as a table: one row with effect, verdict, evidence and errors before and after each."""

@@ -1,4 +1,4 @@
-"""Effects that show only when the shape of a found one gives way, or when all are converged with them."""
+"""Effects that show only when the shape of an identified one gives way, or when all are converged with them."""
 
 from collections.abc import Collection, Sequence
 from dataclasses import replace
@@ -19,30 +19,30 @@ MOST = 2  # effects that are tried
 
 
 def partners(
-    model: Prepared, context: Context, proposals: Sequence[Proposal], found: Collection[int]
+    model: Prepared, context: Context, proposals: Sequence[Proposal], chosen: Collection[int]
 ) -> list[int]:
     """Proposals (indices) that would explain much of what the converged model leaves, the most first.
 
-    Beside the model's columns stand the derivatives by its shape parameters: a time constant that was identified
+    The model's columns are joined by the derivatives by its shape parameters: a time constant that was identified
     without a viscous friction has taken its part, and would leave it there. Where nothing bends, in the model or in
-    what joins it, a search has said all there is. context: of the model; found: what the model has already.
+    what joins it, a search has said all there is. context: of the model; chosen: what the model has already.
     """
     bends = any(map(_bends, model.effects))
     able = [
         i
         for i, proposal in enumerate(proposals)
-        if i not in found
+        if i not in chosen
         and not proposal.absorbed
-        and (bends or (found and any(map(_bends, proposal.instances))))
+        and (bends or (chosen and any(map(_bends, proposal.instances))))
     ]
     if not able:
         return []
     stack, solution = solved_quickly(model)
     bent, extended = with_shape_columns(model, stack, solution, np.arange(model.layout.size))
-    left = partial_regression(bent, extended)
+    regression = partial_regression(bent, extended)
     shares = {
-        i: left.explained(candidate_columns(context.prepared, proposals[i].instances))[1]
-        / left.sum_of_squares
+        i: regression.explained(candidate_columns(context.prepared, proposals[i].instances))[1]
+        / regression.sum_of_squares
         for i in able
     }
     return sorted((i for i in shares if shares[i] > WORTH), key=lambda i: -shares[i])[:MOST]
@@ -53,9 +53,11 @@ def _bends(instance: EffectInstance) -> bool:
     return bool(instance.effect.shape) or instance.effect.depends_on_model
 
 
-def beside(proposals: Sequence[Proposal], model: Prepared, own: int) -> list[Proposal]:
-    """The proposals in the shape they have in a converged model, whose first `own` effects are the starting ones."""
-    added = model.effects[own:]
+def in_their_shape(proposals: Sequence[Proposal], model: Prepared, given_count: int) -> list[Proposal]:
+    """The proposals in the shape they have in a converged model, whose first `given_count` effects are the starting
+    ones.
+    """
+    added = model.effects[given_count:]
     changed = []
     for proposal in proposals:
         instances = tuple(each for each in added if each.effect.name == proposal.name)

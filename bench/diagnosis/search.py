@@ -15,10 +15,10 @@ EXHAUSTIVE = 3  # up to this size all sets of the shortlist compete; larger ones
 LARGEST_SET = 6
 STEPS = 6  # changes of a set
 BEGUN = 4  # sets from which a search sets out, besides the empty one
-ALONE, BESIDE = (
+ALONE, WITH_BEST = (
     9,
     7,
-)  # how many effects the shortlist has for what they do alone, and beside the best set so far
+)  # how many effects the shortlist has for what they do alone, and with the best set so far
 
 
 @dataclass(frozen=True)
@@ -26,7 +26,7 @@ class Scored:
     """A set with the logarithm of its weight, `total`, and of its likelihood on judged recordings, nats."""
 
     fit: SetFit
-    judged: float
+    held_out: float
     total: float
 
 
@@ -35,20 +35,20 @@ def score(system: System, fit: SetFit) -> Scored:
     samples, needs no penalty.
     """
     logs = np.log(fit.by_motor[1] + np.finfo(float).tiny)
-    judged = -0.5 * float(system.judged.rows_of_motor @ logs) / system.memory
+    held_out = -0.5 * float(system.held_out.rows_of_motor @ logs) / system.autocorrelation_time
     prior = system.prior_of(fit.chosen)
-    return Scored(fit, judged, float(system.samples.log_posterior(fit.by_motor, len(fit.columns), prior)))
+    return Scored(fit, held_out, float(system.samples.log_posterior(fit.by_motor, len(fit.columns), prior)))
 
 
 @dataclass(frozen=True)
-class Found:
+class Selection:
     """The most probable set, and every single effect alone."""
 
-    best: Scored
+    selected: Scored
     singles: dict[int, Scored]
 
 
-def search(system: System, usable: Sequence[int], deadline: Deadline = NEVER) -> Found:
+def search(system: System, usable: Sequence[int], deadline: Deadline = NEVER) -> Selection:
     """The most probable set among the usable candidates (indices) of which no effect has an impossible sign.
 
     All pairs and triples of the shortlist compete, so that a first choice that a better pair makes superfluous does not
@@ -59,7 +59,7 @@ def search(system: System, usable: Sequence[int], deadline: Deadline = NEVER) ->
     for size in range(1, EXHAUSTIVE + 1):
         deadline.check()
         best = _best(system, best, combinations(_shortlist(system, usable, singles, best), size))
-    return Found(climbed(system, best, usable, deadline), singles)
+    return Selection(climbed(system, best, usable, deadline), singles)
 
 
 def best_set(
@@ -79,26 +79,26 @@ def climbed(system: System, start: Scored, usable: Sequence[int], deadline: Dead
     as the set becomes more probable.
 
     Where a sign is impossible, any possible neighbour is better: what the sign belongs to may stand for that, as a
-    spring that pushes stands for an offset.
+    spring that pushes replaces an offset.
     """
-    here = start
+    present = start
     for _ in range(STEPS):
         deadline.check()
-        chosen, able = here.fit.chosen, possible(system, here.fit)
-        near = neighbours(system, here, usable, -np.inf if not able else here.total)
-        best = simplest(system, near[0], [*near, here] if able else near) if near else here
-        if best is not here:
-            here = best
+        chosen, able = present.fit.chosen, possible(system, present.fit)
+        near = neighbours(system, present, usable, -np.inf if not able else present.total)
+        best = simplest(system, near[0], [*near, present] if able else near) if near else present
+        if best is not present:
+            present = best
         elif able:
             break
         else:
-            here = max(scored(system, reduced(chosen)), key=_total)
-    return here
+            present = max(scored(system, reduced(chosen)), key=_total)
+    return present
 
 
-def neighbours(system: System, here: Scored, usable: Sequence[int], least: float) -> list[Scored]:
+def neighbours(system: System, present: Scored, usable: Sequence[int], least: float) -> list[Scored]:
     """Sets with one effect more than this one, another or one less, whose weight is above the least, the best first."""
-    chosen = here.fit.chosen
+    chosen = present.fit.chosen
     others = [i for i in usable if i not in chosen]
     sets = swapped(chosen, others) + (reduced(chosen) if chosen else [])
     if len(chosen) < LARGEST_SET:
@@ -124,19 +124,19 @@ def _total(each: Scored) -> float:
 
 
 def _shortlist(system: System, usable: Sequence[int], singles: dict[int, Scored], best: Scored) -> list[int]:
-    """Effects that explain most alone, and most beside the best set so far: one may hide the other."""
+    """Effects that explain most alone, and most with the best set so far: one may hide the other."""
     chosen = best.fit.chosen
     alone = sorted(usable, key=lambda i: -singles[i].total)[:ALONE]
     others = [i for i in usable if i not in chosen]
     wider = scored(system, enlarged(chosen, others)) if chosen else []
-    beside = {i: each.total for i, each in zip(others, wider, strict=False)}
-    return list(dict.fromkeys([*chosen, *alone, *sorted(beside, key=lambda i: -beside[i])[:BESIDE]]))
+    totals = {i: each.total for i, each in zip(others, wider, strict=False)}
+    return list(dict.fromkeys([*chosen, *alone, *sorted(totals, key=lambda i: -totals[i])[:WITH_BEST]]))
 
 
-def judged_error(system: System, fit: SetFit) -> float:
+def held_out_error(system: System, fit: SetFit) -> float:
     """Relative error of a set on the recordings that were not fitted: RMS(error) / RMS(measured), all motors."""
-    measured = system.judged.measured
-    error = squared_errors(system.judged, fit, system.start)
+    measured = system.held_out.measured
+    error = squared_errors(system.held_out, fit, system.start)
     return float(np.sqrt(error.sum() / measured)) if measured else 0.0
 
 
@@ -146,7 +146,7 @@ def close(scored: Scored, other: Scored) -> bool:
 
 
 def simplest(system: System, scored: Scored, rivals: Sequence[Scored]) -> Scored:
-    """Of the sets that are as good and hold a special case of an effect instead of it, the one with fewest unknowns."""
+    """The set with fewest unknowns among those that are as good and hold a special case in place of an effect."""
     size = _unknowns(system, scored)
     simpler = [
         rival
@@ -159,7 +159,7 @@ def simplest(system: System, scored: Scored, rivals: Sequence[Scored]) -> Scored
 
 
 def _unknowns(system: System, scored: Scored) -> int:
-    """Its columns, and the shape parameters of its effects."""
+    """Number of its columns and the shape parameters of its effects."""
     shapes = (instance.effect.shape for i in scored.fit.chosen for instance in system.candidates[i].instances)
     return len(scored.fit.columns) + sum(map(len, shapes))
 

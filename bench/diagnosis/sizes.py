@@ -14,8 +14,8 @@ def sizes_of(model: Prepared, result: Identification, effect: str) -> dict[str, 
     for instance in model.effects:
         size = len(instance.effect.parameters)
         if instance.effect.name == effect:
-            found = result.effect_parameters[effect][instance.place]
-            values = np.array([found[parameter.name].value for parameter in instance.effect.parameters])
+            quantities = result.effect_parameters[effect][instance.place]
+            values = np.array([quantities[parameter.name].value for parameter in instance.effect.parameters])
             torque = np.concatenate([seen.effects[:, :, at : at + size] @ values for seen in model.fitted])
             total = torque if total is None else total + torque
         at += size

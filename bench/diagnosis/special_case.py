@@ -1,4 +1,4 @@
-"""A special case of a found effect in the shape that this has, so that both are compared at their best."""
+"""A special case of an identified effect in the shape that this has, so that both are compared at their best."""
 
 from collections.abc import Sequence
 
@@ -29,8 +29,11 @@ def explaining_most(context: Context, *tried: tuple[EffectInstance, ...]) -> tup
 
 def explains(context: Context, instances: Sequence[EffectInstance]) -> bool:
     """Whether instances take a clear share away of what a model leaves of the fitted recordings."""
-    return _explained(context, instances) > (1.0 - (1.0 - RULE.material) ** 2) * context.left.sum_of_squares
+    return (
+        _explained(context, instances)
+        > (1.0 - (1.0 - RULE.material) ** 2) * context.regression.sum_of_squares
+    )
 
 
 def _explained(context: Context, instances: Sequence[EffectInstance]) -> float:
-    return float(context.left.explained(candidate_columns(context.prepared, instances))[1])
+    return float(context.regression.explained(candidate_columns(context.prepared, instances))[1])

@@ -1,11 +1,11 @@
-"""Effects that the starting model has: they are found again, replaced by others, or leave."""
+"""Effects that the starting model has: they are identified again, replaced by others, or leave."""
 
 from collections.abc import Collection, Sequence
 from dataclasses import replace
 
+from bench.diagnosis.base_model import BaseModel
 from bench.diagnosis.candidates import Proposal
 from bench.diagnosis.evidence import Samples, answer_weight
-from bench.diagnosis.origin import Origin
 from bench.diagnosis.result import Superfluous
 from bench.effects import EffectInstance
 from bench.identification.identify import fit
@@ -15,7 +15,7 @@ from bench.identification.result import Identification
 
 
 def origins_of(start: Prepared) -> list[Prepared]:
-    """Models to search from, the first that serves: without the effects that can be found again, and as it is.
+    """Models to search from, the first that serves: without the effects that can be identified again, and as it is.
 
     A search from effects that do not exist goes wrong, since others must undo what they do.
     """
@@ -26,40 +26,46 @@ def origins_of(start: Prepared) -> list[Prepared]:
 
 
 def kept_and_new(
-    found: Sequence[EffectInstance], given: Sequence[EffectInstance]
+    effects: Sequence[EffectInstance], given: Sequence[EffectInstance]
 ) -> tuple[tuple[EffectInstance, ...], tuple[EffectInstance, ...]]:
-    """Of the identified effects, those of the starting model, and the rest."""
+    """The identified effects, split into those of the starting model and the rest."""
     there = _places(given)
-    kept = tuple(instance for instance in found if (instance.effect.name, instance.joint) in there)
-    return kept, tuple(instance for instance in found if instance not in kept)
+    kept = tuple(instance for instance in effects if (instance.effect.name, instance.joint) in there)
+    return kept, tuple(instance for instance in effects if instance not in kept)
 
 
 def leaving(
-    origin: Origin, model: Prepared, after: Identification, given: Sequence[EffectInstance], samples: Samples
+    base_model: BaseModel,
+    model: Prepared,
+    after: Identification,
+    given: Sequence[EffectInstance],
+    samples: Samples,
 ) -> tuple[Prepared, Identification, tuple[Superfluous, ...]]:
     """The identified model, named as the user did, and those of the given effects that it does without.
 
     Each is tried once more in addition to the others: one that takes a clear share of the error away comes back.
     """
-    own = len(origin.start.effects)
-    each = {instance.effect.name for instance in origin.start.effects if instance.recording}
-    added = _named(model.effects[own:], [instance for instance in given if instance.effect.name not in each])
-    model = replace(model, effects=(*model.effects[:own], *added))
+    given_count = len(base_model.start.effects)
+    each = {instance.effect.name for instance in base_model.start.effects if instance.recording}
+    added = _named(
+        model.effects[given_count:], [instance for instance in given if instance.effect.name not in each]
+    )
+    model = replace(model, effects=(*model.effects[:given_count], *added))
     if model.effects and added:
         after = replace(after, effects=tuple(dict.fromkeys(instance.request for instance in model.effects)))
     gone: list[Superfluous] = []
-    there = _places(origin.start.effects)
-    left = [instance for instance in given if (instance.effect.name, instance.joint) not in there]
-    for name in dict.fromkeys(instance.effect.name for instance in left):
+    there = _places(base_model.start.effects)
+    absent = [instance for instance in given if (instance.effect.name, instance.joint) not in there]
+    for name in dict.fromkeys(instance.effect.name for instance in absent):
         if any(instance.effect.name == name for instance in added):
             continue
-        wider = origin.with_instances(
-            [*added, *(instance for instance in left if instance.effect.name == name)]
+        wider = base_model.with_instances(
+            [*added, *(instance for instance in absent if instance.effect.name == name)]
         )
         result = fit(wider)
         if answer_weight(samples, wider, result) > answer_weight(samples, model, after):
             model, after = wider, result
-            added = list(model.effects[own:])
+            added = list(model.effects[given_count:])
         elif name not in each:  # else it has a value for each recording somewhere
             wholes = [instance.effect.name for instance in added if name in instance.effect.contains]
             gone.append(Superfluous(name, wholes[0] if wholes else None))
@@ -76,11 +82,11 @@ def given_wholly(given: Sequence[EffectInstance], proposals: Sequence[Proposal])
     }
 
 
-def _named(found: Sequence[EffectInstance], given: Sequence[EffectInstance]) -> list[EffectInstance]:
+def _named(effects: Sequence[EffectInstance], given: Sequence[EffectInstance]) -> list[EffectInstance]:
     requests = {(instance.effect.name, instance.joint): instance.request for instance in given}
     return [
         replace(instance, request=requests.get((instance.effect.name, instance.joint), instance.request))
-        for instance in found
+        for instance in effects
     ]
 
 

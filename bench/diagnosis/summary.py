@@ -10,7 +10,7 @@ from bench.basics.joint_units import units_of_gain
 from bench.diagnosis.differs_words import from_run_to_run
 from bench.diagnosis.law_words import law_sentences
 from bench.diagnosis.motions import telling_motions
-from bench.diagnosis.reason_words import judged_on, left_words, reason_sentence
+from bench.diagnosis.reason_words import reason_sentence, unexplained_words, validated_on
 from bench.diagnosis.result import Diagnosis, EffectVerdict, Remainder, Unfinished
 from bench.diagnosis.unfinished_words import unfinished_sentence
 from bench.effects.display_names import spoken
@@ -26,7 +26,7 @@ from bench.identification.wording import and_list, in_percent, or_list, with_err
 TELLING = 0.005  # change of a drive gain that is worth a word
 MOTIONS = 3  # that are advised: those of the effect and of its nearest alternatives
 FEW = 3  # other places that a headline lists
-HOPELESS = 10.0  # times the noise floor: where so much is left, names may be false
+HOPELESS = 10.0  # times the noise floor: where so much remains, names may be false
 UNEXPLAINED = (
     0.5  # of the current, RMS: a model that leaves more accounts for less than three quarters of its square
 )
@@ -40,7 +40,7 @@ class DiagnosisSummary:
     verdict: what is missing; strange: what makes the answer or its names unsure; nominal: that the gains are only
     nominal, "" where they are fitted or do not matter; undecided: what could as well be missing; moved: what became of
     the gain that moves most, "" where none does; superfluous: what the model had in vain; differs: what has another
-    value in each recording; left: what no effect accounts for; laws: those that are in no catalogue;
+    value in each recording; residual: what no effect accounts for; laws: those that are in no catalogue;
     unfinished: what the time did not allow to look at, "" where all was.
     """
 
@@ -51,14 +51,14 @@ class DiagnosisSummary:
     moved: str
     superfluous: str
     differs: tuple[str, ...]
-    left: str
+    residual: str
     laws: tuple[str, ...] = ()
     unfinished: str = ""
 
     @property
     def sentences(self) -> list[str]:
         """All of them in the order in which they are reported."""
-        told = [
+        parts = [
             self.verdict,
             self.unfinished,
             *self.laws,
@@ -68,9 +68,9 @@ class DiagnosisSummary:
             self.moved,
             self.superfluous,
             *self.differs,
-            self.left,
+            self.residual,
         ]
-        return [sentence for sentence in told if sentence]
+        return [sentence for sentence in parts if sentence]
 
 
 def summary_sentences(diagnosis: Diagnosis) -> list[str]:
@@ -85,49 +85,55 @@ def summary_of(diagnosis: Diagnosis) -> DiagnosisSummary:
 
 def _summary(diagnosis: Diagnosis) -> DiagnosisSummary:
     searched = Unfinished.SETS not in diagnosis.unfinished
-    found = found_effects(diagnosis)
+    missing = named_effects(diagnosis)
     first, last = diagnosis.ladder[0], diagnosis.ladder[-1]
     before, after = (_first_known(step.validate, step.identify) for step in (first, last))
     floor = diagnosis.unexplained.noise_floor
-    left = f"{_capital(left_words(diagnosis.unexplained, searched=searched))}."
-    judged = judged_on(diagnosis)
+    residual_sentence = f"{_capital(unexplained_words(diagnosis.unexplained, searched=searched))}."
+    validation = validated_on(diagnosis)
     needless = _superfluous(diagnosis)
     each = diagnosis.by_recording
     differs = from_run_to_run(diagnosis.differs, each, clear=not diagnosis.unexplained.significant)
     laws = law_sentences(diagnosis.discovered)
-    if not found:
+    if not missing:
         what = f"No effect of the catalogue{' with one value for all recordings' if differs else ''}"
         nothing = (
-            f"{what} is missing: judged on {judged}, no effect reduces the "
+            f"{what} is missing: judged on {validation}, no effect reduces the "
             f"error clearly below {in_percent(after if each else before)} of the current."
         )
         if not searched:
             nothing = (
-                f"No missing effect was identified within the time limit: judged on {judged}, the error is "
+                f"No missing effect was identified within the time limit: judged on {validation}, the error is "
                 f"{in_percent(before)} of the current; the noise floor is {in_percent(floor)}."
             )
         elif not differs and _explains_nothing(diagnosis, before):
             nothing = (
-                f"No model of this program explains these currents: judged on {judged}, the error is "
+                f"No model of this program explains these currents: judged on {validation}, the error is "
                 f"{in_percent(before)} of the current; the noise floor is {in_percent(floor)}. No effect of the "
                 "catalogue reduces it clearly."
             )
         causes = [expected for expected in diagnosis.after.findings if expected.code in CAUSES]
         if causes and searched:
             nothing = (
-                f"{sentence(causes[0])} With the present declaration, no effect reduces the error of {judged} clearly "
-                f"below {in_percent(before)} of the current."
+                f"{sentence(causes[0])} With the present declaration, no effect reduces the error of {validation} "
+                f"clearly below {in_percent(before)} of the current."
             )
         strange = [
             sentence(finding) for finding in (runaway(diagnosis.after), unlike(diagnosis.after)) if finding
         ]
         moved = _largest_change(diagnosis) if each else None
-        return DiagnosisSummary(nothing, tuple(strange), "", (), moved or "", needless, differs, left, laws)
+        return DiagnosisSummary(
+            nothing, tuple(strange), "", (), moved or "", needless, differs, residual_sentence, laws
+        )
     sure = [
-        _named(diagnosis, effect_verdict) for effect_verdict in found if effect_verdict.verdict != "resembles"
+        _named(diagnosis, effect_verdict)
+        for effect_verdict in missing
+        if effect_verdict.verdict != "resembles"
     ]
     like = [
-        _named(diagnosis, effect_verdict) for effect_verdict in found if effect_verdict.verdict == "resembles"
+        _named(diagnosis, effect_verdict)
+        for effect_verdict in missing
+        if effect_verdict.verdict == "resembles"
     ]
     parts = [*sure, *([f"something that resembles {and_list(like)}"] if like else [])]
     names = ", and ".join([and_list(sure), parts[-1]]) if sure and like else and_list(parts)
@@ -140,21 +146,23 @@ def _summary(diagnosis: Diagnosis) -> DiagnosisSummary:
     elif each:
         names = f"{names}, in addition to the effects that differ from run to run,"
     verdict = (
-        f"{_capital(names)} {said_of} missing: judged on {judged}, the error falls from {in_percent(before)} "
+        f"{_capital(names)} {said_of} missing: judged on {validation}, the error falls from {in_percent(before)} "
         f"to {in_percent(after)} of the current; the noise floor is {in_percent(floor)}."
     )
     if not laws and not each and _explains_nothing(diagnosis, after):
         verdict = (
-            f"No model of this program explains these currents: judged on {judged}, the best one has an error of "
+            f"No model of this program explains these currents: judged on {validation}, the best one has an error of "
             f"{in_percent(after)} of the current; the noise floor is {in_percent(floor)}. It adds {names}; "
             f"without, the error is {in_percent(before)}."
         )
     undecided = (
-        *(_cannot_tell(effect_verdict, found) for effect_verdict in found if effect_verdict.alternatives),
-        *(each for effect_verdict in found for each in _alike(effect_verdict)),
+        *(_cannot_tell(effect_verdict, missing) for effect_verdict in missing if effect_verdict.alternatives),
+        *(each for effect_verdict in missing for each in _alike(effect_verdict)),
     )
     moved = _largest_change(diagnosis) or ""
-    return DiagnosisSummary(verdict, doubt, nominal, undecided, moved, needless, differs, left, laws)
+    return DiagnosisSummary(
+        verdict, doubt, nominal, undecided, moved, needless, differs, residual_sentence, laws
+    )
 
 
 def _explains_nothing(diagnosis: Diagnosis, error: float | None) -> bool:
@@ -169,19 +177,21 @@ def doubts(diagnosis: Diagnosis) -> list[str]:
 
 
 def _strange(diagnosis: Diagnosis) -> tuple[str, ...]:
-    """Recordings that do not fit, or far more left than noise."""
+    """Recordings that do not fit, or leave far more than noise."""
     result = diagnosis.after
     causes = [finding for finding in result.findings if finding.code in CAUSES]
     strange = causes[0] if causes else runaway(result) or unlike(result)
-    left = diagnosis.unexplained
+    unexplained = diagnosis.unexplained
     false = "The named effects may be wrong"
     if strange:
         return (f"{false}. {sentence(strange)}",)
-    if left.significant and left.error > HOPELESS * max(left.noise_floor, REAL, left.repeats or 0.0):
+    if unexplained.significant and unexplained.error > HOPELESS * max(
+        unexplained.noise_floor, REAL, unexplained.repeats or 0.0
+    ):
         size = (
-            f"{left.error / left.noise_floor:.0f} times the noise"
-            if left.noise_floor
-            else in_percent(left.error)
+            f"{unexplained.error / unexplained.noise_floor:.0f} times the noise"
+            if unexplained.noise_floor
+            else in_percent(unexplained.error)
         )
         return (f"{false}: the remaining error is {size}. Check columns, signs and payloads.",)
     return ()
@@ -225,19 +235,19 @@ def _named(diagnosis: Diagnosis, verdict: EffectVerdict) -> str:
     return f"{spoken(verdict.effect)}{where(diagnosis, verdict)}{instead}"
 
 
-def _cannot_tell(verdict: EffectVerdict, found: Sequence[EffectVerdict]) -> str:
+def _cannot_tell(verdict: EffectVerdict, missing: Sequence[EffectVerdict]) -> str:
     """What an effect could be instead, and how to find out."""
     motions = "; ".join(telling_motions([verdict.effect, *verdict.alternatives])[:MOTIONS])
-    beside = "".join(f" --with {other.effect}" for other in found if other is not verdict)
+    options = "".join(f" --with {other.effect}" for other in missing if other is not verdict)
     return (
         f"Instead of {spoken(verdict.effect)} the cause could equally be "
         f"{or_list([spoken(name) for name in verdict.alternatives])}: "
         f"these recordings cannot distinguish them. To distinguish them: {motions}. The motion is designed by "
-        f"`bench discriminate DATASET {verdict.effect} {verdict.alternatives[0]}{beside} -o DIR`."
+        f"`bench discriminate DATASET {verdict.effect} {verdict.alternatives[0]}{options} -o DIR`."
     )
 
 
-def found_effects(diagnosis: Diagnosis) -> list[EffectVerdict]:
+def named_effects(diagnosis: Diagnosis) -> list[EffectVerdict]:
     """The verdicts on the effects that are missing, strongest first."""
     by_name = {verdict.effect: verdict for verdict in diagnosis.ranking}
     return [by_name[name] for name in diagnosis.missing]
@@ -324,7 +334,7 @@ def moved_gain(diagnosis: Diagnosis) -> str | None:
 
 
 def gain_moved(before: Quantity, after: Quantity) -> float:
-    """By which share of itself a gain moves; without bounds where it was zero."""
+    """The share of itself by which a gain moves; without bounds where it was zero."""
     return after.value / before.value - 1.0 if before.value else math.inf
 
 
@@ -334,11 +344,11 @@ def _largest_change(diagnosis: Diagnosis) -> str | None:
         return None
     before, after = diagnosis.before.drive_gains, diagnosis.after.drive_gains
     them = "it" if len(diagnosis.added) == 1 else "them"
-    beside = "one value per recording" if diagnosis.by_recording and not diagnosis.missing else them
+    added = "one value per recording" if diagnosis.by_recording and not diagnosis.missing else them
     gain, was = after[joint], before[joint]
     came = f"is {with_error(was.value, was.std)}" if was.determined else "is not determined"
     return (
-        f"With {beside} the drive gain of {joint} is {with_error(gain.value, gain.std)} {gain.unit.replace('*', '·')}, "
+        f"With {added} the drive gain of {joint} is {with_error(gain.value, gain.std)} {gain.unit.replace('*', '·')}, "
         f"{100.0 * (gain.value / gain.nominal - 1.0):+.3g} % from its nominal {gain.nominal:.4g}; without {them} it "
         f"{came}."
     )

@@ -1,4 +1,4 @@
-"""Is anything left that no known effect explains, and what does it vary with?"""
+"""Does anything remain that no known effect explains, and what does it vary with?"""
 
 from collections.abc import Callable, Sequence
 
@@ -57,28 +57,28 @@ def unexplained(
 
     encoders: relative error that the encoders' noise alone makes; asked for only where the currents' does not do.
     """
-    judged, error, floor = _judged(result, recordings)
+    held_out, error, floor = _judged(result, recordings)
     if error <= RULE.beyond_noise * floor:
         return Unexplained(Remainder.NOISE, error, floor, ())
     from_encoders = encoders()
     if error <= RULE.beyond_noise * np.hypot(floor, from_encoders):
         return Unexplained(Remainder.NOISE_AND_ENCODERS, error, floor, (), from_encoders)
-    found: dict[str, float] = {}
+    ratios: dict[str, float] = {}
     random = np.random.default_rng(SEED)
     joints = list(result.joints)
     for j in range(len(joints)):
-        errors = np.concatenate([trace.error[:, j][trace.moving[:, j]] for trace in judged])
+        errors = np.concatenate([trace.error[:, j][trace.moving[:, j]] for trace in held_out])
         if not len(errors):
-            continue  # a motor that stands still throughout leaves no error that could vary
+            continue  # a motor that does not move throughout leaves no error that could vary
         scale = errors.std() or 1.0
         if _in_impacts(errors):
-            found["time"] = max(found.get("time", 0.0), ALMOST)
-        for name, values in _variables(judged, j).items():
+            ratios["time"] = max(ratios.get("time", 0.0), ALMOST)
+        for name, values in _variables(held_out, j).items():
             ratio = _dependence(errors / scale, values, random)
-            found[name] = max(found.get(name, 0.0), ratio)
-    if _lasting(judged):
-        found["time"] = max(found.get("time", 0.0), ALMOST)
-    depends = tuple(name for name, ratio in sorted(found.items(), key=lambda pair: -pair[1]) if ratio >= 1.0)
+            ratios[name] = max(ratios.get(name, 0.0), ratio)
+    if _lasting(held_out):
+        ratios["time"] = max(ratios.get("time", 0.0), ALMOST)
+    depends = tuple(name for name, ratio in sorted(ratios.items(), key=lambda pair: -pair[1]) if ratio >= 1.0)
     what = Remainder.PATTERN if depends else Remainder.NO_PATTERN
     return Unexplained(what, error, floor, depends, from_encoders, not_repeated(result.recordings))
 
@@ -87,8 +87,12 @@ def _judged(
     result: Identification, recordings: Sequence[Recording]
 ) -> tuple[list[CurrentSeries], float, float]:
     """The series that were not fitted, all where there are none; their relative error, and what noise leaves of it."""
-    judged = [trace for trace in result.recordings if trace.use == "validate"] or list(result.recordings)
-    return judged, relative_error(judged) or 0.0, relative_noise_floor(recordings, judged, result.settings)
+    held_out = [trace for trace in result.recordings if trace.use == "validate"] or list(result.recordings)
+    return (
+        held_out,
+        relative_error(held_out) or 0.0,
+        relative_noise_floor(recordings, held_out, result.settings),
+    )
 
 
 def _variables(series: Sequence[CurrentSeries], j: int) -> dict[str, np.ndarray]:

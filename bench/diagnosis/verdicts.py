@@ -8,44 +8,46 @@ from bench.diagnosis.decision import RULE
 from bench.diagnosis.normal_equations import System, solve_set
 from bench.diagnosis.reason import Because, Doubt, Reason
 from bench.diagnosis.result import EffectVerdict, Unexplained, Verdict
-from bench.diagnosis.search import Found, Scored, close, contains, judged_error, score
+from bench.diagnosis.search import Scored, Selection, close, contains, held_out_error, score
 
-DOMINANT_BESIDE = 10.0  # so many times the residual, an effect must explain where much is left
+DOMINANT_BESIDE = 10.0  # so many times the residual, an effect must explain where much remains
 
 
 def verdicts(
     system: System,
     proposals: Sequence[Proposal],
-    found: Found,
+    selection: Selection,
     places: dict[str, tuple[str, ...]],
     scale: float,
-    left: Unexplained,
+    unexplained: Unexplained,
     without: Mapping[str, float],
 ) -> tuple[EffectVerdict, ...]:
-    """Every effect, the found ones first, then by evidence.
+    """Every effect, the identified ones first, then by evidence.
 
-    places: joints at which each found effect shows. scale: error of the converged model over that of its set here.
-    without: error of the identified model without each of its effects, fitted anew.
-    left: where it is significant, no effect accounts for it, and a found effect is only sure if the error without
-    it is RULE.dominant times the residual with it, or DOMINANT_BESIDE times where much is left.
+    places: joints at which each identified effect shows. scale: error of the converged model over that of its set.
+    without: error of the identified model without each of its effects, fitted anew. unexplained: where it is
+    significant, no effect accounts for it, and an identified effect is only sure if the error without it is
+    RULE.dominant times the residual with it, or DOMINANT_BESIDE times where much remains.
     """
-    best = found.best
+    best = selection.selected
     chosen = set(best.fit.chosen)
-    others = [i for i in found.singles if i not in chosen]
+    others = [i for i in selection.singles if i not in chosen]
     more = [(*best.fit.chosen, i) for i in others]
     solve_sets(
         system, [*more, *swapped(best.fit.chosen, others)]
     )  # together, and kept: each is asked for below
-    sure = (DOMINANT_BESIDE if left.much else RULE.dominant) if left.significant else 0.0
+    sure = (DOMINANT_BESIDE if unexplained.much else RULE.dominant) if unexplained.significant else 0.0
     rows: list[EffectVerdict] = []
     for i, proposal in enumerate(proposals):
         if proposal.absorbed:
             rows.append(_absorbed(proposal, _error(system, best, scale)))
         elif i in chosen:
             error = without.get(proposal.name, 0.0)
-            rows.append(_found(system, proposals, found, i, places[proposal.name], scale, sure, error))
+            rows.append(
+                _identified(system, proposals, selection, i, places[proposal.name], scale, sure, error)
+            )
         else:
-            rows.append(_other(system, proposals, found, i, scale))
+            rows.append(_other(system, proposals, selection, i, scale))
     order: dict[Verdict, int] = {
         "missing": 0,
         "indistinguishable": 1,
@@ -73,7 +75,7 @@ def undecided(verdict: EffectVerdict) -> bool:
 
 
 def _error(system: System, scored: Scored, scale: float) -> float:
-    return scale * judged_error(system, scored.fit)
+    return scale * held_out_error(system, scored.fit)
 
 
 def _absorbed(proposal: Proposal, error: float) -> EffectVerdict:
@@ -82,28 +84,28 @@ def _absorbed(proposal: Proposal, error: float) -> EffectVerdict:
     return EffectVerdict(proposal.name, "absorbed", error, error, 0.0, (), (), {}, why)
 
 
-def _found(
+def _identified(
     system: System,
     proposals: Sequence[Proposal],
-    found: Found,
+    selection: Selection,
     i: int,
     places: tuple[str, ...],
     scale: float,
     sure: float,
     before: float,
 ) -> EffectVerdict:
-    best, chosen = found.best, found.best.fit.chosen
+    best, chosen = selection.selected, selection.selected.fit.chosen
     others = tuple(k for k in chosen if k != i)
     without = score(system, solve_set(system, others))
     alternatives = [
         proposals[k].name
-        for k in found.singles
+        for k in selection.singles
         if k not in chosen
         and not contains(system.candidates[k], system.candidates[i])
         and close(best, score(system, solve_set(system, (*others, k))))
     ]
     after = _error(system, best, scale)
-    unsure = without.fit.judged < sure**2 * best.fit.judged
+    unsure = without.fit.held_out < sure**2 * best.fit.held_out
     why = Reason(Because.EXPLAINS, doubts=(Doubt.MUCH_LEFT,) if unsure else ())
     verdict: Verdict = "indistinguishable" if alternatives else "resembles" if unsure else "missing"
     return EffectVerdict(
@@ -111,7 +113,7 @@ def _found(
         verdict,
         before,
         after,
-        best.judged - without.judged,
+        best.held_out - without.held_out,
         places,
         tuple(alternatives),
         {},
@@ -120,9 +122,9 @@ def _found(
 
 
 def _other(
-    system: System, proposals: Sequence[Proposal], found: Found, i: int, scale: float
+    system: System, proposals: Sequence[Proposal], selection: Selection, i: int, scale: float
 ) -> EffectVerdict:
-    best, chosen = found.best, found.best.fit.chosen
+    best, chosen = selection.selected, selection.selected.fit.chosen
     added = score(system, solve_set(system, (*chosen, i)))
     before, after = _error(system, best, scale), _error(system, added, scale)
     rivals = [
@@ -137,7 +139,7 @@ def _other(
             "indistinguishable",
             before,
             after,
-            added.judged - best.judged,
+            added.held_out - best.held_out,
             (),
             tuple(rivals),
             {},
@@ -146,5 +148,5 @@ def _other(
     nothing = after >= before or added.total + RULE.prior < best.total
     why = Reason(Because.GAINS_NOTHING if nothing else Because.GAINS_LITTLE)
     return EffectVerdict(
-        proposals[i].name, "not supported", before, after, added.judged - best.judged, (), (), {}, why
+        proposals[i].name, "not supported", before, after, added.held_out - best.held_out, (), (), {}, why
     )

@@ -2,11 +2,11 @@
 
 from collections.abc import Sequence
 
+from bench.diagnosis.base_model import BaseModel
 from bench.diagnosis.evidence import Samples, answer_weight
-from bench.diagnosis.origin import Origin
 from bench.diagnosis.pruning import cancelling_effect, impossible_but_needed, impossible_effects
 from bench.diagnosis.reason import Reason
-from bench.diagnosis.showing import shows, wrong_sign
+from bench.diagnosis.significance import is_significant, wrong_sign
 from bench.effects import EffectInstance
 from bench.identification.identify import fit
 from bench.identification.prepare import Prepared
@@ -14,22 +14,22 @@ from bench.identification.result import Identification
 
 
 def where_possible(
-    origin: Origin, model: Prepared, given: Sequence[EffectInstance], samples: Samples
+    base_model: BaseModel, model: Prepared, given: Sequence[EffectInstance], samples: Samples
 ) -> tuple[Prepared, Identification, dict[str, Reason]]:
     """The identified effects where they show, converged and fitted; and those that cannot be, with why they go."""
     whole = fit(model)
-    kept, after = _where_it_shows(origin, model, whole, given, samples)
+    kept, after = _where_it_shows(base_model, model, whole, given, samples)
     stayed = {(instance.effect.name, instance.place) for instance in kept.effects}
     dropped = [instance for instance in model.effects if (instance.effect.name, instance.place) not in stayed]
-    found = kept.effects[len(origin.start.effects) :]
-    out = impossible_effects(after, found)
+    added = kept.effects[len(base_model.start.effects) :]
+    out = impossible_effects(after, added)
     if answer_weight(samples, kept, after) < answer_weight(samples, model, whole):
         out |= impossible_but_needed(whole, dropped)
-    return kept, after, out or cancelling_effect(after, found)
+    return kept, after, out or cancelling_effect(after, added)
 
 
 def _where_it_shows(
-    origin: Origin,
+    base_model: BaseModel,
     model: Prepared,
     result: Identification,
     given: Sequence[EffectInstance],
@@ -40,20 +40,20 @@ def _where_it_shows(
     as it is known nearby, they are looked at again once it is converged as it is. Where recordings that were not fitted
     are explained clearly worse without what shows nowhere by itself, only an impossible sign is a reason to leave.
     """
-    added = model.effects[len(origin.start.effects) :]
+    added = model.effects[len(base_model.start.effects) :]
     there = {(instance.effect.name, instance.joint) for instance in given}
     kept = [
         instance
         for instance in added
-        if (instance.effect.name, instance.joint) in there or shows(result, instance)
+        if (instance.effect.name, instance.joint) in there or is_significant(result, instance)
     ]
     for instance in added:
         if not any(other.effect.name == instance.effect.name for other in kept):
             kept.append(instance)
     if len(kept) < len(added):
-        there_only = origin.beside(model, [instance for instance in added if instance in kept])
+        there_only = base_model.warm_started(model, [instance for instance in added if instance in kept])
     else:
-        there_only = origin.exactly(model)
+        there_only = base_model.exactly(model)
     if there_only is model:
         return model, result
     fitted, nearly = fit(there_only), model.nearby is not None or model.provisional
@@ -64,6 +64,6 @@ def _where_it_shows(
     ]
     poorer = answer_weight(samples, there_only, fitted) < answer_weight(samples, model, result)
     if poorer and len(able) > len(kept):
-        there_only = origin.beside(model, able)
+        there_only = base_model.warm_started(model, able)
         fitted = fit(there_only)
-    return _where_it_shows(origin, there_only, fitted, given, samples) if nearly else (there_only, fitted)
+    return _where_it_shows(base_model, there_only, fitted, given, samples) if nearly else (there_only, fitted)

@@ -8,14 +8,14 @@ from bench.diagnosis.candidates import Proposal
 from bench.diagnosis.motor_products import summed
 from bench.diagnosis.normal_equations import System, solve_set
 from bench.diagnosis.result import WithoutLog
-from bench.diagnosis.search import Found, possible, score, scored
+from bench.diagnosis.search import Selection, possible, score, scored
 from bench.identification.prepare import Prepared
 
 
 def without_logs(
-    model: Prepared, system: System, found: Found, proposals: Sequence[Proposal]
+    model: Prepared, system: System, selection: Selection, proposals: Sequence[Proposal]
 ) -> tuple[WithoutLog, ...]:
-    """Of every log that is fitted, where others are: which effects of the best set the others do not support.
+    """For every fitted log, where there are others: which effects of the best set the others do not support.
 
     Sets are solved about the identified model, in the equations of the other logs.
     """
@@ -24,7 +24,7 @@ def without_logs(
     rows = []
     for log in fitted if len(fitted) > 1 else ():
         others = _without(system, log)
-        chosen = found.best.fit.chosen
+        chosen = selection.selected.fit.chosen
         whole = score(others, solve_set(others, chosen))
         fewer = scored(others, reduced(chosen))
         gone = [
@@ -39,15 +39,15 @@ def without_logs(
 
 def _without(system: System, log: str) -> System:
     """The equations of all logs but one."""
-    fitted, judged = (
+    fitted, held_out = (
         summed(
             [by_use[use] for name, by_use in system.by_log.items() if name != log and use in by_use],
             len(products.with_zeros[0]),
             len(products.with_zeros),
         )
-        for use, products in (("identify", system.fitted), ("validate", system.judged))
+        for use, products in (("identify", system.fitted), ("validate", system.held_out))
     )
-    return replace(system, fitted=fitted, judged=judged, by_log={}, solved={})
+    return replace(system, fitted=fitted, held_out=held_out, by_log={}, solved={})
 
 
 def _scaled(model: Prepared, log: str) -> bool:

@@ -12,7 +12,7 @@ from bench.identification.standard_errors import StdFrom
 
 POOR = 0.3  # relative deviation above which a value says little
 GIVEN = "given"
-ABSORBED = "absorbed"  # by other parameters: no value of its own
+ABSORBED = "absorbed"  # by other parameters: no separate value
 UNDETERMINED = "not determined"  # a value whose deviation is so large that it says nothing
 USES = {"identify": "fitted", "validate": "not fitted"}
 
@@ -158,7 +158,7 @@ def fit_rate(result: Identification) -> float | None:
 
 
 def error_where_moving(series: CurrentSeries) -> np.ndarray:
-    """Measured minus modelled current (M, n), NaN where a joint stands still: the model says nothing there."""
+    """Measured minus modelled current (M, n), NaN where a joint does not move: the model says nothing there."""
     return np.where(series.moving, series.error, np.nan)
 
 

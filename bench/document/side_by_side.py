@@ -3,12 +3,12 @@
 from bench.document.numbers import USES, change_between, effect_name, percent, pretty_unit, quantity_text
 from bench.document.table import Column, Table
 from bench.identification.result import DriveGain
-from bench.residuals.side_by_side import Beside, SideBySide, effect_places, interval, moved_parameters
+from bench.residuals.side_by_side import ComparedModel, SideBySide, effect_places, interval, moved_parameters
 
 MANY = 6  # parameters that are named
 
 
-def errors_beside_table(comparison: SideBySide) -> Table:
+def compared_errors_table(comparison: SideBySide) -> Table:
     """A row a use, a motor and a recording; a column a model."""
     first = comparison.models[0].model.error
     rows = [USES["identify"]] if first.identify is not None else []
@@ -28,7 +28,7 @@ def errors_beside_table(comparison: SideBySide) -> Table:
     return Table(tuple(columns), ends=(uses - 1,))
 
 
-def gains_beside_table(comparison: SideBySide) -> Table:
+def compared_gains_table(comparison: SideBySide) -> Table:
     """A row a motor, with the 95 % interval of its gain in every model."""
     gains = comparison.models[0].model.drive_gains
     columns = [
@@ -45,7 +45,7 @@ def changed_sentences(comparison: SideBySide) -> list[str]:
     return [sentence for other in others for sentence in _changed(first, other)]
 
 
-def _changed(first: Beside, other: Beside) -> list[str]:
+def _changed(first: ComparedModel, other: ComparedModel) -> list[str]:
     old, new = first.model, other.model
     there, then = effect_places(old), effect_places(new)
     more = [name for name in then if name not in there]

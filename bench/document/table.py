@@ -40,7 +40,7 @@ Kind = Literal[
     "terms",
     "bar",
 ]
-"""What cells are: texts; sentences; names of effects, told once where they repeat; verdicts; quantities, their relative
+"""What cells are: texts; sentences; names of effects, once where they repeat; verdicts; quantities, their relative
 deviation, or only their value to the digits that it supports; numbers of deviations; shares, unsigned or as a change;
 pairs of values before and after; numbers; units; terms of a grouping; shares of the longest bar.
 """
@@ -52,7 +52,7 @@ RIGHT: frozenset[Kind] = frozenset({"deviation", "true", "sigma", "share", "chan
 
 @dataclass(frozen=True)
 class Column:
-    """A header and its cells: None for what is not known, an empty text for what is not told.
+    """A header and its cells: None for what is not known, an empty text for what is not given.
 
     rank: when it may be omitted where there is little room; 0: never, the highest rank goes first. format, unit: of
     numbers.

@@ -38,7 +38,7 @@ class BodyLength:
 
 def lengths(geometry: Geometry) -> dict[str, BodyLength]:
     """The bodies that have a length, by name, the world included."""
-    found = {}
+    by_name = {}
     for index, name in ((-1, WORLD), *geometry.bodies):
         points = _fixed_points(geometry, index)
         if not points:
@@ -53,8 +53,8 @@ def lengths(geometry: Geometry) -> dict[str, BodyLength]:
         )
         one_sided = index >= 0 and np.linalg.norm(mean) > ONE_SIDED * length
         direction = mean / np.linalg.norm(mean) if one_sided else None
-        found[name] = BodyLength(index, length, center, direction)
-    return found
+        by_name[name] = BodyLength(index, length, center, direction)
+    return by_name
 
 
 def with_length(geometry: Geometry, body: BodyLength, change: float) -> Geometry:

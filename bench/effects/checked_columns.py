@@ -24,7 +24,7 @@ def effect_columns(instance: EffectInstance, robot: RobotSignals) -> np.ndarray:
 
 
 def columns_at_motors(instance: EffectInstance, robot: RobotSignals) -> tuple[np.ndarray, np.ndarray]:
-    """Columns (N, m, p) of an effect at the motors (m,) at which it can show: its own, or all.
+    """Columns (N, m, p) of an effect at the motors (m,) at which it can show: its motor, or all.
 
     By the share with which it counts in this recording.
 
@@ -38,7 +38,7 @@ def columns_at_motors(instance: EffectInstance, robot: RobotSignals) -> tuple[np
         alone = isinstance(effect, ActuatorEffect) and type(effect).columns is ActuatorEffect.columns
         if isinstance(effect, ActuatorEffect) and alone and instance.joint in robot.joints:
             motors = motors[[list(robot.joints).index(instance.joint)]]
-            columns = np.asarray(effect.own_column(robot, instance.joint))[:, None]
+            columns = np.asarray(effect.motor_column(robot, instance.joint))[:, None]
         else:
             columns = np.asarray(effect.columns(robot, instance.joint))
     except MISTAKES as error:

@@ -147,8 +147,8 @@ class Effect(ABC):
 
     def about(self, values: Mapping[str, float]) -> Self:
         """The effect linearised about these values of its linear parameters; itself where it is linear."""
-        own = {field.name for field in fields(self)} - {parameter.name for parameter in self.shape}
-        known = {name: value for name, value in values.items() if name in own}
+        field_names = {field.name for field in fields(self)} - {parameter.name for parameter in self.shape}
+        known = {name: value for name, value in values.items() if name in field_names}
         return replace(self, **known) if known else self
 
     def about_values(self) -> dict[str, float]:
@@ -181,7 +181,9 @@ class Effect(ABC):
             for i, value in enumerate(values)
         )
 
-    def beside(self, parameter: ShapeParameter, samples: Sequence[JointSamples]) -> tuple[Bracket, ...]:
+    def brackets_near(
+        self, parameter: ShapeParameter, samples: Sequence[JointSamples]
+    ) -> tuple[Bracket, ...]:
         """As far as small steps may take a shape parameter from its value; by default to where it is searched."""
         return self.brackets(parameter, samples)
 
@@ -194,7 +196,7 @@ class ActuatorEffect(Effect):
     def torque(self, joint: JointSignals) -> np.ndarray:
         """One column (N, p) for each parameter: its torque or force at a parameter value of one."""
 
-    def own_column(self, robot: RobotSignals, joint: str) -> np.ndarray:
+    def motor_column(self, robot: RobotSignals, joint: str) -> np.ndarray:
         """`torque` (N, p) at a joint. Raises BenchError where it has another shape."""
         torque = self.torque(robot.redundant[joint] if joint in robot.redundant else robot.joints[joint])
         shape = len(robot.time), len(self.parameters)
@@ -210,7 +212,7 @@ class ActuatorEffect(Effect):
 
         At a redundant motor, what the others have to supply for it through the loops.
         """
-        torque = self.own_column(robot, joint)
+        torque = self.motor_column(robot, joint)
         if joint in robot.redundant:
             index = robot.geometry.joints[robot.geometry.joint_index(joint)].v.start
             return robot.tree.jacobian[:, index, :, None] * torque[:, None, :]

@@ -19,11 +19,11 @@ def first_order(driven: np.ndarray, rate: float, duration: float) -> np.ndarray:
     if not length:  # nothing remains after a sample
         return added
     growth = np.exp(step * np.arange(1, min(length, len(added)) + 1))
-    found = np.empty(len(added))
+    values = np.empty(len(added))
     last = 0.0
     for at in range(0, len(added), length):
         block = added[at : at + length]
         grown = growth[: len(block)]
-        found[at : at + length] = (last + np.cumsum(block * grown)) / grown
-        last = found[at + len(block) - 1]
-    return found
+        values[at : at + length] = (last + np.cumsum(block * grown)) / grown
+        last = values[at + len(block) - 1]
+    return values

@@ -15,7 +15,7 @@ TURN, SLIDE = 1e-4, 1e-5  # rad, m: shift of a joint for a derivative
 SHARE = 1e-3  # of the RMS speed, likewise
 
 
-def own_torque(robot: RobotSignals, joint: str) -> tuple[np.ndarray, np.ndarray]:
+def torque_of_motor(robot: RobotSignals, joint: str) -> tuple[np.ndarray, np.ndarray]:
     """At the coarse samples: the present rigid model's torque at a joint, and the joint's acceleration, (K,)."""
     at = list(robot.joints).index(joint)
     return robot.coarse.torque[:, at], robot.coarse.acceleration[:, at]
@@ -28,7 +28,7 @@ def apparent_inertia(torque: np.ndarray, acceleration: np.ndarray) -> float:
 
 
 def motion_cutoff(robot: RobotSignals, joint: str) -> float:
-    """Hz: a frequency above which a joint's motion holds nothing but noise, at most twice the fit's band.
+    """Hz: a frequency above which a joint's motion holds only noise, at most twice the fit's band.
 
     MARGIN times that below which all but a ten-thousandth of the acceleration's power lies, inside the band.
     """
@@ -87,10 +87,10 @@ def slopes(robot: RobotSignals, joint: str) -> np.ndarray:
         coarse, at = robot.coarse, list(robot.joints).index(joint)
         speed = float(np.sqrt((coarse.velocity[:, at] ** 2).mean()))
         steps = (TURN if robot.joints[joint].rotates else SLIDE, SHARE * speed or SHARE, 1.0)
-        found = np.zeros((3, *coarse.torque.shape))
+        derivatives = np.zeros((3, *coarse.torque.shape))
         for order, step in enumerate(steps):
-            shift = np.zeros_like(found)
+            shift = np.zeros_like(derivatives)
             shift[order, :, at] = step
-            found[order] = robot.coarse_change(shift) / step
-        robot.noted[key] = found
+            derivatives[order] = robot.coarse_change(shift) / step
+        robot.noted[key] = derivatives
     return robot.noted[key]

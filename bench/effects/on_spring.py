@@ -24,16 +24,16 @@ def deflection(
     slope = np.diff(aim, axis=0) / step
     period = np.sqrt(np.interp(fine[:-1] + 0.5 * step, time, squared_period))
     lag = 2.0 * damping * period[:, None] * slope
-    own = np.moveaxis(_swing(period, damping, step), 2, 0)  # how deviations from a line go on
+    transition = np.moveaxis(_swing(period, damping, step), 2, 0)  # how deviations from a line go on
     line = np.stack((aim[:-1] - lag, slope), axis=1)
     after = np.stack((aim[1:] - lag, slope), axis=1)
-    given = after - own @ line
+    given = after - transition @ line
     size = 2 * len(fine)
     band = np.zeros((4, size))
     band[0] = 1.0
-    band[1, 1:-2:2] = -own[:, 0, 1]
-    band[2, :-2:2], band[2, 1:-2:2] = -own[:, 0, 0], -own[:, 1, 1]
-    band[3, :-2:2] = -own[:, 1, 0]
+    band[1, 1:-2:2] = -transition[:, 0, 1]
+    band[2, :-2:2], band[2, 1:-2:2] = -transition[:, 0, 0], -transition[:, 1, 1]
+    band[3, :-2:2] = -transition[:, 1, 0]
     right = np.concatenate((np.stack((aim[0], slope[0]))[None], given)).reshape(size, -1)
     return np.asarray(solve_banded((3, 0), band, right)[:: 2 * FINER])
 
@@ -43,5 +43,5 @@ def _swing(period: np.ndarray, damping: float, step: float) -> np.ndarray:
     omega = 1.0 / period
     decay, swung = damping * omega, omega * np.sqrt(1.0 - damping**2)
     cos, sin = np.cos(swung * step), np.sin(swung * step) / swung
-    left = np.exp(-decay * step)
-    return np.asarray(left * np.array([[cos + decay * sin, sin], [-(omega**2) * sin, cos - decay * sin]]))
+    decayed = np.exp(-decay * step)
+    return np.asarray(decayed * np.array([[cos + decay * sin, sin], [-(omega**2) * sin, cos - decay * sin]]))

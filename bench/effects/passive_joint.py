@@ -59,5 +59,5 @@ class PassiveEffect(Effect):
 
 
 def _position(geometry: Geometry, motion: Motion, joint: str) -> np.ndarray:
-    own = geometry.joints[geometry.joint_index(joint)]
-    return np.asarray(motion.q[:, own.q.start] + own.offset)
+    spec = geometry.joints[geometry.joint_index(joint)]
+    return np.asarray(motion.q[:, spec.q.start] + spec.offset)

@@ -10,7 +10,7 @@ class JointSamples:
     """What a search for shape parameters may look at, each (M,), decimated.
 
     position, velocity: rad or m and rate; motor_torque: gain times current, N*m or N; error: torque that the
-    model lacks, zero where the joint stands still. duration s, of the recording; speed: the joint's RMS over
+    model lacks, zero where the joint does not move. duration s, of the recording; speed: the joint's RMS over
     all fitted recordings; travel: between its extreme positions in all of them; band Hz; rotates: a hinge.
     """
 

@@ -47,7 +47,7 @@ class EffectInstance:
         return (self.joint or ROBOT) + (f"@{self.recording}" if self.recording else "")
 
     def share(self, log: str) -> float:
-        """By which its columns count in a recording: the mean of all values holds for one that has none of its own."""
+        """The share by which its columns count in a recording: the mean of all values holds for one that has none."""
         if not self.recording:
             return 1.0
         if log in self.among:
@@ -124,9 +124,9 @@ def _parts(request: str, places: Places) -> tuple[str, str, bool]:
     plain = request.partition(":")[2]
     if plain in places.names:  # may have an @ in it
         return name, plain, False
-    told = joint or name
-    if "@" in told and joint not in places.names:
-        tag = told[told.rindex("@") :]
+    joint_or_name = joint or name
+    if "@" in joint_or_name and joint not in places.names:
+        tag = joint_or_name[joint_or_name.rindex("@") :]
         raise BenchError(
             f"effect {request!r}: {tag!r} has no meaning; {TAG} estimates values for each fitted recording; "
             "without it one value holds for all"

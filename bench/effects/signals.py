@@ -92,7 +92,7 @@ class TorqueModel(Protocol):
 
 
 @dataclass(frozen=True)
-class Borne:
+class JointReaction:
     """What a joint bears across its axis by the present model, in two directions at right angles to it.
 
     force (K, 2) N, at every so many-th sample; of_mass (K, 2) N/kg: what a mass on the joint's axis, beyond it, adds.
@@ -107,10 +107,10 @@ class Borne:
     by_torque: Callable[[str], np.ndarray]
 
 
-class BorneModel(Protocol):
+class ReactionModel(Protocol):
     """What a joint without a motor bears, for every `every`-th sample. Raises BenchError for any other joint."""
 
-    def __call__(self, joint: str, every: int) -> Borne: ...
+    def __call__(self, joint: str, every: int) -> JointReaction: ...
 
 
 @dataclass(frozen=True)
@@ -129,7 +129,7 @@ class Coarse:
 
 @dataclass(frozen=True)
 class Sparse:
-    """That signals are every so many-th of `length` samples of a recording, from the first one on.
+    """Signals that are every so many-th of `length` samples of a recording, from the first one on.
 
     shares: of every joint the share of each sample, half way to its neighbours, that lies in a gap, (K,) each.
     """
@@ -146,13 +146,13 @@ class RobotSignals:
     joints: the actuated ones that move independently by name, in actuator order; redundant: the others with a motor.
     `moved` computes `tree`. payload: the name of what it carries, None without; payload_mass kg, as declared, zero
     where unknown; `carried` computes `payload_torque`. torque: the rigid-body torque of the present model, less what
-    redundant motors give. borne: what joints bear by it; in_joints: what its effects need (N, d) in joints without
-    a motor, by name, N*m or N. An effect that depends on the model is linearised about the present one, and the fit
-    repeats until it converges. gaps: stretches of samples in which each joint stands still.
-    offsets: of the present model's encoders by joint, rad or m. log: the recording whose own values hold here, of
-    effects that have a value for each. lasting: rows of effects that do not depend on the present model, kept as long
-    as the recording; passing: those that do. noted: what else effects have computed of the present model. sparse: where
-    these are not all samples of the recording.
+    redundant motors give. joint_reaction: forces in joints by it; in_joints: what its effects need (N, d) in joints
+    without a motor, by name, N*m or N. An effect that depends on the model is linearised about the present one, and the
+    fit repeats until it converges. gaps: stretches of samples in which each joint does not move. offsets: of the
+    present model's encoders by joint, rad or m. log: the recording whose values hold, of effects that have a
+    value for each. lasting: rows of effects that do not depend on the present model, kept as long as the recording;
+    passing: those that do. noted: what else effects have computed of the present model. sparse: where these are not all
+    samples of the recording.
     """
 
     expands: ClassVar[bool] = False
@@ -166,7 +166,7 @@ class RobotSignals:
     carried: Callable[[], np.ndarray]
     torque: TorqueModel
     gaps: tuple[np.ndarray, ...]
-    borne: BorneModel
+    joint_reaction: ReactionModel
     in_joints: Callable[[], Mapping[str, np.ndarray]]
     offsets: Mapping[str, float] = field(default_factory=dict)
     log: str = ""
@@ -217,17 +217,17 @@ class RobotSignals:
 
     @cached_property
     def position(self) -> np.ndarray:
-        """Of the active joints (N, n), rad or m, as logged."""
+        """Positions of the active joints (N, n), rad or m, as logged."""
         return np.column_stack([joint.position for joint in self.joints.values()])
 
     @cached_property
     def velocity(self) -> np.ndarray:
-        """Of the active joints (N, n), rad/s or m/s."""
+        """Velocities of the active joints (N, n), rad/s or m/s."""
         return np.column_stack([joint.velocity for joint in self.joints.values()])
 
     @cached_property
     def acceleration(self) -> np.ndarray:
-        """Of the active joints (N, n), rad/s2 or m/s2."""
+        """Accelerations of the active joints (N, n), rad/s2 or m/s2."""
         return np.column_stack([joint.acceleration for joint in self.joints.values()])
 
     @cached_property
@@ -278,8 +278,12 @@ class RobotSignals:
         geometry: Geometry | None = None,
     ) -> np.ndarray:
         """As `torque_change`, at the coarse samples (K, n)."""
-        here = self.coarse
+        reference = self.coarse
         moved = None
         if shift is not None:
-            moved = here.position + shift[0], here.velocity + shift[1], here.acceleration + shift[2]
-        return self.torque(Changed(moved, gravity, geometry), self.every) - here.torque
+            moved = (
+                reference.position + shift[0],
+                reference.velocity + shift[1],
+                reference.acceleration + shift[2],
+            )
+        return self.torque(Changed(moved, gravity, geometry), self.every) - reference.torque

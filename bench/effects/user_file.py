@@ -20,15 +20,15 @@ def catalogue_for(*files: Iterable[Path]) -> Mapping[str, Effect]:
 
     Raises BenchError that names a file and what is wrong with it, or two effects of the same name.
     """
-    found = dict(CATALOGUE)
+    effects = dict(CATALOGUE)
     origin = dict.fromkeys(CATALOGUE, "a built-in one")
     for file in dict.fromkeys(path.resolve() for group in files for path in group):
         for name, effect in load_effects(file).items():
-            if name in found:
+            if name in effects:
                 raise BenchError(f"{file}: effect {name!r} has the name of {origin[name]}")
-            found[name] = effect
+            effects[name] = effect
             origin[name] = f"one in {file}"
-    return dict(sorted(found.items()))
+    return dict(sorted(effects.items()))
 
 
 def load_effects(path: str | Path) -> dict[str, Effect]:
@@ -101,9 +101,9 @@ def _parameter_fault(effect: Effect) -> str | None:
     symbols = [effect_parameter.name for effect_parameter in every]
     if len(set(symbols)) < len(symbols):
         return f"two parameters have the same name: {', '.join(symbols)}"
-    own = {field.name for field in fields(effect)}
+    field_names = {field.name for field in fields(effect)}
     for shape in effect.shape:
-        if shape.name not in own or not shape.candidates:
+        if shape.name not in field_names or not shape.candidates:
             return (
                 f"shape parameter {shape.name!r} needs candidates and a field of the same name in a dataclass"
             )

@@ -31,7 +31,7 @@ def current_above(
 def band_shares(current: np.ndarray, rate: float, trajectory: FourierTrajectory) -> np.ndarray:
     """How much of the RMS of each current (N, n) lies above the band, as a share of what may (n,): at most 1.
 
-    What may is what the fit lets lie above its own band, `CURRENT_LOSS` of the power.
+    What may is what the fit lets lie above its band, `CURRENT_LOSS` of the power.
     """
     whole, above = current_above(current, rate, trajectory)
     power = (whole**2).sum(axis=0)

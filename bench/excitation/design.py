@@ -91,12 +91,12 @@ def design_trajectories(robot: Robot, movements: Sequence[Movement], progress: P
         if value < lowest:
             best, lowest = tried, value
     progress.phase("checking the trajectories", len(movements))
-    found: dict[str, FourierTrajectory] = {}
+    by_name: dict[str, FourierTrajectory] = {}
     for movement in movements:
         progress.advance()
         trajectory = best[movement.name].trajectory if movement.fitted else drawn(movement, random)
-        found[movement.name] = feasible(model, limits, movement, trajectory, dense=True)
-    return Designed(found, float(lowest))
+        by_name[movement.name] = feasible(model, limits, movement, trajectory, dense=True)
+    return Designed(by_name, float(lowest))
 
 
 @dataclass(frozen=True)

@@ -66,7 +66,7 @@ def feasible_motion(
 ) -> Motion | None:
     """The motion at the times (N,) if it keeps the limits, None otherwise.
 
-    near: of nearly this trajectory at the same times; a closure is found sooner from there.
+    near: of nearly this trajectory at the same times; a closure converges sooner from there.
     """
     position, velocity, acceleration = trajectory.evaluate(time)
     if np.any(position < limits.low) or np.any(position > limits.high):

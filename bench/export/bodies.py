@@ -59,10 +59,10 @@ def equations_of(identified: IdentifiedModel, use_cad: bool) -> BodyEquations:
     nb, nz = len(identified.base), len(identified.estimated)
     bodies = []
     for joint, name in geometry.bodies:
-        own = slice(10 * joint, 10 * joint + 10)
+        columns = slice(10 * joint, 10 * joint + 10)
         rows = np.zeros((nz, 10))
-        rows[:nb] = base.grouping[:, own]
-        bodies.append(Body(name, prior.parameters[own], rows, np.zeros((0, 10)), np.zeros(0)))
+        rows[:nb] = base.grouping[:, columns]
+        bodies.append(Body(name, prior.parameters[columns], rows, np.zeros((0, 10)), np.zeros(0)))
     place = nb
     for name, values in identified.payloads.items():
         declared = identified.declared.get(name, Payload(name))
@@ -93,20 +93,20 @@ def _load(identified: IdentifiedModel, declared: Payload, place: int, kept: tupl
         candidates = np.column_stack((measured @ columns.known, candidates))
     independent = independent_columns(candidates)
     dependence = independent.dependence
-    found = [int(unknown[i - with_known]) for i in independent.kept if i >= with_known]
+    indices = [int(unknown[i - with_known]) for i in independent.kept if i >= with_known]
     rows = np.zeros((nz, 10))
     share = dependence[with_known:, with_known:]
-    for row, index in zip(share, found, strict=True):
+    for row, index in zip(share, indices, strict=True):
         if index in kept:
             rows[place + kept.index(index), unknown] = row
     held = np.setdiff1d(np.arange(10), unknown)
     equations, to = np.eye(10)[held], columns.known[held]
     if with_known:
         # parameters omitted from the estimate must not add to what is declared
-        beside = np.zeros((1, 10))
-        beside[0, unknown] = dependence[0, 1:]
-        if beside.any():
-            equations, to = np.vstack((equations, beside)), np.append(to, 0.0)
+        extra = np.zeros((1, 10))
+        extra[0, unknown] = dependence[0, 1:]
+        if extra.any():
+            equations, to = np.vstack((equations, extra)), np.append(to, 0.0)
     return Body(LOAD + declared.name, _solid_load(declared, identified, place, kept), rows, equations, to)
 
 

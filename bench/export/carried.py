@@ -38,7 +38,7 @@ def carried(model: IdentifiedModel, payload: str | None = None) -> tuple[np.ndar
     built = model.model
     if payload is None:
         return built.base.columns, model.base
-    columns, own = built.payload_columns, payload_values(model, payload)
+    columns, values = built.payload_columns, payload_values(model, payload)
     if built.payload is None:
         raise unknown_payload(model, payload)
-    return np.concatenate((built.base.columns, columns)), np.concatenate((model.base, built.payload @ own))
+    return np.concatenate((built.base.columns, columns)), np.concatenate((model.base, built.payload @ values))

@@ -45,10 +45,10 @@ def physically_consistent(result: Identification, problem: Problem) -> Identific
     else:
         finding = Finding(Code.NOT_REAL, (wrong.culprits[0][0],), numbers=numbers)
     moved = _with_values(result, identified.moved(nearest.estimated))
-    beside = apply_model(problem, replace(saved, model=moved))
-    series = {trace.name: trace for trace in beside.recordings}
+    applied = apply_model(problem, replace(saved, model=moved))
+    series = {trace.name: trace for trace in applied.recordings}
     recordings = tuple(series[trace.name] for trace in result.recordings)
-    return replace(moved, recordings=recordings, error=beside.error, findings=(*result.findings, finding))
+    return replace(moved, recordings=recordings, error=applied.error, findings=(*result.findings, finding))
 
 
 def _with_values(result: Identification, model: IdentifiedModel) -> Identification:
@@ -71,7 +71,7 @@ def _with_values(result: Identification, model: IdentifiedModel) -> Identificati
         for (joint, drive_gain), value in zip(result.drive_gains.items(), model.gains, strict=True)
     }
     effects: dict[str, dict[str, dict[str, Quantity]]] = {
-        effect: {place: dict(own) for place, own in places.items()}
+        effect: {place: dict(values) for place, values in places.items()}
         for effect, places in result.effect_parameters.items()
     }
     for each in model.effects:

@@ -41,7 +41,7 @@ def still_determined(model: IdentifiedModel, gravity: np.ndarray) -> bool:
     columns = np.array(sorted({*every.tolist(), *carried}))
     whole = projected_regressor(other, motion, columns).reshape(-1, len(columns))
     kept = base.columns[base.columns < count]
-    own = projected_regressor(other, motion, kept).reshape(-1, len(kept))
-    follows = own @ base.grouping[: len(kept)][:, columns]
+    rows = projected_regressor(other, motion, kept).reshape(-1, len(kept))
+    follows = rows @ base.grouping[: len(kept)][:, columns]
     size = np.linalg.norm(whole, axis=0).max()
     return bool(np.linalg.norm(whole - follows, axis=0).max() < 10.0 * SLACK * size)

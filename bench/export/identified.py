@@ -14,7 +14,7 @@ from bench.dataset.payload import Payload
 from bench.dataset.robot import Robot, load_robot, refuse_other_locks, refuse_redundant
 from bench.effects import Effect, EffectInstance, catalogue_for, places_in, select_effects
 from bench.identification.layout import parameter_layout
-from bench.identification.model_file import SavedModel, load_model, with_own_effects
+from bench.identification.model_file import SavedModel, load_model, with_saved_effects
 from bench.identification.payload_parameters import payload_columns
 from bench.model.model import IdentificationModel, build_model
 from bench.model.regressor import PARAMETERS
@@ -29,7 +29,7 @@ class EffectValues:
 
     @property
     def name(self) -> str:
-        """Of the effect."""
+        """The name of the effect."""
         return self.instance.effect.name
 
     @property
@@ -43,10 +43,9 @@ class IdentifiedModel:
     """What was identified.
 
     base (nb,) base parameters; payloads: what was estimated of each, by index among its ten standard parameters
-    (nothing, where what is not declared moves no motor);
-    declared: what the dataset declares of them; gains (n,) in actuator order. covariance of [base, payloads in their
-    order, linear parameters of effects, gains], (k, k); fixed (nb + ...,): base and payload parameters that were left
-    out as not needed, zero and without a deviation.
+    (nothing, where what is not declared moves no motor); declared: what the dataset declares of them; gains (n,) in
+    actuator order. covariance of [base, payloads in their order, linear parameters of effects, gains], (k, k); fixed
+    (nb + ...,): base and payload parameters that were omitted as not needed, zero and without a deviation.
     """
 
     path: Path
@@ -119,22 +118,22 @@ def load_identified(
     saved = load_model(path)
     payloads: dict[str, Payload] = {}
     files: tuple[Path, ...] = ()
-    found: Robot | None = None
+    loaded: Robot | None = None
     if saved.dataset is not None and (saved.dataset / DATASET_FILE).is_file():
         spec = read_toml(saved.dataset / DATASET_FILE, DatasetSpec)
         payloads = {name: _declared(name, entry) for name, entry in spec.payloads.items()}
         files = tuple(saved.dataset / name for name in spec.effects)
         if robot is None:
-            found = load_robot(spec.robot, relative_to=saved.dataset)
-    if found is None:
+            loaded = load_robot(spec.robot, relative_to=saved.dataset)
+    if loaded is None:
         if robot is None:
             robot = saved.model.robot
-        found = load_robot(robot)
+        loaded = load_robot(robot)
     known = catalogue_for(files, tuple(effect_files))
-    wider = with_own_effects(known, saved)
-    own = () if wider is known else saved.effect_files
-    model = identified_model(path, saved, found, payloads, wider)
-    return replace(model, effect_files=(*files, *effect_files, *own))
+    wider = with_saved_effects(known, saved)
+    saved_files = () if wider is known else saved.effect_files
+    model = identified_model(path, saved, loaded, payloads, wider)
+    return replace(model, effect_files=(*files, *effect_files, *saved_files))
 
 
 def declaring(identified: IdentifiedModel, payloads: Mapping[str, Payload]) -> IdentifiedModel:
@@ -195,12 +194,12 @@ def identified_model(
 
 def _payload_values(saved: SavedModel, base: Sequence[str]) -> dict[str, dict[int, float]]:
     """Estimated parameters of payloads by payload and index, those that were omitted too, in the fit's order."""
-    found: dict[str, dict[int, float]] = {}
+    by_payload: dict[str, dict[int, float]] = {}
     for name in (*saved.parameters, *saved.model.left_out):
         if name not in base:
             symbol, _, payload = name.removesuffix(")").partition("(")
-            found.setdefault(payload, {})[PARAMETERS.index(symbol)] = saved.parameters.get(name, 0.0)
-    return {payload: dict(sorted(values.items())) for payload, values in found.items()}
+            by_payload.setdefault(payload, {})[PARAMETERS.index(symbol)] = saved.parameters.get(name, 0.0)
+    return {payload: dict(sorted(values.items())) for payload, values in by_payload.items()}
 
 
 def _moving_nothing(

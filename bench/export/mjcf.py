@@ -17,7 +17,7 @@ from bench.dataset.robot_mjcf import INERTIA, MASS, ROTOR
 from bench.export.carried import unknown_payload
 from bench.export.mjcf_actuators import DrivenJoint, set_motors
 from bench.export.physical import PhysicalSet
-from bench.export.placed import JointTerms, Placed, left_lines, placed_effects
+from bench.export.placed import JointTerms, Placed, not_placed_lines, placed_effects
 from bench.export.pseudo_inertia import about_center
 from bench.identification.payload_parameters import payload_columns
 from bench.model.geometry import Placement
@@ -230,7 +230,7 @@ def _add_payload(
 
 
 def _comment(physical: PhysicalSet, placed: Placed) -> str:
-    """For the head of the file; a comment in XML must not have two hyphens in a row."""
+    """The comment at the head of the file; a comment in XML must not have two hyphens in a row."""
     model = physical.model
     lines = [
         f"Identified: {model.path.name}, robot {model.robot.name}.",
@@ -238,8 +238,11 @@ def _comment(physical: PhysicalSet, placed: Placed) -> str:
         + ", ".join(f"{actuator.joint} {actuator.gain_unit}" for actuator in model.robot.actuators),
         f"Bodies: real ones with the identified base parameters, otherwise near {physical.prior}.",
     ]
-    if placed.left:
-        lines += ["Not in this file, see bench.twin:", *(f"  {line}" for line in left_lines(placed.left))]
+    if placed.not_placed:
+        lines += [
+            "Not in this file, see bench.twin:",
+            *(f"  {line}" for line in not_placed_lines(placed.not_placed)),
+        ]
     return "\n  ".join(lines).replace("--", "- -")
 
 

@@ -21,19 +21,19 @@ class DrivenJoint:
 def set_motors(
     spec: mujoco.MjSpec, compiled: mujoco.MjModel, driven: Sequence[DrivenJoint], changed: list[str]
 ) -> list[mujoco.MjsActuator]:
-    """One motor a joint: the file's own where it has one, a new one otherwise.
+    """One motor a joint: the file's where it has one, a new one otherwise.
 
     A torque at the joint is gain times control, less the offset. Limits of control and keyframes keep the torque that
     they meant; a servo becomes a motor. changed: for messages. Returns the motors in the order of the joints.
     """
     motors = []
     for driven_joint in driven:
-        own = [
+        existing = [
             actuator
             for actuator in spec.actuators
             if actuator.target == driven_joint.joint and actuator.trntype == mujoco.mjtTrn.mjTRN_JOINT
         ]
-        if not own:
+        if not existing:
             motors.append(
                 spec.add_actuator(
                     neutral(), name=_free_name(spec, driven_joint.joint), target=driven_joint.joint
@@ -41,7 +41,7 @@ def set_motors(
             )
             _fill(motors[-1], driven_joint, 1.0)
             continue
-        motor, *others = own
+        motor, *others = existing
         for other in others:
             changed.append(
                 f"actuator {other.name!r} is gone: {motor.name!r} drives joint {driven_joint.joint} too"

@@ -29,7 +29,7 @@ EXACT = 0.01  # standard errors: nearer than this, the estimate itself belongs t
 class Contradiction:
     """The data lie `distance` standard errors from any real bodies, where noise explains `expected`.
 
-    culprits: without the condition on which body alone the rest could be real, and the distance that would be left;
+    culprits: without the condition on which body alone the rest could be real, and the distance that would remain;
     the one that leaves least first.
     """
 
@@ -38,10 +38,10 @@ class Contradiction:
     culprits: tuple[tuple[str, float], ...]
 
     def words(self) -> str:
-        """In one line."""
-        name, left = self.culprits[0]
+        """The contradiction in one line."""
+        name, remaining = self.culprits[0]
         enough = [body for body, rest in self.culprits if rest <= self.expected]
-        who = " or ".join(enough) if enough else f"{name} most of all (without it {left:.1f} remain)"
+        who = " or ".join(enough) if enough else f"{name} most of all (without it {remaining:.1f} remain)"
         return (
             f"no real bodies have these base parameters: the nearest are {self.distance:.1f} standard errors away, "
             f"where noise explains {self.expected:.1f}; it is {who} that would need a negative mass or inertia. An "
@@ -121,5 +121,5 @@ def contradiction_of(
     expected = explained_by_noise(freedom)
     if distance <= expected:
         return None
-    left = [(body.name, programs.nearest(without=i).distance) for i, body in enumerate(equations.bodies)]
-    return Contradiction(distance, expected, tuple(sorted(left, key=lambda pair: pair[1])))
+    distances = [(body.name, programs.nearest(without=i).distance) for i, body in enumerate(equations.bodies)]
+    return Contradiction(distance, expected, tuple(sorted(distances, key=lambda pair: pair[1])))

@@ -1,4 +1,4 @@
-"""Which effects a joint or an actuator of MuJoCo can hold, and which are left for `bench.twin`."""
+"""Which effects a joint or an actuator of MuJoCo can hold, and which remain for `bench.twin`."""
 
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
@@ -38,17 +38,17 @@ class NotPlaced:
 
 @dataclass(frozen=True)
 class Placed:
-    """joints: by name, every one with a motor or with an effect; left: what they cannot hold; gravity (3,) m/s2."""
+    """joints: by name, every one with a motor or an effect; not_placed: what they cannot hold; gravity (3,) m/s2."""
 
     joints: Mapping[str, JointTerms]
-    left: tuple[NotPlaced, ...]
+    not_placed: tuple[NotPlaced, ...]
     gravity: np.ndarray
 
 
 def placed_effects(physical: PhysicalSet, log: str = "") -> Placed:
     """The effects of a model and its rotors in MuJoCo's joints, those that fit there as a whole.
 
-    log: the recording whose values count where each has its own; their mean otherwise.
+    log: the recording whose values count where each has a separate one; their mean otherwise.
     """
     model = physical.model
     joints = {
@@ -56,7 +56,7 @@ def placed_effects(physical: PhysicalSet, log: str = "") -> Placed:
         for joint, rotor in zip(model.robot.joints, physical.rotors, strict=True)
     }
     balls = {joint.name for joint in model.model.geometry.joints if joint.kind == "ball"}
-    left = []
+    not_placed = []
     gravity = model.model.geometry.gravity
     for effect in model.effects_in(log):
         if effect.name == BaseTilt.name:
@@ -65,7 +65,7 @@ def placed_effects(physical: PhysicalSet, log: str = "") -> Placed:
             if whole and still_determined(model, turned):
                 gravity = turned
             else:
-                left.append(
+                not_placed.append(
                     NotPlaced(effect, "tilted gravity would move masses of which the data say nothing")
                 )
             continue
@@ -73,8 +73,8 @@ def placed_effects(physical: PhysicalSet, log: str = "") -> Placed:
         terms = joints.setdefault(effect.place, JointTerms(ball=effect.place in balls)) if known else None
         why = NO_PLACE if terms is None else RULES[effect.name](effect.values, terms)
         if why:
-            left.append(NotPlaced(effect, why))
-    return Placed(joints, tuple(left), gravity)
+            not_placed.append(NotPlaced(effect, why))
+    return Placed(joints, tuple(not_placed), gravity)
 
 
 NO_PLACE = "MuJoCo's joints and actuators have no term for it"
@@ -139,10 +139,10 @@ RULES: dict[str, Rule] = {
 """Sorted by name of the effect."""
 
 
-def left_lines(left: Iterable[NotPlaced]) -> list[str]:
+def not_placed_lines(not_placed: Iterable[NotPlaced]) -> list[str]:
     """The effects that remain, one line each, with their values."""
     lines = []
-    for unplaced in left:
+    for unplaced in not_placed:
         values = {**unplaced.effect.instance.effect.shape_values(), **unplaced.effect.values}
         listed = ", ".join(f"{name} = {value:.6g}" for name, value in values.items())
         at = f" at {unplaced.effect.place}" if unplaced.effect.place else ""

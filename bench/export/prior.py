@@ -46,12 +46,12 @@ def cad_prior(geometry: Geometry) -> Prior:
     bars, guessed = guessed_parameters(geometry), []
     heaviest = max((parameters[10 * joint] for joint, _ in geometry.bodies), default=0.0)
     for joint, name in geometry.bodies:
-        own = slice(10 * joint, 10 * joint + 10)
-        if parameters[own][0] <= 0.0:
+        of_body = slice(10 * joint, 10 * joint + 10)
+        if parameters[of_body][0] <= 0.0:
             guessed.append(name)
-            parameters[own] = bars[own] * (0.1 * heaviest if heaviest else 1.0)
+            parameters[of_body] = bars[of_body] * (0.1 * heaviest if heaviest else 1.0)
         else:
-            parameters[own] = _solid(parameters[own])
+            parameters[of_body] = _solid(parameters[of_body])
     armature = compiled.dof_armature
     rotors = np.array([float(armature[compiled.joint(joint).dofadr[0]]) for joint in geometry.robot.driven])
     return Prior(parameters, rotors, "masses of the MJCF", tuple(guessed))
@@ -59,8 +59,8 @@ def cad_prior(geometry: Geometry) -> Prior:
 
 def scaled_to(prior: Prior, grouping: np.ndarray, base: np.ndarray, weights: np.ndarray) -> Prior:
     """The prior with all masses times the one factor that brings it nearest to base parameters (nb,)."""
-    own, wanted = weights * (grouping @ prior.parameters), weights * base
-    factor = float(own @ wanted) / float(own @ own) if own.any() else 1.0
+    weighted, wanted = weights * (grouping @ prior.parameters), weights * base
+    factor = float(weighted @ wanted) / float(weighted @ weighted) if weighted.any() else 1.0
     if factor <= 0.0:
         return prior
     return Prior(factor * prior.parameters, prior.rotors, prior.source, prior.guessed)
@@ -72,8 +72,8 @@ def _of_body(compiled: mujoco.MjModel, body: int, place: Placement) -> np.ndarra
     mujoco.mju_quat2Mat(rotation, compiled.body_iquat[body])
     x, y, z = compiled.body_inertia[body]
     principal = np.array([compiled.body_mass[body], 0.0, 0.0, 0.0, x, 0.0, y, 0.0, 0.0, z])
-    own = moved_parameters(principal, rotation.reshape(3, 3), compiled.body_ipos[body])
-    return moved_parameters(own, place.rotation, place.translation)
+    parameters = moved_parameters(principal, rotation.reshape(3, 3), compiled.body_ipos[body])
+    return moved_parameters(parameters, place.rotation, place.translation)
 
 
 def _solid(parameters: np.ndarray) -> np.ndarray:

@@ -143,7 +143,7 @@ class Programs:
         return Nearest(distance, min(freedom, len(known)), np.asarray(estimated))
 
     def drawn_to_prior(self, distance: float) -> Reached:
-        """Of all bodies so near to the estimate, in standard errors, those nearest to the prior.
+        """Among all bodies so near to the estimate, in standard errors, those nearest to the prior.
 
         distance: zero for bodies that reproduce the estimate.
         """
@@ -174,15 +174,15 @@ class Programs:
         parameters, rotors = reached
         bodies = self.equations.bodies
         columns = [from_scaled(np.linalg.cholesky(pseudo_inertia(parameter))) for parameter in parameters]
-        held = block_diag(*(body.held @ own for body, own in zip(bodies, columns, strict=True)))
-        rows = [body.rows @ own for body, own in zip(bodies, columns, strict=True)]
+        held = block_diag(*(body.held @ basis for body, basis in zip(bodies, columns, strict=True)))
+        rows = [body.rows @ basis for body, basis in zip(bodies, columns, strict=True)]
         whole = np.vstack((np.hstack(rows), held))
-        missing = [body.to - body.held @ own for body, own in zip(bodies, parameters, strict=True)]
+        missing = [body.to - body.held @ values for body, values in zip(bodies, parameters, strict=True)]
         off = np.concatenate((self.equations.estimated - self.estimated_of(parameters, rotors), *missing))
         length = np.linalg.norm(whole, axis=1)
         length[length == 0.0] = 1.0
         step = np.linalg.lstsq(whole / length[:, None], off / length, rcond=1e-12)[0].reshape(-1, 16)
-        moved = [p + own @ s for p, own, s in zip(parameters, columns, step, strict=True)]
+        moved = [p + basis @ s for p, basis, s in zip(parameters, columns, step, strict=True)]
         if min(np.linalg.eigvalsh(pseudo_inertia(entry))[0] for entry in moved) <= 0.0:
             return None
         return moved, rotors
@@ -190,7 +190,7 @@ class Programs:
     def estimated_of(self, parameters: list[np.ndarray], rotors: np.ndarray) -> np.ndarray:
         """The estimated parameters (nz,) of bodies and rotors."""
         bodies = zip(self.equations.bodies, parameters, strict=True)
-        return np.asarray(sum(body.rows @ own for body, own in bodies) + self.equations.rotors @ rotors)
+        return np.asarray(sum(body.rows @ values for body, values in bodies) + self.equations.rotors @ rotors)
 
     def _held_conditions(self, x: Any) -> list[Any]:
         rows, given = self._held

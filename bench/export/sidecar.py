@@ -11,7 +11,7 @@ from bench.twin.file import FORMAT
 
 
 def sidecar(physical: PhysicalSet, exported: Exported) -> dict[str, Any]:
-    """Motors, effects that are left with their values and shapes, and where the bodies are from."""
+    """Motors, effects that remain with their values and shapes, and where the bodies are from."""
     model = physical.model
     return {
         "format": FORMAT,
@@ -31,7 +31,7 @@ def sidecar(physical: PhysicalSet, exported: Exported) -> dict[str, Any]:
                 "shape": unplaced.effect.instance.effect.shape_values(),
                 "why": unplaced.why,
             }
-            for unplaced in exported.placed.left
+            for unplaced in exported.placed.not_placed
         ],
         "effect_files": [str(file.resolve()) for file in model.effect_files],
         "bodies": {
@@ -45,6 +45,6 @@ def sidecar(physical: PhysicalSet, exported: Exported) -> dict[str, Any]:
 
 def write_sidecar(path: Path, content: dict[str, Any]) -> Path:
     """Write it next to `path`, whole or not at all."""
-    beside = sidecar_path(path)
-    write_json_atomically(beside, content)
-    return beside
+    file = sidecar_path(path)
+    write_json_atomically(file, content)
+    return file

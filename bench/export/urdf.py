@@ -11,7 +11,7 @@ from scipy.spatial.transform import Rotation
 from bench.basics.errors import BenchError
 from bench.basics.files.atomic import write_text_atomically
 from bench.export.physical import PhysicalSet
-from bench.export.placed import JointTerms, Placed, left_lines, placed_effects
+from bench.export.placed import JointTerms, Placed, not_placed_lines, placed_effects
 from bench.export.pseudo_inertia import about_center
 from bench.model.geometry import Geometry, Joint
 
@@ -46,7 +46,7 @@ def urdf_text(physical: PhysicalSet) -> Urdf:
     for joint, name in zip(geometry.joints, names, strict=True):
         parent = names[joint.parent] if joint.parent >= 0 else "world"
         _add_joint(root, joint, parent, name, placed.joints.get(joint.name, JointTerms()))
-    not_held = (*_not_held(physical, placed), *left_lines(placed.left))
+    not_held = (*_not_held(physical, placed), *not_placed_lines(placed.not_placed))
     for line in not_held:
         root.insert(0, ET.Comment(f" not held: {line.replace('--', '- -')} "))
     ET.indent(root)

@@ -10,32 +10,32 @@ from bench.identification.observation import Observation
 LITTLE = 0.1  # of what a row counts that fits
 FEWEST = 5  # rows of a stretch
 BRIDGED = 3  # rows between two stretches that are one
-MOST = 8  # stretches that are told, the longest
+MOST = 8  # stretches that are reported, the longest
 
 
 def bad_stretches(
-    observations: Sequence[Observation], counted: np.ndarray, joints: Sequence[str]
+    observations: Sequence[Observation], row_weights: np.ndarray, joints: Sequence[str]
 ) -> list[Finding]:
     """A finding for each stretch of a recording in which a motor's current counts little, in the order of the logs.
 
-    counted (M, n): what every row of all recordings counts, 1 where it fits. Rows of a joint at standstill are no
+    row_weights (M, n): what every row of all recordings counts, 1 where it fits. Rows of a joint at standstill are no
     finding.
     """
-    found: list[tuple[int, Finding]] = []
+    findings: list[tuple[int, Finding]] = []
     start = 0
     for observation in observations:
-        own = counted[start : start + len(observation.time)]
+        of_recording = row_weights[start : start + len(observation.time)]
         start += len(observation.time)
         for j, joint in enumerate(joints):
-            little = np.flatnonzero((own[:, j] < LITTLE) & observation.moving[:, j])
+            little = np.flatnonzero((of_recording[:, j] < LITTLE) & observation.moving[:, j])
             for part in np.split(little, np.flatnonzero(np.diff(little) > BRIDGED) + 1):
                 if len(part) >= FEWEST:
                     numbers = {
                         "start": float(observation.time[part[0]]),
                         "end": float(observation.time[part[-1]]),
                     }
-                    found.append(
+                    findings.append(
                         (len(part), Finding(Code.BAD_STRETCH, (joint, observation.name), numbers=numbers))
                     )
-    longest = sorted(range(len(found)), key=lambda i: -found[i][0])[:MOST]
-    return [found[i][1] for i in sorted(longest)]
+    longest = sorted(range(len(findings)), key=lambda i: -findings[i][0])[:MOST]
+    return [findings[i][1] for i in sorted(longest)]

@@ -1,4 +1,4 @@
-"""What logs hold beside the motion, and what the parameters do in half of the band, in words."""
+"""What logs hold besides the motion, and what the parameters do in half of the band, in words."""
 
 from collections.abc import Callable, Mapping
 

@@ -1,4 +1,4 @@
-"""Is the answer the same in half of the band? The choice of the filters is checked by its own result.
+"""Is the answer the same in half of the band? The choice of the filters is checked by its result.
 
 Noise of positions that is not white, a jitter of the clock or rows that are repeated hide in the motion's spectrum, and
 bias an observation matrix in all of the band that was read off it. An estimate from half of the band has other errors,
@@ -16,10 +16,10 @@ from bench.identification.blocks import SHORTEST, SURPRISING
 from bench.identification.by_unknown import estimates, in_both
 from bench.identification.estimators import DEFAULT_METHOD
 from bench.identification.finding import Code, Finding, Unknown
+from bench.identification.model_averaged import model_averaged
 from bench.identification.prepare import Prepared, prepare, with_effects
 from bench.identification.problem import Problem
 from bench.identification.result import BandPoint, Identification
-from bench.identification.widened import widened
 from bench.signals.settings import FEWEST_SAMPLES, FilterSettings, settled_border
 
 SHARPER = 0.8
@@ -35,7 +35,7 @@ def with_band_checked(prepared: Prepared, result: Identification, fitted: Fit) -
 
     fitted: makes an answer of the same model in another band. The answer has the points of the curve.
     """
-    here = result if result.method == DEFAULT_METHOD else fitted(prepared)
+    at_band = result if result.method == DEFAULT_METHOD else fitted(prepared)
     half = narrower(prepared)
     lower = None if half is None else fitted(half)
     wider = [fitted(_with_settings(prepared, settings)) for settings in prepared.rejected[-1:]]
@@ -46,14 +46,14 @@ def with_band_checked(prepared: Prepared, result: Identification, fitted: Fit) -
         unchecked = Finding(Code.BAND_UNCHECKED, numbers={"band": numbers["band"]})
         return replace(result, findings=(*result.findings, unchecked))
     points = tuple(
-        sorted((_point(prepared, answer) for answer in (here, *others)), key=lambda point: -point.band)
+        sorted((_point(prepared, answer) for answer in (at_band, *others)), key=lambda point: -point.band)
     )
-    apart = _apart(here, others, all_of_it=bool(prepared.rejected))
-    answer = replace(widened(result, apart, "bandwidth"), bandwidths=points)
+    apart = _apart(at_band, others, all_of_it=bool(prepared.rejected))
+    answer = replace(model_averaged(result, apart, "bandwidth"), bandwidths=points)
     if prepared.rejected:
         numbers["rejected"] = prepared.rejected[0].band(rate)
         return replace(answer, findings=(*answer.findings, Finding(Code.BAND_NARROWED, numbers=numbers)))
-    if lower is not None and (moved(here, lower) or sharper(here, lower)):
+    if lower is not None and (moved(at_band, lower) or sharper(at_band, lower)):
         return replace(answer, findings=(*answer.findings, Finding(Code.BAND_MATTERS, numbers=numbers)))
     return answer
 
@@ -88,29 +88,29 @@ def _with_settings(prepared: Prepared, settings: FilterSettings) -> Prepared:
     return replace(model, converged=True)
 
 
-def moved(here: Identification, there: Identification) -> bool:
+def moved(first: Identification, second: Identification) -> bool:
     """Whether values move by more than their errors, all together, than chance would make them."""
-    squares = [(a.value - b.value) ** 2 / (a.std**2 + b.std**2) for a, b in in_both(here, there).values()]
+    squares = [(a.value - b.value) ** 2 / (a.std**2 + b.std**2) for a, b in in_both(first, second).values()]
     return bool(squares) and sum(squares) > exceeded_with(SURPRISING, len(squares))
 
 
-def sharper(here: Identification, there: Identification) -> bool:
+def sharper(first: Identification, second: Identification) -> bool:
     """Whether standard errors are clearly smaller there, in the median: then more rows say less, and hold noise."""
-    ratios = [b.std / a.std for a, b in in_both(here, there).values()]
+    ratios = [b.std / a.std for a, b in in_both(first, second).values()]
     return bool(ratios) and float(np.median(ratios)) < SHARPER
 
 
 def _apart(
-    here: Identification, others: Sequence[Identification], *, all_of_it: bool
+    first: Identification, others: Sequence[Identification], *, all_of_it: bool
 ) -> Mapping[Unknown, float]:
     """Standard errors that hold how far values are from others, beyond their errors or all of it, by unknown."""
-    found: dict[Unknown, float] = {}
+    spreads: dict[Unknown, float] = {}
     for there in others:
-        for unknown, (a, b) in in_both(here, there).items():
+        for unknown, (a, b) in in_both(first, there).items():
             noise = 0.0 if all_of_it else a.std**2 + b.std**2
             beyond = max((a.value - b.value) ** 2 - noise, 0.0)
-            found[unknown] = max(found.get(unknown, 0.0), hypot(a.std, beyond**0.5))
-    return found
+            spreads[unknown] = max(spreads.get(unknown, 0.0), hypot(a.std, beyond**0.5))
+    return spreads
 
 
 def _point(prepared: Prepared, answer: Identification) -> BandPoint:

@@ -29,7 +29,7 @@ def normal_equations(
     """Matrix and right side of a step of Gauss and Newton: values (..., k), then gains (..., n) where any is fitted;
     no step for those that are not.
 
-    inner: (..., n, k + 2, k + 2) inner products; what stands before the last axes is of many problems. weights (n,): of
+    inner: (..., n, k + 2, k + 2) inner products; the leading axes are many problems. weights (n,): of
     the errors; start (n,): the gains that torque and error belong to.
     """
     k, n = values.shape[-1], gains.shape[-1]
@@ -46,9 +46,11 @@ def normal_equations(
     torque *= np.reshape(fit_gains, (-1, 1))
     by_torque = (inner @ torque[..., None])[..., 0]
     across = -(share / gains)[..., None] * by_torque[..., :k]
-    own = np.where(fit_gains, share / gains * (torque * by_torque).sum(axis=-1), 1.0)[..., None] * np.eye(n)
+    diagonal = np.where(fit_gains, share / gains * (torque * by_torque).sum(axis=-1), 1.0)[
+        ..., None
+    ] * np.eye(n)
     whole = np.empty((*gains.shape[:-1], k + n, k + n))
-    whole[..., :k, :k], whole[..., k:, k:] = normal, own
+    whole[..., :k, :k], whole[..., k:, k:] = normal, diagonal
     whole[..., k:, :k], whole[..., :k, k:] = across, across.swapaxes(-1, -2)
     return whole, np.concatenate((right, -share * (torque * by_error).sum(axis=-1)), axis=-1)
 
@@ -58,9 +60,9 @@ def least(normal: np.ndarray, right: np.ndarray) -> np.ndarray:
     diagonal = normal.diagonal()
     lengths = np.sqrt(np.where(diagonal > 0.0, diagonal, 1.0))
     scaled = normal / lengths[:, None] / lengths
-    factor, found, failed = dposv(scaled, right / lengths, lower=1)
+    factor, solution, failed = dposv(scaled, right / lengths, lower=1)
     if not failed and factor.diagonal().min(initial=1.0) > COLLINEAR:
-        return np.asarray(found) / lengths
+        return np.asarray(solution) / lengths
     values, vectors = np.linalg.eigh(scaled)
     kept = values > COLLINEAR**2 * values[-1]
     along = vectors[:, kept]
@@ -103,7 +105,7 @@ def moved_gains(gains: np.ndarray, by_gain: np.ndarray) -> np.ndarray:
 
 
 def errors_by(values: np.ndarray, gains: np.ndarray, start: np.ndarray) -> np.ndarray:
-    """By what every motor's current error is combined from [columns, torque, error]: (..., n, k + 2)."""
+    """Coefficients by which every motor's current error is combined from [columns, torque, error]: (..., n, k + 2)."""
     errors = np.ones((*gains.shape, values.shape[-1] + 2))
     errors[..., :-2] = -values[..., None, :] / gains[..., None]
     errors[..., -2] = 1.0 / start - 1.0 / gains

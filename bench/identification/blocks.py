@@ -65,7 +65,7 @@ def block_scatter(blocks: list[Block]) -> Scatter | None:
     """The scatter of the estimate between blocks; None where there are too few of them.
 
     With J'J = sum of all blocks = (R R')^-1, what a block b says moves the estimate by R z_b, where
-    z_b = (1 - R' J_b' J_b R)^(-1/2) R' J_b' e_b: the root makes up for what the fit has taken of the block's own error,
+    z_b = (1 - R' J_b' J_b R)^(-1/2) R' J_b' e_b: the root makes up for what the fit has taken of the block's error,
     so that the sum of squares is right on average where the errors are noise (Bell and McCaffrey 2002).
     """
     if len(blocks) < FEWEST:
@@ -76,8 +76,8 @@ def block_scatter(blocks: list[Block]) -> Scatter | None:
     moved, squares = [], 0.0
     for block in blocks:
         share, turned = np.linalg.eigh(root.T @ block.normal @ root)
-        left = np.maximum(1.0 - share, ALL_OF_IT)
-        moved.append(root @ turned @ ((turned.T @ root.T @ block.score) / np.sqrt(left)))
+        remaining = np.maximum(1.0 - share, ALL_OF_IT)
+        moved.append(root @ turned @ ((turned.T @ root.T @ block.score) / np.sqrt(remaining)))
         squares += float((share**2).sum())
     shifts = np.array(moved)
     return Scatter(shifts.T @ shifts, int(seen.sum()) ** 2 / squares, len(blocks))

@@ -40,15 +40,15 @@ def minimum_between(
             if min(best + step - low, high - best - step) < 2.0 * least:
                 step = least if middle >= best else -least
         tried = best + (max(abs(step), least) if step >= 0.0 else -max(abs(step), least))
-        found = function(tried)
-        if found <= at_best:
+        value = function(tried)
+        if value <= at_best:
             low, high = (best, high) if tried >= best else (low, best)
             third, at_third, second, at_second = second, at_second, best, at_best
-            best, at_best = tried, found
+            best, at_best = tried, value
             continue
         low, high = (tried, high) if tried < best else (low, tried)
-        if found <= at_second or second == best:
-            third, at_third, second, at_second = second, at_second, tried, found
-        elif found <= at_third or third in (best, second):
-            third, at_third = tried, found
+        if value <= at_second or second == best:
+            third, at_third, second, at_second = second, at_second, tried, value
+        elif value <= at_third or third in (best, second):
+            third, at_third = tried, value
     return best, at_best

@@ -17,7 +17,7 @@ STILL = 1e-3  # relative change of gains
 def beyond_bounds(prepared: Prepared) -> tuple[EffectInstance, ...]:
     """The effects of a converged model with a parameter that its data ask to be at its bound or beyond.
 
-    So are those whose motor's gain runs away beside them: the two grow together, or swing from one linearisation to the
+    So are those whose motor's gain runs away with them: the two grow together, or swing from one linearisation to the
     next and never settle, so that a few more are looked at.
     """
     if not any(
@@ -27,9 +27,9 @@ def beyond_bounds(prepared: Prepared) -> tuple[EffectInstance, ...]:
     before = None
     for _ in range(LINEARISATIONS):
         _, solution = solved_quickly(prepared)
-        found = out_of_bounds(prepared, solution)
-        if found or (before is not None and np.allclose(solution.gains, before, rtol=STILL, atol=0.0)):
-            return found
+        outside = out_of_bounds(prepared, solution)
+        if outside or (before is not None and np.allclose(solution.gains, before, rtol=STILL, atol=0.0)):
+            return outside
         before = solution.gains
         about = linearised(prepared.effects, solution.theta[prepared.layout.size - prepared.layout.effects :])
         prepared = with_effects(prepared, about, present_model(prepared, solution), fitted_only=True)
@@ -37,7 +37,8 @@ def beyond_bounds(prepared: Prepared) -> tuple[EffectInstance, ...]:
 
 
 def within_bounds(prepared: Prepared) -> tuple[Prepared, tuple[EffectInstance, ...]]:
-    """A converged model, and those of its effects that stay zero, since they cannot be told from the drive gain.
+    """A converged model, and those of its effects that stay zero, since they cannot be distinguished from the drive
+    gain.
 
     Where the data ask for such a size, gain and effect grow together without end. The others are converged without it.
     """
@@ -49,21 +50,21 @@ def within_bounds(prepared: Prepared) -> tuple[Prepared, tuple[EffectInstance, .
         prepared = converged(with_effects(whole, kept))
     if not gone:
         return whole, ()
-    left = {_place(instance): instance for instance in prepared.effects}
-    every = [left.get(_place(instance)) or _nothing(instance) for instance in whole.effects]
+    remaining = {_place(instance): instance for instance in prepared.effects}
+    every = [remaining.get(_place(instance)) or _nothing(instance) for instance in whole.effects]
     outside = tuple(instance for instance in every if _place(instance) in gone)
     return replace(with_effects(prepared, every), converged=True), outside
 
 
 def columns_of(prepared: Prepared, instances: tuple[EffectInstance, ...]) -> np.ndarray:
     """Where the parameters of some of a model's effects stand among its unknowns."""
-    found: list[int] = []
+    indices: list[int] = []
     at = prepared.layout.size - prepared.layout.effects
     for instance in prepared.effects:
         size = len(instance.effect.parameters)
-        found += range(at, at + size) if instance in instances else ()
+        indices += range(at, at + size) if instance in instances else ()
         at += size
-    return np.array(found, dtype=int)
+    return np.array(indices, dtype=int)
 
 
 def _place(instance: EffectInstance) -> tuple[str, str]:

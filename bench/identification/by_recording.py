@@ -1,4 +1,4 @@
-"""Recordings without a value of their own of an effect that has one for each recording."""
+"""Recordings without a value of an effect that has one for each recording."""
 
 from dataclasses import replace
 
@@ -12,7 +12,7 @@ from bench.identification.solution import Solution
 
 
 def columns_without_value(prepared: Prepared, observation: Observation) -> list[np.ndarray]:
-    """Of effects that have a value for each recording, but none for this one: the columns (of theta) that are one
+    """The columns, for effects that have a value for each recording but none for this one (of theta) that are one
     effect's, each with its share of the mean.
     """
     (log,) = {seen.recording.log for seen in prepared.measured if seen.recording.name == observation.name}
@@ -28,7 +28,7 @@ def columns_without_value(prepared: Prepared, observation: Observation) -> list[
 
 
 def in_this_recording(prepared: Prepared, observation: Observation, solution: Solution) -> Solution:
-    """The solution with the values that suit a recording best where it has none of its own.
+    """The solution with the values that suit a recording best where it has none.
 
     What differs from run to run is not what a recording is judged on.
     """
@@ -38,19 +38,19 @@ def in_this_recording(prepared: Prepared, observation: Observation, solution: So
     rows = regressor_rows(observation, prepared.layout)
     torque = rows @ solution.theta + known_rows(observation, prepared.dataset.payloads)
     error = (observation.current - torque / solution.gains) * observation.moving
-    columns = np.stack([rows[:, :, own].sum(axis=2) for own in together], axis=2)
+    columns = np.stack([rows[:, :, indices].sum(axis=2) for indices in together], axis=2)
     columns *= (observation.moving / solution.gains)[:, :, None]
     shifts = np.linalg.lstsq(columns.reshape(-1, len(together)), error.ravel(), rcond=None)[0]
     theta = solution.theta.copy()
-    for own, shift in zip(together, shifts, strict=True):
-        theta[own] += shift
+    for indices, shift in zip(together, shifts, strict=True):
+        theta[indices] += shift
     return replace(solution, theta=theta)
 
 
-def without_own_values(prepared: Prepared) -> list[Finding]:
+def without_values_by_log(prepared: Prepared) -> list[Finding]:
     """The recordings, and the effect with the recordings whose values are known."""
     among = {instance.effect.name: instance.among for instance in prepared.effects if instance.recording}
-    found = []
+    findings = []
     for name, logs in among.items():
         others = tuple(
             measurement.recording.name
@@ -59,5 +59,5 @@ def without_own_values(prepared: Prepared) -> list[Finding]:
         )
         if others:
             of = tuple(Unknown("effect", "", log, name) for log in logs)
-            found.append(Finding(Code.NO_VALUE_OF_ITS_OWN, others, of))
-    return found
+            findings.append(Finding(Code.NO_VALUE_OF_ITS_OWN, others, of))
+    return findings

@@ -14,11 +14,11 @@ E = TypeVar("E", DriveGain, Parameter, Quantity)
 
 def estimates(result: Identification) -> dict[Unknown, Estimate]:
     """Every value with its standard error, those of std 0 that were given included."""
-    found: dict[Unknown, Estimate] = {
+    by_unknown: dict[Unknown, Estimate] = {
         Unknown("parameter", parameter.name): parameter for parameter in result.parameters
     }
-    found |= {Unknown("gain", "gain", joint): gain for joint, gain in result.drive_gains.items()}
-    return found | {
+    by_unknown |= {Unknown("gain", "gain", joint): gain for joint, gain in result.drive_gains.items()}
+    return by_unknown | {
         Unknown("effect", name, place, effect): quantity
         for effect, places in result.effect_parameters.items()
         for place, each in places.items()
@@ -28,11 +28,11 @@ def estimates(result: Identification) -> dict[Unknown, Estimate]:
 
 def in_both(first: Identification, second: Identification) -> dict[Unknown, tuple[Estimate, Estimate]]:
     """Values with a finite standard error in both answers, by unknown."""
-    here, there = estimates(first), estimates(second)
+    first_values, second_values = estimates(first), estimates(second)
     return {
-        unknown: (value, there[unknown])
-        for unknown, value in here.items()
-        if unknown in there and all(0.0 < each.std < inf for each in (value, there[unknown]))
+        unknown: (value, second_values[unknown])
+        for unknown, value in first_values.items()
+        if unknown in second_values and all(0.0 < each.std < inf for each in (value, second_values[unknown]))
     }
 
 

@@ -114,7 +114,7 @@ class FactorProducts:
 
 
 def products_of(factors: np.ndarray, scale: np.ndarray) -> FactorProducts:
-    """Of factors (n, r, p + 2), with columns that are orthonormal where motors count by scale (n,)."""
+    """Products of factors (n, r, p + 2), with columns that are orthonormal where motors count by scale (n,)."""
     phi = factors[:, :, :-2]
     basis = _orthonormal((phi * scale[:, None, None]).reshape(-1, phi.shape[2]))
     columns = phi @ basis

@@ -32,13 +32,13 @@ def prepare_checked(problem: Problem) -> Prepared:
     places = places_in(prepared.model.geometry, problem.dataset.weighed)
     instances = select_effects(friction, places, problem.catalogue, prepared.logs)
     model = converged(with_effects(prepared, (*prepared.effects, *instances)))
-    here, rejected = fit(model), list[FilterSettings]()
+    result, rejected = fit(model), list[FilterSettings]()
     while (half := narrower(model)) is not None:
-        there = fit(half)
-        if not (moved(here, there) or sharper(here, there)):
+        of_half = fit(half)
+        if not (moved(result, of_half) or sharper(result, of_half)):
             break
         rejected.append(model.settings)
-        model, here = half, there
+        model, result = half, of_half
     if rejected:
         prepared = replace(prepare(replace(problem, filters=model.settings)), rejected=tuple(rejected))
     if half is not None:

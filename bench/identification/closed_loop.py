@@ -1,11 +1,12 @@
-"""Closed-loop output error: what the twin under the robot's own controller would command, beside what was logged.
+"""Closed-loop output error: what the twin under the robot's controller would command, compared with what was logged.
 
 Gautier, Janot and Vandanjon, "A new closed-loop output error method for parameter identification of robot dynamics",
 2013 (DIDIM). Under the same law and reference a simulated twin keeps the motion of the robot whatever its parameters,
-but for an error e of the size that encoders resolve; to first order in e the errors of its positions and currents are
-linear in the parameters. Position errors reach the equations through the law: the current that it makes of reference
-and measured position is a second reading of the motors' current, without the noise of the logged one. The twin's motion
-gives the instruments: the measured one has noise in it, which would bias the estimate where the filters are wide.
+except for an error e of the size that encoders resolve; to first order in e the errors of its positions and currents
+are linear in the parameters. Position errors reach the equations through the law: the current that it makes of
+reference and measured position is a second reading of the motors' current, without the noise of the logged one. The
+twin's motion gives the instruments: the measured one has noise in it, which would bias the estimate where the filters
+are wide.
 """
 
 from collections.abc import Sequence
@@ -21,7 +22,7 @@ from bench.identification.filtered import Measured
 from bench.identification.instrumental import instrumental_variables
 from bench.identification.prepare import Prepared
 from bench.identification.solution import Solution
-from bench.identification.standstill import bridged
+from bench.identification.standstill import interpolated
 from bench.signals.decimation import decimate
 from bench.signals.processing import estimate_motion
 from bench.signals.settings import HIGHEST_CUTOFF, WIDEST
@@ -43,7 +44,7 @@ def output_error(
 
     terms (M, n, 3): what the controller's law makes of references and measured positions, row by row as in the stack.
     simulated (M, n, p + 1): [Phi, kappa] at the motion of the twin; nominal gains (n,) stay where they are not fitted.
-    The law counts as known: gains have the scale of its own. Raises BenchError naming a joint where it is not the law
+    The law counts as known: gains have the scale of its gains. Raises BenchError naming a joint where it is not the law
     that made the logged currents.
     """
     terms = terms * stack.moving[:, :, None]
@@ -53,17 +54,17 @@ def output_error(
     precisions = []
     for current in readings:
         given = with_current(stack, current)
-        found = current_error(given, start)
-        squares = squared_errors(given.factors, found.theta, found.gains) / len(current)
+        solution = current_error(given, start)
+        squares = squared_errors(given.factors, solution.theta, solution.gains) / len(current)
         precisions.append(1.0 / np.maximum(squares, current_floor(stack) ** 2))
     current = sum(reading * weight for reading, weight in zip(readings, precisions, strict=True)) / sum(
         precisions
     )
 
-    def made(given: Stack) -> Stack:
+    def transform(given: Stack) -> Stack:
         return with_current(given, current)
 
-    return replace(instrumental_variables(made(stack), start, nominal, simulated), made=made)
+    return replace(instrumental_variables(transform(stack), start, nominal, simulated), transform=transform)
 
 
 def _check_law(logged: np.ndarray, terms: np.ndarray, joints: Sequence[str]) -> None:
@@ -102,16 +103,16 @@ def commanded_currents(prepared: Prepared) -> np.ndarray:
             "reference.JOINT in the recordings"
         )
     joints, decimation = dataset.robot.joints, prepared.settings.decimation
-    found = []
+    currents = []
     for measurement in prepared.measured:
         if measurement.recording.use == "identify":
             terms = law_terms(dataset.controller, measurement, joints)
-            found.append(decimate(bridged(terms, measurement.gaps), decimation))
-    return np.concatenate(found)
+            currents.append(decimate(interpolated(terms, measurement.gaps), decimation))
+    return np.concatenate(currents)
 
 
 def law_terms(law: ControlLaw, measured: Measured, joints: Sequence[str]) -> np.ndarray:
-    """What the law makes of a recording's references and positions (N, n, 3), at its own rate.
+    """What the law makes of a recording's references and positions (N, n, 3), at its rate.
 
     It is a current, and is to lose no more of the fit's band than the logged one does, however narrow the filter of
     the motion is.

@@ -19,7 +19,7 @@ def column_errors(recordings: Sequence[Recording], settings: FilterSettings, col
 
     The noise of positions and currents is read off the spectra above the band of the motion, taken as white.
     As much noise once more is added to the positions, with a fixed seed; what it changes in the columns
-    stands for what the measured noise did. `columns` gives phi (M, n, p) and kappa (M, n) of a recording.
+    replaces what the measured noise did. `columns` gives phi (M, n, p) and kappa (M, n) of a recording.
     """
     random = np.random.default_rng(SEED)
     parts = []

@@ -35,7 +35,7 @@ class Stack:
 
     @property
     def returns(self) -> tuple[float | None, ...]:
-        """For every recording after how many rows its motion is the same again; None where it never is."""
+        """For every recording, after how many rows its motion is the same again; None where it never is."""
         if not self.courses:
             return (None,) * len(self.starts)
         return tuple(course.returns for course in self.courses)

@@ -1,6 +1,6 @@
 """The estimator that minimises the error of the measured current itself.
 
-Each motor's modelled current is (Phi theta + kappa) / g. The noise of a current then stands where it arises,
+Each motor's modelled current is (Phi theta + kappa) / g. The noise of a current then is where it arises,
 on the left side, whatever the gains; the problem is bilinear and solved by Gauss-Newton steps, first on inner products
 of the compressed factors, counted from the starting solution, and last on the factors themselves.
 """
@@ -66,8 +66,8 @@ def from_products(
     """The solution with the weights (n,) of the last pass, from inner products about the start.
 
     anew: how often they are counted anew where gains come far from the start's; where that may be, steps that lead
-    nowhere end a pass. None where steps lead further away, or nowhere, and steps on the equations themselves go their
-    own way. unseen: see `creeps`.
+    nowhere end a pass. None where steps lead further away, or nowhere, and steps on the equations themselves
+    continue. unseen: see `creeps`.
     """
     near = products.about(start.theta, start.gains)
     values, gains, fit_gains = np.zeros(near.basis.shape[1]), start.gains, start.gains_fitted
@@ -75,11 +75,11 @@ def from_products(
         if i:
             weights = error_weights(stack, near.squares(values, gains))
         while True:
-            found = near.minimised(values, gains, weights, fit_gains, tolerance, MOST_STEPS, unseen)
-            if found is None:
+            minimum = near.minimised(values, gains, weights, fit_gains, tolerance, MOST_STEPS, unseen)
+            if minimum is None:
                 return None
-            values, gains = found.values, found.gains
-            if found.why == "converged" or (found.why == "stuck" and anew):
+            values, gains = minimum.values, minimum.gains
+            if minimum.why == "converged" or (minimum.why == "stuck" and anew):
                 break
             if not anew:
                 return None
@@ -89,7 +89,7 @@ def from_products(
 
 
 def error_weights(stack: Stack, squares: np.ndarray) -> np.ndarray:
-    """One over each motor's current error (n,), of the sums of their squares."""
+    """Inverse of each motor's current error (n,), of the sums of their squares."""
     return np.asarray(1.0 / np.maximum(np.sqrt(squares / len(stack.current)), current_floor(stack)))
 
 
@@ -101,7 +101,7 @@ def squared_errors(factors: np.ndarray, theta: np.ndarray, gains: np.ndarray) ->
 
 
 def log_likelihood(stack: Stack, solution: Solution) -> float:
-    """Of normal errors of the currents, each motor's of its own deviation, but for a constant."""
+    """Log-likelihood of normal errors of the currents, each motor's with its deviation, except for a constant."""
     weights = error_weights(stack, squared_errors(stack.factors, solution.theta, solution.gains))
     return float(len(stack.current) * np.log(weights).sum())
 

@@ -16,7 +16,9 @@ def current_noise(
     It is read off the spectra above the band of the motion and taken as white.
     """
     band = noise_bandwidth(settings.decimation) * recording.rate / 2
-    own = noise_floor(recording.current, recording.rate, band)
+    noise = noise_floor(recording.current, recording.rate, band)
     if sharing is None:
-        return own
-    return np.sqrt(own**2 + sharing**2 @ noise_floor(recording.redundant_current, recording.rate, band) ** 2)
+        return noise
+    return np.sqrt(
+        noise**2 + sharing**2 @ noise_floor(recording.redundant_current, recording.rate, band) ** 2
+    )

@@ -11,9 +11,9 @@ from bench.dataset.payload import Payload
 from bench.effects import EffectInstance, JointSignals, RobotSignals
 from bench.effects.checked_columns import columns_at_motors
 from bench.effects.signals import UNCHANGED, AskedWithinError, Changed
-from bench.identification.borne import borne_by
 from bench.identification.expansion import made_of
 from bench.identification.filtered import Measured
+from bench.identification.joint_reaction import joint_reactions
 from bench.identification.payload_parameters import payload_columns
 from bench.identification.perturbed_observation import change_key, perturbed_rows
 from bench.model.geometry import Geometry
@@ -91,8 +91,8 @@ def robot_signals(model: IdentificationModel, measured: Measured, present: Prese
             parameters = np.concatenate((parameters, payload_transform(tool) @ present.payloads[payload]))
         columns = np.concatenate((columns, redundant_columns(model.geometry)))
         rows = perturbed_rows(model, measured, columns, changed, every)
-        beside = signals.redundant_torque[::every] if len(model.geometry.redundant) else None
-        return combined_torque(rows, parameters, beside)
+        redundant_torque = signals.redundant_torque[::every] if len(model.geometry.redundant) else None
+        return combined_torque(rows, parameters, redundant_torque)
 
     def carried() -> np.ndarray:
         if payload is None:
@@ -112,7 +112,7 @@ def robot_signals(model: IdentificationModel, measured: Measured, present: Prese
         carried,
         torque,
         measured.gaps,
-        borne_by(
+        joint_reactions(
             model,
             measured,
             present.base,
@@ -171,7 +171,7 @@ def torques_in_joints(
 ) -> Callable[[], Mapping[str, np.ndarray]]:
     """What the present model's effects need (N, d) in joints without a motor, by name, in a recording `seen` so.
 
-    Where one of them asks for it, as friction does that goes by the force in its joint, it is told what was found
+    Where one of them asks for it, as friction does that goes by the force in its joint, it is given what was estimated
     before: the first time nothing, then what the others and it make of that.
     """
     known: dict[str, np.ndarray] = {}
@@ -182,24 +182,26 @@ def torques_in_joints(
         if not asked:
             asked = True
             for _ in range(AGAIN):
-                found: dict[str, np.ndarray] = {}
+                torques: dict[str, np.ndarray] = {}
                 for instance, values in present.effects:
                     for part, share in made_of(seen(), instance):
                         columns = part.effect.in_joint(seen(), part.joint)
                         if columns is not None:
-                            found[part.joint] = found.get(part.joint, 0.0) + columns @ (share * values)
-                known = found
+                            torques[part.joint] = torques.get(part.joint, 0.0) + columns @ (share * values)
+                known = torques
         return known
 
     return at
 
 
-def combined_torque(rows: np.ndarray, parameters: np.ndarray, beside: np.ndarray | None) -> np.ndarray:
+def combined_torque(
+    rows: np.ndarray, parameters: np.ndarray, redundant_torque: np.ndarray | None
+) -> np.ndarray:
     """Torque (K, n) of rows (K, n, p + r) by parameters (p,); the last by torques (K, r) of redundant motors."""
-    if beside is None:
+    if redundant_torque is None:
         return np.einsum("knp,p->kn", rows, parameters)
-    own, extra = np.split(rows, [len(parameters)], axis=2)
-    return np.asarray(own @ parameters + np.einsum("knr,kr->kn", extra, beside))
+    projected, extra = np.split(rows, [len(parameters)], axis=2)
+    return np.asarray(projected @ parameters + np.einsum("knr,kr->kn", extra, redundant_torque))
 
 
 def _redundant_signals(
@@ -207,11 +209,11 @@ def _redundant_signals(
 ) -> dict[str, JointSignals]:
     """What is known of the joints of redundant motors; they move as the loops make them."""
     geometry, rate = model.geometry, measured.recording.rate
-    found: dict[str, JointSignals] = {}
+    by_joint: dict[str, JointSignals] = {}
     for r, actuator in enumerate(geometry.robot.redundant):
         joint = geometry.joints[geometry.joint_index(actuator.joint)]
         gain, current = float(present.redundant_gains[r]), measured.redundant[:, r]
-        found[actuator.joint] = JointSignals(
+        by_joint[actuator.joint] = JointSignals(
             time=measured.time - measured.recording.began,
             position=measured.tree.q[:, joint.q.start] + joint.offset,
             velocity=measured.tree.v[:, joint.v.start],
@@ -224,11 +226,11 @@ def _redundant_signals(
             rotates=joint.kind != "slide",
             needs=partial(np.multiply, gain, current),
         )
-    return found
+    return by_joint
 
 
 def _encoder_offsets(present: PresentModel, log: str) -> dict[str, float]:
-    """Of the present model's encoders in a recording, by joint."""
+    """Offsets of the present model's encoders in a recording, by joint."""
     offsets: dict[str, float] = {}
     for instance, values in present.effects:
         if offset := instance.share(log) * instance.effect.position_offset(values):

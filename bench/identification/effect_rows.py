@@ -8,8 +8,8 @@ from bench.basics.deadline import NEVER, Deadline
 from bench.effects import ActuatorEffect, Effect, EffectInstance, RobotSignals
 from bench.effects.checked_columns import columns_at_motors
 from bench.effects.row_cache import KeptRows
-from bench.identification.bridge import whole_bridge
 from bench.identification.expansion import made_of
+from bench.identification.standstill_interpolation import whole_interpolation
 from bench.signals.decimation import decimate, decimated_indices
 from bench.signals.sparse_decimation import decimate_sparse
 
@@ -33,14 +33,14 @@ def effect_rows(
     places: list[tuple[np.ndarray, float]] = []
     at = 0
     for instance in effects:
-        own = rows[:, :, at : at + len(instance.effect.parameters)]
-        at += own.shape[2]
+        of_instance = rows[:, :, at : at + len(instance.effect.parameters)]
+        at += of_instance.shape[2]
         for part, share in made_of(signals, instance):
             parts.append(part)
-            places.append((own, share))
+            places.append((of_instance, share))
     for i, values in _kept_or_computed(signals, decimation, parts, deadline):
-        own, share = places[i]
-        own += values if share == 1.0 else share * values
+        of_instance, share = places[i]
+        of_instance += values if share == 1.0 else share * values
     return rows
 
 
@@ -61,15 +61,15 @@ def _kept_or_computed(
         else:
             yield i, rows
     for seen in {id(sources[i]): sources[i] for i in missing}.values():
-        own = [i for i in missing if sources[i] is seen]
+        indices = [i for i in missing if sources[i] is seen]
         together: list[tuple[int, np.ndarray, np.ndarray]] = []
         size = 0
-        for i in own:
+        for i in indices:
             deadline.check()
             columns, motors = columns_at_motors(effects[i], seen)
             together.append((i, columns, motors))
             size += columns.nbytes
-            if size > TOGETHER or i == own[-1]:
+            if size > TOGETHER or i == indices[-1]:
                 for k, rows in _filtered(seen, decimation, together):
                     _keep(seen, decimation, effects[k], rows)
                     yield k, rows
@@ -84,31 +84,31 @@ def _seen_by(signals: RobotSignals, effect: Effect) -> RobotSignals:
 def _filtered(
     signals: RobotSignals, decimation: int, given: Sequence[tuple[int, np.ndarray, np.ndarray]]
 ) -> Iterator[tuple[int, np.ndarray]]:
-    """Columns (N, m, k) at motors (m,), bridged and decimated, as rows (M, n, k); all at once."""
+    """Columns (N, m, k) at motors (m,), interpolated and decimated, as rows (M, n, k); all at once."""
     flat = np.concatenate([columns.reshape(len(columns), -1) for _, columns, _ in given], axis=1)
     at_motor = np.concatenate([np.repeat(motors, columns.shape[2]) for _, columns, motors in given])
     decimated = _decimated(signals, decimation, flat, at_motor)
     at = 0
     for i, columns, motors in given:
-        own = decimated[:, at : at + columns.shape[1] * columns.shape[2]]
-        at += own.shape[1]
-        rows = np.zeros((len(own), len(signals.joints), columns.shape[2]))
-        rows[:, motors] = own.reshape(len(own), len(motors), -1)
+        of_effect = decimated[:, at : at + columns.shape[1] * columns.shape[2]]
+        at += of_effect.shape[1]
+        rows = np.zeros((len(of_effect), len(signals.joints), columns.shape[2]))
+        rows[:, motors] = of_effect.reshape(len(of_effect), len(motors), -1)
         yield i, rows
 
 
 def _decimated(
     signals: RobotSignals, decimation: int, columns: np.ndarray, at_motor: np.ndarray
 ) -> np.ndarray:
-    """Columns (N, p) of torques of motors (p,), bridged in place where each stands still, and decimated: (M, p)."""
+    """Columns (N, p) of torques of motors (p,), interpolated in place at standstill, and decimated: (M, p)."""
     sparse = signals.sparse
     for motor in np.unique(at_motor):
-        own = np.flatnonzero(at_motor == motor)
-        bridge = whole_bridge(signals.gaps[motor], len(columns))
+        of_motor = np.flatnonzero(at_motor == motor)
+        interpolation = whole_interpolation(signals.gaps[motor], len(columns))
         if sparse is None:
-            bridge.put(columns, own)
+            interpolation.put(columns, of_motor)
         else:  # at the edges of a stretch by the share that lies in it
-            bridge.put_partly(columns, own, sparse.shares[motor])
+            interpolation.put_partly(columns, of_motor, sparse.shares[motor])
     if sparse is None:
         return decimate(columns, decimation)
     return decimate_sparse(columns, sparse.every, sparse.length, decimation)
@@ -132,6 +132,6 @@ def _memory(signals: RobotSignals, instance: EffectInstance) -> KeptRows:
     """Where an effect's rows are kept: with the recording, or only as long as the present model is the same."""
     alone = (
         isinstance(instance.effect, ActuatorEffect) and instance.joint in signals.joints
-    )  # which sees its own motor, and no other joint move
+    )  # which sees its motor, and no other joint move
     passing = instance.effect.depends_on_model or not (alone or signals.as_measured)
     return signals.passing if passing else signals.lasting

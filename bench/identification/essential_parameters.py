@@ -9,7 +9,7 @@ from bench.identification.compressed import Stack, triangular_factors
 from bench.identification.solution import Solution
 from bench.identification.standard_errors import Deviations, Uncertainty, uncertainty
 
-REASONABLE = 0.3  # relative deviation above which a base parameter is a candidate to be left out
+REASONABLE = 0.3  # relative deviation above which a base parameter is a candidate to be omitted
 WORSE = 1.01  # growth of the error at which leaving out stops
 
 Solve = Callable[[Stack, np.ndarray], Solution]
@@ -23,7 +23,7 @@ def reduced(stack: Stack, kept: np.ndarray) -> Stack:
 
 
 def essential_columns(stack: Stack, candidates: int, solve: Solve, deviations: Deviations) -> np.ndarray:
-    """Indices of the columns to keep: candidates (the first so many) are left out one by one.
+    """Indices of the columns to keep: candidates (the first so many) are omitted one by one.
 
     The one with the largest relative deviation goes first, as long as that deviation is above 30 % and the
     error of the currents grows by less than 1 % in all (Gautier and Khalil; Khalil and Dombre 2002, 12.3).
@@ -51,7 +51,7 @@ def essential_columns(stack: Stack, candidates: int, solve: Solve, deviations: D
 def expanded(
     solution: Solution, spread: Uncertainty, kept: np.ndarray, size: int
 ) -> tuple[Solution, Uncertainty]:
-    """The solution with zeros for the parameters that were left out.
+    """The solution with zeros for the parameters that were omitted.
 
     The covariance, of [kept parameters, shape parameters, gains], is put in the order [all parameters, gains,
     shape parameters].

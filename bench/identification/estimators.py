@@ -1,6 +1,6 @@
 """The estimators by name. Each takes the stacked equations and returns a solution.
 
-An estimator's own module is imported when it runs: commands take the names from here, and their help is quick.
+An estimator's module is imported when it runs: commands take the names from here, and their help is quick.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Of which columns those of an effect are the sum: of its own, or in a search of two that are worked out once."""
+"""The columns of which an effect's are the sum: its columns, or in a search of two that are worked out once."""
 
 from dataclasses import replace
 
@@ -10,15 +10,15 @@ FURTHEST = 5.0  # times its nodes: as far as an effect's columns are taken to fo
 
 
 def made_of(signals: RobotSignals, instance: EffectInstance) -> list[tuple[EffectInstance, float]]:
-    """Of whose columns an effect's are the sum, with their shares: of itself, or in a search of two about its nodes; of
-    none where its value is that of another recording.
+    """The effects of whose columns an effect's are the sum, with their shares: itself, or in a search of two about its
+    nodes; of none where its value is that of another recording.
     """
     if instance.recording:
         share = instance.share(signals.log)
         return (
             [
-                (effect_instance, share * own)
-                for effect_instance, own in made_of(signals, instance.everywhere())
+                (effect_instance, share * factor)
+                for effect_instance, factor in made_of(signals, instance.everywhere())
             ]
             if share
             else []

@@ -25,13 +25,13 @@ FEW_BYTES = 5_000_000  # of forces in joints that are kept: more would be gone b
 
 @dataclass(frozen=True)
 class Measured:
-    """One recording at its own rate, N samples of n motors, border samples dropped.
+    """One recording at its rate, N samples of n motors, border samples dropped.
 
     time (N,) s; position, velocity, acceleration (N, n): rad or m and rates, filtered; current (N, n) drive
     unit, as logged; tree: the motion of all joints of the opened tree; gaps: where joints stand still. logged: how
     velocities that were logged compare with the positions. kept: rows of effects that need no model; perturbed:
     observation matrices of other motions and gravities, which are the same again and again; reshaped: of other
-    geometries, of which a search tries many; borne: of the forces in joints; held: the motion that these are in, at
+    geometries, of which a search tries many; reactions: of the forces in joints; held: the motion that these are in, at
     every so many-th sample.
     """
 
@@ -48,7 +48,7 @@ class Measured:
     kept: KeptRows = field(default_factory=KeptRows, compare=False, repr=False)
     perturbed: KeptRows = field(default_factory=KeptRows, compare=False, repr=False)
     reshaped: KeptRows = field(default_factory=KeptRows, compare=False, repr=False)
-    borne: KeptRows = field(default_factory=lambda: KeptRows(FEW_BYTES), compare=False, repr=False)
+    reactions: KeptRows = field(default_factory=lambda: KeptRows(FEW_BYTES), compare=False, repr=False)
     held: dict[int, HeldMotion] = field(default_factory=dict, compare=False, repr=False)
 
     @property
@@ -104,14 +104,14 @@ def _closed(
 
 
 def forget_motions(measured: Sequence[Measured]) -> None:
-    """Free what long motions of all joints take, and what follows from them and effects ask for once beside each model;
+    """Free what long motions of all joints take, and what follows from them and effects ask for once with each model;
     where it is asked for again, it is worked out again, the very same.
     """
     for entry in measured:
         if isinstance(entry.tree, LongMotion):
             entry.tree.forget()
             entry.held.clear()
-            for rows in (entry.perturbed, entry.reshaped, entry.borne):
+            for rows in (entry.perturbed, entry.reshaped, entry.reactions):
                 rows.forget()
 
 

@@ -7,7 +7,7 @@ from typing import Literal
 
 
 class Code(StrEnum):
-    """What was found."""
+    """What is to be noted of an answer."""
 
     # the whole answer is in doubt
     GAIN_NOT_DETERMINED = auto()
@@ -116,7 +116,7 @@ CAUSES = frozenset(
         Code.MOUNTED_OTHERWISE,
     }
 )
-"""Of false names: what is wrong with the data or the robot beside which a diagnosis names effects."""
+"""Of false names: what is wrong with the data or the robot with which a diagnosis names effects."""
 
 MEND_FIRST = (
     UNBELIEVABLE

@@ -13,7 +13,7 @@ from bench.identification.wording import and_list, in_percent, with_error
 
 
 def note(finding: Finding) -> str:
-    """A finding as it stands among the notes on an answer."""
+    """A finding as one of the notes on an answer."""
     said = sentence(finding)
     return f"Do not use this answer. {said}" if finding.code in UNBELIEVABLE else said
 
@@ -86,15 +86,15 @@ def _swapped(finding: Finding) -> str:
     )
 
 
-def _unlike_units(told: Finding) -> str:
-    small, *large = told.names
-    unit = told.unit if told.unit in ("A", "V") else ""
+def _unlike_units(finding: Finding) -> str:
+    small, *large = finding.names
+    unit = finding.unit if finding.unit in ("A", "V") else ""
     many = len(large) > 1
     where = f"in m{unit} and {small} in {unit}" if unit else "in thousandths"
     scale = f"current=m{unit}" if unit else "current=1e-3"
     they_are, them = ("they are", "them") if many else ("it is", "it")
     return (
-        f"The currents of {', '.join(large)} are about {told.numbers['times']:.0f} times those of {small}, at every "
+        f"The currents of {', '.join(large)} are about {finding.numbers['times']:.0f} times those of {small}, at every "
         f"motor: probably {they_are} {where}. Import {them} again with `--scale {scale}`."
     )
 
@@ -151,7 +151,7 @@ def _taken_up(finding: Finding) -> str:
     )
 
 
-def _hardly_apart(finding: Finding) -> str:
+def _collinear(finding: Finding) -> str:
     *others, last = map(_of_effect, finding.of)
     return (
         f"These data determine {', '.join(others)} and {last} only in combination: each is "
@@ -266,9 +266,9 @@ def _taken_as_point(finding: Finding) -> str:
     )
 
 
-def _not_whole(told: Finding) -> str:
-    effect, place = told.names
-    periods = with_error(told.numbers["periods"], told.numbers["std"])
+def _not_whole(finding: Finding) -> str:
+    effect, place = finding.names
+    periods = with_error(finding.numbers["periods"], finding.numbers["std"])
     return (
         f"{begun(effect)} at {place} repeats {periods} times per turn. Poles and teeth of a motor that turns with its "
         "joint would give a whole number, so the cause may be a gear, a belt's teeth or an eccentric part between "
@@ -322,7 +322,7 @@ WORDS: Mapping[Code, Callable[[Finding], str]] = {
     Code.RANK_DEFICIENT: _rank,
     Code.ILL_CONDITIONED: _ill_conditioned,
     Code.TAKEN_UP: _taken_up,
-    Code.HARDLY_APART: _hardly_apart,
+    Code.HARDLY_APART: _collinear,
     Code.NOT_SETTLED: lambda finding: (
         f"The search for {', '.join(map(_of_effect, finding.of))} did not converge: ignore their values. "
         "They probably have the same effect on these data: omit one, or measure it another way."

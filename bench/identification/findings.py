@@ -23,30 +23,30 @@ SUSPICIOUS_GAIN = 0.5  # of the nominal gain: makers are wrong by a tenth
 
 def with_findings(
     result: Identification,
-    left_aside: tuple[str, ...],
+    unusable: tuple[str, ...],
     outside: Sequence[EffectInstance] = (),
     more: Sequence[Finding] = (),
     scale: Sequence[Finding] = (),
 ) -> Identification:
     """The result with its findings.
 
-    left_aside: recordings that could not be used; outside: effects beyond their bounds. more: what else was found.
+    unusable: recordings that could not be used; outside: effects beyond their bounds. more: further findings.
     scale: why drive gains stay nominal.
     """
     doubt = runaway(result)
-    found = [] if doubt is None else [doubt]
-    found += _beyond(outside)
-    if left_aside:
-        found.append(Finding(Code.PAYLOAD_NOT_DECLARED, left_aside))
-    found += scale
+    findings = [] if doubt is None else [doubt]
+    findings += _beyond(outside)
+    if unusable:
+        findings.append(Finding(Code.PAYLOAD_NOT_DECLARED, unusable))
+    findings += scale
     if result.redundant:
-        found.append(Finding(Code.REDUNDANT, result.redundant))
-    found += locked_findings(result.locked)
+        findings.append(Finding(Code.REDUNDANT, result.redundant))
+    findings += locked_findings(result.locked)
     if result.rank < result.unknowns:
         rank = {"rank": result.rank, "unknowns": result.unknowns}
-        found.append(Finding(Code.RANK_DEFICIENT, numbers=rank))
+        findings.append(Finding(Code.RANK_DEFICIENT, numbers=rank))
     if result.scaled_condition > ILL_CONDITIONED:
-        found.append(Finding(Code.ILL_CONDITIONED, numbers={"condition": result.scaled_condition}))
+        findings.append(Finding(Code.ILL_CONDITIONED, numbers={"condition": result.scaled_condition}))
     apart = {(instance.effect.name, instance.place) for instance in outside}
     apart |= {
         (unknown.effect, unknown.place)
@@ -62,21 +62,21 @@ def with_findings(
         if not np.isfinite(value.std) and (effect, place) not in apart
     )
     if taken_up:
-        found.append(Finding(Code.TAKEN_UP, of=taken_up))
-    found += periods_not_whole(result)
-    found += _implausible(result)
+        findings.append(Finding(Code.TAKEN_UP, of=taken_up))
+    findings += periods_not_whole(result)
+    findings += _implausible(result)
     for j, joint in enumerate(result.joints):
         fitted = [recording for recording in result.recordings if recording.use == "identify"]
         reverses = any(np.ptp(np.sign(recording.velocity[:, j])) > 0 for recording in result.recordings)
         if not any(recording.moving[:, j].any() for recording in fitted):
-            found.append(Finding(Code.STANDS_STILL, (joint,)))
+            findings.append(Finding(Code.STANDS_STILL, (joint,)))
         elif not reverses:
-            found.append(Finding(Code.NEVER_REVERSES, (joint,)))
+            findings.append(Finding(Code.NEVER_REVERSES, (joint,)))
     loose = sum(parameter.relative_std > LOOSE for parameter in result.parameters)
     if loose:
         numbers = {"count": loose, "of": len(result.parameters), "limit": LOOSE}
-        found.append(Finding(Code.POORLY_DETERMINED, numbers=numbers))
-    return replace(result, findings=(*found, *more))
+        findings.append(Finding(Code.POORLY_DETERMINED, numbers=numbers))
+    return replace(result, findings=(*findings, *more))
 
 
 def locked_findings(locked: Sequence[LockedJoint]) -> list[Finding]:
@@ -103,9 +103,9 @@ def _beyond(outside: Sequence[EffectInstance]) -> list[Finding]:
 
 def unlike(result: Identification) -> Finding | None:
     """Whether recordings that were not fitted are modelled far worse than those that were; the worst is named."""
-    for told in result.findings:
-        if told.code == Code.CHECKED_HAS_OTHER_VALUES:
-            return told
+    for finding in result.findings:
+        if finding.code == Code.CHECKED_HAS_OTHER_VALUES:
+            return finding
     fitted, checked = result.error.identify, result.error.validate
     if fitted is None or checked is None or checked <= UNLIKE * fitted:
         return None
@@ -119,10 +119,10 @@ def unlike(result: Identification) -> Finding | None:
 def with_other_values(result: Identification, effects: Sequence[str]) -> Identification:
     """With the reason why recordings that were not fitted are modelled worse: effects that have other values there."""
     findings = [
-        replace(found, code=Code.CHECKED_HAS_OTHER_VALUES, names=(found.names[0], *effects))
-        if found.code == Code.CHECKED_UNLIKE_FITTED
-        else found
-        for found in result.findings
+        replace(finding, code=Code.CHECKED_HAS_OTHER_VALUES, names=(finding.names[0], *effects))
+        if finding.code == Code.CHECKED_UNLIKE_FITTED
+        else finding
+        for finding in result.findings
     ]
     return replace(result, findings=tuple(findings))
 
@@ -132,9 +132,9 @@ def runaway(result: Identification) -> Finding | None:
 
     Gains that are all off by a thousand have a unit behind them, which is asked for in place of the gain.
     """
-    for found in result.findings:
-        if found.code == Code.NOISE_DECIDES:
-            return found
+    for finding in result.findings:
+        if finding.code == Code.NOISE_DECIDES:
+            return finding
     doubtful = _doubtful_gain(result)
     if doubtful is not None:
         return doubtful
@@ -169,31 +169,31 @@ def _gain(code: Code, joint: str, gain: DriveGain) -> Finding:
 
 def _implausible(result: Identification) -> list[Finding]:
     """What cannot be so: gains far off, all negative, or recordings unlike each other."""
-    found = []
+    findings = []
     ratios = {joint: gain.value / gain.nominal for joint, gain in result.drive_gains.items()}
     thousand = a_thousand(result)
     error = result.error.identify
     if error is not None and error >= 1.0:
-        found.append(Finding(Code.NO_MODEL_IS_BETTER, numbers={"error": error}))
+        findings.append(Finding(Code.NO_MODEL_IS_BETTER, numbers={"error": error}))
     negative = [joint for joint, gain in result.drive_gains.items() if gain.value < 0 and gain.determined]
     if result.gains_fitted and len(negative) < len(ratios):
         for joint in negative:
             reversed_sign = joint in result.joints and _error_turned(result, joint) < BETTER
-            found.append(Finding(Code.SIGN_REVERSED if reversed_sign else Code.GAIN_NEGATIVE, (joint,)))
+            findings.append(Finding(Code.SIGN_REVERSED if reversed_sign else Code.GAIN_NEGATIVE, (joint,)))
     for joint, gain in result.drive_gains.items():
         far = gain.determined and joint not in negative and abs(ratios[joint] - 1.0) > SUSPICIOUS_GAIN
         if result.gains_fitted and thousand is None and far:
-            found.append(_gain(Code.GAIN_FAR, joint, gain))
+            findings.append(_gain(Code.GAIN_FAR, joint, gain))
     if result.gains_fitted and len(negative) == len(ratios):
-        found.append(Finding(Code.GAINS_NEGATIVE))
+        findings.append(Finding(Code.GAINS_NEGATIVE))
     strange = unlike(result)
-    return found if strange is None else [*found, strange]
+    return findings if strange is None else [*findings, strange]
 
 
 def _error_turned(result: Identification, joint: str) -> float:
     """Relative error of a joint's current with its sign reversed and the nominal drive gain."""
     j, gain = result.joints.index(joint), result.drive_gains[joint]
-    left = all_squares = 0.0
+    error_squares = all_squares = 0.0
     for recording in result.recordings:
         if recording.use != "identify":
             continue
@@ -202,9 +202,9 @@ def _error_turned(result: Identification, joint: str) -> float:
             -recording.measured[moving, j],
             recording.modelled[moving, j] * gain.value / gain.nominal,
         )
-        left += float(((measured - modelled) ** 2).sum())
+        error_squares += float(((measured - modelled) ** 2).sum())
         all_squares += float(measured @ measured)
-    return float(np.sqrt(left / all_squares)) if all_squares else float("inf")
+    return float(np.sqrt(error_squares / all_squares)) if all_squares else float("inf")
 
 
 def a_thousand(result: Identification) -> Code | None:

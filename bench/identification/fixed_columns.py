@@ -1,4 +1,4 @@
-"""The columns that all models of a dataset have, orthogonalised once: those of effects are compressed beside them."""
+"""The columns that all models of a dataset have, orthogonalised once: those of effects are compressed with them."""
 
 from collections.abc import Hashable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -42,7 +42,7 @@ class FixedColumns:
 def fixed_columns(
     observations: Sequence[Observation], layout: ParameterLayout, payloads: Mapping[str, Payload]
 ) -> FixedColumns | None:
-    """None where they are too many to be kept, or fewer rows than columns."""
+    """The orthogonalised columns of all models; None where they are too many to be kept, or fewer rows than columns."""
     stack = stack_observations(
         [replace(observation, effects=observation.effects[:, :, :0]) for observation in observations],
         replace(layout, effects=0),
@@ -69,7 +69,7 @@ def fits(
     return fixed.of == _made_of(observations, layout, payloads)
 
 
-def stacked_beside(fixed: FixedColumns, observations: Sequence[Observation]) -> Stack:
+def stacked_with_fixed(fixed: FixedColumns, observations: Sequence[Observation]) -> Stack:
     """As `stack_observations`, of observations with other effects; factors have as many rows as a motor needs."""
     stack = fixed.stack
     effects = np.concatenate([observation.effects for observation in observations]) * stack.moving[:, :, None]
@@ -81,14 +81,14 @@ def stacked_beside(fixed: FixedColumns, observations: Sequence[Observation]) -> 
         fixed.triangles[:, :, p:],
     )
     for j, basis in enumerate(fixed.bases):
-        own = np.flatnonzero(shown[j])
-        left = effects[:, j, own]
-        for _ in range(2):  # the second time for what rounding left of the first
-            within = basis.T @ left
-            left = left - basis @ within
-            factors[j, : p + 2, p + own] += within.T
-        triangle = np.asarray(np.linalg.qr(left, mode="r"))
-        factors[j, p + 2 : p + 2 + len(triangle), p + own] = triangle.T
+        shown_columns = np.flatnonzero(shown[j])
+        remainder = effects[:, j, shown_columns]
+        for _ in range(2):  # the second time for the rounding errors of the first
+            within = basis.T @ remainder
+            remainder = remainder - basis @ within
+            factors[j, : p + 2, p + shown_columns] += within.T
+        triangle = np.asarray(np.linalg.qr(remainder, mode="r"))
+        factors[j, p + 2 : p + 2 + len(triangle), p + shown_columns] = triangle.T
     phi = np.concatenate((stack.phi, effects), axis=2)
     return replace(stack, phi=phi, factors=factors)
 

@@ -1,4 +1,4 @@
-"""Friction beside the rigid bodies, where something else than friction is looked for."""
+"""Friction in addition to the rigid bodies, where something else than friction is looked for."""
 
 from collections.abc import Mapping
 from dataclasses import replace

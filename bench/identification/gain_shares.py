@@ -54,8 +54,8 @@ class GainShares:
         """Whether the other gains are the same whatever the held ones, (r + n,) True or False, are taken to be."""
         others = self.columns.shape[1] - len(held)
         free = np.append(np.ones(others, dtype=bool), ~held)
-        found = np.linalg.lstsq(self.columns[:, free], self.columns[:, ~free])[0]
-        return bool(np.abs(found[others:]).max(initial=0.0) < SLACK)
+        combinations = np.linalg.lstsq(self.columns[:, free], self.columns[:, ~free])[0]
+        return bool(np.abs(combinations[others:]).max(initial=0.0) < SLACK)
 
 
 def gain_shares(
@@ -113,14 +113,14 @@ def random_states(model: IdentificationModel, loaded: Sequence[str | None]) -> l
 
 def recorded_states(observations: Sequence[Observation]) -> list[LoadedStates]:
     """Some rows of every recording, where the joints move."""
-    found = []
+    states = []
     for observation in observations:
         some = slice(None, None, 1 + len(observation.time) // ROWS)
         moving = observation.moving[some, :, None]
         loads = None if observation.payload is None else observation.payload[some] * moving
         parts = observation.rigid[some] * moving, loads, observation.redundant[some] * moving
-        found.append(LoadedStates(observation.payload_name, *parts))
-    return found
+        states.append(LoadedStates(observation.payload_name, *parts))
+    return states
 
 
 def robot_length(geometry: Geometry) -> float:

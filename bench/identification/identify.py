@@ -14,13 +14,13 @@ from bench.identification.bounds import columns_of, within_bounds
 from bench.identification.closed_loop import commanded_currents
 from bench.identification.column_errors import column_errors
 from bench.identification.compressed import Stack, stack_observations
+from bench.identification.errors_in_variables import with_errors_in_variables_checked
 from bench.identification.essential_parameters import essential_columns, expanded, reduced, with_zeros
 from bench.identification.estimators import DEFAULT_METHOD, Request, solve
 from bench.identification.filtered import measure
 from bench.identification.identifiability_of_effects import identifiable_columns
 from bench.identification.impossible_payload import with_possible_payloads
 from bench.identification.newton import with_shape_columns
-from bench.identification.noise_let_through import with_noise_heard
 from bench.identification.nonlinear import converged
 from bench.identification.prepare import Prepared
 from bench.identification.result import CurrentSeries, Identification
@@ -48,7 +48,9 @@ def identify(
     def fitted(problem: Prepared, by: str = method) -> Identification:
         return fit(problem, by, deviations=deviations, essential=essential)
 
-    answer = with_noise_heard(prepared, with_possible_payloads(prepared, fitted(prepared), fitted), fitted)
+    answer = with_errors_in_variables_checked(
+        prepared, with_possible_payloads(prepared, fitted(prepared), fitted), fitted
+    )
     return with_band_checked(prepared, answer, lambda problem: fitted(problem, DEFAULT_METHOD))
 
 
@@ -61,15 +63,15 @@ def fit(
     essential: bool = False,
 ) -> Identification:
     """Estimate from prepared equations; see `identify`."""
-    found = _solved(prepared, method, deviations, essential=essential)
-    prepared, solution, kept = found.prepared, found.solution, found.kept
-    shaped, extended = with_shape_columns(prepared, found.stack, solution, kept)
+    solved = _solved(prepared, method, deviations, essential=essential)
+    prepared, solution, kept = solved.prepared, solved.solution, solved.kept
+    shaped, extended = with_shape_columns(prepared, solved.stack, solution, kept)
     spread = uncertainty(shaped, extended, deviations)
     solution, spread = expanded(solution, spread, kept, prepared.layout.size)
-    result = summarise(prepared, method, solution, spread, deviations, kept, found.outside)
-    if solution.counted is None:
+    result = summarise(prepared, method, solution, spread, deviations, kept, solved.outside)
+    if solution.row_weights is None:
         return result
-    bad = bad_stretches(prepared.fitted, solution.counted, prepared.dataset.robot.joints)
+    bad = bad_stretches(prepared.fitted, solution.row_weights, prepared.dataset.robot.joints)
     return replace(result, findings=(*result.findings, *bad))
 
 
@@ -78,10 +80,10 @@ def fitted_currents(prepared: Prepared) -> tuple[tuple[CurrentSeries, ...], dict
     """Measured and modelled currents of every recording as `fit` has them, and drive gains by joint, without the rest
     of its answer.
     """
-    found = _solved(prepared, DEFAULT_METHOD, "autocorrelated", essential=False)
-    theta = with_zeros(found.solution.theta, found.kept, found.prepared.layout.size)
-    solution = replace(found.solution, theta=theta)
-    series = tuple(modelled_series(found.prepared, seen, solution) for seen in found.prepared.observations)
+    solved = _solved(prepared, DEFAULT_METHOD, "autocorrelated", essential=False)
+    theta = with_zeros(solved.solution.theta, solved.kept, solved.prepared.layout.size)
+    solution = replace(solved.solution, theta=theta)
+    series = tuple(modelled_series(solved.prepared, seen, solution) for seen in solved.prepared.observations)
     joints = prepared.dataset.robot.joints
     return series, dict(zip(joints, solution.gains.tolist(), strict=True))
 
@@ -142,8 +144,8 @@ def _column_errors(prepared: Prepared) -> np.ndarray:
     """See bench.identification.column_errors."""
 
     def columns(recording: Recording) -> tuple[np.ndarray, np.ndarray]:
-        found = columns_at(prepared, measure(prepared.model, recording, prepared.settings))
-        return found[:, :, :-1], found[:, :, -1]
+        rows = columns_at(prepared, measure(prepared.model, recording, prepared.settings))
+        return rows[:, :, :-1], rows[:, :, -1]
 
     recordings = [
         measurement.recording for measurement in prepared.measured if measurement.recording.use == "identify"

@@ -6,20 +6,20 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from bench.dataset.payload import Payload, inertia_matrix
+from bench.identification.autocorrelation_time import autocorrelation_time
 from bench.identification.by_unknown import changed, estimates
 from bench.identification.finding import Code, Finding, Unknown
 from bench.identification.layout import payload_parameter_names
-from bench.identification.memory import memory_in_rows
+from bench.identification.model_averaged import gains_model_averaged, model_averaged
 from bench.identification.payload_parameters import payload_columns
 from bench.identification.prepare import Prepared, prepare, with_effects
 from bench.identification.problem import Problem
 from bench.identification.result import Identification
-from bench.identification.widened import gains_widened, widened
 from bench.model.regressor import UNITS
 from bench.signals.returning import rows_until_return
 
 SHOWS = 3.0  # deviations by which the least spread must be negative
-MATERIAL = 0.03  # share of the error that the payload's own inertia must take away, to be needed all the same
+MATERIAL = 0.03  # share of the error that the payload's inertia must take away, to be needed all the same
 INERTIA = np.arange(4, 10)
 
 Fit = Callable[[Prepared], Identification]
@@ -38,11 +38,11 @@ class _Spread:
 
 
 def with_possible_payloads(prepared: Prepared, result: Identification, fitted: Fit) -> Identification:
-    """The answer `result` of `prepared`; where a payload's inertia came out such as no body has, the one with that
+    """The answer `result` of `prepared`; where no body can have a payload's estimated inertia, the one with that
     payload as a point at its declared centre, if its error is as small. What came out so by chance, by fewer than SHOWS
     of its deviations, is held against a point that is as likely: no body has it, however little the data tell.
 
-    Nobody has told that it is a point: deviations are those of the answer in which its inertia is free, and hold what
+    It was not declared to be a point: deviations are those of the answer in which its inertia is free, and hold what
     the two differ by. The second moments of a body's mass about its centre are not negative (Traversaro, Brossette,
     Escande and Nori, "Identification of fully physical consistent inertial parameters using optimization on
     manifolds", IROS 2016). fitted: makes an answer of prepared equations.
@@ -50,11 +50,11 @@ def with_possible_payloads(prepared: Prepared, result: Identification, fitted: F
     if not result.gains_fitted:
         return result
     spreads = {name: _least_spread(prepared, result, name) for name in prepared.layout.payloads}
-    found = {name: spread for name, spread in spreads.items() if spread is not None and spread.value < 0.0}
-    if not found:
+    negative = {name: spread for name, spread in spreads.items() if spread is not None and spread.value < 0.0}
+    if not negative:
         return result
-    sure = any(spread.impossible for spread in found.values())
-    payloads = {name: replace(prepared.dataset.payloads[name], inertia=np.zeros(6)) for name in found}
+    sure = any(spread.impossible for spread in negative.values())
+    payloads = {name: replace(prepared.dataset.payloads[name], inertia=np.zeros(6)) for name in negative}
     other = fitted(_with_payloads(prepared, payloads))
     known = {
         name: float(value)
@@ -71,22 +71,22 @@ def with_possible_payloads(prepared: Prepared, result: Identification, fitted: F
     } | set(known) == {parameter.name for parameter in result.parameters}
     if not (taken or sure):
         return result
-    told = tuple(
+    new_findings = tuple(
         Finding(
             Code.PAYLOAD_TAKEN_AS_POINT if taken else Code.PAYLOAD_IMPOSSIBLE,
             (name,),
             numbers={"least": spread.value, "std": spread.std},
             unit=UNITS[INERTIA[0]],
         )
-        for name, spread in found.items()
+        for name, spread in negative.items()
         if taken or spread.impossible
     )
-    answer = _with_values(result, other, known) if taken else gains_widened(result, [other], "payload")
-    return replace(answer, findings=(*told, *result.findings))
+    answer = _with_values(result, other, known) if taken else gains_model_averaged(result, [other], "payload")
+    return replace(answer, findings=(*new_findings, *result.findings))
 
 
 def _as_likely(fewer: Identification, more: Identification) -> bool:
-    """Whether an answer with fewer unknowns is as likely as one with more, every motor with a noise of its own.
+    """Whether an answer with fewer unknowns is as likely as one with more, every motor with a separate noise.
 
     By Schwarz's criterion (1978), with as many rows as are independent of each other.
     """
@@ -97,29 +97,29 @@ def _as_likely(fewer: Identification, more: Identification) -> bool:
     squares = np.array(
         [sum((series.error**2 * series.moving).sum(axis=0) for series in each) for each in (fitted, other)]
     )
-    told = moving.sum(axis=0) > 0
+    moved = moving.sum(axis=0) > 0
     deviations = np.sqrt(squares[0] / np.maximum(moving.sum(axis=0), 1))
     errors = [
-        (series.error * series.moving)[:, told] / np.maximum(deviations[told], np.finfo(float).tiny)
+        (series.error * series.moving)[:, moved] / np.maximum(deviations[moved], np.finfo(float).tiny)
         for series in fitted
     ]
     returns = [rows_until_return(series.position) for series in fitted]
-    rows = moving.sum(axis=0)[told] / memory_in_rows(errors, returns)
-    gained = 0.5 * float(rows @ np.log(squares[1, told] / squares[0, told]))
+    rows = moving.sum(axis=0)[moved] / autocorrelation_time(errors, returns)
+    gained = 0.5 * float(rows @ np.log(squares[1, moved] / squares[0, moved]))
     return gained <= 0.5 * (more.unknowns - fewer.unknowns) * float(np.log(rows.sum()))
 
 
 def _with_values(result: Identification, other: Identification, known: Mapping[str, float]) -> Identification:
     """An answer with the values of another one, of which it has further parameters, known there.
 
-    Its own standard errors stay, or grow to what the values differ by.
+    Its standard errors stay, or grow to what the values differ by.
     """
     values = {unknown: estimate.value for unknown, estimate in estimates(other).items()}
     values |= {Unknown("parameter", name): value for name, value in known.items()}
     before = estimates(result)
     moved = changed(result, lambda unknown, estimate: (values[unknown], estimate.std))
     apart = {unknown: abs(values[unknown] - estimate.value) for unknown, estimate in before.items()}
-    return replace(widened(moved, apart, "payload"), error=other.error, recordings=other.recordings)
+    return replace(model_averaged(moved, apart, "payload"), error=other.error, recordings=other.recordings)
 
 
 def _with_payloads(prepared: Prepared, payloads: Mapping[str, Payload]) -> Prepared:
@@ -132,7 +132,9 @@ def _with_payloads(prepared: Prepared, payloads: Mapping[str, Payload]) -> Prepa
 
 
 def _least_spread(prepared: Prepared, result: Identification, name: str) -> _Spread | None:
-    """Of a payload of which mass and centre are declared and all six moments were estimated; None for others."""
+    """Least moment spread of a payload of which mass and centre are declared and all six moments were estimated; None
+    for others.
+    """
     payload, index = prepared.dataset.payloads[name], prepared.layout.payloads[name]
     if payload.mass is None or payload.center_of_mass is None or not np.array_equal(index, INERTIA):
         return None
@@ -146,9 +148,9 @@ def _least_spread(prepared: Prepared, result: Identification, name: str) -> _Spr
     at = [rows[word] for word in names]
     covariance = result.covariance[np.ix_(at, at)]
     c = np.asarray(payload.center_of_mass)
-    own = _tensor(np.array([values[word] for word in names]))
-    own -= payload.mass * (np.dot(c, c) * np.eye(3) - np.outer(c, c))
-    moments, axes = np.linalg.eigh(0.5 * np.trace(own) * np.eye(3) - own)
+    inertia = _tensor(np.array([values[word] for word in names]))
+    inertia -= payload.mass * (np.dot(c, c) * np.eye(3) - np.outer(c, c))
+    moments, axes = np.linalg.eigh(0.5 * np.trace(inertia) * np.eye(3) - inertia)
     axis = axes[:, 0]
     towards = np.array([0.5 * np.trace(column) - axis @ column @ axis for column in map(_tensor, np.eye(6))])
     return _Spread(float(moments[0]), float(np.sqrt(towards @ covariance @ towards)))

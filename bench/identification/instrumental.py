@@ -63,5 +63,5 @@ def _orthonormal(columns: np.ndarray) -> np.ndarray:
     """An orthonormal basis (M, r) of the span of columns (M, k)."""
     norms = np.linalg.norm(columns, axis=0)
     seen = columns[:, norms > 0.0] / norms[norms > 0.0]
-    left, singular, _ = np.linalg.svd(seen, full_matrices=False)
-    return np.asarray(left[:, singular > DEPENDENT * singular.max(initial=0.0)])
+    vectors, singular, _ = np.linalg.svd(seen, full_matrices=False)
+    return np.asarray(vectors[:, singular > DEPENDENT * singular.max(initial=0.0)])

@@ -31,42 +31,42 @@ def joint_samples(
     j = names.index(instance.joint)
     error = lacks[:, j]
     travel = np.ptp(np.concatenate([observation.position[:, j] for observation in prepared.fitted]))
-    found, start = [], 0
+    samples, start = [], 0
     for observation in prepared.fitted:
-        own = next(seen for seen in prepared.measured if seen.recording.name == observation.name)
-        found.append(
+        measured = next(seen for seen in prepared.measured if seen.recording.name == observation.name)
+        samples.append(
             JointSamples(
                 position=observation.position[:, j],
                 velocity=observation.velocity[:, j],
                 motor_torque=observation.current[:, j] * prepared.present.gains[j],
                 error=error[start : start + len(observation.time)] * observation.moving[:, j],
-                duration=float(own.time[-1] - own.time[0]),
+                duration=float(measured.time[-1] - measured.time[0]),
                 speed=float(prepared.present.speeds[j]),
                 travel=float(travel),
-                band=prepared.settings.band(own.recording.rate),
+                band=prepared.settings.band(measured.recording.rate),
                 rotates=prepared.signals[0].joints[instance.joint].rotates,
             )
         )
         start += len(observation.time)
-    return tuple(found)
+    return tuple(samples)
 
 
 def _at_redundant(prepared: Prepared, joint: str, lacks: np.ndarray) -> tuple[JointSamples, ...]:
     """The same at a redundant motor; its error is the torque there that comes nearest to the others' errors."""
     index = prepared.model.geometry.redundant[list(prepared.signals[0].redundant).index(joint)]
-    found, start = [], 0
+    samples, start = [], 0
     travel = np.ptp(np.concatenate([seen.redundant[joint].position for seen in prepared.signals]))
-    for seen, own, observation in zip(
+    for seen, measured, observation in zip(
         prepared.signals, prepared.measured, prepared.observations, strict=True
     ):
         if observation.use != "identify":
             continue
-        at = decimated_indices(len(own.time), prepared.settings.decimation)
+        at = decimated_indices(len(measured.time), prepared.settings.decimation)
         signals, follow = seen.redundant[joint], seen.tree.jacobian[at, index]
         rows = slice(start, start + len(at))
         error = lacks[rows] * observation.moving
         power = (follow**2).sum(axis=1)
-        found.append(
+        samples.append(
             JointSamples(
                 position=signals.position[at],
                 velocity=signals.velocity[at],
@@ -74,12 +74,12 @@ def _at_redundant(prepared: Prepared, joint: str, lacks: np.ndarray) -> tuple[Jo
                 error=np.divide(
                     (follow * error).sum(axis=1), power, out=np.zeros_like(power), where=power > 0.0
                 ),
-                duration=float(own.time[-1] - own.time[0]),
+                duration=float(measured.time[-1] - measured.time[0]),
                 speed=signals.speed,
                 travel=float(travel),
-                band=prepared.settings.band(own.recording.rate),
+                band=prepared.settings.band(measured.recording.rate),
                 rotates=signals.rotates,
             )
         )
         start += len(at)
-    return tuple(found)
+    return tuple(samples)

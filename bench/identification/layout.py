@@ -29,7 +29,7 @@ class ParameterLayout:
 
     @property
     def size(self) -> int:
-        """Number of parameters beside the drive gains."""
+        """Number of parameters without the drive gains."""
         return self.base + sum(len(index) for index in self.payloads.values()) + self.redundant + self.effects
 
     @property

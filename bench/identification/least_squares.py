@@ -17,9 +17,9 @@ REWEIGHTINGS = 3
 
 
 def least_squares(stack: Stack, gains: NominalGains) -> Solution:
-    """IDIM-LS, equation 10; with `gains.fitted` they are unknowns of equation 12 beside the parameters.
+    """IDIM-LS, equation 10; with `gains.fitted` they are unknowns of equation 12 in addition to the parameters.
 
-    The currents' noise then stands in the columns of the gains and draws them towards zero; TLS and the
+    The currents' noise then is in the columns of the gains and draws them towards zero; TLS and the
     current-domain estimator do not have that bias.
     """
     return _solve(stack, gains, np.ones(len(gains.values)))
@@ -47,5 +47,5 @@ def _solve(stack: Stack, gains: NominalGains, weights: np.ndarray) -> Solution:
     rows, right = torque_system(weighted(stack.factors, weights), gains.held)
     x = scaled_lstsq(rows, right)
     p = stack.phi.shape[2]
-    found = solved_gains(stack.factors, gains.with_fitted(x[p:]), gains.values)
-    return Solution(x[:p], found, weights, "torque", gains.fitted)
+    fitted_gains = solved_gains(stack.factors, gains.with_fitted(x[p:]), gains.values)
+    return Solution(x[:p], fitted_gains, weights, "torque", gains.fitted)

@@ -1,4 +1,4 @@
-"""Velocities that a controller logged beside its positions: taken where they agree with these and have less noise."""
+"""Velocities that a controller logged with its positions: taken where they agree with these and have less noise."""
 
 from collections.abc import Mapping, Sequence
 
@@ -14,13 +14,13 @@ def logged_velocities(
     recording: Recording, joints: Sequence[str], settings: FilterSettings
 ) -> dict[str, LoggedVelocity]:
     """How the velocities that a recording has compare with its positions, by joint."""
-    found = {}
+    compared = {}
     for j, joint in enumerate(joints):
         velocity = recording.extra.get(velocity_column(joint))
         if velocity is None or not np.all(np.isfinite(velocity)) or not np.any(velocity):
             continue
-        found[joint] = compared_velocity(recording.position[:, j], velocity, recording.rate, settings)
-    return found
+        compared[joint] = compared_velocity(recording.position[:, j], velocity, recording.rate, settings)
+    return compared
 
 
 def taken_velocities(

@@ -17,7 +17,7 @@ def mistaken(
     prepared: Prepared | None = None,
     deadline: Deadline = NEVER,
 ) -> tuple[Finding, ...]:
-    """What is probably declared wrongly. Beside currents in unlike units nothing else is looked for: all is off then.
+    """What is probably declared wrongly. With currents in unlike units nothing else is looked for: all is off then.
 
     prepared: the problem's equations with the filters of the result, where they are at hand. Raises TimeUpError after
     the deadline.
@@ -33,6 +33,11 @@ def mistaken(
 def heavy_payloads(dataset: Dataset) -> tuple[Finding, ...]:
     """What is asked of payloads that are declared far heavier than the robot."""
     return tuple(
-        Finding(Code.PAYLOAD_HEAVY, (heavy.name,), numbers={"mass": heavy.mass, "own": heavy.own}, unit="kg")
+        Finding(
+            Code.PAYLOAD_HEAVY,
+            (heavy.name,),
+            numbers={"mass": heavy.mass, "own": heavy.robot_mass},
+            unit="kg",
+        )
         for heavy in dataset.doubted
     )

@@ -19,7 +19,7 @@ from bench.dataset.dataset import Dataset
 from bench.dataset.robot import refuse_other_locks
 from bench.effects import Effect, EffectInstance
 from bench.effects.user_file import load_effects
-from bench.identification.by_recording import without_own_values
+from bench.identification.by_recording import without_values_by_log
 from bench.identification.finding import Finding
 from bench.identification.finding_words import note
 from bench.identification.findings import locked_findings
@@ -51,7 +51,7 @@ class SavedModel:
     """A model file: the answer that it holds, without currents, and where they came from.
 
     dataset: the folder that it was identified from, where the file says so. recordings: of it, those that were fitted
-    and those that it was judged on. effect_files: Python files with effects of one's own that it has.
+    and those that it was judged on. effect_files: Python files with the user's effects that it has.
     """
 
     path: Path
@@ -73,7 +73,7 @@ class SavedModel:
 
     @property
     def drive_gains(self) -> Mapping[str, DriveGain]:
-        """By joint."""
+        """Drive gains by joint."""
         return self.model.drive_gains
 
     @property
@@ -100,7 +100,7 @@ class SavedModel:
         """The values of the base and payload parameters by name."""
         return {parameter.name: parameter.value for parameter in self.model.parameters}
 
-    def beside(self, dataset: Dataset, series: Sequence[CurrentSeries]) -> Identification:
+    def applied_to(self, dataset: Dataset, series: Sequence[CurrentSeries]) -> Identification:
         """The answer with the currents that it gives in a dataset's recordings."""
         return replace(
             self.model,
@@ -112,7 +112,7 @@ class SavedModel:
 
 @dataclass(frozen=True)
 class Comparison:
-    """A saved model beside recordings that it may never have seen."""
+    """A saved model applied to recordings that it may never have seen."""
 
     robot: str
     model: str
@@ -135,7 +135,7 @@ def save_model(
     """Write the answer as a JSON file, whole or not at all. dataset: the folder that it was identified from.
 
     effect_files: with the effects that are in no catalogue; the model names them, where possible relative to itself. A
-    model that was loaded has both from its own file, where they are not given.
+    model that was loaded has both from its file, where they are not given.
     """
     if isinstance(result, SavedModel):
         dataset, effect_files = dataset or result.dataset, effect_files or result.effect_files
@@ -143,7 +143,7 @@ def save_model(
     answer = model_json(result, dataset, effect_files, folder, words=False)
     try:
         answer = model_json(result, dataset, effect_files, folder)
-    finally:  # what notes say stands there as codes, too
+    finally:  # what notes say is in the file as codes, too
         write_text_atomically(Path(path), json.dumps(answer, indent=1) + "\n")
 
 
@@ -199,7 +199,7 @@ def load_model(path: str | Path) -> SavedModel:
 def read_identification(path: Path, problem: Problem) -> Identification:
     """A model file as the answer that it was, with the currents that it gives in a problem's recordings."""
     saved = load_model(path)
-    return saved.beside(problem.dataset, apply_model(problem, saved).recordings)
+    return saved.applied_to(problem.dataset, apply_model(problem, saved).recordings)
 
 
 @on_one_thread
@@ -214,7 +214,7 @@ def apply_model(problem: Problem, saved: SavedModel) -> Comparison:
     dataset = problem.dataset
     series = tuple(modelled_series(prepared, observation, solution) for observation in prepared.observations)
     joints = [actuator.joint for actuator in dataset.robot.actuators]
-    findings = (*without_own_values(prepared), *locked_findings(dataset.robot.locked))
+    findings = (*without_values_by_log(prepared), *locked_findings(dataset.robot.locked))
     return Comparison(dataset.robot.name, str(saved.path), series, error_summary(series, joints), findings)
 
 
@@ -229,13 +229,13 @@ def applied(problem: Problem, saved: SavedModel) -> tuple[Prepared, Solution]:
             f"{dataset.robot.name} ({', '.join(dataset.robot.driven)})"
         )
     refuse_other_locks(dataset.robot, model.locked, str(saved.path))
-    if not _own(dataset, saved):  # a log of another folder is another log, whatever its name
+    if not _same_folder(dataset, saved):  # a log of another folder is another log, whatever its name
         strangers = tuple(
             replace(recording, part_of=str(dataset.folder / recording.log))
             for recording in dataset.recordings
         )
         dataset = replace(dataset, recordings=strangers)
-    known = with_own_effects(problem.catalogue, saved)
+    known = with_saved_effects(problem.catalogue, saved)
     prepared = prepare(
         Problem(dataset, known, model.effects, model.settings), fitted_only=False, logs=saved.fitted
     )
@@ -250,22 +250,22 @@ def applied(problem: Problem, saved: SavedModel) -> tuple[Prepared, Solution]:
     return with_effects(prepared, instances, present_model(prepared, solution)), solution
 
 
-def with_own_effects(catalogue: Mapping[str, Effect], saved: SavedModel) -> Mapping[str, Effect]:
+def with_saved_effects(catalogue: Mapping[str, Effect], saved: SavedModel) -> Mapping[str, Effect]:
     """A catalogue with the effects of the files that a model names, where it does not have them yet.
 
     Raises BenchError that names the model and a file that cannot be read.
     """
     if {effect.partition(":")[0].partition("@")[0] for effect in saved.model.effects} <= set(catalogue):
         return catalogue
-    own: dict[str, Effect] = {}
+    loaded: dict[str, Effect] = {}
     for file in saved.effect_files:
         if not file.is_file():
             raise BenchError(f"{saved.path}: its effect file {file} is missing")
-        own |= load_effects(file)
-    return dict(sorted({**own, **catalogue}.items()))
+        loaded |= load_effects(file)
+    return dict(sorted({**loaded, **catalogue}.items()))
 
 
-def _own(dataset: Dataset, saved: SavedModel) -> bool:
+def _same_folder(dataset: Dataset, saved: SavedModel) -> bool:
     """Whether a dataset is the one that the model was identified from."""
     return saved.dataset is not None and saved.dataset.resolve() == dataset.folder.resolve()
 

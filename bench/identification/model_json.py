@@ -34,7 +34,7 @@ def to_json(
     """The answer as plain data, ready for JSON; a number that is not finite becomes null.
 
     recordings: those that it is of, where the answer has lost their currents. words: whether with its notes as
-    sentences, beside what they say as codes.
+    sentences, in addition to what they say as codes.
     """
 
     def quantity(quantity: Quantity) -> dict[str, Any]:
@@ -156,7 +156,7 @@ def _finding(finding: Finding) -> dict[str, Any]:
 
 
 def _findings(content: dict[str, Any]) -> tuple[Finding, ...]:
-    """What the file says that was found; of a file of an earlier version its sentences."""
+    """The findings of the file; of a file of an earlier version its sentences."""
     if "findings" not in content:
         return tuple(Finding(Code.TOLD, (str(note),)) for note in content["notes"])
     return tuple(

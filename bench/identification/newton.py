@@ -22,8 +22,8 @@ from bench.identification.solve_only import (
     spread,
 )
 
-NO_WORSE = 1e-9  # relative: squared errors that are the same but for rounding
-NEARBY = 0.02  # relative: how far around its present value a shape parameter may go, beside all else
+NO_WORSE = 1e-9  # relative: squared errors that are the same except for rounding
+NEARBY = 0.02  # relative: how far around its present value a shape parameter may go, with all else
 STRIDE = 0.5  # relative: the most that a parameter may change at once, with all others
 SHARES = (1.0, 0.3, 0.1)  # of a step that are tried, until one makes the errors no larger
 SHAPE_STEP = 1e-3  # relative, for the derivative by a shape parameter
@@ -102,7 +102,7 @@ def _reach(prepared: Prepared, lacks: np.ndarray, i: int, name: str) -> tuple[fl
     instance = prepared.effects[i]
     parameter = next(shape for shape in instance.effect.shape if shape.name == name)
     value = instance.effect.shape_values()[name]
-    brackets = instance.effect.beside(parameter, joint_samples(prepared, instance, lacks))
+    brackets = instance.effect.brackets_near(parameter, joint_samples(prepared, instance, lacks))
     return within_reach(value, brackets)
 
 
@@ -158,14 +158,16 @@ def _bends(prepared: Prepared, rows: tuple[int, ...], *, every: bool) -> tuple[n
         known = instance.effect.about_values() if every or instance.effect.bends else {}
         values = np.array([known.get(parameter.name, 0.0) for parameter in instance.effect.parameters])
         about.append(values)
-        own = np.zeros((*rows, len(values)))
-        here = candidate_columns(prepared, [instance]) if values.any() else own
+        derivatives = np.zeros((*rows, len(values)))
+        unchanged = candidate_columns(prepared, [instance]) if values.any() else derivatives
         for k, parameter in enumerate(instance.effect.parameters):
             if values[k]:
                 value = values[k] * (1.0 + SHAPE_STEP)
                 there = replace(instance, effect=instance.effect.about(known | {parameter.name: value}))
-                own[:, :, k] = (candidate_columns(prepared, [there]) - here) @ values / (value - values[k])
-        bent.append(own)
+                derivatives[:, :, k] = (
+                    (candidate_columns(prepared, [there]) - unchanged) @ values / (value - values[k])
+                )
+        bent.append(derivatives)
     return np.concatenate(bent, axis=2), np.concatenate(about)
 
 
@@ -181,8 +183,8 @@ def _shape_derivatives(
     values, steps = [], []
     ends: list[EffectInstance] = []
     for i, instance in enumerate(prepared.effects):
-        own = theta[at : at + len(instance.effect.parameters)]
-        at += len(own)
+        coefficients = theta[at : at + len(instance.effect.parameters)]
+        at += len(coefficients)
         for parameter in instance.effect.shape:
             if parameter.discrete:
                 continue
@@ -190,7 +192,7 @@ def _shape_derivatives(
             step = SHAPE_STEP * (abs(value) or 1.0)
             ends += [reshaped(instance, {parameter.name: x}) for x in (value - step, value + step)]
             shapes.append((i, parameter.name))
-            values.append(own)
+            values.append(coefficients)
             steps.append(step)
     if not shapes:
         return shapes, np.zeros((*rows, 0))
@@ -198,7 +200,8 @@ def _shape_derivatives(
         candidate_columns(prepared, ends), np.cumsum([2 * len(column) for column in values])[:-1], axis=2
     )
     columns = [
-        (both[:, :, len(own) :] @ own - both[:, :, : len(own)] @ own) / (2.0 * step)
-        for both, own, step in zip(parts, values, steps, strict=True)
+        (both[:, :, len(coefficients) :] @ coefficients - both[:, :, : len(coefficients)] @ coefficients)
+        / (2.0 * step)
+        for both, coefficients, step in zip(parts, values, steps, strict=True)
     ]
     return shapes, np.stack(columns, axis=2)

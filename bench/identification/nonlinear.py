@@ -19,7 +19,7 @@ from bench.identification.solve_only import linearised, solved_quickly, spread
 
 MOST_ROUNDS = 6
 SETTLED = 1e-4  # relative change of gains and shape parameters between rounds
-CHANCE = 5e-3  # nats, of all errors together: what changes them by less is not told by the data
+CHANCE = 5e-3  # nats, of all errors together: what changes them by less is not determined by the data
 AS_GOOD = 1e-6  # relative change of the RMS errors between rounds: far less than chance makes of them
 
 
@@ -63,9 +63,9 @@ def converged(
     added_from: int | None = None,
     deadline: Deadline = NEVER,
 ) -> Prepared:
-    """Shape parameters found and model-dependent columns linearised, in a few rounds; nothing to do without.
+    """Shape parameters searched and model-dependent columns linearised, in a few rounds; nothing to do without.
 
-    At first every shape is searched beside the others; then all move together by steps of Gauss and Newton, as long
+    At first every shape is searched with the others fixed; then all move together by steps of Gauss and Newton, as long
     as the errors become smaller by them (see newton.py), and are searched again where they do not. nearly: shapes and
     the present model are nearly right, so that no search comes first. added_from: in a search, the first of the effects
     that it added; these leave the places where they are out of bounds (see out_of_bounds.py). Raises TimeUpError after
@@ -93,7 +93,7 @@ def converged_from(
 ) -> Prepared:
     """The effects of a converged model converged as they are seen otherwise: in place of nearby as they are, say.
 
-    prepared: that sees them so; its own effects are not asked for. most: rounds; after fewer than MOST_ROUNDS a model
+    prepared: that sees them so; its effects are not asked for. most: rounds; after fewer than MOST_ROUNDS a model
     that has not settled is `provisional`. added_from: as `converged`.
     """
     return _rounds(prepared, *_begun(model), added_from, most, deadline=deadline)
@@ -194,11 +194,11 @@ def _alike(now: tuple[np.ndarray, ...], before: tuple[np.ndarray, ...], rows: in
 
 
 def _eased(
-    earlier: Sequence[EffectInstance], last: Sequence[EffectInstance], found: Sequence[EffectInstance]
+    earlier: Sequence[EffectInstance], last: Sequence[EffectInstance], searched: Sequence[EffectInstance]
 ) -> tuple[EffectInstance, ...]:
-    """What is found, but halfway back to the last where it turns back from there: it would swing to and fro."""
+    """The result, but halfway back to the last where it turns back from there: it would swing to and fro."""
     eased = []
-    for instance, two, three in zip(earlier, last, found, strict=True):
+    for instance, two, three in zip(earlier, last, searched, strict=True):
         a, b, c = (each.effect.about_values() for each in (instance, two, three))
         halfway = {
             name: 0.5 * (b[name] + c[name]) for name in c if (c[name] - b[name]) * (b[name] - a[name]) < 0.0

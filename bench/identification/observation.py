@@ -7,7 +7,7 @@ import numpy as np
 
 from bench.basics.errors import BenchError
 from bench.identification.filtered import Measured
-from bench.identification.standstill import around, bridged_part, moving_rows
+from bench.identification.standstill import around, interpolated_part, moving_rows
 from bench.model.model import IdentificationModel
 from bench.model.motion import blocks_of
 from bench.model.regressor import projected_regressor, redundant_columns
@@ -25,7 +25,7 @@ class Observation:
     torque or force for each unit of the base parameters, of the payload's standard parameters in the tool
     frame, and of the effects' parameters. redundant (M, n, r): for each unit of the redundant motors' drive gains,
     whose nominal values are nominal (r,). position, velocity, acceleration (M, n) of the active joints.
-    moving (M, n): False where the joint stands still; such rows are neither fitted nor judged. course: the positions,
+    moving (M, n): False where the joint does not move; such rows are neither fitted nor judged. course: the positions,
     of which it is kept whether they return.
     """
 
@@ -61,7 +61,7 @@ def observe(model: IdentificationModel, measured: Measured) -> Observation:
     try:
         for part in blocks_of(samples, PART):
             decimation.push(_stacked(model, measured, columns, part))
-    except BenchError as error:  # of a long log, whose loops are closed here
+    except BenchError as error:  # of a long log, whose loops are closed only now
         raise BenchError(f"{recording.name}: {error}") from None
     kept = decimation.finish()
     sizes = np.cumsum([n * p, n, n, n])
@@ -89,7 +89,7 @@ def observe(model: IdentificationModel, measured: Measured) -> Observation:
 
 
 def _stacked(model: IdentificationModel, measured: Measured, columns: np.ndarray, part: slice) -> np.ndarray:
-    """A part of a recording before decimation, bridged: (K, n p + 4 n), columns and currents, then the motion."""
+    """A part of a recording before decimation, interpolated: (K, n p + 4 n), columns and currents, then the motion."""
     length, n = len(measured.time), measured.current.shape[1]
     seen = around(part, measured.gaps, length)
     samples = part if len(seen) == part.stop - part.start else seen
@@ -98,18 +98,18 @@ def _stacked(model: IdentificationModel, measured: Measured, columns: np.ndarray
         rows[:, :, -r:] *= measured.redundant[samples][:, None, :]
     stacked = np.empty((len(seen), n, len(columns) + 1))
     stacked[:, :, :-1], stacked[:, :, -1] = rows, measured.current[samples]
-    stacked = bridged_part(stacked, seen, part, measured.gaps, length)
+    stacked = interpolated_part(stacked, seen, part, measured.gaps, length)
     motion = measured.position[part], measured.velocity[part], measured.acceleration[part]
     flat = stacked[:, :, :-1].reshape(len(stacked), -1)
     return np.concatenate((flat, stacked[:, :, -1], *motion), axis=1)
 
 
 def all_currents(measured: Measured) -> np.ndarray:
-    """Every current as every motor's rows see it, bridged where that motor stands still: (M, n, n), drive units."""
+    """Every current as every motor's rows see it, interpolated at that motor's standstill: (M, n, n), drive units."""
     length, n = measured.current.shape
     decimation = Decimation(length, measured.settings.decimation)
     for part in blocks_of(length, PART):
         seen = around(part, measured.gaps, length)
         rows = np.repeat(measured.current[seen][:, None, :], n, axis=1)
-        decimation.push(bridged_part(rows, seen, part, measured.gaps, length).reshape(-1, n * n))
+        decimation.push(interpolated_part(rows, seen, part, measured.gaps, length).reshape(-1, n * n))
     return decimation.finish().reshape(-1, n, n)

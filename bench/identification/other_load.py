@@ -34,11 +34,11 @@ def other_load(
     """The recording that carries another load than declared, if with that load some motor's error falls far, and no
     other's rises; none where nothing does.
 
-    All recordings are fitted together, also those for validation, with dry and viscous friction beside the rigid
-    bodies; in one after the other the load is left out, or another that the fitted recordings carry is put in. Judged
-    motor by motor, since an effect that is missing at one hides what the load does there and not at the others. Where
-    no motor's error is large in any recording, nothing is tried. prepared: the problem's equations with the filters of
-    the result. Raises TimeUpError after the deadline.
+    All recordings are fitted together, also those for validation, with dry and viscous friction in addition to the
+    rigid bodies; in one after the other the load is omitted, or another that the fitted recordings carry is put in.
+    Judged motor by motor, since an effect that is missing at one hides what the load does there and not at the others.
+    Where no motor's error is large in any recording, nothing is tried. prepared: the problem's equations with the
+    filters of the result. Raises TimeUpError after the deadline.
     """
     if not _large(result) or not result.gains_fitted:
         return []
@@ -93,13 +93,15 @@ class _LoadTrial:
         parts = [self._part(name, load) for name, load in loads.items()]
         factors = triangular_factors(np.concatenate(parts, axis=1).swapaxes(0, 1))
         gains = self.prepared.gains
-        found = scaled_lstsq(*torque_system(factors, gains.held))
-        theta = found[: self.layout.size]
-        found_gains = solved_gains(factors, gains.with_fitted(found[self.layout.size :]), gains.values)
-        theta, found_gains = minimised(factors, theta, found_gains, np.ones(len(found_gains)), gains.fitted)
+        solution = scaled_lstsq(*torque_system(factors, gains.held))
+        theta = solution[: self.layout.size]
+        fitted_gains = solved_gains(factors, gains.with_fitted(solution[self.layout.size :]), gains.values)
+        theta, fitted_gains = minimised(
+            factors, theta, fitted_gains, np.ones(len(fitted_gains)), gains.fitted
+        )
         whole = (factors[:, :, -1] ** 2).sum(axis=1)
-        left = squared_errors(factors, theta, found_gains)
-        return np.sqrt(np.divide(left, whole, out=np.zeros_like(whole), where=whole > 0.0))
+        squares = squared_errors(factors, theta, fitted_gains)
+        return np.sqrt(np.divide(squares, whole, out=np.zeros_like(whole), where=whole > 0.0))
 
     def _part(self, name: str, load: str | None) -> np.ndarray:
         if (name, load) not in self.parts:

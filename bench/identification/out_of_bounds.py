@@ -1,4 +1,4 @@
-"""Effects whose parameter is at its bound or beyond in a solution, or whose motor's gain has run away beside them."""
+"""Effects whose parameter is at its bound or beyond in a solution, or whose motor's gain has run away with them."""
 
 from collections import Counter
 
@@ -16,7 +16,7 @@ def out_of_bounds(prepared: Prepared, solution: Solution) -> tuple[EffectInstanc
     """
     robot = prepared.dataset.robot
     ratios = dict(zip(robot.joints, (solution.gains / robot.nominal_gains).tolist(), strict=True))
-    found, at = [], prepared.layout.size - prepared.layout.effects
+    outside, at = [], prepared.layout.size - prepared.layout.effects
     for instance in prepared.effects:
         bounds = [parameter.below for parameter in instance.effect.parameters]
         values = solution.theta[at : at + len(bounds)]
@@ -25,22 +25,22 @@ def out_of_bounds(prepared: Prepared, solution: Solution) -> tuple[EffectInstanc
             continue
         wild = prepared.fit_gains and not 1.0 / FAR <= ratios.get(instance.joint, 1.0) <= FAR
         if wild or np.any(np.abs(values) >= bounds):
-            found.append(instance)
-    return tuple(found)
+            outside.append(instance)
+    return tuple(outside)
 
 
 def staying(prepared: Prepared, solution: Solution, added_from: int) -> list[int]:
     """Which of a model's effects (indices) stay in a search that added those from `added_from` on.
 
-    One that is out of bounds never settles, and takes its motor's gain with it, so that nothing can be told beside it.
-    It leaves its place, but not the last place that it has.
+    One that is out of bounds never settles, and takes its motor's gain with it, so that nothing can be determined with
+    it. It leaves its place, but not the last place that it has.
     """
     outside = out_of_bounds(prepared, solution)
-    left = Counter(instance.effect.name for instance in prepared.effects)
+    remaining = Counter(instance.effect.name for instance in prepared.effects)
     stay = []
     for i, instance in enumerate(prepared.effects):
-        if i < added_from or instance not in outside or left[instance.effect.name] == 1:
+        if i < added_from or instance not in outside or remaining[instance.effect.name] == 1:
             stay.append(i)
         else:
-            left[instance.effect.name] -= 1
+            remaining[instance.effect.name] -= 1
     return stay

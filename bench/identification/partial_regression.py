@@ -13,7 +13,7 @@ COLLINEAR = 1e-12  # of the largest singular value of inner products of unit col
 
 @dataclass(frozen=True)
 class RegressionProducts:
-    """Of columns of which only what is left beside others counts: inner products (k, k), those with what is to be
+    """Products of columns after projection on the complement of others: inner products (k, k), those with what is to be
     explained (k,), and the lengths (k,) of the whole columns.
     """
 
@@ -22,26 +22,26 @@ class RegressionProducts:
     lengths: np.ndarray
 
     @property
-    def left(self) -> np.ndarray:
-        """Share (k,) of every column's length that is left."""
-        left = np.sqrt(np.maximum(np.diag(self.inner), 0.0))
-        return np.divide(left, self.lengths, out=np.zeros_like(left), where=self.lengths > 0.0)
+    def remaining(self) -> np.ndarray:
+        """Share (k,) of every column's length that remains."""
+        remaining = np.sqrt(np.maximum(np.diag(self.inner), 0.0))
+        return np.divide(remaining, self.lengths, out=np.zeros_like(remaining), where=self.lengths > 0.0)
 
     def explained(self) -> tuple[np.ndarray, float]:
         """Least-squares coefficients (k,), and the sum of squares that they explain.
 
-        A column of which nothing is left explains nothing: what rounding leaves of it would, by chance.
+        A column of which nothing remains explains nothing: what rounding leaves of it would, by chance.
         """
         values = np.zeros(len(self.towards))
-        kept = np.flatnonzero(self.left > ROUNDING)
+        kept = np.flatnonzero(self.remaining > ROUNDING)
         if not len(kept):
             return values, 0.0
         norms = np.sqrt(np.diag(self.inner)[kept])
         normal = self.inner[np.ix_(kept, kept)] / np.outer(norms, norms)
         right = self.towards[kept] / norms
-        found = np.linalg.lstsq(normal, right, rcond=COLLINEAR)[0]
-        values[kept] = found / norms
-        return values, float(right @ found)
+        coefficients = np.linalg.lstsq(normal, right, rcond=COLLINEAR)[0]
+        values[kept] = coefficients / norms
+        return values, float(right @ coefficients)
 
 
 @dataclass(frozen=True)
@@ -49,8 +49,8 @@ class PartialRegression:
     """The linearised system of the currents' errors with all its columns taken out of everything else.
 
     The unknowns are [theta, g], or theta alone where all gains are fixed. columns (n, M, f): weighted, motor by motor,
-    zero where a joint stands still; basis (f, r): combines them so that they are orthonormal over all motors; remainder
-    (M, n): minus the weighted error; weights (n,): one over each motor's error in torque; moving (M, n).
+    zero where a joint does not move; basis (f, r): combines them so that they are orthonormal over all motors;
+    remainder (M, n): minus the weighted error; weights (n,): one over each motor's error in torque; moving (M, n).
     """
 
     columns: np.ndarray
@@ -82,7 +82,7 @@ class PartialRegression:
 
     @property
     def sum_of_squares(self) -> float:
-        """What is left of the right side, weighted."""
+        """What remains of the right side, weighted."""
         return float((self.remainder**2).sum())
 
 
@@ -96,8 +96,8 @@ def partial_regression(stack: Stack, solution: Solution) -> PartialRegression:
     modelled = (stack.phi @ solution.theta + stack.kappa) / solution.gains
     error = (stack.current - modelled) * stack.moving
     rms = np.sqrt((error**2).sum(axis=0) / np.maximum(stack.moving.sum(axis=0), 1))
-    own = 1.0 / np.maximum(rms, 1e-12 * rms.max() + np.finfo(float).tiny)
-    weights = own / solution.gains
+    inverse_rms = 1.0 / np.maximum(rms, 1e-12 * rms.max() + np.finfo(float).tiny)
+    weights = inverse_rms / solution.gains
     fitted = np.broadcast_to(solution.gains_fitted, (n,))
     size = p + (n if fitted.any() else 0)
     columns, factors = np.zeros((n, samples, size)), np.zeros((n, stack.factors.shape[1], size))
@@ -109,15 +109,15 @@ def partial_regression(stack: Stack, solution: Solution) -> PartialRegression:
             columns[j, :, p + j] = -modelled[:, j] * weights[j]
             factors[j, :, p + j] = -(stack.factors[j] @ of_gain[j]) * weights[j]
     basis = _orthonormal(factors.reshape(-1, size))
-    target = -(error * own)
-    for _ in range(2):  # the second time for what rounding left of the first
+    target = -(error * inverse_rms)
+    for _ in range(2):  # the second time for the rounding errors of the first
         explained = basis @ (basis.T @ sum(column.T @ target[:, j] for j, column in enumerate(columns)))
         target = target - np.stack([column @ explained for column in columns], axis=1)
     return PartialRegression(columns, basis, target, weights, stack.moving)
 
 
 def torque_errors(stack: Stack, solution: Solution) -> np.ndarray:
-    """Torque (M, n) that a solved system lacks, N*m or N; zero where a joint stands still."""
+    """Torque (M, n) that a solved system lacks, N*m or N; zero where a joint does not move."""
     lacks = stack.current * solution.gains - stack.phi @ solution.theta - stack.kappa
     return np.asarray(lacks * stack.moving)
 

@@ -16,12 +16,12 @@ def periods_not_whole(result: Identification) -> list[Finding]:
     Poles and teeth of a motor that turns with its joint make a whole number of periods a turn, and so does an eccentric
     encoder on the joint; what turns faster or slower, behind a gear or a belt, need not.
     """
-    found = []
+    findings = []
     for effect, places in result.effect_parameters.items():
         for place, values in places.items():
             for value in values.values():
                 away = abs(value.value - round(value.value))
                 if value.unit == TURN and 0.0 < value.std < math.inf and away > max(FAR, CERTAIN * value.std):
                     numbers = {"periods": value.value, "std": value.std}
-                    found.append(Finding(Code.PERIODS_NOT_WHOLE, (effect, place), numbers=numbers))
-    return found
+                    findings.append(Finding(Code.PERIODS_NOT_WHOLE, (effect, place), numbers=numbers))
+    return findings

@@ -17,7 +17,7 @@ from bench.basics.interpolation import cubic_spline
 from bench.effects import RobotSignals, changes_torque
 from bench.effects.motor_link_difference import motion_band
 from bench.effects.row_cache import KeptRows, LeastAsked
-from bench.effects.signals import OVERSAMPLING, UNCHANGED, Borne, Changed, Sparse
+from bench.effects.signals import OVERSAMPLING, UNCHANGED, Changed, JointReaction, Sparse
 from bench.identification.effect_columns import PresentModel, combined_torque, needed_torque
 from bench.identification.filtered import Measured
 from bench.identification.perturbed_observation import geometry_key
@@ -25,7 +25,7 @@ from bench.identification.small_change import KEPT, SmallChange, small_change
 from bench.identification.sparse_signals import FEWEST, sparse_gaps, sparse_joint
 from bench.model.geometry import Geometry
 from bench.model.model import IdentificationModel
-from bench.model.motion import BLOCK, Motion, motion_beside
+from bench.model.motion import BLOCK, Motion, motion_near
 from bench.model.regressor import payload_transform, projected_regressor, redundant_columns
 from bench.signals.decimation import fit_band
 
@@ -33,12 +33,12 @@ TURN, SLIDE = 1e-2, 1e-3  # rad, m: shift of a joint for a difference quotient
 MOTION = 0.999  # of a velocity's power inside the fit's band: the rest is taken for noise, or for little
 FINENESS = 10.0  # samples in a period of the highest frequency of the motion
 SHARE = 0.1  # of the RMS speed, likewise
-OWN = ("passing", "noted", "sparse")  # what signals keep of their own, for changes that are exact
+NOT_SHARED = ("passing", "noted", "sparse")  # what signals do not share, for changes that are exact
 MOST_BYTES = 80_000_000  # of what is kept
 
 
 class Nearby:
-    """The observation matrices of motions and geometries beside those of all recordings, at few samples.
+    """The observation matrices of motions and geometries near those of all recordings, at few samples.
 
     few: of every recording, the samples taken; part: where they stand among all (K,). Matrices (K, n, nb + 10 + r) have
     the base parameters' columns, then those of a payload in the tool frame, zero without a tool, and of a unit torque
@@ -67,7 +67,7 @@ class Nearby:
     def shifted(self, order: int, motor: int) -> SmallChange:
         """Derivative of the matrix by one active position (order 0), velocity (1) or acceleration (2).
 
-        Raises BenchError where the loops cannot be closed beside the motion.
+        Raises BenchError where the loops cannot be closed near the motion.
         """
         return self._differences(order, motor)[0]
 
@@ -78,9 +78,9 @@ class Nearby:
     def _differences(self, order: int, motor: int) -> list[SmallChange]:
         keys = [(order, motor, 1)] if order else [(order, motor, 1), (order, motor, 2)]
         kept = [self._kept.get(key) for key in keys]
-        found = [change for change in kept if change is not None]
-        if len(found) == len(keys):
-            return found
+        changes = [change for change in kept if change is not None]
+        if len(changes) == len(keys):
+            return changes
         motors = range(len(self._model.geometry.active)) if self._may_keep_all else [motor]
         steps = [self._step(order, index) for index in motors]
         moves = [
@@ -97,27 +97,27 @@ class Nearby:
             more, less = map(np.asarray, both)
             differences = [small_change((more - less) / (2.0 * step))]
             if not order:
-                differences.append(small_change((more + less - 2.0 * self._own) / step**2))
+                differences.append(small_change((more + less - 2.0 * self._base_rows) / step**2))
             for (_, _, degree), change in zip(keys, differences, strict=True):
                 self._kept.keep((order, index, degree), change, change.values.nbytes)
             if index == motor:
-                found = differences
-        return found
+                changes = differences
+        return changes
 
     @property
     def _may_keep_all(self) -> bool:
-        """Whether what all shifts add can be kept beside as much of other changes."""
-        samples, n, columns = self._own.shape
+        """Whether what all shifts add can be kept with as much of other changes."""
+        samples, n, columns = self._base_rows.shape
         return 4 * n * samples * n * columns * np.dtype(KEPT).itemsize < MOST_BYTES / 2
 
     def signals(self, present: PresentModel, seen: Sequence[RobotSignals]) -> tuple[RobotSignals, ...]:
-        """Every recording, `seen` beside the present model, as effects see it that are searched for."""
+        """Every recording, `seen` near the present model, as effects see it that are searched for."""
         if self._seen is None or self._seen[0] is not present:
             self._seen = present, tuple(self._nearby(present, i, signals) for i, signals in enumerate(seen))
         return self._seen[1]
 
     def sparsely(self, seen: "NearbySignals") -> RobotSignals:
-        """A recording at its coarse samples: of each the last is kept here, so that it goes with its model."""
+        """A recording at its coarse samples: of each the last is kept, so that it goes with its model."""
         known = self._sparse.get(seen.index)
         if known is None or known[0] is not seen:
             known = self._sparse[seen.index] = seen, seen.at_coarse_samples()
@@ -125,12 +125,14 @@ class Nearby:
 
     def _nearby(self, present: PresentModel, index: int, seen: RobotSignals) -> RobotSignals:
         given = {
-            field.name: getattr(seen, field.name) for field in fields(RobotSignals) if field.name not in OWN
+            field.name: getattr(seen, field.name)
+            for field in fields(RobotSignals)
+            if field.name not in NOT_SHARED
         }
         load = np.zeros(10) if seen.payload is None else present.payloads[seen.payload]
         parameters = np.concatenate((present.base, load))
         few = self.few[index]
-        beside = seen.redundant_torque[few] if seen.redundant else None
+        redundant_torque = seen.redundant_torque[few] if seen.redundant else None
         changes = any(changes_torque(instance.effect) for instance, _ in present.effects)
         if changes or any(seen.offsets.values()):  # what the torque needs is then smooth changes, too
             needed_at = needed_torque(lambda: near, present)
@@ -139,18 +141,23 @@ class Nearby:
                 for j, (name, joint) in enumerate(seen.joints.items())
             }
         near = NearbySignals(
-            **given, nearby=self, index=index, parameters=parameters, beside=beside, knots=seen.time[few]
+            **given,
+            nearby=self,
+            index=index,
+            parameters=parameters,
+            redundant_at_few=redundant_torque,
+            knots=seen.time[few],
         )
         return near
 
     def turned(self, axis: int) -> SmallChange:
         """What one m/s2 more of gravity along an axis of the world adds to the matrix."""
-        own = self._model.geometry
+        geometry = self._model.geometry
         key = ("gravity", axis)
         change = self._kept.get(key)
         if change is None:
-            more = replace(own, gravity=own.gravity + np.eye(3)[axis])
-            change = small_change(self._rows(more, self._tree) - self._own)
+            more = replace(geometry, gravity=geometry.gravity + np.eye(3)[axis])
+            change = small_change(self._rows(more, self._tree) - self._base_rows)
             self._kept.keep(key, change, change.values.nbytes)
         return change
 
@@ -162,25 +169,25 @@ class Nearby:
         change = self._kept.get(key)
         if change is None:
             try:
-                tree = motion_beside(geometry, self._tree, *self._active)
+                tree = motion_near(geometry, self._tree, *self._active)
             except BenchError as error:
                 self._barred[key] = str(error)
                 raise
-            change = small_change(self._rows(geometry, tree) - self._own)
+            change = small_change(self._rows(geometry, tree) - self._base_rows)
             self._kept.keep(key, change, change.values.nbytes)
         return change
 
     @cached_property
-    def _own(self) -> np.ndarray:
+    def _base_rows(self) -> np.ndarray:
         return self._rows(self._model.geometry, self._tree)
 
     def _step(self, order: int, motor: int) -> float:
-        own = self._model.geometry
+        geometry = self._model.geometry
         if order:
             values = self._active[order][:, motor]
             return SHARE * float(np.sqrt((values**2).mean())) or SHARE
-        slides = {joint.v.start for joint in own.joints if joint.kind == "slide"}
-        return SLIDE if int(own.active[motor]) in slides else TURN
+        slides = {joint.v.start for joint in geometry.joints if joint.kind == "slide"}
+        return SLIDE if int(geometry.active[motor]) in slides else TURN
 
     def _moved(self, order: int, moves: Sequence[tuple[int, float]]) -> Iterator[np.ndarray | BenchError]:
         """The matrix where one active position, velocity or acceleration is another, for each (motor, step).
@@ -206,13 +213,13 @@ class Nearby:
             moved[order][k * samples : (k + 1) * samples, motor] += step
         tree = self._tree.at(np.tile(np.arange(samples), count))
         geometry = self._model.geometry
-        return np.split(self._rows(geometry, motion_beside(geometry, tree, *moved)), count)
+        return np.split(self._rows(geometry, motion_near(geometry, tree, *moved)), count)
 
     def _rows(self, geometry: Geometry, tree: Motion) -> np.ndarray:
-        own, beside = self._model.base.columns, redundant_columns(geometry)
-        nb, tool = len(own), geometry.tool
+        base_columns, redundant = self._model.base.columns, redundant_columns(geometry)
+        nb, tool = len(base_columns), geometry.tool
         load = np.zeros(0, dtype=int) if tool is None else self._model.payload_columns
-        rows = projected_regressor(geometry, tree, np.concatenate((own, load, beside)))
+        rows = projected_regressor(geometry, tree, np.concatenate((base_columns, load, redundant)))
         if tool is None:
             return np.insert(rows, [nb] * 10, 0.0, axis=2)
         loaded = rows[:, :, nb : nb + 10]
@@ -225,8 +232,8 @@ class NearbySignals(RobotSignals):
     """A recording as effects see it that are searched for: changes of the torque are small and smooth.
 
     nearby: of all recordings, of which this is the one with this index; parameters (nb + 10,): of the present model and
-    of what this recording carries; beside (K, r): what redundant motors give at the few samples, None without any;
-    knots: s, where these are.
+    of what this recording carries; redundant_at_few (K, r): torque of redundant motors at the few samples, None without
+    any; knots: s, where these are.
     """
 
     expands = True
@@ -234,7 +241,7 @@ class NearbySignals(RobotSignals):
     nearby: Nearby
     index: int
     parameters: np.ndarray
-    beside: np.ndarray | None
+    redundant_at_few: np.ndarray | None
     knots: np.ndarray
 
     @property
@@ -259,8 +266,8 @@ class NearbySignals(RobotSignals):
         def torque(changed: Changed = UNCHANGED, every: int = 1) -> np.ndarray:
             return self.torque(changed, every * self.every)
 
-        def borne(joint: str, every: int) -> Borne:
-            return self.borne(joint, every * self.every)
+        def joint_reaction(joint: str, every: int) -> JointReaction:
+            return self.joint_reaction(joint, every * self.every)
 
         def in_joints() -> Mapping[str, np.ndarray]:
             return {name: torque[some] for name, torque in self.in_joints().items()}
@@ -272,7 +279,7 @@ class NearbySignals(RobotSignals):
             moved=lambda: self.tree.at(some),
             carried=lambda: self.payload_torque[some],
             torque=torque,
-            borne=borne,
+            joint_reaction=joint_reaction,
             in_joints=in_joints,
             gaps=gaps,
             lasting=self.nearby.rows[self.index],
@@ -335,12 +342,12 @@ class NearbySignals(RobotSignals):
         return self._smooth(self._torque(self._rows(change)), self.coarse.time)
 
     def _rows(self, change: SmallChange) -> np.ndarray:
-        """Of a change of all recordings' rows those of this one, at the few samples."""
+        """Part of this recording in a change of all recordings' rows, at the few samples."""
         return change.rows(self.nearby.part[self.index])
 
     def _torque(self, rows: np.ndarray) -> np.ndarray:
         """What rows of this recording mean, (K, n)."""
-        return combined_torque(rows, self.parameters, self.beside)
+        return combined_torque(rows, self.parameters, self.redundant_at_few)
 
     def _smooth(self, values: np.ndarray, time: np.ndarray) -> np.ndarray:
         if len(self.knots) == len(time):

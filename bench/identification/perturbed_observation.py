@@ -62,13 +62,13 @@ def _turned(
     model: IdentificationModel, measured: Measured, columns: np.ndarray, gravity: np.ndarray, every: int
 ) -> np.ndarray:
     """Rows with another gravity, of which they are a linear function: from those with one m/s2 more each way."""
-    own = model.geometry.gravity
-    here = perturbed_rows(model, measured, columns, UNCHANGED, every)
-    rows = here.copy()
-    for axis, change in zip(np.eye(3), gravity - own, strict=True):
+    nominal = model.geometry.gravity
+    unchanged = perturbed_rows(model, measured, columns, UNCHANGED, every)
+    rows = unchanged.copy()
+    for axis, change in zip(np.eye(3), gravity - nominal, strict=True):
         if change:
-            more = Changed(geometry=replace(model.geometry, gravity=own + axis))
-            rows += change * (perturbed_rows(model, measured, columns, more, every) - here)
+            more = Changed(geometry=replace(model.geometry, gravity=nominal + axis))
+            rows += change * (perturbed_rows(model, measured, columns, more, every) - unchanged)
     return rows
 
 
@@ -97,14 +97,14 @@ def _numbers(geometry: Geometry) -> list[bytes]:
     """Gravity first, then all that closures and regressor depend on and an effect may change."""
     anchors = [anchor for loop in geometry.loops for anchor in (loop.first, loop.second)]
     places: list[Anchor | None] = [*anchors, geometry.tool]
-    found = [geometry.gravity.tobytes(), geometry.home.tobytes(), geometry.active_offset.tobytes()]
+    parts = [geometry.gravity.tobytes(), geometry.home.tobytes(), geometry.active_offset.tobytes()]
     for joint in geometry.joints:
-        found += [joint.placement.rotation.tobytes(), joint.placement.translation.tobytes()]
-        found += [joint.axis.tobytes(), repr((joint.kind, joint.parent)).encode()]
+        parts += [joint.placement.rotation.tobytes(), joint.placement.translation.tobytes()]
+        parts += [joint.axis.tobytes(), repr((joint.kind, joint.parent)).encode()]
     for anchor in places:
         if anchor is not None:
-            found += [anchor.placement.rotation.tobytes(), anchor.placement.translation.tobytes()]
-    return found
+            parts += [anchor.placement.rotation.tobytes(), anchor.placement.translation.tobytes()]
+    return parts
 
 
 def geometry_key(geometry: Geometry) -> bytes:
@@ -113,7 +113,7 @@ def geometry_key(geometry: Geometry) -> bytes:
 
 
 def _digest(parts: Sequence[np.ndarray | bytes]) -> bytes:
-    found = blake2b(digest_size=16)
+    digest = blake2b(digest_size=16)
     for part in parts:
-        found.update(part if isinstance(part, bytes) else np.ascontiguousarray(part).tobytes())
-    return found.digest()
+        digest.update(part if isinstance(part, bytes) else np.ascontiguousarray(part).tobytes())
+    return digest.digest()

@@ -76,7 +76,7 @@ class Prepared:
         return bool(np.any(self.gains.fitted))
 
     @property
-    def left_aside(self) -> tuple[str, ...]:
+    def unusable(self) -> tuple[str, ...]:
         """Recordings whose payload nothing tells of: not declared in full, and carried by none that is fitted."""
         used = {observation.name for observation in self.observations}
         return tuple(recording.name for recording in self.dataset.recordings if recording.name not in used)

@@ -12,12 +12,13 @@ from bench.model.geometry import read_geometry
 from bench.signals.settings import FilterSettings
 
 Filters = FilterSettings | Mapping[str, Any] | None
-"""Settings, some of them by name, or none: what is left out is chosen from the spectra."""
+"""Settings, some of them by name, or none: what is omitted is chosen from the spectra."""
 
 
 @dataclass(frozen=True, eq=False)
 class Problem:
-    """A dataset and what is to be found from it. `problem_of` makes it, `bench.identification.prepare` its equations.
+    """A dataset and what is to be identified from it. `problem_of` makes it, `bench.identification.prepare` its
+    equations.
 
     effects: of the model, as EFFECT[:PLACE][@recording]. catalogue: every effect that is known, by name. fit_gains:
     whether drive gains are unknowns; None: those that the declared payloads fix.
@@ -38,7 +39,7 @@ def problem_of(
     effect_files: Iterable[str | Path] = (),
     fit_gains: bool | None = None,
 ) -> Problem:
-    """With the built-in effects, the dataset's own, and those of further Python files.
+    """With the built-in effects, the dataset's, and those of further Python files.
 
     Raises BenchError that names a file and what is wrong with it, or two effects of the same name.
     """

@@ -21,10 +21,10 @@ TURN = 2.0 * np.pi
 def contradicted_closures(geometry: Geometry, measured: Sequence[Measured]) -> tuple[Finding, ...]:
     """Joints of redundant motors that were logged elsewhere than the loop closures put them, the worst recording each.
 
-    Told where the difference, filtered as the positions are, is more than the encoders' noise and than tolerances are.
-    Joints of which a recording has no position are passed over.
+    Reported where the difference, filtered as the positions are, is more than the encoders' noise and than tolerances
+    are. Joints of which a recording has no position are passed over.
     """
-    found = []
+    findings = []
     for actuator in geometry.robot.redundant:
         joint = geometry.joints[geometry.joint_index(actuator.joint)]
         logged = [
@@ -35,8 +35,8 @@ def contradicted_closures(geometry: Geometry, measured: Sequence[Measured]) -> t
         each = [_contradiction(joint, measurement) for measurement in logged]
         clear = [finding for finding in each if finding is not None]
         if clear:
-            found.append(max(clear, key=lambda finding: finding.numbers["difference"]))
-    return tuple(found)
+            findings.append(max(clear, key=lambda finding: finding.numbers["difference"]))
+    return tuple(findings)
 
 
 def _contradiction(joint: Joint, measured: Measured) -> Finding | None:

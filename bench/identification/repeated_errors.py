@@ -1,6 +1,6 @@
 """Errors that come again with the motion: what a model lacks says the same each time, and counts once.
 
-A motion that returns makes a model's own error return with it. However often it is there, such an error does not
+A motion that returns makes a model's error return with it. However often it is there, such an error does not
 average out as noise does: rows a period apart are as alike as neighbours are.
 """
 
@@ -26,15 +26,15 @@ def repeated_covariances(
     """Autocovariances (L + 1,) of what one motor's residual (M,) repeats, tapered; None where it repeats nothing.
 
     Products of rows whole periods and up to L rows apart: noise is not in them. moving (M,): False where the residual
-    is zero since the joint stands still. covariances (L + 1,): of the residual itself.
+    is zero since the joint does not move. covariances (L + 1,): of the residual itself.
     """
     lags = len(covariances) - 1
     pairs, counts = np.zeros(lags + 1), np.zeros(lags + 1)
     for rows, period in _recordings(starts, len(residual), returns):
         signals = np.column_stack((residual[rows], moving[rows]))
-        found = _whole_periods_apart(lagged_products(signals), period, lags)
-        pairs += found[:, 0]
-        counts += found[:, 1]
+        sums = _whole_periods_apart(lagged_products(signals), period, lags)
+        pairs += sums[:, 0]
+        counts += sums[:, 1]
     if counts[0] < 1.0 or pairs[0] <= ALIKE * covariances[0] * np.sqrt(counts[0]):
         return None
     mean = pairs / np.maximum(counts, 1.0)
@@ -68,34 +68,35 @@ def times_repeated(errors: Sequence[np.ndarray], returns: Returns, reach: int) -
     Correlations of rows whole periods apart, summed as those of neighbours are: 1 where errors do not return with the
     motion, and the number of its periods where they return unchanged. reach: rows over which neighbours are alike.
     """
-    own = beside = squares = count = pairs = 0.0
+    within = between = squares = count = pairs = 0.0
     for error, period in zip(errors, returns, strict=True):
         products = lagged_products(error).sum(axis=1)
         squares += float(products[0])
         count += error.size
-        own += float(products[0] + 2.0 * products[1 : reach + 1].sum())
+        within += float(products[0] + 2.0 * products[1 : reach + 1].sum())
         if period is not None:
-            found = _whole_periods_apart(products[:, None], period, reach)[:, 0]
-            pairs += float(found[0])
-            beside += 2.0 * float(found[0] + found[1:].sum())
-    if own <= 0.0 or pairs <= ALIKE * squares / np.sqrt(count):
+            sums = _whole_periods_apart(products[:, None], period, reach)[:, 0]
+            pairs += float(sums[0])
+            between += 2.0 * float(sums[0] + sums[1:].sum())
+    if within <= 0.0 or pairs <= ALIKE * squares / np.sqrt(count):
         return 1.0
-    return 1.0 + max(beside, 0.0) / own
+    return 1.0 + max(between, 0.0) / within
 
 
 def _whole_periods_apart(products: np.ndarray, period: float, reach: int) -> np.ndarray:
-    """Of products (M, k) by lag, the sums (reach + 1, k) of those whole periods and so many rows apart, to either side.
+    """For products (M, k) by lag, the sums (reach + 1, k) of those whole periods and so many rows apart, to either
+    side.
 
     Between two lags they are read off a spline: a period is no whole number of rows.
     """
     last = len(products) - 1
     course = cubic_spline(np.arange(last + 1.0), products)
-    found = np.zeros((reach + 1, products.shape[1]))
+    sums = np.zeros((reach + 1, products.shape[1]))
     for off in range(min(reach, int(0.5 * period)) + 1):
         for side in (1, -1) if off else (1,):
             lags = np.arange(period, last + 1.0, period) + side * off
-            found[off] += course(lags[lags <= last]).sum(axis=0)
-    return found
+            sums[off] += course(lags[lags <= last]).sum(axis=0)
+    return sums
 
 
 def _recordings(starts: Sequence[int], rows: int, returns: Returns) -> Iterator[tuple[slice, float]]:

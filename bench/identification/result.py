@@ -60,7 +60,7 @@ class DriveGain(Quantity):
 
 @dataclass(frozen=True)
 class Parameter(Quantity):
-    """A base or payload parameter; `grouping` says which standard parameters it stands for."""
+    """A base or payload parameter; `grouping` says which standard parameters it groups."""
 
     name: str
     grouping: str
@@ -94,10 +94,10 @@ class BandPoint:
 class CurrentSeries:
     """Measured and modelled currents of one recording at the fit's rate: time (M,) s, others (M, n).
 
-    moving: False where a joint stands still; errors are not judged there. by_effect: the torque or force (M, n) that
-    the motors supply for each effect of the model, N*m or N, filtered like the currents; NaN where a joint stands
-    still, since such rows are bridged, not modelled. sharing (n, r): RMS of by how much a current of a redundant motor
-    takes off the others' modelled currents.
+    moving: False where a joint does not move; errors are not judged there. by_effect: the torque or force (M, n) that
+    the motors supply for each effect of the model, N*m or N, filtered like the currents; NaN where a joint does not
+    move, since such rows are interpolated, not modelled. sharing (n, r): RMS of by how much a current of a redundant
+    motor takes off the others' modelled currents.
     """
 
     name: str
@@ -139,7 +139,7 @@ class Identification:
     gains_fitted is False where nothing fixes the scale: the gains are nominal, and all parameters scale with their
     error. Where a payload fixes some gains only, the others are nominal, with no standard error. effect_parameters:
     effect -> place -> parameter, the place being a joint, or joint@recording for the value of one recording. covariance
-    (P, P), its rows named by covariance_rows; those of given values and of parameters that were left out are zero.
+    (P, P), its rows named by covariance_rows; those of given values and of parameters that were omitted are zero.
     left_out: names of the base parameters without which the fit is as good, when only essential ones were asked for.
     findings: what limits the answer.
     std_from: what standard deviations stand for. redundant: the motors, last of the drive gains, whose currents are
@@ -191,8 +191,8 @@ class Identification:
         )
         unit = next((drive_gain.unit for drive_gain in self.drive_gains.values()), "")
         error = self.error.identify if self.error.validate is None else self.error.validate
-        left = "" if error is None else f", error {100.0 * error:.3g} %"
-        return f"<{self.robot} with {', '.join(self.effects) or 'rigid bodies only'}: {gains} {unit}{left}>"
+        error_text = "" if error is None else f", error {100.0 * error:.3g} %"
+        return f"<{self.robot} with {', '.join(self.effects) or 'rigid bodies only'}: {gains} {unit}{error_text}>"
 
     def _repr_html_(self) -> str:
         return html_table(repr(self)[1:-1], self.rows())
@@ -230,7 +230,7 @@ def relative_error(series: Sequence[CurrentSeries], motor: int | None = None) ->
 def error_summary(series: Sequence[CurrentSeries], joints: Sequence[str]) -> ErrorSummary:
     """Errors of all recordings by use, motor and recording."""
     fitted = [trace for trace in series if trace.use == "identify"]
-    judged = [trace for trace in series if trace.use == "validate"]
+    held_out = [trace for trace in series if trace.use == "validate"]
 
     def by_actuator(chosen: Sequence[CurrentSeries]) -> dict[str, float]:
         values = {joint: relative_error(chosen, j) for j, joint in enumerate(joints)}
@@ -238,9 +238,9 @@ def error_summary(series: Sequence[CurrentSeries], joints: Sequence[str]) -> Err
 
     return ErrorSummary(
         identify=relative_error(fitted),
-        validate=relative_error(judged),
+        validate=relative_error(held_out),
         by_actuator=by_actuator(fitted),
-        by_actuator_validate=by_actuator(judged),
+        by_actuator_validate=by_actuator(held_out),
         by_recording={
             trace.name: value for trace in series if (value := relative_error([trace])) is not None
         },

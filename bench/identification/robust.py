@@ -1,7 +1,7 @@
 """The estimator for currents with bad seconds: errors of the currents follow Student's distribution, not Gauss's.
 
 A row far from the model then counts little: it is weighted by (nu + 1) / (nu + r^2), r its error over the scale of its
-motor. Scale and degrees of freedom nu of every motor are found with the parameters by maximum likelihood, so that
+motor. Scale and degrees of freedom nu of every motor are estimated with the parameters by maximum likelihood, so that
 clean data are fitted as by least squares (nu grows) and little is lost. Iteratively reweighted least squares: Lange,
 Little and Taylor, "Robust statistical modeling using the t distribution", 1989; nu as by Liu and Rubin, "ML estimation
 of the t distribution using EM and its extensions, ECM and ECME", 1995.
@@ -17,7 +17,7 @@ from bench.identification.compressed import Stack, compress
 from bench.identification.current_error import current_error, current_floor, minimised
 from bench.identification.solution import Fitted, Solution, scaled_lstsq, torque_system
 
-FEWEST, MOST = 1.0, 200.0  # degrees of freedom: Cauchy's distribution, and Gauss's for all that can be told
+FEWEST, MOST = 1.0, 200.0  # degrees of freedom: Cauchy's distribution, and Gauss's for all practical purposes
 FIRST = 4.0  # where they begin
 FEW_ROUNDS, MOST_ROUNDS = 10, 100  # to choose a start, and to the end
 SETTLED = 1e-6  # largest change of a row's weight
@@ -52,19 +52,21 @@ def robust_error(stack: Stack, start: Solution, nominal: np.ndarray) -> Solution
         tried = [_likeliest(stack, *pair, start.gains_fitted, FEW_ROUNDS) for pair in starts]
         best = min(tried, key=lambda fit: fit.minus_likelihood)
         theta, gains = best.theta, best.gains
-    found = _likeliest(stack, theta, gains, start.gains_fitted)
+    likeliest = _likeliest(stack, theta, gains, start.gains_fitted)
     moving = stack.moving
-    slopes = (_slopes(found.error / found.scale, found.freedom) * moving).sum(axis=0)
-    stretch = found.weights.sum(axis=0) / np.maximum(slopes, np.finfo(float).tiny)
-    root = np.sqrt(np.divide(found.weights, stretch, out=np.zeros_like(found.weights), where=stretch > 0.0))
+    slopes = (_slopes(likeliest.error / likeliest.scale, likeliest.freedom) * moving).sum(axis=0)
+    dispersion = likeliest.weights.sum(axis=0) / np.maximum(slopes, np.finfo(float).tiny)
+    root = np.sqrt(
+        np.divide(likeliest.weights, dispersion, out=np.zeros_like(likeliest.weights), where=dispersion > 0.0)
+    )
     return replace(
         solution,
-        theta=found.theta,
-        gains=found.gains,
-        weights=1.0 / found.scale,
-        made=lambda given: weighted_rows(given, root),
-        stretch=stretch,
-        counted=found.weights * found.freedom / (found.freedom + 1.0),
+        theta=likeliest.theta,
+        gains=likeliest.gains,
+        weights=1.0 / likeliest.scale,
+        transform=lambda given: weighted_rows(given, root),
+        dispersion=dispersion,
+        row_weights=likeliest.weights * likeliest.freedom / (likeliest.freedom + 1.0),
     )
 
 
@@ -98,7 +100,7 @@ def scaled_theta(stack: Stack, gains: np.ndarray) -> np.ndarray:
 
 
 def weighted_rows(stack: Stack, root: np.ndarray) -> Stack:
-    """The equations with every row of every motor multiplied by its own number, root (M, n)."""
+    """The equations with every row of every motor multiplied by a factor, root (M, n)."""
     phi, kappa, current = stack.phi * root[:, :, None], stack.kappa * root, stack.current * root
     return replace(stack, phi=phi, kappa=kappa, current=current, factors=compress(phi, kappa, current))
 

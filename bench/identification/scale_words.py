@@ -45,8 +45,8 @@ def scale_findings(scale: Scale) -> list[Finding]:
 
 def why_nominal(result: Identification) -> Finding | None:
     """The finding that tells why some or all drive gains of an answer stay nominal; None where none does."""
-    told = next((finding for finding in result.findings if finding.code in CODES.values()), None)
-    return told or (None if result.gains_fitted else Finding(Code.GAINS_NOMINAL))
+    why = next((finding for finding in result.findings if finding.code in CODES.values()), None)
+    return why or (None if result.gains_fitted else Finding(Code.GAINS_NOMINAL))
 
 
 def nominal_gains(finding: Finding) -> str:

@@ -19,10 +19,10 @@ LOGARITHMIC = 2.0  # ratio of a bracket's ends from which nodes are spread by th
 
 
 def best_shape(prepared: Prepared, instance: EffectInstance, partial: PartialRegression) -> EffectInstance:
-    """The instance with the shape values that explain most of what is left.
+    """The instance with the shape values that explain most of what remains.
 
     Every combination of discrete values is tried, and with each the other parameters, one after the other. At a motor
-    that stands still the shape stays as it is: nothing there depends on it.
+    that does not move the shape stays as it is: nothing there depends on it.
     """
     if stands_still(prepared, instance):
         return instance
@@ -67,7 +67,7 @@ def _searched(
     tried = np.split(columns([value for _, value, _ in brackets]), len(brackets), axis=2)
     costs = [-partial.explained(values)[1] for values in tried]
     best = int(np.argmin(costs))
-    (low, found, high), cost = brackets[best], costs[best]
+    (low, middle, high), cost = brackets[best], costs[best]
     if low < high:
         if all(seen.expands for seen in prepared.signals):
             unexplained = _between_nodes(columns, brackets[best], partial)
@@ -75,8 +75,8 @@ def _searched(
             unexplained = _exactly(columns, partial)
         place, value = minimum_between(unexplained, low, high, TOLERANCE * max(abs(low), abs(high)))
         if value < cost:
-            found, cost = place, value
-    return reshaped(instance, {parameter.name: found}), cost
+            middle, cost = place, value
+    return reshaped(instance, {parameter.name: middle}), cost
 
 
 def _exactly(

@@ -1,4 +1,4 @@
-"""Recordings that are short beside the low-pass on positions."""
+"""Recordings that are short compared with the low-pass on positions."""
 
 from collections.abc import Sequence
 

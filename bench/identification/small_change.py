@@ -24,7 +24,7 @@ class SmallChange:
 
 
 def small_change(rows: np.ndarray) -> SmallChange:
-    """Of what is added to every column, (K, n, p)."""
+    """The small change of what is added to every column, (K, n, p)."""
     samples, n, p = rows.shape
     flat = rows.astype(KEPT, order="C").reshape(samples, n * p)
     filled = np.flatnonzero(flat.any(axis=0))

@@ -31,9 +31,9 @@ class NominalGains:
         """Whether each gain (n,) is an unknown."""
         return np.broadcast_to(self.fitted, self.values.shape)
 
-    def with_fitted(self, found: np.ndarray) -> np.ndarray:
-        """The gains (n,) as they are declared, those that are unknowns as they were found: (n,), or () for none."""
-        return np.where(self.fitted, found, self.values) if np.any(self.fitted) else self.values
+    def with_fitted(self, fitted_gains: np.ndarray) -> np.ndarray:
+        """The gains (n,) as they are declared, those that are unknowns as they were estimated: (n,), or () for none."""
+        return np.where(self.fitted, fitted_gains, self.values) if np.any(self.fitted) else self.values
 
 
 @dataclass(frozen=True)
@@ -43,10 +43,11 @@ class Solution:
     weights (n,): what a motor's equation was multiplied by; 1 / (unit of its residual). domain: the
     residual's unit, "torque" (diag(v) g - Phi theta - kappa) or "current" (that divided by -g).
 
-    made: how the estimator made its equations from those that it was given, where it did not take them as they are.
-    stretch (n,): by what a motor's error in them counts for more in what moves the estimate than in its derivatives
-    (1 for least squares). instruments: what stands in these equations' place where the estimate's derivatives are
-    taken, for instrumental variables. counted (M, n): what each row counts, 1 where it fits, for a robust estimate.
+    transform: how the estimator made its equations from those that it was given, where it did not take them as they
+    are. dispersion (n,): by what a motor's error in them counts for more in what moves the estimate than in its
+    derivatives (1 for least squares). instruments: what replaces these equations where the estimate's
+    derivatives are taken, for instrumental variables. row_weights (M, n): what each row counts, 1 where it fits, for a
+    robust estimate.
     """
 
     theta: np.ndarray
@@ -54,10 +55,10 @@ class Solution:
     weights: np.ndarray
     domain: str
     gains_fitted: Fitted
-    made: Callable[[Stack], Stack] | None = None
-    stretch: np.ndarray | None = None
+    transform: Callable[[Stack], Stack] | None = None
+    dispersion: np.ndarray | None = None
     instruments: Callable[[Stack], Stack] | None = None
-    counted: np.ndarray | None = None
+    row_weights: np.ndarray | None = None
 
 
 def torque_system(factors: np.ndarray, gains: np.ndarray | None) -> tuple[np.ndarray, np.ndarray]:
@@ -80,12 +81,12 @@ def torque_system(factors: np.ndarray, gains: np.ndarray | None) -> tuple[np.nda
     return rows.reshape(-1, p + n), right.reshape(-1)
 
 
-def solved_gains(factors: np.ndarray, found: np.ndarray, nominal: np.ndarray) -> np.ndarray:
+def solved_gains(factors: np.ndarray, solved: np.ndarray, nominal: np.ndarray) -> np.ndarray:
     """Drive gains (n,) that were solved for; the nominal one of a motor without rows, of which nothing tells it.
 
     factors (n, r, p + 2): the currents last.
     """
-    return np.where(np.any(factors[:, :, -1] != 0.0, axis=1), found, nominal)
+    return np.where(np.any(factors[:, :, -1] != 0.0, axis=1), solved, nominal)
 
 
 def weighted(factors: np.ndarray, weights: np.ndarray) -> np.ndarray:
@@ -105,5 +106,5 @@ def scaled_lstsq(rows: np.ndarray, right: np.ndarray) -> np.ndarray:
     """Least squares with every column scaled to unit length, so that units do not decide the rank."""
     norms = np.linalg.norm(rows, axis=0)
     norms[norms == 0.0] = 1.0
-    found = lstsq(rows / norms, right, cond=1e-13, lapack_driver="gelsy", check_finite=False)[0]
-    return np.asarray(found / norms)
+    solution = lstsq(rows / norms, right, cond=1e-13, lapack_driver="gelsy", check_finite=False)[0]
+    return np.asarray(solution / norms)

@@ -9,7 +9,7 @@ from bench.effects import EffectInstance
 from bench.identification.compressed import Stack, stack_observations
 from bench.identification.effect_rows import effect_rows
 from bench.identification.essential_parameters import reduced, with_zeros
-from bench.identification.fixed_columns import FixedColumns, fits, fixed_columns, stacked_beside
+from bench.identification.fixed_columns import FixedColumns, fits, fixed_columns, stacked_with_fixed
 from bench.identification.identifiability_of_effects import identifiable_columns
 from bench.identification.prepare import Prepared
 from bench.identification.solution import NominalGains, Solution
@@ -32,8 +32,8 @@ def identifiable(prepared: Prepared, stack: Stack) -> np.ndarray:
         return identifiable_columns(stack, layout, prepared.gains)
 
     def span(columns: np.ndarray, fixed: FixedColumns = fixed) -> np.ndarray:
-        own = np.where(columns < layout.size, columns, columns - layout.effects)
-        return fixed.span(own, stack.factors.shape[1])
+        indices = np.where(columns < layout.size, columns, columns - layout.effects)
+        return fixed.span(indices, stack.factors.shape[1])
 
     return identifiable_columns(stack, layout, prepared.gains, span)
 
@@ -46,7 +46,7 @@ def _stacked(prepared: Prepared) -> Stack:
     fixed = prepared.kept.get(FIXED)
     if FIXED not in prepared.kept or (fixed is not None and not fits(fixed, *parts)):
         fixed = prepared.kept[FIXED] = fixed_columns(*parts)
-    return stack_observations(*parts) if fixed is None else stacked_beside(fixed, prepared.fitted)
+    return stack_observations(*parts) if fixed is None else stacked_with_fixed(fixed, prepared.fitted)
 
 
 def solved_with(stack: Stack, kept: np.ndarray, gains: NominalGains, near: np.ndarray) -> Solution:
@@ -68,13 +68,13 @@ def spread(stack: Stack, solution: Solution) -> np.ndarray:
 
 def linearised(instances: Sequence[EffectInstance], values: np.ndarray) -> tuple[EffectInstance, ...]:
     """The effects linearised about these values (k,) of their parameters, one after the other."""
-    found, at = [], 0
+    linear, at = [], 0
     for instance in instances:
         names = [parameter.name for parameter in instance.effect.parameters]
-        own = dict(zip(names, values[at : at + len(names)].tolist(), strict=True))
-        found.append(replace(instance, effect=instance.effect.about(own)))
+        shape_values = dict(zip(names, values[at : at + len(names)].tolist(), strict=True))
+        linear.append(replace(instance, effect=instance.effect.about(shape_values)))
         at += len(names)
-    return tuple(found)
+    return tuple(linear)
 
 
 def reshaped(instance: EffectInstance, values: Mapping[str, float]) -> EffectInstance:

@@ -27,18 +27,18 @@ def solved_from_products(stack: Stack, gains: NominalGains, near: np.ndarray) ->
 
     It starts from weighted least squares with the gains among the unknowns, or held near, whichever leaves less. Where
     a gain runs away from its nominal value, beyond all that products are exact enough for, steps on the factors
-    themselves go their own way.
+    themselves go another way.
     """
     near = gains.with_fitted(near)
-    found = _found(stack, gains, near)
-    if found is None:
+    solution = _minimum(stack, gains, near)
+    if solution is None:
         return _on_factors(stack, gains, near)
     return replace(
-        found, weights=error_weights(stack, squared_errors(stack.factors, found.theta, found.gains))
+        solution, weights=error_weights(stack, squared_errors(stack.factors, solution.theta, solution.gains))
     )
 
 
-def _found(stack: Stack, gains: NominalGains, near: np.ndarray) -> Solution | None:
+def _minimum(stack: Stack, gains: NominalGains, near: np.ndarray) -> Solution | None:
     lengths = np.linalg.norm(stack.factors[:, :, -1], axis=1)
     scale = 1.0 / np.maximum(np.abs(gains.values) * lengths, TINY)
     products = products_of(stack.factors, scale)
@@ -64,8 +64,8 @@ def _found(stack: Stack, gains: NominalGains, near: np.ndarray) -> Solution | No
     if ratio.max() > UNLIKE * ratio.min():
         products = products_of(stack.factors, weights / start.gains)
     unseen = 2.0 * CHANCE / max(int(stack.moving.sum()), 1)
-    found = from_products(stack, products, start, weights, unseen=unseen, anew=ANEW)
-    return None if found is None or run_away(found.gains / gains.values) else found
+    minimum = from_products(stack, products, start, weights, unseen=unseen, anew=ANEW)
+    return None if minimum is None or run_away(minimum.gains / gains.values) else minimum
 
 
 def _on_factors(stack: Stack, gains: NominalGains, near: np.ndarray) -> Solution:
@@ -85,7 +85,7 @@ def _on_factors(stack: Stack, gains: NominalGains, near: np.ndarray) -> Solution
 
 
 def _none(gains: np.ndarray, nominal: np.ndarray) -> bool:
-    """Whether a gain is nothing beside its nominal value."""
+    """Whether a gain is negligible compared with its nominal value."""
     return bool(np.any(np.abs(gains) < NOTHING * np.abs(nominal)))
 
 
@@ -111,25 +111,25 @@ def _weighted(about: Centred, lengths: np.ndarray, *, fit_gains: Fitted) -> tupl
     current = np.zeros((n, b + 2))  # every motor's, of [columns, torque, error]
     current[:, b], current[:, b + 1] = 1.0 / start, 1.0
     by_current = (about.inner @ current[:, :, None])[:, :, 0]
-    own = (current * by_current).sum(axis=1)
+    current_products = (current * by_current).sum(axis=1)
     towards = about.inner[:, :b, b + 1] * start[:, None]
-    weights, found = np.ones(n), np.zeros(b + len(motors))
-    normal, right = np.zeros((len(found), len(found))), np.zeros(len(found))
-    for left in range(REWEIGHTINGS, -1, -1):
+    weights, solution = np.ones(n), np.zeros(b + len(motors))
+    normal, right = np.zeros((len(solution), len(solution))), np.zeros(len(solution))
+    for remaining in range(REWEIGHTINGS, -1, -1):
         squares = weights**2
         normal[:b, :b] = np.tensordot(squares, about.inner[:, :b, :b], axes=1)
         right[:b] = squares @ towards
         if some:
             normal[motors, :b] = -squares[:, None] * by_current[:, :b] * np.reshape(fit_gains, (-1, 1))
             normal[:b, motors] = normal[motors, :b].T
-            normal[motors, motors] = np.where(fit_gains, squares * own, 1.0)
+            normal[motors, motors] = np.where(fit_gains, squares * current_products, 1.0)
             right[motors] = -squares * start * by_current[:, b + 1] * fit_gains
-        found = least(normal, right)
-        gains = start + found[b:] if some else start
-        if left:
+        solution = least(normal, right)
+        gains = start + solution[b:] if some else start
+        if remaining:
             errors = current * (gains - start)[:, None]
-            errors[:, :b] -= found[:b]
+            errors[:, :b] -= solution[:b]
             errors[:, b + 1] += start
             size = lengths * np.abs(gains)
             weights = 1.0 / np.maximum(np.sqrt(squares_of(about.inner, errors)), FLOOR * size.max() + TINY)
-    return found[:b], gains
+    return solution[:b], gains

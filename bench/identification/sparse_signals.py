@@ -8,7 +8,7 @@ import numpy as np
 from bench.effects import JointSignals
 from bench.identification.standstill import Gaps
 
-FEWEST = 100  # samples that are left: shorter recordings are looked at as they are
+FEWEST = 100  # samples that remain: shorter recordings are looked at as they are
 
 
 @dataclass(frozen=True)
@@ -55,9 +55,9 @@ def sparse_joint(whole: JointSignals, every: int) -> SparseJoint:
 
 def sparse_gaps(gaps: Gaps, every: int, length: int) -> tuple[Gaps, tuple[np.ndarray, ...]]:
     """Stretches of the few samples in which joints stand still, those at their edges included; and shares (K,) of every
-    joint: how much of what each of the few stands for, half way to its neighbours, lies in a stretch.
+    joint: how much of what each of the few represents, half way to its neighbours, lies in a stretch.
     """
-    found, shares = [], []
+    sparse, shares = [], []
     count = -(-length // every)
     edges = np.clip(np.arange(count + 1) * every - every // 2, 0, length)
     for stretches in gaps:
@@ -70,5 +70,5 @@ def sparse_gaps(gaps: Gaps, every: int, length: int) -> tuple[Gaps, tuple[np.nda
         few[:, 0] = (stretches[:, 0] + every // 2) // every
         few[:, 1] = np.minimum((stretches[:, 1] - 1 + every // 2) // every + 1, count)
         few[:, 2] = np.maximum(np.round(stretches[:, 2] / every), 1)
-        found.append(few)
-    return tuple(found), tuple(shares)
+        sparse.append(few)
+    return tuple(sparse), tuple(shares)

@@ -78,16 +78,16 @@ def uncertainty(stack: Stack, solution: Solution, deviations: Deviations) -> Unc
     samples do not count as independent, nor do those between which the motion returns and the error with it (see
     repeated_errors.py). "independent": the field's customary formula (Gautier 1997), with
     the deviation of the residual about its mean; too optimistic where errors are coloured. Unknowns that change
-    nothing, such as the damping of a drive without a compliance, are left out, with variances of zero.
+    nothing, such as the damping of a drive without a compliance, are omitted, with variances of zero.
 
     Where the estimate scatters more between parts of the recordings than an autocorrelated noise makes it, the model's
-    own error is at work, and the deviations are those of that scatter, wherever they are larger.
+    error is at work, and the deviations are those of that scatter, wherever they are larger.
     """
-    if solution.made is not None:
-        stack = solution.made(stack)
+    if solution.transform is not None:
+        stack = solution.transform(stack)
     residual = residual_series(stack, solution) * solution.weights
-    if solution.stretch is not None:
-        residual = residual * solution.stretch
+    if solution.dispersion is not None:
+        residual = residual * solution.dispersion
     if solution.instruments is not None:
         stack = solution.instruments(stack)
     triangle = np.concatenate(
@@ -116,7 +116,7 @@ def uncertainty(stack: Stack, solution: Solution, deviations: Deviations) -> Unc
         middle = inverse @ _score(stack, solution, residual, returns, seen, lengths) @ inverse * freedom
         scatter = block_scatter(_blocks(stack, solution, residual, seen, lengths))
         if scatter is not None and scatter.beyond(middle):
-            middle, std_from = _widened(middle, scatter.stated), "blocks"
+            middle, std_from = _enlarged(middle, scatter.stated), "blocks"
     covariance = np.zeros((stack.phi.shape[2] + len(solution.gains),) * 2)
     covariance[np.ix_(seen, seen)] = middle / np.outer(lengths, lengths)
     raw = np.linalg.svd(np.linalg.qr(triangle[:, seen], mode="r"), compute_uv=False)
@@ -130,10 +130,10 @@ def uncertainty(stack: Stack, solution: Solution, deviations: Deviations) -> Unc
     )
 
 
-def _widened(covariance: np.ndarray, other: np.ndarray) -> np.ndarray:
-    """A covariance (P, P) with the deviations of another where these are larger, and its own correlations."""
-    own, larger = (np.sqrt(np.maximum(np.diag(values), 0.0)) for values in (covariance, other))
-    times = np.maximum(larger / np.where(own > 0.0, own, np.inf), 1.0)
+def _enlarged(covariance: np.ndarray, other: np.ndarray) -> np.ndarray:
+    """A covariance (P, P) with the deviations of another where these are larger, and its correlations."""
+    stds, larger = (np.sqrt(np.maximum(np.diag(values), 0.0)) for values in (covariance, other))
+    times = np.maximum(larger / np.where(stds > 0.0, stds, np.inf), 1.0)
     return covariance * np.outer(times, times)
 
 
@@ -164,15 +164,15 @@ def _blocks(
     stack: Stack, solution: Solution, residual: np.ndarray, seen: np.ndarray, lengths: np.ndarray
 ) -> list[Block]:
     """The normal equations of every block, for the unknowns seen, each divided by its length."""
-    found = []
+    blocks = []
     for rows in blocks_in(stack.starts, len(residual)):
         normal, score = np.zeros((len(seen),) * 2), np.zeros(len(seen))
         for j in range(len(solution.weights)):
             jacobian = _weighted_rows(stack, solution, j, rows, seen, lengths)
             normal += jacobian.T @ jacobian
             score += jacobian.T @ residual[rows, j]
-        found.append(Block(normal, score))
-    return found
+        blocks.append(Block(normal, score))
+    return blocks
 
 
 def _score(
@@ -192,12 +192,12 @@ def _score(
         repeated = repeated_covariances(error, moving, stack.starts, returns, covariances)
         for a, b, period in zip(stack.starts, ends, returns, strict=True):
             jacobian = _weighted_rows(stack, solution, j, slice(a, b), seen, lengths)
-            own = np.flatnonzero(jacobian.any(axis=0))  # not the other motors' gains
-            if not len(own):
+            columns = np.flatnonzero(jacobian.any(axis=0))  # not the other motors' gains
+            if not len(columns):
                 continue
-            total[np.ix_(own, own)] += _autocorrelated(jacobian[:, own], covariances)
+            total[np.ix_(columns, columns)] += _autocorrelated(jacobian[:, columns], covariances)
             if period is not None and repeated is not None:
-                total[np.ix_(own, own)] += repeated_score(jacobian[:, own], period, repeated)
+                total[np.ix_(columns, columns)] += repeated_score(jacobian[:, columns], period, repeated)
     return total
 
 

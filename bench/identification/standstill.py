@@ -1,4 +1,4 @@
-"""Where a joint stands still, friction takes any value up to its limit, and no sliding law holds. In a joint without a
+"""Where a joint does not move, friction takes any value up to its limit, and no sliding law holds. In a joint without a
 motor it then loads all motors.
 
 What is logged there says nothing, and yet the low-pass of the fit spreads it over the rows around. So the
@@ -10,7 +10,13 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from bench.identification.bridge import bridge_over, ranges, sides, whole_bridge, within
+from bench.identification.standstill_interpolation import (
+    interpolation_over,
+    ranges,
+    sides,
+    whole_interpolation,
+    within,
+)
 from bench.signals.decimation import decimate
 
 SLOW = 0.01  # of the joint's RMS speed
@@ -24,7 +30,7 @@ AROUND = (
 MOST = 0.2  # of a row that may come from standstill before it is excluded
 
 Gaps = tuple[np.ndarray, ...]
-"""For each joint, the stretches (k, 3) of samples in which it stands still or reverses: the first, one past the
+"""For each joint, the stretches (k, 3) of samples in which it does not move or reverses: the first, one past the
 last, and how many on either side tell of its surroundings."""
 
 
@@ -34,14 +40,14 @@ def standstills(
     """Stretches in which joints stand still, set off or reverse, before decimation.
 
     position, velocity (N, n), rad or m and their rates; passive (N, k): velocities of joints without a motor;
-    rate Hz; cutoff of the position filter, Hz. A joint stands still where it is slower than 1 % of its RMS speed;
+    rate Hz; cutoff of the position filter, Hz. A joint does not move where it is slower than 1 % of its RMS speed;
     reversals count however swift, and so does the first way of a joint that starts from rest. A joint without a
     motor counts, for all motors, only where it stays slow: there it sticks. Stretches reach as far as the position
     filter spreads a jump.
     """
     reach = int(np.ceil(SMEARED * rate / cutoff))
     stuck = _stuck(passive, DWELL * reach)
-    found = []
+    stretches = []
     for q, v in zip(np.ascontiguousarray(position.T), np.ascontiguousarray(velocity.T), strict=True):
         rms = np.sqrt(v @ v / len(v))
         slow = np.abs(v) <= SLOW * rms
@@ -50,22 +56,22 @@ def standstills(
         if abs(v[0]) < START * rms:
             way = np.maximum.accumulate(np.abs(q - q[0]))
             slow |= way < FIRST_WAY * max(q.max() - q.min(), np.finfo(float).tiny)
-        found.append(_stretches(slow, reach, int(np.ceil(AROUND * rate / cutoff))))
-    return tuple(found)
+        stretches.append(_stretches(slow, reach, int(np.ceil(AROUND * rate / cutoff))))
+    return tuple(stretches)
 
 
-def bridged(rows: np.ndarray, gaps: Sequence[np.ndarray]) -> np.ndarray:
+def interpolated(rows: np.ndarray, gaps: Sequence[np.ndarray]) -> np.ndarray:
     """Rows (N, n) or (N, n, p), those of every joint in its gaps replaced by a straight line; a copy."""
     rows = rows.copy()
     for j, stretches in enumerate(gaps):
-        own = rows[:, j].reshape(len(rows), -1)
-        bridge = whole_bridge(stretches, len(rows))
-        rows[bridge.inside, j] = bridge.lines(own).reshape(-1, *rows.shape[2:])
+        of_motor = rows[:, j].reshape(len(rows), -1)
+        interpolation = whole_interpolation(stretches, len(rows))
+        rows[interpolation.inside, j] = interpolation.lines(of_motor).reshape(-1, *rows.shape[2:])
     return rows
 
 
 def around(part: slice, gaps: Gaps, length: int) -> np.ndarray:
-    """The samples (K,), of so many, that `bridged_part` needs for a part of them, in order."""
+    """The samples (K,), of so many, that `interpolated_part` needs for a part of them, in order."""
     outside = [np.empty(0, dtype=int)]
     for stretches in gaps:
         start, stop, before, after = sides(within(stretches, part), stretches, length)
@@ -80,11 +86,15 @@ def around(part: slice, gaps: Gaps, length: int) -> np.ndarray:
     return np.concatenate((more[:first], np.arange(part.start, part.stop), more[first:]))
 
 
-def bridged_part(rows: np.ndarray, samples: np.ndarray, part: slice, gaps: Gaps, length: int) -> np.ndarray:
-    """The rows of a part as `bridged` gives them, from those at the samples (K,) that it needs; changes these."""
+def interpolated_part(
+    rows: np.ndarray, samples: np.ndarray, part: slice, gaps: Gaps, length: int
+) -> np.ndarray:
+    """The rows of a part as `interpolated` gives them, from those at the samples (K,) that it needs; changes these."""
     for j, stretches in enumerate(gaps):
-        bridge = bridge_over(stretches, samples, length, part)
-        rows[bridge.inside, j] = bridge.lines(rows[:, j].reshape(len(rows), -1)).reshape(-1, *rows.shape[2:])
+        interpolation = interpolation_over(stretches, samples, length, part)
+        rows[interpolation.inside, j] = interpolation.lines(rows[:, j].reshape(len(rows), -1)).reshape(
+            -1, *rows.shape[2:]
+        )
     first = int(np.searchsorted(samples, part.start))
     return rows[first : first + part.stop - part.start]
 
@@ -95,7 +105,7 @@ def no_gaps(joints: int) -> Gaps:
 
 
 def moving_rows(gaps: Gaps, samples: int, decimation: int) -> np.ndarray:
-    """Which decimated rows of which joints come from motion but for a small part, (M, n) True or False."""
+    """Which decimated rows of which joints come from motion except for a small part, (M, n) True or False."""
     inside = np.zeros((samples, len(gaps)))
     for j, stretches in enumerate(gaps):
         for start, stop, _ in stretches:
@@ -105,12 +115,12 @@ def moving_rows(gaps: Gaps, samples: int, decimation: int) -> np.ndarray:
 
 def _stuck(velocity: np.ndarray, shortest: float) -> np.ndarray:
     """Whether any joint (of k) is slow for at least so many samples on end, (N,)."""
-    found = np.zeros(len(velocity), dtype=bool)
+    stuck = np.zeros(len(velocity), dtype=bool)
     for v in np.ascontiguousarray(velocity.T):
         first, last = _runs(np.abs(v) <= SLOW * np.sqrt(v @ v / len(v)))
         long = last - first >= shortest
-        found[ranges(first[long], last[long])[0]] = True
-    return found
+        stuck[ranges(first[long], last[long])[0]] = True
+    return stuck
 
 
 def _runs(slow: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -119,10 +129,10 @@ def _runs(slow: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return edges[::2], edges[1::2]
 
 
-def _stretches(slow: np.ndarray, reach: int, beside: int) -> np.ndarray:
+def _stretches(slow: np.ndarray, reach: int, margin: int) -> np.ndarray:
     """Runs of True (N,), each longer by `reach` at both ends; those with hardly a sample between them are one.
 
-    beside: how many samples on either side tell of the surroundings.
+    margin: samples on either side from which the line is taken.
     """
     runs: list[list[int]] = []
     for start, stop in zip(*_runs(slow), strict=True):
@@ -130,5 +140,5 @@ def _stretches(slow: np.ndarray, reach: int, beside: int) -> np.ndarray:
         if runs and first - runs[-1][1] < reach:
             runs[-1][1] = last
         else:
-            runs.append([first, last, beside])
+            runs.append([first, last, margin])
     return np.array(runs, dtype=int).reshape(-1, 3)

@@ -7,10 +7,10 @@ import numpy as np
 from bench.basics.joint_units import drive_unit
 from bench.effects import EffectInstance
 from bench.effects.select import ROBOT as ROBOT
-from bench.identification.by_recording import in_this_recording, without_own_values
+from bench.identification.by_recording import in_this_recording, without_values_by_log
+from bench.identification.collinear import collinear, unsettled
 from bench.identification.finding import Code, Finding, Unknown
 from bench.identification.findings import with_findings
-from bench.identification.hardly_apart import hardly_apart, unsettled
 from bench.identification.layout import known_rows, payload_parameters, regressor_rows
 from bench.identification.logged_velocities import velocity_findings
 from bench.identification.observation import Observation
@@ -37,7 +37,7 @@ def summarise(
     kept: np.ndarray,
     outside: Sequence[EffectInstance] = (),
 ) -> Identification:
-    """The answer. spread: covariance of [theta, gains, shape parameters]; kept: columns not left out; outside: effects
+    """The answer. spread: covariance of [theta, gains, shape parameters]; kept: columns not omitted; outside: effects
     that the data ask to be beyond their bounds.
     """
     robot, layout, base = prepared.dataset.robot, prepared.layout, prepared.model.base
@@ -95,15 +95,15 @@ def summarise(
             redundant=tuple(actuator.joint for actuator in robot.redundant),
             locked=robot.locked,
         ),
-        prepared.left_aside,
+        prepared.unusable,
         outside,
         [
             *prepared.contradicted,
             *velocity_findings([(seen.recording.name, seen.logged) for seen in prepared.measured]),
             *_repeated_rows(prepared),
-            *without_own_values(prepared),
+            *without_values_by_log(prepared),
             *([Finding(Code.NOT_SETTLED, of=tuple(unknown for _, unknown in loose))] if loose else []),
-            *hardly_apart(prepared.effects, spread.covariance, rows),
+            *collinear(prepared.effects, spread.covariance, rows),
         ],
         scale_findings(prepared.scale),
     )
@@ -217,7 +217,7 @@ def _effects(
 ) -> dict[str, dict[str, dict[str, Quantity]]]:
     rotates = {joint.name: joint.kind != "slide" for joint in prepared.model.geometry.joints}
     drives = {actuator.joint: drive_unit(actuator.gain_unit) for actuator in prepared.dataset.robot.actuators}
-    found: dict[str, dict[str, dict[str, Quantity]]] = {}
+    quantities: dict[str, dict[str, dict[str, Quantity]]] = {}
     at = prepared.layout.size - prepared.layout.effects
     for instance in prepared.effects:
         values = {}
@@ -232,5 +232,5 @@ def _effects(
             spread = 0.0 if shape.discrete else float(std[shape_at]) or float("inf")
             values[shape.name] = Quantity(float(value), spread, shape.unit_at(turning, drive))
             shape_at += not shape.discrete
-        found.setdefault(instance.effect.name, {})[instance.place] = values
-    return found
+        quantities.setdefault(instance.effect.name, {})[instance.place] = values
+    return quantities

@@ -34,9 +34,10 @@ def swapped_columns(
     """The two motors whose columns, exchanged, bring the error down most; none where none do.
 
     Tried one pair at a time, in all fitted recordings and in each of them, with the filters of the result, and with dry
-    and viscous friction beside the rigid bodies, lest it hide the swap. The error must fall far below that of the
-    result and below what friction alone makes of it. Where the error of the result is small, nothing is tried.
-    prepared: the problem's equations with these filters, where they are at hand. Raises TimeUpError after the deadline.
+    and viscous friction in addition to the rigid bodies, so that it does not hide the swap. The error must fall far
+    below that of the result and below what friction alone makes of it. Where the error of the result is small, nothing
+    is tried. prepared: the problem's equations with these filters, where they are at hand. Raises TimeUpError after the
+    deadline.
     """
     error = result.error.identify
     joints = list(result.joints)
@@ -69,10 +70,10 @@ def _swaps(names: tuple[str, ...], motors: int) -> Iterator[tuple[tuple[str, ...
 
 
 class _ColumnsTrial:
-    """The equations of all fitted recordings with every motor's current beside every motor's rows, and friction.
+    """The equations of all fitted recordings with every motor's current for every motor's rows, and friction.
 
     parts: for each recording triangular factors (n, r, p + 1 + n) of [phi, kappa, all currents], formed once: an
-    exchange only picks other ones of the currents. Currents are bridged where the motor of the rows stands still.
+    exchange only picks other ones of the currents. Currents are interpolated where the motor of the rows does not move.
     """
 
     def __init__(self, prepared: Prepared) -> None:
@@ -111,9 +112,9 @@ class _ColumnsTrial:
     def error(self, factors: np.ndarray, *, least: bool = False) -> float:
         """Relative error of the currents by least squares in torque; or the least that there can be, from there."""
         rows, right = torque_system(factors, self.gains.held)
-        found = scaled_lstsq(rows, right)
-        theta = found[: self.size]
-        gains = solved_gains(factors, self.gains.with_fitted(found[self.size :]), self.gains.values)
+        solution = scaled_lstsq(rows, right)
+        theta = solution[: self.size]
+        gains = solved_gains(factors, self.gains.with_fitted(solution[self.size :]), self.gains.values)
         if least:
             theta, gains = minimised(factors, theta, gains, np.ones(len(gains)), self.gains.fitted)
         return float(np.sqrt(squared_errors(factors, theta, gains).sum() / (factors[:, :, -1] ** 2).sum()))

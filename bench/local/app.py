@@ -48,7 +48,7 @@ class Pages:
             ("/", self.page, "GET"),
             ("/assets/{name}", self.asset, "GET"),
             ("/events", self.events, "GET"),
-            ("/api/folder", self.found, "GET"),
+            ("/api/folder", self.contents, "GET"),
             ("/api/look/{name}", self.look, "POST"),
             ("/api/command", self.shown_command, "POST"),
             ("/api/run", self.run, "POST"),
@@ -66,28 +66,28 @@ class Pages:
 
     async def asset(self, request: Request) -> Response:
         """A script or the style of the page."""
-        found = asset(request.path_params["name"])
-        if found is None:
+        file = asset(request.path_params["name"])
+        if file is None:
             raise HTTPException(404)
-        text, kind = found
+        text, kind = file
         return Response(text, media_type=kind)
 
     async def events(self, _request: Request) -> Response:
         """Server-sent events: the jobs as they are, now and after every change."""
 
-        async def told() -> AsyncIterator[str]:
+        async def messages() -> AsyncIterator[str]:
             async for version in self.jobs.changes():
-                yield f"id: {version}\ndata: {json.dumps(finite(self.jobs.told()))}\n\n"
+                yield f"id: {version}\ndata: {json.dumps(finite(self.jobs.as_json()))}\n\n"
 
-        return StreamingResponse(told(), media_type="text/event-stream")
+        return StreamingResponse(messages(), media_type="text/event-stream")
 
-    async def found(self, _request: Request) -> Response:
+    async def contents(self, _request: Request) -> Response:
         """What lies in the folder."""
-        found = await asyncio.to_thread(self.folder.look)
-        answer = asdict(found)
+        entry = await asyncio.to_thread(self.folder.look)
+        answer = asdict(entry)
         root = self.folder.root
-        written = {run: root / run / RUN_FILE for run in found.runs}
-        written |= {model: root / model for model in found.models}
+        written = {run: root / run / RUN_FILE for run in entry.runs}
+        written |= {model: root / model for model in entry.models}
         in_time = sorted(written, key=lambda path: (written[path].stat().st_mtime, path))
         answer["runs"] = [{"path": path, "time": said_time(written[path])} for path in in_time]
         answer |= {"root": str(self.folder.root), "name": self.folder.root.name, "start": self.start}
@@ -116,7 +116,7 @@ class Pages:
         """Run the command of a step."""
         command = command_of(self.folder, await _json(request))
         job = self.jobs.start(command.step, command.subject, command.line, command.files, command.words)
-        return JSONResponse(job.told())
+        return JSONResponse(job.as_json())
 
     async def cancel(self, request: Request) -> Response:
         """End a command that runs or waits."""
@@ -225,12 +225,12 @@ async def _json(request: Request) -> dict[str, Any]:
         if len(content) > LARGEST_REQUEST:
             raise BenchError("the request is too large")
     try:
-        found = json.loads(content)
+        body = json.loads(content)
     except (ValueError, RecursionError):
-        found = None
-    if not isinstance(found, dict):
+        body = None
+    if not isinstance(body, dict):
         raise BenchError("the request is no JSON object")
-    return found
+    return body
 
 
 def _text(asked: Any, key: str) -> str:

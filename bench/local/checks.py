@@ -1,4 +1,4 @@
-"""What an import would say of a log, column by column, with what helps beside it; nothing is written."""
+"""What an import would say of a log, column by column, with what helps; nothing is written."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -21,7 +21,7 @@ from bench.dataset.logs.segments import SHORTEST, Cutting, cut
 from bench.dataset.logs.unit_names import name_of
 from bench.dataset.logs.units import UNITS, factor_of
 from bench.dataset.recording_checks import Fault
-from bench.dataset.recording_faults import judged
+from bench.dataset.recording_faults import faults_in
 from bench.dataset.robot import Robot
 from bench.dataset.sampling import TimeFault, time_fault
 
@@ -53,18 +53,18 @@ def checked(path: str, robot: Robot, mapped: Mapped) -> dict[str, Any]:
     """
     log = _log(Path(path), Reading(mapped.skip_rows, topic=mapped.topic))
     joints = {joint.name: joint for joint in joint_facts(robot)}
-    found: dict[str, list[dict[str, Any]]] = {}
+    by_target: dict[str, list[dict[str, Any]]] = {}
     series: dict[str, np.ndarray] = {}
     for target, source in mapped.columns.items():
-        series[target], found[target] = _read(log, robot, target, source, mapped.scale.get(target))
-    for piece, row in _pieces(log, series, mapped, found):
-        for target, problems in _judged(log, piece, row, joints, mapped, found).items():
-            found[target] += problems
-    for target, problems in found.items():
+        series[target], by_target[target] = _read(log, robot, target, source, mapped.scale.get(target))
+    for piece, row in _pieces(log, series, mapped, by_target):
+        for target, problems in _judged(log, piece, row, joints, mapped, by_target).items():
+            by_target[target] += problems
+    for target, problems in by_target.items():
         given = mapped.scale.get(target, name_of(log.units.get(mapped.columns[target], "")))
         for problem in problems:
             problem["remedy"] = _in_place(problem["remedy"], given)
-    return {target: {"ok": not problems, "problems": problems} for target, problems in found.items()}
+    return {target: {"ok": not problems, "problems": problems} for target, problems in by_target.items()}
 
 
 def _log(path: Path, reading: Reading) -> LogFile:
@@ -87,23 +87,23 @@ def forget() -> None:
 
 
 def _pieces(
-    log: LogFile, series: Mapping[str, np.ndarray], mapped: Mapped, found: dict[str, list[dict[str, Any]]]
+    log: LogFile, series: Mapping[str, np.ndarray], mapped: Mapped, by_target: dict[str, list[dict[str, Any]]]
 ) -> list[tuple[Mapping[str, np.ndarray], int]]:
     """What becomes recordings, with the log's rows that they begin with: all of it, or what an import cuts it to.
 
-    Where it is cut, rows without a measurement are no problem any more; that nothing is left is one of the time.
+    Where it is cut, rows without a measurement are no problem any more; that nothing remains is one of the time.
     """
     count = next((values.size for values in series.values()), 0)
     time = series.get("time") if mapped.rate is None else np.arange(count) / mapped.rate
     if not mapped.split_gaps or time is None or any(values.size != time.size for values in series.values()):
         return [(series, 0)]
-    for target, problems in found.items():
-        found[target] = [problem for problem in problems if problem["remedy"] != CUT]
+    for target, problems in by_target.items():
+        by_target[target] = [problem for problem in problems if problem["remedy"] != CUT]
     try:
         parts, _ = cut(log.path, {**series, "time": time}, "identify", "log.csv", Cutting(shortest=SHORTEST))
     except BenchError as error:
         said = str(error).removeprefix(f"{log.path}: ")
-        found["time" if "time" in found else next(iter(found))].append(
+        by_target["time" if "time" in by_target else next(iter(by_target))].append(
             _problem(log, "time", said, None, None)
         )
         return []
@@ -116,7 +116,7 @@ def _judged(
     first: int,
     joints: Mapping[str, JointFacts],
     mapped: Mapped,
-    found: Mapping[str, list[dict[str, Any]]],
+    by_target: Mapping[str, list[dict[str, Any]]],
 ) -> dict[str, list[dict[str, Any]]]:
     """What is wrong with a piece of a log, in columns of which nothing is found yet. first: the row it begins with."""
 
@@ -125,21 +125,21 @@ def _judged(
         check = fault.check if isinstance(fault, Fault) else None
         return _problem(log, target, fault.what, row, fault.remedy, check)
 
-    told: dict[str, list[dict[str, Any]]] = {}
+    answer: dict[str, list[dict[str, Any]]] = {}
     signals = {
         target: values
         for target, values in series.items()
-        if not found[target] and target.partition(".")[0] in GROUPS and target.partition(".")[2] in joints
+        if not by_target[target] and target.partition(".")[0] in GROUPS and target.partition(".")[2] in joints
     }
     time, fault = series.get("time") if mapped.rate is None else None, None
-    if time is None or found["time"]:
+    if time is None or by_target["time"]:
         count = max((values.size for values in signals.values()), default=0)
         time = np.arange(count) / (mapped.rate or UNTOLD)
     elif (fault := time_fault(time)) is not None:
-        told["time"] = [problem("time", fault)]
+        answer["time"] = [problem("time", fault)]
     for target in [target for target, values in signals.items() if values.size != time.size]:
         what = f"has {plural(signals.pop(target).size, 'sample')}, time has {time.size}"
-        told[target] = [_problem(log, target, what, None, None)]
+        answer[target] = [_problem(log, target, what, None, None)]
     positions = {
         joint: signals[target]
         for joint in joints
@@ -148,11 +148,11 @@ def _judged(
     swapped = exchanged(positions, list(joints.values()))
     for target, values in signals.items() if time.size > 1 else ():
         joint = target.partition(".")[2]
-        findings = judged(target, values, time, joints[joint], fault, frozenset(mapped.accept))
+        findings = faults_in(target, values, time, joints[joint], fault, frozenset(mapped.accept))
         if target.startswith("position."):
             findings = without_exchange(findings, swapped.get(joint))
-        told[target] = [problem(target, finding) for finding in findings]
-    return told
+        answer[target] = [problem(target, finding) for finding in findings]
+    return answer
 
 
 def _read(
@@ -198,13 +198,20 @@ def _problem(
 
 
 def _in_place(remedy: dict[str, Any] | None, given: str | float | None) -> dict[str, Any] | None:
-    """The unit that stands for one that was given and one that what came of it looks like; None where none does."""
+    """The unit that combines one that was given and one that what came of it looks like; None where none does."""
     if remedy is None or "unit" not in remedy or given is None:
         return remedy
     like = UNITS[remedy["unit"]]
     factor = like.factor * (UNITS[given].factor if isinstance(given, str) else given)
     alike = {name: unit.factor for name, unit in UNITS.items() if unit.of == like.of}
-    name = next((name for name, own in alike.items() if np.isclose(own, factor, rtol=1e-9, atol=0.0)), None)
+    name = next(
+        (
+            name
+            for name, alike_factor in alike.items()
+            if np.isclose(alike_factor, factor, rtol=1e-9, atol=0.0)
+        ),
+        None,
+    )
     return None if name is None else {"unit": name}
 
 

@@ -48,7 +48,7 @@ def look_at(path: str, robot: Robot, topic: str | None = None, skip_rows: int = 
 def columns_of(log: LogFile, robot: Robot) -> dict[str, Any]:
     """Every column with its small picture; for those that a recording needs, which they may be, and in which units.
 
-    stated: the unit that the log itself gives, which an import takes unless it is told another. units: the first is SI.
+    stated: the unit that the log itself gives, which an import takes unless another is given. units: the first is SI.
     """
     names = [*log.vectors, *log.texts]
     stated = {name: unit for name, text in log.units.items() if (unit := name_of(text))}
@@ -73,16 +73,16 @@ def guesses(
 ) -> dict[str, dict[str, str]]:
     """Needed column -> {column, unit, why} for those whose names or units tell; a person confirms them.
 
-    stated: units by column as the log gives them; in a language that is not known here, they tell what is what.
+    stated: units by column as the log gives them; in a language that is not known, they tell what is what.
     values: of the columns (N,), which tell a path in mm from one in m by the joint's range.
     why is "name" where the log's name holds the joint's, "order" where names are numbered as the joints are, "unit"
     where no other column measures what this joint needs, "rest" where none but this joint and column remain, and
     "range" where the values tell the unit.
     """
-    found: dict[str, tuple[str, str]] = {}
+    proposed: dict[str, tuple[str, str]] = {}
     time = next((name for name in names if (words := _words(name)) and words[0] in TIME), None)
     if time is not None:
-        found["time"] = time, "name"
+        proposed["time"] = time, "name"
     for kind, spoken, measured in (("position", POSITION, PLACES), ("current", CURRENT, DRIVES)):
         free = [name for name in names if name != time and spoken & set(_words(name))]
         if not free:
@@ -92,13 +92,15 @@ def guesses(
         in_order = not robot.redundant and len(numbered) == len(robot.driven)
         if not named and in_order:
             named, why = dict(zip(robot.driven, sorted(numbered, key=_number), strict=True)), "order"
-        found |= {f"{kind}.{joint}": (name, why) for joint, name in named.items()}
+        proposed |= {f"{kind}.{joint}": (name, why) for joint, name in named.items()}
     facts = {f"position.{fact.name}": fact for fact in joint_facts(robot)}
-    taken = {name for name, _ in found.values()}
+    taken = {name for name, _ in proposed.values()}
     rest = {name: (values or {}).get(name) for name in names if name not in taken}
-    found |= _by_unit(rest, {target: facts[target] for target in facts if target not in found}, robot, stated)
+    proposed |= _by_unit(
+        rest, {target: facts[target] for target in facts if target not in proposed}, robot, stated
+    )
     guessed = {}
-    for target, (name, why) in found.items():
+    for target, (name, why) in proposed.items():
         unit = unit_in(name, units_of(target, robot))
         by_range = (
             "" if unit or name in (stated or {}) else _by_range(facts.get(target), (values or {}).get(name))
@@ -168,13 +170,13 @@ def _measures(name: str, stated: Mapping[str, str] | None) -> str:
 
 def _by_name(names: Sequence[str], joints: Sequence[str]) -> dict[str, str]:
     """Joint -> the one name that holds all words and numbers of the joint's."""
-    found = {}
+    by_joint = {}
     for joint in joints:
         wanted = set(_parts(joint))
         holding = [name for name in names if wanted <= set(_parts(_stem(name)))]
         if len(holding) == 1:
-            found[joint] = holding[0]
-    return found if len(set(found.values())) == len(found) else {}
+            by_joint[joint] = holding[0]
+    return by_joint if len(set(by_joint.values())) == len(by_joint) else {}
 
 
 def _stem(name: str) -> str:

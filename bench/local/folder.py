@@ -15,7 +15,7 @@ from bench.page.run_file import RUN_FILE
 
 MODELS = (".xml",)
 MJCF = b"<mujoco"
-BEGINNING = 1 << 16  # bytes of a model file in which that stands
+BEGINNING = 1 << 16  # bytes of a model file in which that is
 DEEP, MANY = 6, 5000  # levels and entries that are looked at
 RESULTS = ".results"  # what the folder of a dataset's results ends in
 MODEL = re.compile(r"(\d+-diagnosis-)?model(-\d+)?\.json")  # in it
@@ -28,8 +28,8 @@ FOREIGN = re.compile(r"[^\w .()+=,-]")  # what no name has
 class FolderEntry:
     """What lies in the folder, as paths relative to it, with slashes.
 
-    robots: what a command takes -> its words; runs: folders of results; models: model files beside them.
-    mjcfs: MJCF files without a robot.toml beside them.
+    robots: what a command takes -> its words; runs: folders of results; models: model files next to them.
+    mjcfs: MJCF files without a robot.toml next to them.
     """
 
     datasets: list[str] = field(default_factory=list)
@@ -125,29 +125,29 @@ class Folder:
 
     def look(self) -> FolderEntry:
         """Walk through the folder, symbolic links and hidden names aside."""
-        found = FolderEntry(robots={name: name for name in built_in_robots()})
-        found.robots.update({str(path): f"{path.name} ({path})" for path in self.robots})
+        entry = FolderEntry(robots={name: name for name in built_in_robots()})
+        entry.robots.update({str(path): f"{path.name} ({path})" for path in self.robots})
         runs: list[tuple[float, str]] = []
         seen = 0
         for folder, files in self._folders():
             seen += len(files) + 1
             if seen > MANY:
-                return replace(found, runs=_by_time(runs), cut=True)
+                return replace(entry, runs=_by_time(runs), cut=True)
             place = folder.relative_to(self.root).as_posix()
             if ROBOT_FILE in files and place != ".":
-                found.robots[place] = place
+                entry.robots[place] = place
             if RUN_FILE in files:
                 runs.append(((folder / RUN_FILE).stat().st_mtime, place))
             elif DATASET_FILE in files:
-                found.datasets.append(place)
-            elif place.endswith(RESULTS) or (place == RESULTS[1:] and found.datasets == ["."]):
-                found.models.extend(f"{place}/{name}" for name in sorted(files) if MODEL.fullmatch(name))
+                entry.datasets.append(place)
+            elif place.endswith(RESULTS) or (place == RESULTS[1:] and entry.datasets == ["."]):
+                entry.models.extend(f"{place}/{name}" for name in sorted(files) if MODEL.fullmatch(name))
             elif ROBOT_FILE not in files:
                 logs = sorted(name for name in files if Path(name).suffix.lower() in LOGS)
-                found.logs.extend(name if place == "." else f"{place}/{name}" for name in logs)
+                entry.logs.extend(name if place == "." else f"{place}/{name}" for name in logs)
                 models = sorted(name for name in files if _is_mjcf(folder / name))
-                found.mjcfs.extend(name if place == "." else f"{place}/{name}" for name in models)
-        return replace(found, runs=_by_time(runs))
+                entry.mjcfs.extend(name if place == "." else f"{place}/{name}" for name in models)
+        return replace(entry, runs=_by_time(runs))
 
     def _folders(self) -> Iterator[tuple[Path, list[str]]]:
         for place, folders, files in os.walk(self.root):

@@ -23,7 +23,7 @@ POLICY = (
 """For the page: scripts and styles of this server alone, and nothing from anywhere else."""
 
 REPORT_POLICY = "sandbox allow-scripts allow-downloads; frame-ancestors 'self'"
-"""For a report: its own policy holds what is in it, and it is a stranger to this server."""
+"""For a report: its policy holds what is in it, and it is a stranger to this server."""
 
 HEADERS = {
     "cache-control": "no-store",
@@ -40,7 +40,7 @@ def new_token() -> str:
 
 
 class Guard:
-    """Lets through what names this server as host, comes from its own page, and has the token in front of its path.
+    """Lets through what names this server as host, comes from its page, and has the token in front of its path.
 
     Everything else is refused before anything of it is read. What is let through goes on without the token.
     """
@@ -71,7 +71,7 @@ class Guard:
 
 
 def _foreign(headers: Headers, hosts: Collection[str], method: str) -> str | None:
-    """Why a request is not from this server's own page; None where it is, or where a person opens the page."""
+    """Why a request is not from this server's page; None where it is, or where a person opens the page."""
     if headers.get("host") not in hosts:
         return "This server answers to its own name alone."  # a foreign name may point at this machine
     origin = headers.get("origin")

@@ -10,9 +10,9 @@ from bench.basics.errors import BenchError
 from bench.local.worker import CancelledError, DiedError, Worker
 
 State = Literal["waiting", "running", "done", "refused", "cancelled", "ended"]
-KEPT = 60  # jobs that are remembered; what they found stands in files
-OFTEN = 0.1  # s between two states of a job that are told
-HEARTBEAT = 15.0  # s after which an open page is told that nothing has changed
+KEPT = 60  # jobs that are remembered; what they found is in files
+OFTEN = 0.1  # s between two states of a job that are sent
+HEARTBEAT = 15.0  # s after which an open page is informed that nothing has changed
 
 SAID: Mapping[State, str] = {
     "cancelled": "Cancelled; nothing was written.",
@@ -40,7 +40,7 @@ class Job:
     error: str = ""
     began: float = field(default=0.0, repr=False)
 
-    def told(self) -> dict[str, Any]:
+    def as_json(self) -> dict[str, Any]:
         """The job as the page gets it."""
         answer = asdict(self)
         began = answer.pop("began")
@@ -60,9 +60,9 @@ class Jobs:
         self._changed = asyncio.Event()
         self._version = 0
 
-    def told(self) -> list[dict[str, Any]]:
+    def as_json(self) -> list[dict[str, Any]]:
         """All jobs, oldest first."""
-        return [job.told() for job in self._jobs]
+        return [job.as_json() for job in self._jobs]
 
     def start(self, step: str, subject: str, line: str, files: Mapping[str, str], words: list[str]) -> Job:
         """Take on a command; it runs when those before it are done."""
@@ -128,7 +128,7 @@ class Jobs:
 
 
 class _Heard:
-    """Progress of a job, told by the thread that waits for the worker."""
+    """Progress of a job, reported by the thread that waits for the worker."""
 
     def __init__(self, jobs: Jobs, job: Job, loop: asyncio.AbstractEventLoop) -> None:
         self._jobs, self._job, self._loop = jobs, job, loop

@@ -25,7 +25,7 @@ from bench.identification.problem import places_of, problem_of
 from bench.local.checks import Mapped, checked, forget
 from bench.local.columns import look_at
 from bench.page.folder import read_json
-from bench.page.model_errors import model_beside
+from bench.page.model_errors import shown_model
 from bench.page.run_file import RUN_FILE
 from bench.page.section_errors import currents_section
 from bench.page.section_run import CommandRun
@@ -61,13 +61,13 @@ def checks(arguments: Mapping[str, Any], _progress: Progress) -> dict[str, Any]:
 def payload(arguments: Mapping[str, Any], _progress: Progress) -> dict[str, Any]:
     """What is asked of a payload's mass before it is taken: words and the mass if that is in grams; else empty."""
     heavy = heavy_payload(Payload("load", arguments["mass"]), load_robot(arguments["robot"]))
-    return {} if heavy is None else {"mass": heavy.mass, "own": heavy.own, "if_grams": heavy.if_grams}
+    return {} if heavy is None else {"mass": heavy.mass, "own": heavy.robot_mass, "if_grams": heavy.if_grams}
 
 
 def parts(arguments: Mapping[str, Any], _progress: Progress) -> dict[str, Any]:
     """What an MJCF file has that motors may drive, and its sites."""
-    found = mjcf_parts(arguments["model"])
-    return {"motors": [asdict(part) for part in found.named.values()], "sites": list(found.sites)}
+    mjcf = mjcf_parts(arguments["model"])
+    return {"motors": [asdict(part) for part in mjcf.named.values()], "sites": list(mjcf.sites)}
 
 
 def dataset(arguments: Mapping[str, Any], _progress: Progress) -> dict[str, Any]:
@@ -99,13 +99,13 @@ def dataset(arguments: Mapping[str, Any], _progress: Progress) -> dict[str, Any]
 
 
 def curves(arguments: Mapping[str, Any], _progress: Progress) -> dict[str, Any]:
-    """The figure of measured and modelled currents, with the errors of up to two models: a report's own."""
+    """The figure of measured and modelled currents, with the errors of up to two models, as in a report."""
     data = load_dataset(arguments["dataset"])
     problem, models = problem_of(data), []
     for path, name, role in arguments["models"]:
         saved = load_model(path)
-        found = apply_model(problem, saved)
-        models.append(model_beside(name, role, problem, found, saved.settings))
+        result = apply_model(problem, saved)
+        models.append(shown_model(name, role, problem, result, saved.settings))
     return dict(finite(asdict(currents_section(models).parts[0])))
 
 
@@ -147,12 +147,12 @@ def _effects(data: Dataset) -> list[dict[str, Any]]:
 
 def _run(root: Path, place: str) -> dict[str, Any]:
     try:
-        return {"path": place, **_told(root, place)}
+        return {"path": place, **_facts(root, place)}
     except BenchError as error:
         return {"path": place, "fault": str(error)}
 
 
-def _told(root: Path, place: str) -> dict[str, Any]:
+def _facts(root: Path, place: str) -> dict[str, Any]:
     path, line, applied = root / place, "", False
     model = path
     if path.is_dir():
@@ -163,17 +163,17 @@ def _told(root: Path, place: str) -> dict[str, Any]:
             raise BenchError(f"{place}: holds no model")
         model = path / names[0]
     answer = to_json(load_model(model).model)
-    found = {
+    facts = {
         "model": model.relative_to(root).as_posix(),
         "line": line,
         "applied": applied,
         **{key: answer[key] for key in ("robot", "effects", "error", "drive_gains", "notes")},
     }
-    return dict(finite(found))
+    return dict(finite(facts))
 
 
 def _line(path: Path, run: Any) -> str:
-    """The command of a result. Raises BenchError where it is not told."""
+    """The command of a result. Raises BenchError where it is not known."""
     try:
         known = {**run, "effects": tuple(run["effects"]), "effect_files": tuple(run["effect_files"])}
         return CommandRun(**known).line(typed())

@@ -1,4 +1,4 @@
-"""The page and what belongs to it: its own files, and of a report's the style and the charts."""
+"""The page and what belongs to it: its files, and of a report's the style and the charts."""
 
 from functools import cache
 from pathlib import Path

@@ -186,8 +186,8 @@ def _export(folder: Folder, results: Path, step: Export) -> Command:
     )  # a model inside a result is called as the result is
     target = results / f"{named.name.removesuffix('.json')}{SUFFIXES[step.form]}"
     words = ["export", folder.word(model), "--to", step.form, "-o", folder.word(target)]
-    beside = {"twin": sidecar_path(target)} if step.form == "mjcf" else {}
-    return Command(step.step, step.dataset, words, _files(folder, exported=target, **beside))
+    sidecar = {"twin": sidecar_path(target)} if step.form == "mjcf" else {}
+    return Command(step.step, step.dataset, words, _files(folder, exported=target, **sidecar))
 
 
 def _models(folder: Folder, names: Sequence[str]) -> list[Path]:
@@ -230,7 +230,7 @@ def _import(folder: Folder, step: ImportLog) -> Command:
 
 
 def _new_robot(folder: Folder, step: NewRobot) -> Command:
-    """Beside the MJCF; or in a folder of the robot's name, where the file lies in what was opened itself."""
+    """Next to the MJCF; or in a folder of the robot's name, where the file lies in what was opened itself."""
     model, name = folder.inside(step.model), folder.name(step.name)
     target = model.parent if model.parent != folder.root else folder.inside(name)
     words = ["robot", "new", folder.word(model)]
@@ -262,7 +262,7 @@ def _payload(folder: Folder, step: ImportLog) -> list[str]:
 
 
 def _results(folder: Folder, dataset: Path) -> Path:
-    """Where what is found in a dataset goes: a folder beside it, or in it where it is what was opened."""
+    """Where the results of a dataset go: a folder next to it, or in it where it is what was opened."""
     inner = dataset == folder.root
     results = dataset / RESULTS[1:] if inner else dataset.with_name(f"{dataset.name}{RESULTS}")
     if results.is_symlink():
@@ -292,7 +292,7 @@ def _effect(name: str) -> str:
 
 
 def _plain(text: str) -> str:
-    """A word that stands after an option: it cannot be taken for another one, nor end it."""
+    """A word after an option: it cannot be taken for another one, nor end it."""
     if not text or "\0" in text or "\n" in text:
         raise BenchError(f"{text!r}: not a column")
     return text

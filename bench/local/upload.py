@@ -71,7 +71,7 @@ def _check_beginning(name: str, suffix: str, content: bytes) -> None:
 
 
 def zip_dataset(dataset: Path, target: Path) -> None:
-    """A dataset's own files as an archive: those that lie in its folder, links and hidden ones aside."""
+    """A dataset's files as an archive: those that lie in its folder, links and hidden ones aside."""
     with zipfile.ZipFile(target, "w", zipfile.ZIP_DEFLATED, compresslevel=1) as archive:
         for path in sorted(dataset.iterdir()):
             if path.is_file() and not path.is_symlink() and not path.name.startswith("."):

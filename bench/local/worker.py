@@ -1,4 +1,4 @@
-"""Work in a process of its own: it keeps what it has loaded, tells its progress, and can be ended at any moment."""
+"""Work in a separate process: it keeps what it has loaded, tells its progress, and can be ended at any moment."""
 
 import importlib
 import os
@@ -28,7 +28,7 @@ class CancelledError(Exception):
 
 
 class DiedError(Exception):
-    """The process could not start, or ended by itself: why, in words. A fault's traceback stands in the terminal."""
+    """The process could not start, or ended by itself: why, in words. A fault's traceback is in the terminal."""
 
 
 class Worker:
@@ -43,7 +43,7 @@ class Worker:
         self._busy = self._cancelled = self._gone = self._closed = False
 
     def call(self, name: str, arguments: Mapping[str, Any], progress: Progress) -> Any:
-        """Run a function and wait for its answer; progress is told on the way.
+        """Run a function and wait for its answer; progress is reported on the way.
 
         Raises BenchError as the function did, CancelledError after `cancel` or `close`, DiedError where the process
         cannot start or ended itself.

@@ -97,9 +97,9 @@ def _undecided(geometry: Geometry, names: list[tuple[str, str]], columns: np.nda
     )
 
 
-def _description(row: np.ndarray, own: int, names: list[tuple[str, str]]) -> str:
+def _description(row: np.ndarray, leading: int, names: list[tuple[str, str]]) -> str:
     terms = []
-    for column in (own, *(int(column) for column in np.flatnonzero(row) if column != own)):
+    for column in (leading, *(int(column) for column in np.flatnonzero(row) if column != leading)):
         factor, symbol = row[column], names[column][0]
         sign = "-" if factor < 0 else "+"
         size = "" if abs(abs(factor) - 1.0) < NEGLIGIBLE else f"{abs(factor):.6g} "

@@ -23,7 +23,7 @@ class Twist:
 
 @dataclass(frozen=True)
 class BodyRates:
-    """Of one joint frame, in its axes: w [1/s], w' [1/s2], a less gravity [m/s2], and a twist for every motor."""
+    """Rates of one joint frame, in its axes: w [1/s], w' [1/s2], a less gravity [m/s2], and a twist for every motor."""
 
     angular: Vector
     turning: Vector
@@ -62,12 +62,12 @@ def _free(
     motors: Sequence[Sequence[Scalar]],
 ) -> BodyRates:
     linear, angular = _three(v, link.v), _three(v, link.v + 3)
-    own = add(_three(a, link.v), cross(angular, linear))
+    acceleration = add(_three(a, link.v), cross(angular, linear))
     rotation = rotation_of(q[link.q + 3 : link.q + 7])
     return BodyRates(
         angular,
         _three(a, link.v + 3),
-        add(own, turned_back(rotation, resting)),
+        add(acceleration, turned_back(rotation, resting)),
         tuple(Twist(_three(unit, link.v + 3), _three(unit, link.v)) for unit in motors),
     )
 
@@ -83,15 +83,15 @@ def _carried_on(
     arm = link.translation
     if link.kind == "slide":
         arm = add(arm, turned(link.rotation, scaled(link.axis, q[link.q])))
-        own: Matrix | None = None
+        joint_rotation: Matrix | None = None
     elif link.kind == "hinge":
-        own = turn_of(link, q[link.q])
+        joint_rotation = turn_of(link, q[link.q])
     else:
-        own = rotation_of(q[link.q : link.q + 4])
+        joint_rotation = rotation_of(q[link.q : link.q + 4])
 
     def back(vector: Vector) -> Vector:
         fixed = vector if link.aligned else turned_back(link.rotation, vector)
-        return fixed if own is None else turned_back(own, fixed)
+        return fixed if joint_rotation is None else turned_back(joint_rotation, fixed)
 
     def at(rates: Sequence[Scalar]) -> Vector:
         return _three(rates, link.v) if link.kind == "ball" else scaled(link.axis, rates[link.v])

@@ -82,22 +82,22 @@ class Replayed:
         """See `Closing`."""
         columns = self._recorded.columns
         with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
-            found = self._replay.run(0, q)
-        first = len(found) - len(columns)
-        return found[:first], dict(zip(columns, found[first:], strict=True))
+            outputs = self._replay.run(0, q)
+        first = len(outputs) - len(columns)
+        return outputs[:first], dict(zip(columns, outputs[first:], strict=True))
 
     def amplify(self) -> list[dict[int, Scalar]]:
         """See `Closing`."""
         columns = self._recorded.columns
-        found = self._replay.run(1, ())
-        per_motor = found.reshape(self._recorded.motors, len(columns), found.shape[1])
+        outputs = self._replay.run(1, ())
+        per_motor = outputs.reshape(self._recorded.motors, len(columns), outputs.shape[1])
         return [dict(zip(columns, values, strict=True)) for values in per_motor]
 
     def rates(self, velocity: np.ndarray, acceleration: np.ndarray) -> tuple[Rows, Rows]:
         """See `Closing`."""
-        found = self._replay.run(2, [*velocity.T, *acceleration.T])
-        nv = len(found) // 2
-        return found[:nv], found[nv:]
+        outputs = self._replay.run(2, [*velocity.T, *acceleration.T])
+        nv = len(outputs) // 2
+        return outputs[:nv], outputs[nv:]
 
 
 @dataclass(frozen=True)

@@ -45,7 +45,8 @@ def displacements(geometry: Geometry, first: np.ndarray, second: np.ndarray) -> 
             world = second[at] - first[at]
             rotation = rotation_of(before)
             step[joint.v.start : joint.v.start + 3] = [
-                sum(own * along for own, along in zip(axis, world, strict=True)) for axis in rotation
+                sum(component * along for component, along in zip(axis, world, strict=True))
+                for axis in rotation
             ]
         back = before * np.array([[-1.0], [-1.0], [-1.0], [1.0]])
         turn = _product(back, after[:3], after[3])
@@ -81,7 +82,7 @@ def configuration_rates(
             at, rotation = slice(joint.q.start, joint.q.start + 3), rotation_of(q[_quaternion(joint)])
             first[at] = turned(rotation, _linear(joint, v))
             carried = cross((w[0], w[1], w[2]), _linear(joint, v))
-            ax, ay, az = (own + turning for own, turning in zip(_linear(joint, a), carried, strict=True))
+            ax, ay, az = (part + turning for part, turning in zip(_linear(joint, a), carried, strict=True))
             second[at] = turned(rotation, (ax, ay, az))
         at, zero = _quaternion(joint), np.zeros(q.shape[1])
         first[at] = _product(q[at], 0.5 * w, zero)

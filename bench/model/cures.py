@@ -98,7 +98,8 @@ def joints_to_lock(geometry: Geometry, jacobian: np.ndarray, rank: int) -> Cure 
 
 
 def welds_as_connects(geometry: Geometry, open_by: np.ndarray, closed: float) -> Cure | None:
-    """The welds to be made connects where a weld is closed at home but for its orientation, and takes motors' freedom.
+    """The welds to be made connects where a weld is closed at home except for its orientation, and takes motors'
+    freedom.
 
     open_by (m,): residual of the closures, m and rad; closed: by how much one may be open.
     """

@@ -82,26 +82,26 @@ def eliminate(rows: Sequence[Row]) -> Elimination:
     """Reduce the equations.
 
     A column that the others determine leaves infinite or NaN unknowns at the samples concerned; a column
-    with no equation left raises numpy.linalg.LinAlgError.
+    with no remaining equation raises numpy.linalg.LinAlgError.
     """
-    left = {i: dict(row) for i, row in enumerate(rows)}
+    remaining = {i: dict(row) for i, row in enumerate(rows)}
     columns = elimination_order(rows)
     reflections, pivots, inverse_pivots = [], [], []
     for column in columns:
-        used = [i for i, row in left.items() if column in row]
+        used = [i for i, row in remaining.items() if column in row]
         if not used:
             raise np.linalg.LinAlgError(f"column {column} is not determined")
-        entries = [left[i].pop(column) for i in used]
+        entries = [remaining[i].pop(column) for i in used]
         reflection, pivot = _reflection(used, entries)
         if reflection is not None:
-            for other in sorted({c for i in used for c in left[i]}):
-                reflected = reflection.apply([left[i].get(other, 0.0) for i in used])
+            for other in sorted({c for i in used for c in remaining[i]}):
+                reflected = reflection.apply([remaining[i].get(other, 0.0) for i in used])
                 if reflected is None:
                     continue
                 for i, value in zip(used, reflected, strict=True):
-                    left[i][other] = value
+                    remaining[i][other] = value
         reflections.append(reflection)
-        pivots.append((used[0], left.pop(used[0])))
+        pivots.append((used[0], remaining.pop(used[0])))
         inverse_pivots.append(1.0 / pivot)
     return Elimination(columns, tuple(reflections), tuple(pivots), tuple(inverse_pivots))
 

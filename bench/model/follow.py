@@ -182,7 +182,7 @@ def advance(follower: Follower, pose: Pose, target: np.ndarray, enough: float = 
 
 
 def _turned(before: Pose, after: Pose, part: np.ndarray) -> float:
-    """By how much the amplification has changed over a step of the active joints, times that step [m or rad].
+    """How much the amplification has changed over a step of the active joints, times that step [m or rad].
 
     On a smooth way that is about twice the correction. It is far more where the step has leapt over a
     singular pose into another assembly mode: the amplification then has the other sign across the step's

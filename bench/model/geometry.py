@@ -53,7 +53,7 @@ class Joint:
     The joint frame has the orientation of its body and its origin on the joint; `placement` is this frame
     in the frame of the joint `parent` (-1: the world) at zero joint position. `body` names the body that
     the joint carries, None where a further joint of the same body follows or only a rotor turns. `offset` is the
-    MuJoCo joint position at which the model's own is zero; `limits` are in the file's coordinate, rad or m.
+    MuJoCo joint position at which the model's position is zero; `limits` are in the file's coordinate, rad or m.
     """
 
     name: str
@@ -156,7 +156,7 @@ class Geometry:
 
     @cached_property
     def active_offset(self) -> np.ndarray:
-        """(n,) MuJoCo positions of the actuated joints at which the model's own are zero, rad or m."""
+        """(n,) MuJoCo positions of the actuated joints at which the model's positions are zero, rad or m."""
         by_velocity = {joint.v.start: joint.offset for joint in self.joints}
         return np.array([by_velocity[int(index)] for index in self.active])
 
@@ -228,13 +228,13 @@ def _joints(compiled: mujoco.MjModel) -> tuple[tuple[Joint, ...], dict[int, tupl
     for body in range(1, compiled.nbody):
         carried = _name(compiled, mujoco.mjtObj.mjOBJ_BODY, body, f"body_{body}")
         parent, placement = frames[int(compiled.body_parentid[body])]
-        here = placement @ Placement(_rotation(compiled.body_quat[body]), compiled.body_pos[body].copy())
+        frame = placement @ Placement(_rotation(compiled.body_quat[body]), compiled.body_pos[body].copy())
         first = int(compiled.body_jntadr[body])
         count = int(compiled.body_jntnum[body])
         for index in range(first, first + count):
             kind = KINDS[int(compiled.jnt_type[index])]
             point = np.zeros(3) if kind == "free" else compiled.jnt_pos[index].copy()
-            at = world if kind == "free" else here @ Placement(np.eye(3), point)
+            at = world if kind == "free" else frame @ Placement(np.eye(3), point)
             limits = compiled.jnt_range[index] if compiled.jnt_limited[index] else None
             joints.append(
                 Joint(
@@ -254,8 +254,8 @@ def _joints(compiled: mujoco.MjModel) -> tuple[tuple[Joint, ...], dict[int, tupl
             )
             nq += CONFIGURATION_SIZE[kind]
             nv += VELOCITY_SIZE[kind]
-            parent, here = len(joints) - 1, Placement(np.eye(3), -point)
-        frames[body] = (parent, here)
+            parent, frame = len(joints) - 1, Placement(np.eye(3), -point)
+        frames[body] = (parent, frame)
     return tuple(joints), frames
 
 

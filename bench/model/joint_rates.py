@@ -17,7 +17,7 @@ from bench.model.spin import Spin, idle_spins
 
 @dataclass(frozen=True)
 class JointRates:
-    """Of one joint, in its own d coordinates: 1 of a hinge or slide, 3 of a ball joint, in the frame of its body.
+    """Rates of one joint, in its d coordinates: 1 of a hinge or slide, 3 of a ball joint, in the frame of its body.
 
     velocity and acceleration (N, d), rad/s or m/s and their rates; jacobian (N, d, n): that velocity for the active
     joints' velocities.
@@ -30,8 +30,8 @@ class JointRates:
 
 def joint_rates(geometry: Geometry, motion: Motion, joint: int) -> JointRates:
     """The rates of a joint (index), rods spinning as their balls make them."""
-    own = geometry.joints[joint].v
-    velocity, acceleration, jacobian = motion.v[:, own], motion.a[:, own], motion.jacobian[:, own]
+    columns = geometry.joints[joint].v
+    velocity, acceleration, jacobian = motion.v[:, columns], motion.a[:, columns], motion.jacobian[:, columns]
     spins = idle_spins(geometry) if geometry.joints[joint].kind == "ball" else ()
     for spin in spins:
         if joint not in (spin.joint, *(ball for ball, _ in spin.ends)):

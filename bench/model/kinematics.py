@@ -214,11 +214,11 @@ def rates_of(links: tuple[Link, ...], frames: Frames, v: list[Scalar]) -> Rates:
     for link in links:
         at, parent = link.index, link.parent
         rotation = frames.rotation[at]
-        own = (v[link.v], v[link.v + 1], v[link.v + 2]) if link.kind in ("ball", "free") else ZERO
+        spin = (v[link.v], v[link.v + 1], v[link.v + 2]) if link.kind in ("ball", "free") else ZERO
         if link.kind == "free":
             rates.angular[at] = turned(rotation, (v[link.v + 3], v[link.v + 4], v[link.v + 5]))
             rates.angular_bias[at] = ZERO
-            rates.linear_bias[at] = cross(rates.angular[at], turned(rotation, own))
+            rates.linear_bias[at] = cross(rates.angular[at], turned(rotation, spin))
             continue
         angular, bias = rates.angular[parent], rates.angular_bias[parent]
         linear = rates.linear_bias[parent]
@@ -230,7 +230,7 @@ def rates_of(links: tuple[Link, ...], frames: Frames, v: list[Scalar]) -> Rates:
             linear = add(linear, scaled(cross(angular, sliding), 2.0))
             rates.angular[at], rates.angular_bias[at] = angular, bias
         else:
-            turning = scaled(frames.axis[at], v[link.v]) if link.kind == "hinge" else turned(rotation, own)
+            turning = scaled(frames.axis[at], v[link.v]) if link.kind == "hinge" else turned(rotation, spin)
             rates.angular[at] = add(angular, turning)
             rates.angular_bias[at] = add(bias, cross(angular, turning))
         rates.linear_bias[at] = linear
@@ -240,7 +240,7 @@ def rates_of(links: tuple[Link, ...], frames: Frames, v: list[Scalar]) -> Rates:
 def carried(angular: Vector, angular_acceleration: Vector, arm: Vector) -> Vector:
     """Acceleration of a point at `arm` from the origin of a turning frame, less that of the origin.
 
-    Equals w' x r + w x (w x r), here w' x r + w (w r) - r (w w).
+    Equals w' x r + w x (w x r), in this code w' x r + w (w r) - r (w w).
     """
     along, square = dot(angular, arm), dot(angular, angular)
     turning = cross(angular_acceleration, arm)

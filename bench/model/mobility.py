@@ -56,7 +56,7 @@ def _named(geometry: Geometry, coupling: Coupling) -> str:
 
 
 def _unit(geometry: Geometry, coupling: Coupling) -> str:
-    """That of the first joint's position."""
+    """The unit of the first joint's position."""
     joint, _ = coupling.first[0]
     return joint_units(geometry.joints[joint].kind != "slide").position
 
@@ -88,10 +88,10 @@ def check_mobility(geometry: Geometry) -> None:
             f"robot {name}: home is a singular pose: joint {_quoted(loose)} can move there, all motors held"
         )
     jacobian = scaled_jacobian(geometry, geometry.home if general is None else general)
-    left = geometry.nv - _rank(jacobian)
-    if left < len(geometry.active):
+    freedom = geometry.nv - _rank(jacobian)
+    if freedom < len(geometry.active):
         raise BenchError(
-            f"robot {name}: the loop closures leave {left} degrees of freedom for {len(geometry.active)} "
+            f"robot {name}: the loop closures leave {freedom} degrees of freedom for {len(geometry.active)} "
             f"motors; those of joint {_quoted(_bound_motors(geometry, jacobian))} are not independent "
             "near the home pose, although they are at home"
         )
@@ -116,7 +116,7 @@ def scaled_jacobian(geometry: Geometry, q: np.ndarray) -> np.ndarray:
 
 
 def scaled_jacobians(geometry: Geometry, q: np.ndarray) -> np.ndarray:
-    """Jacobians (N, m, nv) of the closures at q (N, nq), without dimension: all lengths over the robot's own.
+    """Jacobians (N, m, nv) of the closures at q (N, nq), without dimension: all lengths over the robot's length.
 
     The row of a coupling has a largest entry of one.
     """
@@ -132,7 +132,9 @@ def scaled_jacobians(geometry: Geometry, q: np.ndarray) -> np.ndarray:
 
 
 def smallest_singular_values(geometry: Geometry, q: np.ndarray) -> np.ndarray:
-    """Of the scaled loop Jacobian by the passive joints at q (N, nq): (N,). Zero: some joint is not held."""
+    """The smallest singular values (N,) of the scaled loop Jacobian by the passive joints at q (N, nq). Zero: some
+    joint is not held.
+    """
     return _smallest(scaled_jacobians(geometry, q)[:, :, geometry.passive])
 
 
@@ -155,8 +157,8 @@ def conditioning(geometry: Geometry, q: np.ndarray) -> float:
 
 
 def least_held(geometry: Geometry, q: np.ndarray, count: int) -> tuple[np.ndarray, np.ndarray]:
-    """Of the poses q (N, nq) the numbers (count,), in order, of those where the determinant by the passive joints is
-    smallest, and their `smallest_singular_values`.
+    """Among the poses q (N, nq), the numbers (count,), in order, of those where the determinant by the passive joints
+    is smallest, and their `smallest_singular_values`.
     """
     passive = scaled_jacobians(geometry, q)[:, :, geometry.passive]
     square = passive
@@ -184,8 +186,8 @@ def _rank(matrix: np.ndarray) -> int:
 def _bound_motors(geometry: Geometry, jacobian: np.ndarray) -> tuple[str, ...]:
     """Motors that the closures relate to one another: what no passive motion makes up for."""
     passive, active = jacobian[:, geometry.passive], jacobian[:, geometry.active]
-    left_over = active - passive @ np.linalg.lstsq(passive, active, rcond=DEPENDENT)[0]
-    sizes = np.abs(left_over).max(axis=0)
+    uncontrolled = active - passive @ np.linalg.lstsq(passive, active, rcond=DEPENDENT)[0]
+    sizes = np.abs(uncontrolled).max(axis=0)
     return tuple(
         name
         for name, size in zip(geometry.robot.joints, sizes, strict=True)

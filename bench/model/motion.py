@@ -122,7 +122,7 @@ def motion_of(
     if near is not None and geometry.closed:
         track = Track(time, position, velocity, acceleration, geometry.active_offset)
         try:
-            return _solved(geometry, closures_of(geometry), track, _beside(geometry, near, track))
+            return _solved(geometry, closures_of(geometry), track, _guess_near(geometry, near, track))
         except BenchError:
             pass  # too far: all the way from home
     return path_of(geometry, time, position, velocity, acceleration).motion(slice(None))
@@ -191,17 +191,17 @@ class Path:
         Their Jacobian is interpolated between the nodes, which are close to each other compared with its curvature.
         """
         time, velocity = self.track.time, self.track.velocity
-        found = np.empty((len(time), len(joints)))
+        joint_rates = np.empty((len(time), len(joints)))
         if not len(joints):
-            return found
+            return joint_rates
         near = self.nodes if self.nodes is not None and len(self.nodes.time) >= FEWEST else None
         curve = None if near is None else cubic_spline(near.time, near.jacobian[:, joints])
         for block in blocks_of(len(time), BLOCK):
             if curve is None:
-                found[block] = self.motion(block).v[:, joints]
+                joint_rates[block] = self.motion(block).v[:, joints]
             else:
-                found[block] = np.einsum("kvj,kj->kv", curve(time[block]), velocity[block])
-        return found
+                joint_rates[block] = np.einsum("kvj,kj->kv", curve(time[block]), velocity[block])
+        return joint_rates
 
     def motion(self, samples: Samples) -> Motion:
         """The motion at these samples. Raises BenchError where the loops cannot be closed."""
@@ -216,7 +216,7 @@ class Path:
         )
 
 
-def motion_beside(
+def motion_near(
     geometry: Geometry,
     near: Motion,
     position: np.ndarray,
@@ -229,7 +229,7 @@ def motion_beside(
     from there.
     """
     track = Track(near.time, position, velocity, acceleration, geometry.active_offset)
-    return _solved(geometry, closures_of(geometry), track, _beside(geometry, near, track))
+    return _solved(geometry, closures_of(geometry), track, _guess_near(geometry, near, track))
 
 
 def rates_at(
@@ -251,11 +251,11 @@ def _solved(
     jacobian = np.zeros((samples, geometry.nv, n))
     jacobian[:, geometry.active, np.arange(n)] = 1.0
     motion = Motion(track.time, q, v, a, jacobian)
-    left = [
+    unsolved = [
         block.start + _solve_block(geometry, closures, track, guess, enough, block, motion)
         for block in blocks_of(samples, BLOCK)
     ]
-    few = np.concatenate(left) if left else np.arange(0)
+    few = np.concatenate(unsolved) if unsolved else np.arange(0)
     if len(few):
         nearly = np.ascontiguousarray(q[few].T)
         again = _solved(geometry, closures, track.at(few), lambda block: nearly[:, block], enough)
@@ -362,7 +362,7 @@ def _between(geometry: Geometry, nodes: Motion) -> Callable[[np.ndarray, np.ndar
     return guess
 
 
-def _beside(geometry: Geometry, near: Motion, track: Track) -> _Guess:
+def _guess_near(geometry: Geometry, near: Motion, track: Track) -> _Guess:
     """Poses of another motion at the same samples, moved by what they are off at the active joints."""
 
     def guess(block: slice) -> np.ndarray:

@@ -25,7 +25,7 @@ class Track:
     offset: np.ndarray
 
     def position(self, samples: Samples | int) -> np.ndarray:
-        """Of the model's active joints at some of the samples, (K, n)."""
+        """Positions of the model's active joints at some of the samples, (K, n)."""
         return np.asarray(self.logged[samples] - self.offset)
 
     def at(self, samples: Samples) -> "Track":

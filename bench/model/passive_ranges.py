@@ -28,20 +28,22 @@ class PassiveRange:
 
     def at(self, q: np.ndarray) -> np.ndarray:
         """Where in its range the joint is, (K,), at configurations (K, nq): its position, or a ball joint's angle."""
-        own = q[:, self.configuration]
-        if own.shape[1] == 1:
-            return np.asarray(own[:, 0])
-        return np.asarray(2.0 * np.arctan2(np.linalg.norm(own[:, :3], axis=1), np.abs(own[:, 3])))
+        coordinates = q[:, self.configuration]
+        if coordinates.shape[1] == 1:
+            return np.asarray(coordinates[:, 0])
+        return np.asarray(
+            2.0 * np.arctan2(np.linalg.norm(coordinates[:, :3], axis=1), np.abs(coordinates[:, 3]))
+        )
 
 
 def passive_ranges(geometry: Geometry) -> tuple[PassiveRange, ...]:
     """Those of hinges, slides and ball joints that no motor of the robot's joints moves."""
     passive = set(geometry.passive.tolist())
-    found = []
+    ranges = []
     for joint in geometry.joints:
         if joint.limits is None or joint.v.start not in passive:
             continue
         least = -np.inf if joint.kind == "ball" else joint.limits[0] - joint.offset
         most = max(joint.limits) if joint.kind == "ball" else joint.limits[1] - joint.offset
-        found.append(PassiveRange(joint.name, joint.q, joint.v, least, most, joint.offset))
-    return tuple(found)
+        ranges.append(PassiveRange(joint.name, joint.q, joint.v, least, most, joint.offset))
+    return tuple(ranges)

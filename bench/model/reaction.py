@@ -43,14 +43,14 @@ class Bearing:
 @lru_cache(maxsize=KEPT)
 def bearing_of(geometry: Geometry, joint: int) -> Bearing:
     """The robot with two slides across the axis of a hinge or slide (index), driven and at rest."""
-    own = geometry.joints[joint]
-    at, first = own.q.start, own.v.start
+    original = geometry.joints[joint]
+    at, first = original.q.start, original.v.start
     slides = tuple(
         Joint(
-            name=f"{own.name} across {k}",
+            name=f"{original.name} across {k}",
             kind="slide",
-            parent=own.parent if k == 0 else joint + k - 1,
-            placement=own.placement if k == 0 else Placement(np.eye(3), np.zeros(3)),
+            parent=original.parent if k == 0 else joint + k - 1,
+            placement=original.placement if k == 0 else Placement(np.eye(3), np.zeros(3)),
             axis=axis,
             body=None,
             q=slice(at + k, at + k + 1),
@@ -58,11 +58,11 @@ def bearing_of(geometry: Geometry, joint: int) -> Bearing:
             offset=0.0,
             limits=None,
         )
-        for k, axis in enumerate(_across(own.axis))
+        for k, axis in enumerate(_across(original.axis))
     )
     before = tuple(geometry.joints[:joint])
     carried = replace(
-        _later(own, joint), parent=joint + ACROSS - 1, placement=Placement(np.eye(3), np.zeros(3))
+        _later(original, joint), parent=joint + ACROSS - 1, placement=Placement(np.eye(3), np.zeros(3))
     )
     after = tuple(_later(other, joint) for other in geometry.joints[joint + 1 :])
 
@@ -111,10 +111,10 @@ def with_motors_held(geometry: Geometry, motion: Motion) -> HeldMotion:
     """The motion with what all of its bearings have in common."""
     if not geometry.closed:
         return HeldMotion(geometry, motion, None)
-    own = _closures(geometry, motion.q, geometry.passive)
-    turned = own.transpose(0, 2, 1)
+    closures = _closures(geometry, motion.q, geometry.passive)
+    turned = closures.transpose(0, 2, 1)
     # far from singular: such poses are refused
-    return HeldMotion(geometry, motion, np.linalg.solve(turned @ own, turned))
+    return HeldMotion(geometry, motion, np.linalg.solve(turned @ closures, turned))
 
 
 def bearing_motion(bearing: Bearing, held: HeldMotion) -> Motion:
@@ -136,9 +136,9 @@ def _not_followed(bearing: Bearing, held: HeldMotion) -> np.ndarray:
     """
     closures = _closures(bearing.geometry, _with_slides(bearing, held.motion.q))
     opened = closures[:, :, bearing.first : bearing.first + ACROSS]
-    left = opened - closures[:, :, bearing.held] @ (held.inverse @ opened)
+    residual = opened - closures[:, :, bearing.held] @ (held.inverse @ opened)
     size = np.linalg.norm(opened, axis=(1, 2))
-    return np.asarray(np.linalg.norm(left, axis=(1, 2)) / np.where(size > 0.0, size, 1.0))
+    return np.asarray(np.linalg.norm(residual, axis=(1, 2)) / np.where(size > 0.0, size, 1.0))
 
 
 def _with_slides(bearing: Bearing, q: np.ndarray) -> np.ndarray:
@@ -178,11 +178,11 @@ def mass_on_axis(geometry: Geometry, joint: int) -> tuple[float, float]:
     bearing, states = bearing_of(geometry, joint), _states(geometry)
     rows = bearing_rows(bearing, states, np.arange(10 * len(geometry.joints)))
     force, of_mass = rows @ standard, rows[:, :, 10 * joint]
-    left = force - bearing_rows(bearing, states, base.columns) @ (base.grouping @ standard)
+    residual = force - bearing_rows(bearing, states, base.columns) @ (base.grouping @ standard)
     square = float(np.vdot(of_mass, of_mass))
-    mass = float(np.vdot(of_mass, left)) / square if square > 0.0 else 0.0
+    mass = float(np.vdot(of_mass, residual)) / square if square > 0.0 else 0.0
     size = float(np.linalg.norm(force))
-    return mass, float(np.linalg.norm(left - mass * of_mass)) / (size or 1.0)
+    return mass, float(np.linalg.norm(residual - mass * of_mass)) / (size or 1.0)
 
 
 @lru_cache(maxsize=KEPT)
@@ -192,8 +192,8 @@ def undetermined_by(geometry: Geometry, joint: int) -> Literal["", "closures", "
     """
     bearing = bearing_of(geometry, joint)
     if geometry.closed:
-        left = _not_followed(bearing, _states(geometry))
-        if not np.all(left < FITS):
+        residual = _not_followed(bearing, _states(geometry))
+        if not np.all(residual < FITS):
             return "closures"
     _, open_share = mass_on_axis(geometry, joint)
     return "" if open_share < MOST_OPEN else "masses"

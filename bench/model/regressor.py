@@ -72,8 +72,8 @@ def projected_regressor(geometry: Geometry, motion: Motion, columns: np.ndarray 
                 rows[j, place, block] = value
         else:
             varying = [rate for rate in rates if not isinstance(rate, float)]
-            found = tape.program.replay(q.shape[1]).run(0, [*q, *varying])
-            rows[tape.motors, tape.places, block] = found
+            outputs = tape.program.replay(q.shape[1]).run(0, [*q, *varying])
+            rows[tape.motors, tape.places, block] = outputs
     joints = np.concatenate((geometry.active, geometry.redundant))
     for place, motor in others:
         joint = joints[motor if motor < len(joints) else motor - len(geometry.redundant)]

@@ -33,14 +33,14 @@ class Spin:
 @lru_cache(maxsize=KEPT)
 def idle_spins(geometry: Geometry) -> tuple[Spin, ...]:
     """The spins of a robot's rods, one equation each."""
-    found = []
+    spins = []
     for index, joint in enumerate(geometry.joints):
         if joint.kind in ("ball", "free"):
             carried = _carried(geometry, index)
             axis = _line(geometry, joint, carried)
             if axis is not None:
-                found.append(Spin(index, axis, _ends(geometry, axis, carried)))
-    return tuple(found)
+                spins.append(Spin(index, axis, _ends(geometry, axis, carried)))
+    return tuple(spins)
 
 
 @dataclass(frozen=True)

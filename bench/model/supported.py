@@ -80,8 +80,8 @@ def _equalities(compiled: mujoco.MjModel) -> Iterator[str]:
         elif kind == mujoco.mjtEq.mjEQ_TENDON:
             for tendon in (int(compiled.eq_obj1id[index]), int(compiled.eq_obj2id[index])):
                 if tendon >= 0 and not is_fixed(compiled, tendon):
-                    own = label_of(compiled, mujoco.mjtObj.mjOBJ_TENDON, tendon)
-                    yield f"equality {label!r}: tendon {own!r} is a cable in space, which is not supported"
+                    tendon_name = label_of(compiled, mujoco.mjtObj.mjOBJ_TENDON, tendon)
+                    yield f"equality {label!r}: tendon {tendon_name!r} is a cable in space, which is not supported"
 
 
 def is_fixed(compiled: mujoco.MjModel, tendon: int) -> bool:

@@ -112,14 +112,14 @@ class TapeRun:
         part, memory = self.program.stages[stage], self.memory
         for row, values in zip(range(part.inputs.start, part.inputs.stop), inputs, strict=True):
             memory[row] = values
-        left, right = self.room
+        first_operand, second_operand = self.room
         for ufunc, first, second, results in part.groups:
             count = results.stop - results.start  # "clip" below: NumPy needs no buffer, and no row is outside
-            argument = memory.take(first, 0, left[:count], "clip")
+            argument = memory.take(first, 0, first_operand[:count], "clip")
             if second is None:
                 ufunc(argument, memory[results])
             else:
-                ufunc(argument, memory.take(second, 0, right[:count], "clip"), memory[results])
+                ufunc(argument, memory.take(second, 0, second_operand[:count], "clip"), memory[results])
         return np.asarray(memory[part.outputs])
 
 
@@ -135,7 +135,7 @@ class Tape:
         self._stages: list[tuple[list[int], list[_Operation], list[int]]] = []
 
     def inputs(self, count: int) -> list[Scalar]:
-        """That many inputs of the stage that begins or has begun."""
+        """Record so many inputs of the stage that begins or has begun."""
         rows = [self._new(0) for _ in range(count)]
         self._inputs += rows
         return [Recorded(self, row) for row in rows]  # type: ignore[misc]
@@ -182,7 +182,7 @@ class Tape:
         return self._values - 1
 
     def _row(self, value: Any) -> int:
-        """The row of a value: its own, or that of a constant."""
+        """The row of a value: of its operation, or that of a constant."""
         if isinstance(value, Recorded):
             return value.row
         number = float(value)

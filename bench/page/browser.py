@@ -14,7 +14,7 @@ PROGRAMS = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stab
 
 def browser_program() -> str | None:
     """The path of Chromium on this machine; None where there is none."""
-    return next((found for name in PROGRAMS if (found := shutil.which(name))), None)
+    return next((program for name in PROGRAMS if (program := shutil.which(name))), None)
 
 
 @contextmanager
@@ -24,7 +24,7 @@ def browser() -> Iterator[Browser]:
     if program is None:
         raise BenchError("no Chromium here: install it (Debian: apt-get install chromium)")
     with sync_playwright() as playwright:
-        # a container's root cannot have Chromium's sandbox; the pages are our own files
+        # a container's root cannot have Chromium's sandbox; the pages are written by this program
         launched = playwright.chromium.launch(executable_path=program, args=["--no-sandbox"])
         try:
             yield launched

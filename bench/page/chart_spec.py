@@ -1,4 +1,4 @@
-"""Charts as the page's own script draws them: plain data with the digits that an eye sees."""
+"""Charts as the page's script draws them: plain data with the digits that an eye sees."""
 
 from functools import singledispatch
 from typing import Any
@@ -27,9 +27,9 @@ from bench.document.typeset import typeset
 from bench.page.parts import Figure, PageChart, one_figure
 from bench.page.thinned import rounded, significant, thinned
 
-HEIGHT, TALL = 210, 330  # px, of charts that stand beside each other
+HEIGHT, TALL = 210, 330  # px, of charts that stand side by side
 LINE = 24  # px for each category, where there are many
-LONGEST_NAME = 24  # letters of a category beside others
+LONGEST_NAME = 24  # letters of a category next to others
 
 Spec = dict[str, Any]
 
@@ -45,8 +45,8 @@ def chart_figure(
     )
 
 
-def beside(chart: Chart) -> PageChart:
-    """A chart that stands beside others, with its title and aid."""
+def page_chart(chart: Chart) -> PageChart:
+    """One chart of several, with its title and aid."""
     names = chart.y.categories
     height = max(TALL, 70 + LINE * len(names)) if names else HEIGHT
     return PageChart(typeset(chart.title), typeset(chart.aid), spec_of(chart, height, longest=LONGEST_NAME))
@@ -99,10 +99,10 @@ def _panel(panel: Panel, chart: Chart, most: int | None, longest: int | None) ->
 
 
 def _named(series: Series, panel: Panel, most: int | None) -> Spec:
-    own = _curve(series, panel.y, most) if isinstance(series, Line) else _series(series)
+    curve = _curve(series, panel.y, most) if isinstance(series, Line) else _series(series)
     if isinstance(series, Levels) and series is not _last_levels(panel):
-        own["texts"] = []  # what is said of two lines would stand on each other
-    return {"role": series.role, "name": typeset(series.name), **own}
+        curve["texts"] = []  # what is said of two lines would stand on each other
+    return {"role": series.role, "name": typeset(series.name), **curve}
 
 
 def _last_levels(panel: Panel) -> Series:
@@ -131,7 +131,7 @@ def _cut(name: str, longest: int | None) -> str:
 
 @singledispatch
 def _series(series: Any) -> Spec:
-    """One series, but for lines, without its name and colour."""
+    """One series, except for lines, without its name and colour."""
     raise TypeError(f"{type(series).__name__}: no such series")
 
 
@@ -228,7 +228,7 @@ def _curve(line: Line, y: Axis, most: int | None) -> Spec:
 
 
 def _rows(x: np.ndarray) -> tuple[np.ndarray, float]:
-    """Number of each row from the first on, of rows that are evenly spaced but for gaps, and the space."""
+    """Number of each row from the first on, of rows that are evenly spaced except for gaps, and the space."""
     known = x[np.isfinite(x)]
     step = float(np.median(np.diff(known))) if len(known) > 1 else 1.0
     return np.rint((known - known[0]) / step).astype(int), step

@@ -15,10 +15,10 @@ SIZE = 16  # bytes
 
 
 def dataset_digest(dataset: Dataset, effect_files: Sequence[Path] = ()) -> str:
-    """Of dataset.toml, the recordings, the robot's description and mechanism, and the files with effects.
+    """Digest of dataset.toml, the recordings, the robot's description and mechanism, and the files with effects.
 
     The mechanism is taken as MuJoCo compiles it, so that files that the MJCF includes count as well. effect_files:
-    those beside the dataset's own.
+    those in addition to the dataset's.
     """
     robot = dataset.robot
     recordings = [
@@ -26,14 +26,14 @@ def dataset_digest(dataset: Dataset, effect_files: Sequence[Path] = ()) -> str:
     ]
     files = [dataset.folder / DATASET_FILE, *recordings, robot.folder / "robot.toml"]
     files += [*dataset.effect_files, *effect_files]
-    found = hashlib.blake2b(digest_size=SIZE)
+    digest = hashlib.blake2b(digest_size=SIZE)
     for path in files:
-        found.update(bytes.fromhex(file_digest(path)))
+        digest.update(bytes.fromhex(file_digest(path)))
     model = robot.mjcf_model()
     mechanism = np.zeros(mujoco.mj_sizeModel(model), np.uint8)
     mujoco.mj_saveModel(model, None, mechanism)
-    found.update(mechanism.tobytes())
-    return found.hexdigest()
+    digest.update(mechanism.tobytes())
+    return digest.hexdigest()
 
 
 def file_digest(path: Path) -> str:

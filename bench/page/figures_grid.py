@@ -36,14 +36,14 @@ class _Grid:
     def spread(self, metric: str, at: Mapping[str, Any]) -> Spread | None:
         """A metric where the axes have these values; None where no run came to an answer."""
         line = self.lines.get(tuple(at[axis] for axis in self.values))
-        found = line.spreads[metric] if line is not None else None
-        return found if found is not None and found.count else None
+        value = line.spreads[metric] if line is not None else None
+        return value if value is not None and value.count else None
 
 
 def grid_figure(summary: Summary, plots: Sequence[tuple[str, str | None]]) -> Figure | None:
     """The metrics of a sweep over two of its axes; None where fewer than two have several values.
 
-    plots: axes (x, lines) of the sweep's own figures, the first of which decide which two.
+    plots: axes (x, lines) of the sweep's figures, the first of which decide which two.
     """
     grid = _grid(summary, plots)
     metrics = [name for name in summary.metrics if any(line.spreads[name].count for line in summary.lines)]
@@ -95,11 +95,13 @@ def _chart(grid: _Grid, metric: str, others: Mapping[str, Any]) -> PageChart:
     shades = _shades(grid, metric)
     places, middles, picks = [], [], []
     for (i, x), (k, y) in product(enumerate(columns), enumerate(rows)):
-        here = {**fixed, grid.across: x, grid.down: y}
-        found = grid.spread(metric, here)
+        point = {**fixed, grid.across: x, grid.down: y}
+        spread = grid.spread(metric, point)
         places.append((i, k))
-        middles.append(None if found is None else _middle(metric, found))
-        picks.append({axis: point_label(value) for axis, value in here.items() if len(grid.values[axis]) > 1})
+        middles.append(None if spread is None else _middle(metric, spread))
+        picks.append(
+            {axis: point_label(value) for axis, value in point.items() if len(grid.values[axis]) > 1}
+        )
     at = np.array(places)
     cells = Cells(
         "before",
@@ -123,8 +125,8 @@ def _names(axis: str, values: Sequence[Any]) -> Axis:
     return Axis(*axis_parts(axis), scale="band", categories=tuple(map(point_label, values)))
 
 
-def _middle(metric: str, found: Spread) -> float:
-    return found.mean if is_share(metric) else found.median
+def _middle(metric: str, spread: Spread) -> float:
+    return spread.mean if is_share(metric) else spread.median
 
 
 def _shades(grid: _Grid, metric: str) -> Any:

@@ -15,7 +15,7 @@ HIGH, LOW, SPREAD = 300, 200, 210  # px
 
 
 def plot_figure(table: Path, x: str, y: str, lines: str | None, picked: Collection[str] = ()) -> Figure:
-    """A metric against an axis; more lines than colours stand beside each other, each in a chart of its own."""
+    """A metric against an axis; more lines than colours stand side by side, each in a separate chart."""
     chart = plot_chart(table, x, y, lines, picked)
     names = chart.x.categories
     turned = sum(map(len, names)) > MOST_LETTERS

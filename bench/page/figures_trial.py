@@ -1,4 +1,4 @@
-"""Figures of a trial on a page: what was named for what, misses by size, intervals, errors left."""
+"""Figures of a trial on a page: what was named for what, misses by size, intervals, remaining errors."""
 
 from collections.abc import Sequence
 

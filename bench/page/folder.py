@@ -1,6 +1,6 @@
 """What a result folder keeps so that its page can be written again without working anything out.
 
-report.json names the command and the dataset, and holds what a diagnosis says; beside it lie the models, the currents
+report.json names the command and the dataset, and holds what a diagnosis says; next to it are the models, the currents
 that they give (series.parquet), and what the workbench of a diagnosis shows (workbench.json). It is written last, and
 knows what the other files have to be.
 """
@@ -68,7 +68,7 @@ class SavedRun:
     said: str = ""
 
     @property
-    def judged(self) -> Dataset:
+    def with_held_out(self) -> Dataset:
         """The dataset with the recordings that the currents are of: of a diagnosis, cut as it was judged."""
         return self.dataset if self.diagnosis is None else with_held_out_parts(self.dataset)[0]
 
@@ -80,7 +80,7 @@ class SavedRun:
 
     @property
     def effect_files(self) -> list[Path]:
-        """Effects of the user's own that the command named, beside the dataset's."""
+        """Effects of the user that the command named, in addition to the dataset's."""
         return [Path(file) for file in self.run.effect_files]
 
 
@@ -103,7 +103,7 @@ def save_run(folder: Path, kept: SavedRun) -> None:
     if diagnosis is not None:
         save_model(diagnosis.before, folder / BEFORE_FILE, dataset.folder)
         written.append(BEFORE_FILE)
-        content["diagnosis"] = _told(diagnosis)
+        content["diagnosis"] = _diagnosis_content(diagnosis)
         between = [diagnosis.ladder[i].recordings for i in content["diagnosis"]["between"]]
         bare = [tuple(replace(entry, by_effect={}) for entry in series) for series in between]
         models += [diagnosis.before.recordings, *bare]
@@ -115,15 +115,15 @@ def save_run(folder: Path, kept: SavedRun) -> None:
 
 
 def save_workbench(folder: Path, kept: SavedRun) -> None:
-    """Write what the workbench of a page shows beside a run that was saved."""
+    """Write what the workbench of a page shows, next to a saved run."""
     write_text_atomically(folder / WORKBENCH_FILE, json.dumps(finite(kept.workbench), allow_nan=False))
     content = json.loads((folder / RUN_FILE).read_text(encoding="utf-8"))
     content["files"][WORKBENCH_FILE] = file_digest(folder / WORKBENCH_FILE)
     write_json_atomically(folder / RUN_FILE, content)
 
 
-def _told(diagnosis: Diagnosis) -> dict[str, Any]:
-    """What a diagnosis says, beside its models. between: the steps of its ladder whose currents are kept as well."""
+def _diagnosis_content(diagnosis: Diagnosis) -> dict[str, Any]:
+    """What a diagnosis says, next to its models. between: the steps of its ladder whose currents are kept as well."""
     ladder = diagnosis.ladder
     return {
         "held_out": diagnosis.held_out,
@@ -157,7 +157,7 @@ def read_run(folder: Path) -> SavedRun:
         known |= {name: tuple(known[name]) for name in ("effects", "effect_files")}
         run, data, model = CommandRun(**known), folder / content["dataset"], str(content["model"])
         digest, files = content.get("digest"), dict(content.get("files", {}))
-        told, by = content.get("diagnosis"), _versions(content.get("versions"))
+        diagnosed, by = content.get("diagnosis"), _versions(content.get("versions"))
         current = content.get("workbench") == WORKBENCH_VERSION
     except (KeyError, TypeError, ValueError) as error:
         raise _damaged(path, error) from None
@@ -177,24 +177,26 @@ def read_run(folder: Path) -> SavedRun:
         said = (
             f"{folder}: its dataset, robot or effects have changed since: its models are applied to them anew"
         )
-    judged = with_held_out_parts(dataset)[0] if told is not None else dataset
-    names = [MODEL_FILE] if told is None else [AFTER_FILE, BEFORE_FILE]
+    with_held_out = with_held_out_parts(dataset)[0] if diagnosed is not None else dataset
+    names = [MODEL_FILE] if diagnosed is None else [AFTER_FILE, BEFORE_FILE]
     paths = [folder / name for name in names]
     if said:
         try:
-            problem = replace(_problem(dataset, run, _discovered(told or {})), dataset=judged)
+            problem = replace(_problem(dataset, run, _discovered(diagnosed or {})), dataset=with_held_out)
         except (KeyError, TypeError, ValueError) as error:
             raise _damaged(path, error) from None
         models = [read_identification(file, problem) for file in paths]
-        diagnosis = None if told is None else _diagnosis(path, told, models, {})
+        diagnosis = None if diagnosed is None else _diagnosis(path, diagnosed, models, {})
         return SavedRun(run, dataset, models[0], diagnosis, model, said=said)
-    between = _between(path, told)
+    between = _between(path, diagnosed)
     saved = [load_model(file) for file in paths]
     effects = [tuple(saved_model.model.effect_parameters) for saved_model in saved]
-    series = read_series(folder / SERIES_FILE, judged, [*effects, *(() for _ in between)])
-    models = [saved_model.beside(judged, its) for saved_model, its in zip(saved, series, strict=False)]
+    series = read_series(folder / SERIES_FILE, with_held_out, [*effects, *(() for _ in between)])
+    models = [
+        saved_model.applied_to(with_held_out, its) for saved_model, its in zip(saved, series, strict=False)
+    ]
     rungs = dict(zip(between, series[len(paths) :], strict=True))
-    diagnosis = None if told is None else _diagnosis(path, told, models, rungs)
+    diagnosis = None if diagnosed is None else _diagnosis(path, diagnosed, models, rungs)
     workbench = None
     if WORKBENCH_FILE in files:
         if current:
@@ -232,53 +234,53 @@ def _read_object(path: Path) -> dict[str, Any]:
 
 def _diagnosis(
     path: Path,
-    told: dict[str, Any],
+    content: dict[str, Any],
     models: Sequence[Identification],
     between: Mapping[int, tuple[CurrentSeries, ...]],
 ) -> Diagnosis:
     """models: after, before. between: currents of steps of the ladder, by number."""
     after, before = models
     try:
-        last = len(told["ladder"]) - 1
+        last = len(content["ladder"]) - 1
         series = {last: after.recordings, 0: before.recordings, **between}
         return Diagnosis(
             robot=after.robot,
-            held_out=float(told["held_out"]),
-            missing=tuple(told["missing"]),
+            held_out=float(content["held_out"]),
+            missing=tuple(content["missing"]),
             ladder=tuple(
                 LadderStep(tuple(entry["effects"]), entry["identify"], entry["validate"], series.get(i, ()))
-                for i, entry in enumerate(told["ladder"])
+                for i, entry in enumerate(content["ladder"])
             ),
-            ranking=tuple(_verdict(entry) for entry in told["ranking"]),
+            ranking=tuple(_verdict(entry) for entry in content["ranking"]),
             unexplained=Unexplained(
                 **{
-                    **told["unexplained"],
-                    "what": Remainder(told["unexplained"]["what"]),
-                    "depends_on": tuple(told["unexplained"]["depends_on"]),
+                    **content["unexplained"],
+                    "what": Remainder(content["unexplained"]["what"]),
+                    "depends_on": tuple(content["unexplained"]["depends_on"]),
                 }
             ),
             before=before,
             after=after,
-            differs=tuple(_differing(entry) for entry in told.get("differs", ())),
+            differs=tuple(_differing(entry) for entry in content.get("differs", ())),
             sets=tuple(
                 ProbableSet(tuple(entry["effects"]), float(entry["probability"]), float(entry["error"]))
-                for entry in told.get("sets", ())
+                for entry in content.get("sets", ())
             ),
             without_logs=tuple(
                 WithoutLog(entry["log"], tuple(entry["gone"]), dict(entry["gains"]))
-                for entry in told.get("without_logs", ())
+                for entry in content.get("without_logs", ())
             ),
-            something_else=float(told.get("something_else", 0.0)),
-            superfluous=tuple(Superfluous(**effect) for effect in told.get("superfluous", ())),
-            discovered=_discovered(told),
-            unfinished=tuple(Unfinished(code) for code in told.get("unfinished", ())),
+            something_else=float(content.get("something_else", 0.0)),
+            superfluous=tuple(Superfluous(**effect) for effect in content.get("superfluous", ())),
+            discovered=_discovered(content),
+            unfinished=tuple(Unfinished(code) for code in content.get("unfinished", ())),
         )
     except (KeyError, TypeError, ValueError) as error:
         raise _damaged(path, error) from None
 
 
-def _discovered(told: Mapping[str, Any]) -> tuple[Discovered, ...]:
-    return tuple(discovered_from(entry) for entry in told.get("discovered", ()))
+def _discovered(content: Mapping[str, Any]) -> tuple[Discovered, ...]:
+    return tuple(discovered_from(entry) for entry in content.get("discovered", ()))
 
 
 def _differing(entry: dict[str, Any]) -> Differing:
@@ -289,11 +291,11 @@ def _differing(entry: dict[str, Any]) -> Differing:
     return Differing(**{**entry, "values": values})
 
 
-def _between(path: Path, told: dict[str, Any] | None) -> list[int]:
-    if told is None:
+def _between(path: Path, content: dict[str, Any] | None) -> list[int]:
+    if content is None:
         return []
     try:
-        return [int(entry) for entry in told["between"]]
+        return [int(entry) for entry in content["between"]]
     except (KeyError, TypeError, ValueError) as error:
         raise _damaged(path, error) from None
 

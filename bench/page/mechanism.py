@@ -60,7 +60,7 @@ def mechanism(
 
 
 def _simulated(mjcf: Any, simulated: SimulatedPoses, time: Array) -> list[dict[str, Any]]:
-    """The bars of a twin in the frames that are next to these times, those that are fixed to the world left out."""
+    """The bars of a twin in the frames that are next to these times, those that are fixed to the world omitted."""
     nearest = np.searchsorted(0.5 * (simulated.time[1:] + simulated.time[:-1]), time)
     motion = placed(mjcf, None, time, simulated.poses[nearest])
     return [bar for bar in _bars(mjcf, motion, 1) if len(bar["from"]) > 3]
@@ -71,7 +71,7 @@ def _bars(mjcf: Any, motion: BodyMotion, every: int) -> list[dict[str, Any]]:
 
     A shape that is fixed to the world has one frame.
     """
-    found = []
+    bars = []
     for geom in visible_geoms(mjcf).tolist():
         body = int(mjcf.geom_bodyid[geom])
         center, half = mjcf.geom_aabb[geom, :3], mjcf.geom_aabb[geom, 3:]
@@ -80,18 +80,18 @@ def _bars(mjcf: Any, motion: BodyMotion, every: int) -> list[dict[str, Any]]:
         reach = np.zeros(3)
         reach[longest] = max(0.0, float(half[longest]) - radius)
         turn = np.roll(mjcf.geom_quat[geom], -1)
-        own = [mjcf.geom_pos[geom] + _turned(turn, center + sign * reach) for sign in (-1.0, 1.0)]
+        local_ends = [mjcf.geom_pos[geom] + _turned(turn, center + sign * reach) for sign in (-1.0, 1.0)]
         frames = slice(0, 1) if mjcf.body_weldid[body] == 0 else slice(0, None, every)
         turns = motion.quaternions[frames, body]
-        ends = [motion.positions[frames, body] + _turned(turns, end) for end in own]
-        found.append(
+        ends = [motion.positions[frames, body] + _turned(turns, end) for end in local_ends]
+        bars.append(
             {
                 "radius": radius,
                 "from": significant(ends[0].ravel(), DIGITS),
                 "to": significant(ends[1].ravel(), DIGITS),
             }
         )
-    return found
+    return bars
 
 
 def _turned(quaternions: npt.NDArray[np.float64], vector: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:

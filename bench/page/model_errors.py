@@ -15,8 +15,8 @@ from bench.signals.settings import FilterSettings
 
 
 @dataclass(frozen=True, eq=False)
-class ModelBeside:
-    """A model beside the recordings. name: as in "error ... ", label: as a choice; role: its errors' colour."""
+class ShownModel:
+    """A model's errors in the recordings. name: as in "error ... ", label: as a choice; role: its errors' colour."""
 
     name: str
     role: Role
@@ -31,11 +31,11 @@ class ModelBeside:
 
     def one(self, joint: str, recording: str) -> MotorSeries | None:
         """One motor in one recording; None where it hardly moves."""
-        found = [trace for trace in self.what.of(joint) if trace.recording == recording]
-        return found[0] if found else None
+        traces = [trace for trace in self.what.of(joint) if trace.recording == recording]
+        return traces[0] if traces else None
 
 
-def model_beside(
+def shown_model(
     name: str,
     role: Role,
     problem: Problem,
@@ -43,13 +43,13 @@ def model_beside(
     settings: FilterSettings,
     has: Sequence[str] | None = None,
     label: str = "",
-) -> ModelBeside:
+) -> ShownModel:
     """Look for where the errors of a model are. problem: with the dataset that the model's series are of.
 
-    has: the effects of the model; given, others that leave such errors are named. name, label: see `ModelBeside`.
+    has: the effects of the model; given, others that leave such errors are named. name, label: see `ShownModel`.
     """
     dataset = dataset_of(problem.dataset, model.recordings)
     what = compared(dataset.robot, dataset.recordings, model.recordings, settings)
     if has is None:
-        return ModelBeside(name, role, what, errors_by_motor(what), label)
-    return ModelBeside(name, role, what, errors_by_motor(what, possible_effects(problem), has), label)
+        return ShownModel(name, role, what, errors_by_motor(what), label)
+    return ShownModel(name, role, what, errors_by_motor(what, possible_effects(problem), has), label)

@@ -1,4 +1,4 @@
-"""The pages: of a diagnosis, of an identification, of a saved model beside recordings."""
+"""The pages: of a diagnosis, of an identification, of a saved model applied to recordings."""
 
 from collections.abc import Callable, Mapping, Sequence
 from datetime import UTC, datetime
@@ -8,7 +8,7 @@ from bench.basics.plain_data import finite
 from bench.basics.plural import plural
 from bench.basics.versions import versions
 from bench.dataset.dataset import Dataset
-from bench.diagnosis.reason_words import judged_on
+from bench.diagnosis.reason_words import validated_on
 from bench.diagnosis.result import Diagnosis
 from bench.diagnosis.split import dataset_of
 from bench.diagnosis.unexplained import relative_noise_floor
@@ -18,7 +18,7 @@ from bench.export.replay.words import replay_sentences
 from bench.identification.model_file import Comparison
 from bench.identification.problem import Problem
 from bench.identification.result import CurrentSeries, Identification
-from bench.page.model_errors import model_beside
+from bench.page.model_errors import shown_model
 from bench.page.parts import Mechanism, Page, Section, Text
 from bench.page.section_effects import gains_section, not_ranked_section, ranking_section
 from bench.page.section_errors import currents_section, errors_section, errors_table, ladder_section
@@ -44,18 +44,18 @@ OF_MODEL, OF_TWIN = "of the model itself", "of the twin"
 
 
 def diagnosis_page(diagnosis: Diagnosis, problem: Problem, made: Made) -> Page:
-    """What the model lacks, and all that stands behind it. made: how the page came about."""
+    """What the model lacks, and the evidence for it. made: how the page came about."""
     dataset = problem.dataset
     before, after = diagnosis.before, diagnosis.after
-    judged = dataset_of(dataset, after.recordings)
-    models = [model_beside(COMPLETED, "after", problem, after, after.settings, label="Completed model")]
+    with_held_out = dataset_of(dataset, after.recordings)
+    models = [shown_model(COMPLETED, "after", problem, after, after.settings, label="Completed model")]
     if diagnosis.added:
         models.insert(
-            0, model_beside(AS_IT_IS, "before", problem, before, before.settings, label="Model as it is")
+            0, shown_model(AS_IT_IS, "before", problem, before, before.settings, label="Model as it is")
         )
     else:
-        models = [model_beside("", "error", problem, after, after.settings)]
-    noise = relative_noise_floor(judged.recordings, after.recordings, after.settings)
+        models = [shown_model("", "error", problem, after, after.settings)]
+    noise = relative_noise_floor(with_held_out.recordings, after.recordings, after.settings)
     ladder = ladder_section(diagnosis)
     ladder = Section(
         ladder.id,
@@ -67,14 +67,14 @@ def diagnosis_page(diagnosis: Diagnosis, problem: Problem, made: Made) -> Page:
     old = before if diagnosis.added else None
     return Page(
         title=f"What the model of {diagnosis.robot} is missing",
-        facts=_facts(dataset, f"estimator {after.method}", typeset(f"judged on {judged_on(diagnosis)}")),
+        facts=_facts(dataset, f"estimator {after.method}", typeset(f"judged on {validated_on(diagnosis)}")),
         verdict=diagnosis_verdict(diagnosis),
         tiles=diagnosis_tiles(diagnosis),
         sections=(
             ladder,
             *([laws_section(diagnosis)] if diagnosis.discovered else []),
             ranking_section(diagnosis, problem.catalogue),
-            currents_section(models, _moving(judged, after.recordings, after.settings)),
+            currents_section(models, _moving(with_held_out, after.recordings, after.settings)),
             where_section(models),
             gains_section(after, old),
             parameters_section(after, old, diagnosed=True),
@@ -90,7 +90,7 @@ def diagnosis_page(diagnosis: Diagnosis, problem: Problem, made: Made) -> Page:
 def identification_page(result: Identification, problem: Problem, made: Made) -> Page:
     """An identified model: its errors, its gains, its parameters."""
     dataset = problem.dataset
-    model = model_beside("", "error", problem, result, result.settings, result.effects)
+    model = shown_model("", "error", problem, result, result.settings, result.effects)
     noise = relative_noise_floor(dataset.recordings, result.recordings, result.settings)
     return Page(
         title=f"Drive gains and parameters of {result.robot}",
@@ -114,9 +114,9 @@ def identification_page(result: Identification, problem: Problem, made: Made) ->
 
 
 def comparison_page(comparison: Comparison, problem: Problem, saved: Identification, made: Made) -> Page:
-    """A saved model beside recordings that it may never have seen: its errors, and where they are."""
+    """A saved model applied to recordings that it may never have seen: its errors, and where they are."""
     dataset, settings = problem.dataset, saved.settings
-    model = model_beside("", "error", problem, comparison, settings, saved.effects)
+    model = shown_model("", "error", problem, comparison, settings, saved.effects)
     noise = relative_noise_floor(dataset.recordings, comparison.recordings, settings)
     return Page(
         title=f"Where a model of {comparison.robot} fails",
@@ -139,10 +139,10 @@ def comparison_page(comparison: Comparison, problem: Problem, saved: Identificat
 
 
 def replay_page(result: Replay, problem: Problem, saved: Identification, made: Made) -> Page:
-    """A saved model's twin, simulated along the recorded motions, and the model itself beside it."""
+    """A saved model's twin, simulated along the recorded motions, and the model next to it."""
     dataset, settings = problem.dataset, saved.settings
-    model = model_beside(OF_MODEL, "before", problem, result.model, settings, label="Model itself")
-    twin = model_beside(OF_TWIN, "after", problem, result.twin, settings, label="Twin")
+    model = shown_model(OF_MODEL, "before", problem, result.model, settings, label="Model itself")
+    twin = shown_model(OF_TWIN, "after", problem, result.twin, settings, label="Twin")
     noise = relative_noise_floor(dataset.recordings, result.twin.recordings, settings)
     return Page(
         title=f"The twin of {result.twin.robot} along recorded motions",

@@ -95,7 +95,7 @@ class Picture:
 
 @dataclass(frozen=True)
 class PageChart:
-    """One chart of a figure; title and aid are empty where the figure's own say it."""
+    """One chart of a figure; title and aid are empty where the figure's title and aid say it."""
 
     title: str
     aid: str
@@ -138,7 +138,7 @@ class Choice:
 
 @dataclass(frozen=True)
 class Figure:
-    """Charts, for every combination of choices. wide: one chart a line, else several beside each other.
+    """Charts, for every combination of choices. wide: one chart a line, else several side by side.
 
     variants: by the numbers of the options, as in "0|2", "" without choices; printed: those that stand on paper.
     """
@@ -156,7 +156,7 @@ class Figure:
 @dataclass(frozen=True)
 class RunsColumn:
     """A column of `Runs`. labels: what its values number, by which runs are filtered; axis: its name in a chart's
-    `pick`. kind: "share" for what is told in percent.
+    `pick`. kind: "share" for what is given in percent.
     """
 
     header: str

@@ -32,7 +32,7 @@ RUNS, MACHINE = "runs.js", "machine.js"
 class Workbench:
     """What the page lets one try: data for `script`, which defines `window.Workbench.start(section, data, Charts)`.
 
-    style: rules of its own. after: id of the section below which it stands.
+    style: additional rules. after: id of the section that it follows.
     """
 
     data: dict[str, Any]
@@ -42,7 +42,7 @@ class Workbench:
 
 
 def asset(name: str) -> str:
-    """A file of the page's own, as text."""
+    """A file of the page, as text."""
     return (ASSETS / name).read_text(encoding="utf-8")
 
 
@@ -56,7 +56,7 @@ def render_page(page: Page, workbench: Workbench | None = None) -> str:
         asset("page.js"),
     ]
     style = asset("page.css") + (workbench.style if workbench else "")
-    # a script ends at its end tag, wherever it stands: none of ours may hold one
+    # a script ends at its end tag, wherever it is: none of ours may hold one
     if any("</" in text for text in (*scripts, style)):
         raise ValueError("a script or style of the page holds '</', which would end it")
     after = [i for i, section in enumerate(page.sections) if workbench and section.id == workbench.after]
@@ -89,7 +89,7 @@ def _hash(text: str) -> str:
 
 
 def _said(sentence: str) -> Markup:
-    """A sentence with what stands between backticks, a command or a name to type, set so."""
+    """A sentence with what is between backticks, a command or a name to type, set so."""
     return Markup(re.sub(r"`([^`]+)`", r"<code>\1</code>", str(escape(sentence))))
 
 

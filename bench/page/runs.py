@@ -33,7 +33,7 @@ def runs_part(plan: Plan, table: Path, folder: Path, metrics: Sequence[str]) -> 
     if count > MOST_RUNS:
         return Items("Runs", "", (f"{count} runs are more than a page holds: {table.name} has every one.",))
     grid = {axis.name for axis in plan.sweep.grid}
-    told = [
+    rows = [
         RunsColumn("run", _numbers(columns["run"])),
         *(_axis(name, columns[name], filtered=name in grid) for name in axes),
         RunsColumn("seed", _numbers(columns["seed"])),
@@ -50,7 +50,7 @@ def runs_part(plan: Plan, table: Path, folder: Path, metrics: Sequence[str]) -> 
         for run, status, reason in zip(columns["run"], columns["status"], reasons, strict=True)
         if status != "ok"
     }
-    return Runs("Every run", AID, tuple(told), failed, f"bench view {quoted(folder)}")
+    return Runs("Every run", AID, tuple(rows), failed, f"bench view {quoted(folder)}")
 
 
 def _axis(name: str, values: Sequence[Any], *, filtered: bool) -> RunsColumn:

@@ -41,7 +41,7 @@ def main() -> None:
     parser.add_argument("--whole", action="store_true", help="the page in its whole length")
     given = parser.parse_args()
     for path in take(given.report, given.folder, whole=given.whole):
-        print(path)  # noqa: T201 - a program of its own
+        print(path)  # noqa: T201 - a separate program
 
 
 if __name__ == "__main__":

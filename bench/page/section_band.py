@@ -20,7 +20,7 @@ def band_figure(result: Identification) -> list[Part]:
     if len(points) < 2:
         return []
     bands = np.array([point.band for point in points])
-    here = min(points, key=lambda point: abs(point.position_cutoff - result.settings.position_cutoff))
+    chosen_point = min(points, key=lambda point: abs(point.position_cutoff - result.settings.position_cutoff))
     fitted, held_out = (
         np.array([np.nan if error is None else error for error in errors])
         for errors in zip(*((point.error_identify, point.error_validate) for point in points), strict=True)
@@ -28,13 +28,13 @@ def band_figure(result: Identification) -> list[Part]:
     errors = [Line("fitted", "before", bands, fitted, markers=True)]
     if np.isfinite(held_out).any():
         errors.append(Line("not fitted", "after", bands, held_out, markers=True))
-    moves = {unknown: _moves(points, here, unknown) for unknown in here.values}
+    moves = {unknown: _moves(points, chosen_point, unknown) for unknown in chosen_point.values}
     largest = sorted(moves, key=lambda unknown: -float(np.nanmax(np.abs(moves[unknown]))))[: len(ROLES)]
     values = [
         Line(name_of(unknown), role, bands, moves[unknown], markers=True)
         for unknown, role in zip(largest, ROLES, strict=False)
     ]
-    chosen = Rule("this answer", "noise", "x", here.band, dashed=True)
+    chosen = Rule("this answer", "noise", "x", chosen_point.band, dashed=True)
     x = Axis("highest frequency of the fit", "Hz", "log", room=True)
     chart = Chart(
         "The same model in other bands",
@@ -46,14 +46,14 @@ def band_figure(result: Identification) -> list[Part]:
         "A value that changes by more than about two standard errors in half of the band is biased by what filters let "
         "through; the standard errors of this answer include it. The values that change most are shown.",
     )
-    return [chart_figure(chart, HEIGHT, name=f"The band, {short(here.band, 3)} Hz, against others")]
+    return [chart_figure(chart, HEIGHT, name=f"The band, {short(chosen_point.band, 3)} Hz, against others")]
 
 
-def _moves(points: list[BandPoint], here: BandPoint, unknown: Unknown) -> np.ndarray:
-    """By how many of the standard errors of both a value differs from that in this band; NaN where it is not there."""
-    value, std = here.values[unknown]
+def _moves(points: list[BandPoint], chosen_point: BandPoint, unknown: Unknown) -> np.ndarray:
+    """How many of the standard errors of both a value differs from that in this band; NaN where it is not there."""
+    value, std = chosen_point.values[unknown]
     moves = []
     for point in points:
         other, spread = point.values.get(unknown, (np.nan, np.nan))
-        moves.append((other - value) / np.hypot(std, spread) if point is not here else 0.0)
+        moves.append((other - value) / np.hypot(std, spread) if point is not chosen_point else 0.0)
     return np.array(moves)

@@ -4,7 +4,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 from bench.basics.plural import plural
-from bench.diagnosis.reason_words import judged_on, reason_sentence
+from bench.diagnosis.reason_words import reason_sentence, validated_on
 from bench.diagnosis.result import Diagnosis, EffectVerdict
 from bench.diagnosis.summary import reason
 from bench.document import table as document
@@ -93,12 +93,12 @@ def ranking_section(diagnosis: Diagnosis, catalogue: Mapping[str, Effect]) -> Se
                 title, aid, (PageColumn("effect", "keep"), PageColumn("reason", "words")), rows, folded=True
             )
         )
-    lead = f"Every effect of the catalogue, and every set of a few, was fitted and judged on {judged_on(diagnosis)}."
+    lead = f"Every effect of the catalogue, and every set of a few, was fitted and judged on {validated_on(diagnosis)}."
     return Section("ranking", "Which effects are missing", typeset(lead), tuple(parts), "Missing effects")
 
 
 def _laws(diagnosis: Diagnosis, catalogue: Mapping[str, Effect]) -> list[Part]:
-    """What the found effects do, as far as their classes tell it."""
+    """What the identified effects do, as far as their classes tell it."""
     known = [catalogue[name] for name in diagnosis.missing if name in catalogue]
     rows = tuple(row(effect_name(entry.name), entry.law, entry.symbols) for entry in known if entry.law)
     columns = (PageColumn("effect", "keep"), PageColumn("law", "words"), PageColumn("symbols", "words"))
@@ -124,7 +124,7 @@ def not_ranked_section() -> Section:
 
 
 def gains_section(after: Identification, before: Identification | None) -> Section:
-    """Drive gains with their 95 % intervals beside the nominal values; before: without what is missing."""
+    """Drive gains with their 95 % intervals and the nominal values; before: without what is missing."""
     why = why_nominal(after)
     if why is not None and not after.gains_fitted:
         lead = scale_sentence(why)

@@ -3,7 +3,7 @@
 from collections.abc import Callable, Sequence
 
 from bench.basics.plural import plural
-from bench.diagnosis.reason_words import judged_on
+from bench.diagnosis.reason_words import validated_on
 from bench.diagnosis.result import Diagnosis
 from bench.document import identification as document
 from bench.document.charts.currents import Curve, currents_chart
@@ -13,7 +13,7 @@ from bench.document.numbers import USES
 from bench.document.typeset import share, typeset
 from bench.identification.result import CurrentSeries
 from bench.page.chart_spec import chart_figure, rows_a_pair, spec_of
-from bench.page.model_errors import ModelBeside
+from bench.page.model_errors import ShownModel
 from bench.page.parts import (
     Choice,
     Figure,
@@ -37,10 +37,11 @@ ERROR_AID = "Error: RMS(measured − modelled current) over RMS(measured current
 def ladder_section(diagnosis: Diagnosis) -> Section:
     """The error after each added effect."""
     steps, floor = diagnosis.ladder, diagnosis.unexplained.noise_floor
-    lead = f"How the error falls as effects are added, the one that helps most first; judged on {judged_on(diagnosis)}."
+    judged = f"judged on {validated_on(diagnosis)}."
+    lead = f"How the error falls as effects are added, the one that helps most first; {judged}"
     figure: Figure | Text = chart_figure(ladder_chart(diagnosis), 300)
     if len(steps) == 1:
-        lead = f"No effect helps beyond chance; judged on {judged_on(diagnosis)}."
+        lead = f"No effect helps beyond chance; {judged}"
         only = steps[0].identify if steps[0].validate is None else steps[0].validate
         said = f"No effect was added: the model as it is leaves an error of {share(only)}, noise alone {share(floor)}."
         figure = Text("", (typeset(said),))
@@ -49,13 +50,13 @@ def ladder_section(diagnosis: Diagnosis) -> Section:
     return Section("ladder", "The ladder", typeset(lead), (figure, table))
 
 
-def errors_section(shown: ModelBeside, recordings: Sequence[CurrentSeries], noise: float) -> Section:
+def errors_section(shown: ShownModel, recordings: Sequence[CurrentSeries], noise: float) -> Section:
     """The errors of one model, by recording and motor."""
     title, lead = "Errors", "How far the modelled currents are from the measured ones, beside their noise."
     return Section("errors", title, lead, (errors_table(shown, recordings, noise),))
 
 
-def errors_table(shown: ModelBeside, recordings: Sequence[CurrentSeries], noise: float) -> PageTable:
+def errors_table(shown: ShownModel, recordings: Sequence[CurrentSeries], noise: float) -> PageTable:
     """Errors by recording and motor, fitted and not fitted, with totals. noise: relative, of all together."""
     joints = list(shown.what.joints)
     many = len(joints) > 1
@@ -68,7 +69,7 @@ def errors_table(shown: ModelBeside, recordings: Sequence[CurrentSeries], noise:
 
 
 def currents_section(
-    models: Sequence[ModelBeside], moving: Callable[[str, str], Mechanism | Text] | None = None
+    models: Sequence[ShownModel], moving: Callable[[str, str], Mechanism | Text] | None = None
 ) -> Section:
     """Measured against modelled current of every motor in every recording, the errors below.
 
@@ -86,16 +87,16 @@ def currents_section(
     variants, widths = {}, set()
     for j, joint in enumerate(joints):
         for k, name in enumerate(names):
-            found = [
+            of_models = [
                 (model.role, model.name, series) for model in models if (series := model.one(joint, name))
             ]
-            if len(found) < len(models):
+            if len(of_models) < len(models):
                 variants[f"{j}|{k}"] = Variant((), (f"{joint} hardly moves in {name}: nothing to show.",))
                 continue
-            chart = currents_chart(found, last.what.units[joint][0], f"Current of {joint} in {name}")
+            chart = currents_chart(of_models, last.what.units[joint][0], f"Current of {joint} in {name}")
             widths.add(rows_a_pair(chart, most))
             spec = spec_of(chart, 150 + 115 * len(chart.panels), most=most)
-            variants[f"{j}|{k}"] = Variant((PageChart("", "", spec),), (_facts(joint, found),))
+            variants[f"{j}|{k}"] = Variant((PageChart("", "", spec),), (_facts(joint, of_models),))
     worst = [_worst(last, joint, names) for joint in joints]
     first = worst[_loudest(last)] if worst else 0
     loads = {trace.recording: trace for trace in last.what.series}
@@ -144,8 +145,8 @@ def _facts(joint: str, curves: Sequence[Curve]) -> str:
     )
 
 
-def _loudest(shown: ModelBeside) -> int:
-    """The number of the motor with the largest error beside its noise: what there is to find is there."""
+def _loudest(shown: ShownModel) -> int:
+    """The number of the motor with the largest error relative to its noise: what there is to find is there."""
     beyond = {
         motor.joint: motor.error / max(motor.noise, 1e-12)
         for motor in shown.where.motors
@@ -154,7 +155,7 @@ def _loudest(shown: ModelBeside) -> int:
     return max(range(len(shown.joints)), key=lambda j: beyond.get(shown.joints[j], 0.0), default=0)
 
 
-def _worst(shown: ModelBeside, joint: str, names: Sequence[str]) -> int:
+def _worst(shown: ShownModel, joint: str, names: Sequence[str]) -> int:
     """The number of the recording that is modelled worst, among those not fitted where there are any."""
     by_name = {trace.recording: trace for trace in shown.what.of(joint) if trace.recording in names}
     unseen = [trace for trace in by_name.values() if trace.use == "validate"] or list(by_name.values())

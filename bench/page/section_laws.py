@@ -35,9 +35,9 @@ UNIT_OF = {"position": "{}", "velocity": "{}/s", "acceleration": "{}/s²"}
 
 def laws_section(diagnosis: Diagnosis) -> Section:
     """Every law at every motor: its terms, and what it goes by."""
-    found = diagnosis.discovered
-    variants = {f"{i}": Variant(_charts(law, diagnosis.after)) for i, law in enumerate(found)}
-    names = tuple(f"{law.place}, {law.law}" for law in found)
+    laws = diagnosis.discovered
+    variants = {f"{i}": Variant(_charts(law, diagnosis.after)) for i, law in enumerate(laws)}
+    names = tuple(f"{law.place}, {law.law}" for law in laws)
     figure = Figure(
         "The law and what was measured",
         "Dots and shade: what the rest of the model leaves, mean and standard deviation in bins with "
@@ -47,20 +47,20 @@ def laws_section(diagnosis: Diagnosis) -> Section:
         variants,
         tuple(variants),
     )
-    said = Text("", tuple(typeset(law_sentence) for law_sentence in law_sentences(found)))
+    said = Text("", tuple(typeset(law_sentence) for law_sentence in law_sentences(laws)))
     lead = "Laws that are in no catalogue, found from what its effects leave."
-    return Section("laws", "Laws that were found", lead, (said, figure, _terms(found)))
+    return Section("laws", "Laws that were found", lead, (said, figure, _terms(laws)))
 
 
-def _terms(found: Sequence[Discovered]) -> PageTable:
+def _terms(laws: Sequence[Discovered]) -> PageTable:
     rows = [
         _row(law.place, symbols(term.term), short(term.value), short(term.std, 2), symbols(term.unit))
-        for law in found
+        for law in laws
         for term in law.terms
     ]
     rows += [
         _row(law.place, name, short(value.value), short(value.std, 2), symbols(value.unit))
-        for law in found
+        for law in laws
         for name, value in law.numbers.items()
     ]
     columns = (
@@ -92,27 +92,28 @@ def _charts(law: Discovered, after: Identification) -> tuple[PageChart, ...]:
 
 
 def _chart(
-    found_law: Discovered,
+    discovered_law: Discovered,
     after: Identification,
     look: LooksAt,
     joints: Sequence[str],
     units: JointUnits,
 ) -> PageChart:
     """The law and the rest, both in torque, over one variable."""
-    j = joints.index(found_law.place)
+    j = joints.index(discovered_law.place)
     at = joints.index(look.motor) if look.motor else j
-    gain = after.drive_gains[found_law.place].value
-    x, law, left, forwards = (
+    gain = after.drive_gains[discovered_law.place].value
+    x, law, residual, forwards = (
         np.concatenate(parts)
         for parts in zip(
-            *(_rows(each, found_law.law, j, at, look.what, gain) for each in after.recordings), strict=True
+            *(_rows(each, discovered_law.law, j, at, look.what, gain) for each in after.recordings),
+            strict=True,
         )
     )
     series: list[Series] = []
     directions: tuple[tuple[Direction, np.ndarray], ...] = (("forwards", forwards), ("backwards", ~forwards))
     for role, way in directions:
         if way.any():
-            rest = (law + left)[way]
+            rest = (law + residual)[way]
             bins = profile(x[way], rest, BINS)
             same = binned(x[way], law[way], bins.edges)
             series.append(_measured(role, bins, x[way], rest))
@@ -122,7 +123,7 @@ def _chart(
         units.position
     )
     title = f"Against the {WHAT[look.what]}{of}"
-    panel = Panel(Axis(f"at {found_law.place}", units.spelled_effort), tuple(series))
+    panel = Panel(Axis(f"at {discovered_law.place}", units.spelled_effort), tuple(series))
     chart = Chart(title, Axis(f"{WHAT[look.what]}{of}", unit), (panel,), legend="none")
     return PageChart(title, "", spec_of(chart, HEIGHT))
 

@@ -32,7 +32,7 @@ def parameters_section(
 ) -> Section:
     """Base, payload and effect parameters with their relative deviations and groupings.
 
-    diagnosed: those of effects stand beside the verdicts on them.
+    diagnosed: those of effects are shown with the verdicts on them.
     """
     aid = (
         "A base parameter is what the motion can show: its own term and those named under “together with”. Marked "
@@ -53,16 +53,16 @@ def parameters_section(
 
 
 def _deviations_figure(result: Identification) -> Part:
-    found = result.parameters
-    deviations = np.array([parameter.relative_std if parameter.std else np.nan for parameter in found])
-    none, at = np.full(len(found), np.nan), np.arange(len(found))
+    parameters = result.parameters
+    deviations = np.array([parameter.relative_std if parameter.std else np.nan for parameter in parameters])
+    none, at = np.full(len(parameters), np.nan), np.arange(len(parameters))
     points = Spans("relative standard error", "after", at, deviations, none, none)
     rule = Rule(f"{100 * POOR:.0f} %: says little", "before", "x", POOR, dashed=True)
-    names = Axis("", scale="band", categories=tuple(parameter.name for parameter in found))
+    names = Axis("", scale="band", categories=tuple(parameter.name for parameter in parameters))
     x = Axis("standard error relative to the value, logarithmic", "%", "log")
     aid = "The farther left, the better known."
     chart = Chart("Relative standard errors", x, (Panel(names, (rule, points)),), aid)
-    return chart_figure(chart, 66 + 18 * len(found), name="How well each is determined")
+    return chart_figure(chart, 66 + 18 * len(parameters), name="How well each is determined")
 
 
 def conditioning_section(result: Identification) -> Section:

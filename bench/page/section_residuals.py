@@ -5,8 +5,8 @@ from collections.abc import Sequence
 from bench.document.charts.motor import motor_charts
 from bench.document.typeset import effect_name, typeset
 from bench.effects import CATALOGUE
-from bench.page.chart_spec import beside
-from bench.page.model_errors import ModelBeside
+from bench.page.chart_spec import page_chart
+from bench.page.model_errors import ShownModel
 from bench.page.parts import Choice, Figure, Linked, PageColumn, PageTable, Section, Variant, row
 from bench.page.section_errors import CURRENTS, MOTOR
 from bench.residuals.error_breakdown import error_breakdown
@@ -16,25 +16,25 @@ ON_PAPER = 6  # motors that are printed
 LAWS = "laws-alike"  # the id of the table with them
 
 
-def where_section(models: Sequence[ModelBeside]) -> Section:
+def where_section(models: Sequence[ShownModel]) -> Section:
     """Words and charts for every motor and every model, at first of the last one that leaves more than noise."""
     joints = models[-1].joints
-    options = tuple(beside.label for beside in models)
+    options = tuple(model.label for model in models)
     laws = _laws(models)
     variants = {}
     for m, model in enumerate(models):
         by_joint = {motor_errors.joint: motor_errors for motor_errors in model.where.motors}
         for j, joint in enumerate(joints):
             motor = by_joint[joint]
-            found = (typeset(sentence) for sentence in whole_sentences(motor))
+            sentences = (typeset(sentence) for sentence in whole_sentences(motor))
             alike = (
                 Linked(typeset(sentence), "Laws, and what shows them", LAWS if laws else "")
                 for sentence in whole_alike(motor)
             )
-            charts = tuple(map(beside, motor_charts(error_breakdown(model.what, joint)).values()))
+            charts = tuple(map(page_chart, motor_charts(error_breakdown(model.what, joint)).values()))
             key = f"{j}|{m}" if len(models) > 1 else f"{j}"
             curves = Linked("Over time:", f"curves of {joint}", CURRENTS, {MOTOR: joint})
-            variants[key] = Variant(charts, (*found, *alike, curves))
+            variants[key] = Variant(charts, (*sentences, *alike, curves))
     loud = [
         m
         for m, model in enumerate(models)
@@ -58,14 +58,14 @@ def where_section(models: Sequence[ModelBeside]) -> Section:
         variants,
         tuple(f"{j}{paper}" for j in range(len(joints)))[:ON_PAPER],
     )
-    told = "What chance could do as well is not mentioned; what is mentioned is far beyond it."
+    introduction = "What chance could do as well is not mentioned; what is mentioned is far beyond it."
     shares = next((words for model in models if (words := overlapping(model.where))), "")
-    lead = f"{told} {shares}".rstrip()
+    lead = f"{introduction} {shares}".rstrip()
     return Section("where", "Where it fails", lead, (figure, *laws))
 
 
-def _laws(models: Sequence[ModelBeside]) -> tuple[PageTable, ...]:
-    """The effects that leave errors like those found, each once, with what they are and how they show."""
+def _laws(models: Sequence[ShownModel]) -> tuple[PageTable, ...]:
+    """The effects that leave errors like those identified, each once, with what they are and how they show."""
     alike = (rival for model in models for motor in model.where.motors for rival in motor.alike[:MOST_LOOKS])
     questions: dict[str, int] = {}
     for rival in alike:

@@ -7,7 +7,7 @@ from typing import Any
 from bench.basics.shell_word import quoted
 from bench.basics.versions import Versions, versions
 from bench.dataset.dataset import Dataset
-from bench.diagnosis.reason_words import judged_on, left_words
+from bench.diagnosis.reason_words import unexplained_words, validated_on
 from bench.diagnosis.result import Diagnosis, Unfinished
 from bench.diagnosis.unfinished_words import unfinished_sentence
 from bench.document.numbers import STD_FROM, USES, fit_rate
@@ -57,7 +57,7 @@ class CommandRun:
         return " ".join([program, *(quoted(word) for word in words)])
 
     def option_words(self) -> list[str]:
-        """All that stands behind the dataset."""
+        """All that the dataset consists of."""
         words = [word for effect in self.effects for word in ("--with", effect)]
         words += [word for file in self.effect_files for word in ("--effect-file", file)]
         for name, value in self.options.items():
@@ -84,52 +84,54 @@ def limits_section(
     settings: FilterSettings,
 ) -> Section:
     """What this run cannot say."""
-    found: list[str] = list(dict.fromkeys(result.notes)) if result is not None else []
+    limits: list[str] = list(dict.fromkeys(result.notes)) if result is not None else []
     validated = any(recording.use == "validate" for recording in dataset.recordings)
     if not validated and diagnosis is not None:
-        found.append(
-            typeset(f"No recording is kept for validation: judged on {judged_on(diagnosis)}.")
+        limits.append(
+            typeset(f"No recording is kept for validation: judged on {validated_on(diagnosis)}.")
             + " Another movement is a harder judge."
         )
     elif not validated:
-        found.append(
+        limits.append(
             "No recording is kept for validation: every error here is of recordings that were fitted. Give one "
             'use = "validate" in dataset.toml.'
         )
     band = settings.band(dataset.recordings[0].rate)
-    found.append(
+    limits.append(
         f"The fit sees nothing above {band:.3g} Hz. What lies there, such as vibrations or the corners of friction, "
         "is filtered out of both sides and shows in no error."
     )
     if not settings.keep_standstill:
-        found.append("Rows of a joint that stands still are not judged: friction may take any value there.")
-    found.append(
+        limits.append("Rows of a joint that stands still are not judged: friction may take any value there.")
+    limits.append(
         "The noise of the currents is read off their spectra above the band of the motion and taken as white. Noise "
         "that a controller passes on from the encoders below it counts as error."
     )
     if diagnosis is not None:
         if not diagnosis.finished:
-            found.append(typeset(unfinished_sentence(diagnosis)))
+            limits.append(typeset(unfinished_sentence(diagnosis)))
         hidden = [
             effect_name(verdict.effect) for verdict in diagnosis.ranking if verdict.verdict == "absorbed"
         ]
         if hidden:
-            found.append(f"No data of this robot with these payloads could show: {', '.join(hidden)}.")
+            limits.append(f"No data of this robot with these payloads could show: {', '.join(hidden)}.")
         doubtful = [
             effect_name(verdict.effect)
             for verdict in diagnosis.ranking
             if verdict.verdict == "indistinguishable"
         ]
         if doubtful:
-            found.append(f"These recordings cannot decide on: {', '.join(doubtful)}.")
+            limits.append(f"These recordings cannot decide on: {', '.join(doubtful)}.")
         if diagnosis.unexplained.significant:
             searched = Unfinished.SETS not in diagnosis.unfinished
-            words = left_words(diagnosis.unexplained, searched=searched)
-            found.append(typeset(f"{words[:1].upper()}{words[1:]}."))
+            words = unexplained_words(diagnosis.unexplained, searched=searched)
+            limits.append(typeset(f"{words[:1].upper()}{words[1:]}."))
     else:
-        found.append("Which physical effects the model lacks was not looked for: bench diagnose does.")
+        limits.append("Which physical effects the model lacks was not looked for: bench diagnose does.")
     lead = "What these recordings and this model cannot say."
-    return Section("limits", "Known limits of this run", lead, (Items("", "", tuple(found)),), "Known limits")
+    return Section(
+        "limits", "Known limits of this run", lead, (Items("", "", tuple(limits)),), "Known limits"
+    )
 
 
 def run_section(

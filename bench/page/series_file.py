@@ -71,7 +71,7 @@ def read_series(
         kind: np.column_stack([table[f"{kind}.{joint}"].to_numpy() for joint in joints]) for kind in kinds
     }
     time = table["time"].to_numpy()
-    found = []
+    models = []
     for k, names in enumerate(effects):
         model = []
         for logged in dataset.recordings:
@@ -94,8 +94,8 @@ def read_series(
                     by_effect,
                 )
             )
-        found.append(tuple(model))
-    return tuple(found)
+        models.append(tuple(model))
+    return tuple(models)
 
 
 def _check_same(models: Sequence[Sequence[CurrentSeries]]) -> None:

@@ -40,7 +40,7 @@ from bench.studies.sweep.sweep_file import load_sweep
 from bench.studies.sweep.table import column_names, read_table
 from bench.studies.sweep.titles import axis_title, axis_words, metric_title
 
-MOST_LINES = 200  # of a table on the page; the file beside it has all
+MOST_LINES = 200  # of a table on the page; the file has all
 MOST_REASONS = 20
 MOST_TILES = 3
 FEW_SEEDS = 5
@@ -77,27 +77,27 @@ def read_sweep(folder: Path) -> SweepResult:
     return SweepResult(folder, name, plan, table, metrics, summary, overall.lines[0])
 
 
-def sweep_page(found: SweepResult, again: Sequence[str]) -> Page:
+def sweep_page(result: SweepResult, again: Sequence[str]) -> Page:
     """What a sweep shows. again: the commands that give this page."""
-    sweep = found.plan.sweep
+    sweep = result.plan.sweep
     return Page(
-        title=f"Sweep {found.name}",
+        title=f"Sweep {result.name}",
         facts=(
             f"base scenario {sweep.table.base}",
-            plural(found.overall.runs, "run"),
+            plural(result.overall.runs, "run"),
             plural(len(sweep.seeds), "seed"),
         ),
-        verdict=_verdict(found),
-        tiles=_tiles(found),
+        verdict=_verdict(result),
+        tiles=_tiles(result),
         sections=(
-            _plots_section(found),
-            _each_section(found),
-            _numbers_section(found),
-            _runs_section(found),
-            _failures_section(found),
-            _plan_section(found),
-            _limits_section(found),
-            _again_section(found, again),
+            _plots_section(result),
+            _each_section(result),
+            _numbers_section(result),
+            _runs_section(result),
+            _failures_section(result),
+            _plan_section(result),
+            _limits_section(result),
+            _again_section(result, again),
         ),
         generator=generator(),
         footer=footer(),
@@ -115,24 +115,24 @@ def footer() -> str:
     return f"Written by {generator()} on {today:%d %B %Y}. This file is complete: it asks for nothing from anywhere."
 
 
-def _verdict(found: SweepResult) -> tuple[str, ...]:
+def _verdict(result: SweepResult) -> tuple[str, ...]:
     """Three sentences: how many runs came to an answer, what they gave, where they were worst."""
-    all_runs = found.overall
+    all_runs = result.overall
     ended = all_runs.runs - all_runs.failed
-    about = found.plan.sweep.table.description.rstrip(".")
+    about = result.plan.sweep.table.description.rstrip(".")
     said = [
-        f"{about or found.name}: {plural(all_runs.runs, 'run')}, "
+        f"{about or result.name}: {plural(all_runs.runs, 'run')}, "
         + ("all came to an answer." if not all_runs.failed else f"{ended} came to an answer.")
     ]
-    metrics = [metric for metric in found.metrics if all_runs.spreads[metric].count]
+    metrics = [metric for metric in result.metrics if all_runs.spreads[metric].count]
     if not metrics:
         return (*said, "None of the metrics asked for was recorded.")
     said.append(_over_all(metrics[0], all_runs.spreads[metrics[0]]))
-    known = [line for line in found.summary.lines if line.spreads[metrics[0]].count]
+    known = [line for line in result.summary.lines if line.spreads[metrics[0]].count]
     if len(known) > 1:
         ranked = sorted(known, key=lambda line: _middle(metrics[0], line.spreads[metrics[0]]))
         low, high = (
-            f"{value_text(metrics[0], _middle(metrics[0], line.spreads[metrics[0]]))} at {_place(found, line)}"
+            f"{value_text(metrics[0], _middle(metrics[0], line.spreads[metrics[0]]))} at {_place(result, line)}"
             for line in (ranked[0], ranked[-1])
         )
         kind = "mean" if is_share(metrics[0]) else "median"
@@ -155,17 +155,17 @@ def _middle(metric: str, spread: Spread) -> float:
     return spread.mean if is_share(metric) else spread.median
 
 
-def _place(found: SweepResult, line: SummaryLine) -> str:
-    values = zip(found.summary.axes, line.values, strict=True)
+def _place(result: SweepResult, line: SummaryLine) -> str:
+    values = zip(result.summary.axes, line.values, strict=True)
     return and_list([f"{axis_words(axis)} {point_label(value)}" for axis, value in values])
 
 
-def _tiles(found: SweepResult) -> tuple[Tile, ...]:
-    ended = found.overall.runs - found.overall.failed
-    failed = "none failed" if not found.overall.failed else f"{found.overall.failed} failed"
+def _tiles(result: SweepResult) -> tuple[Tile, ...]:
+    ended = result.overall.runs - result.overall.failed
+    failed = "none failed" if not result.overall.failed else f"{result.overall.failed} failed"
     tiles = [Tile("Runs that came to an answer", str(ended), failed)]
-    for metric in found.metrics[:MOST_TILES]:
-        spread = found.overall.spreads[metric]
+    for metric in result.metrics[:MOST_TILES]:
+        spread = result.overall.spreads[metric]
         if spread.count:
             kind = "95 % interval" if is_share(metric) else "middle 90 %"
             note = f"{kind}: {value_text(metric, spread.low)} to {value_text(metric, spread.high)}"
@@ -174,14 +174,14 @@ def _tiles(found: SweepResult) -> tuple[Tile, ...]:
     return tuple(tiles)
 
 
-def _plots_section(found: SweepResult) -> Section:
-    known = column_names(found.table)
-    plots = found.plan.sweep.table.plots or default_plots(found.plan)
-    grid = grid_figure(found.summary, [(plot.x, plot.lines) for plot in plots])
-    axes = [axis.name for axis in found.plan.sweep.grid if len(axis.points) > 1]
+def _plots_section(result: SweepResult) -> Section:
+    known = column_names(result.table)
+    plots = result.plan.sweep.table.plots or default_plots(result.plan)
+    grid = grid_figure(result.summary, [(plot.x, plot.lines) for plot in plots])
+    axes = [axis.name for axis in result.plan.sweep.grid if len(axis.points) > 1]
     parts: list[Part] = [grid] if grid is not None else []
     parts += [
-        plot_figure(found.table, plot.x, plot.y, plot.lines, axes)
+        plot_figure(result.table, plot.x, plot.y, plot.lines, axes)
         for plot in plots
         if {plot.x, plot.y, *([plot.lines] if plot.lines else [])} <= set(known)
     ]
@@ -191,13 +191,13 @@ def _plots_section(found: SweepResult) -> Section:
     return Section("plots", "Metrics against what was varied", lead, tuple(parts) or none, "Metrics")
 
 
-def _each_section(found: SweepResult) -> Section:
-    part = runs_part(found.plan, found.table, found.folder, found.metrics)
+def _each_section(result: SweepResult) -> Section:
+    part = runs_part(result.plan, result.table, result.folder, result.metrics)
     return Section("each", "Run by run", "", (part,), "Runs")
 
 
-def _numbers_section(found: SweepResult) -> Section:
-    summary = found.summary
+def _numbers_section(result: SweepResult) -> Section:
+    summary = result.summary
     columns = [PageColumn(axis_title(axis), "keep") for axis in summary.axes]
     failed = any(line.failed for line in summary.lines)
     columns += [PageColumn("runs", "right"), *([PageColumn("failed", "right")] if failed else [])]
@@ -232,21 +232,23 @@ def _spread_text(metric: str, spread: Spread) -> str:
     return f"{middle} [{value_text(metric, spread.low)}, {value_text(metric, spread.high)}]"
 
 
-def _runs_section(found: SweepResult) -> Section:
+def _runs_section(result: SweepResult) -> Section:
     numbers = [
-        metric for metric in found.metrics if not is_share(metric) and found.overall.spreads[metric].count > 1
+        metric
+        for metric in result.metrics
+        if not is_share(metric) and result.overall.spreads[metric].count > 1
     ]
     lead = "How the metrics spread over all runs, whatever was varied."
     if not numbers:
         return Section("spread", "All runs together", "", (Items("", "", ("One run only.",)),), "All runs")
-    part = spread_figure(read_table(found.table, numbers), numbers)
+    part = spread_figure(read_table(result.table, numbers), numbers)
     return Section("spread", "All runs together", lead, (part,), "All runs")
 
 
-def _failures_section(found: SweepResult) -> Section:
-    if not found.overall.failed:
+def _failures_section(result: SweepResult) -> Section:
+    if not result.overall.failed:
         return Section("failures", "Runs that failed", "", (Items("", "", ("None.",)),), "Failures")
-    columns = read_table(found.table, ["run", "status", "reason"])
+    columns = read_table(result.table, ["run", "status", "reason"])
     reasons: dict[str, list[int]] = {}
     for run, status, reason in zip(*columns.values(), strict=True):
         if status != "ok":
@@ -258,13 +260,13 @@ def _failures_section(found: SweepResult) -> Section:
     return Section("failures", "Runs that failed", "", (PageTable("Reasons", aid, heads, rows),), "Failures")
 
 
-def _plan_section(found: SweepResult) -> Section:
-    sweep = found.plan.sweep
+def _plan_section(result: SweepResult) -> Section:
+    sweep = result.plan.sweep
     rows = []
     for axis in sweep.axes:
         if isinstance(axis, DrawnAxis):
-            told = ", ".join(f"{k} {point_label(v)}" for k, v in axis.draw.model_dump(by_alias=True).items())
-            rows.append(row(axis_title(axis.name), "drawn for each seed", told))
+            drawn = ", ".join(f"{k} {point_label(v)}" for k, v in axis.draw.model_dump(by_alias=True).items())
+            rows.append(row(axis_title(axis.name), "drawn for each seed", drawn))
             continue
         values = [point_label(point.label) for point in axis.points]
         more = f" … {values[-1]}" if len(values) > MOST_VALUES else ""
@@ -299,23 +301,23 @@ def _plan_section(found: SweepResult) -> Section:
     return Section("plan", "The plan", "", parts)
 
 
-def _limits_section(found: SweepResult) -> Section:
+def _limits_section(result: SweepResult) -> Section:
     said = ["Every run is a simulation: it shows what the method can do, not what a real machine is like."]
-    if len(found.plan.sweep.seeds) < FEW_SEEDS:
-        count = plural(len(found.plan.sweep.seeds), "seed")
+    if len(result.plan.sweep.seeds) < FEW_SEEDS:
+        count = plural(len(result.plan.sweep.seeds), "seed")
         said.append(f"{count} for each combination: the spread within one says little.")
-    if found.overall.failed:
+    if result.overall.failed:
         said.append("Runs that failed are in no median.")
     return Section("limits", "Known limits", "", (Items("", "", tuple(said)),))
 
 
-def _again_section(found: SweepResult, again: Sequence[str]) -> Section:
+def _again_section(result: SweepResult, again: Sequence[str]) -> Section:
     names = [
         column_name
-        for column_name in column_names(found.table)
+        for column_name in column_names(result.table)
         if column_name == "commit" or column_name.startswith("version.")
     ]
-    columns = read_table(found.table, names)
+    columns = read_table(result.table, names)
     aid = (
         "Started again on the same folder, a sweep goes on where it was; on another, it gives the same table."
     )

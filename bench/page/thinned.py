@@ -1,4 +1,4 @@
-"""Fewer numbers that draw the same picture: extremes kept, digits that no eye sees left out."""
+"""Fewer numbers that draw the same picture: extremes kept, digits that no eye sees omitted."""
 
 from collections.abc import Mapping
 from typing import Any
@@ -36,7 +36,7 @@ def thinned(
     """Curves over evenly spaced rows, with at most about `most` points each; gaps where rows are missing.
 
     row (M,): number of each row, rising; period: s between rows; curves: (M,) each. Returns x as {start, step} in
-    seconds, the curves' values, and how many rows lie behind two points (one: nothing is left out). Of every
+    seconds, the curves' values, and how many rows lie behind two points (one: nothing is omitted). Of every
     stretch of rows the smallest and the largest value are kept, in their order: no outlier is lost.
     """
     count = int(row[-1] - row[0]) + 1

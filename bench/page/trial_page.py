@@ -1,4 +1,4 @@
-"""The page of a blind trial: what was reached, what was named for what, misses by size, intervals, errors left."""
+"""The page of a blind trial: what was reached, what was named for what, misses by size, intervals, remaining errors."""
 
 import json
 from collections import Counter
@@ -62,12 +62,12 @@ class TrialResult:
 
 
 def trial_table(source: Path) -> Path | None:
-    """The table of a trial, from its folder or its own path; None where this is none.
+    """The table of a trial, from its folder or its path; None where this is none.
 
     Raises BenchError for a folder that holds the trials of several robots.
     """
-    found = sorted(source.glob(f"*{SUFFIX}")) if source.is_dir() else [source]
-    tables = [path for path in found if path.suffix == SUFFIX and path.is_file() and _is_trial(path)]
+    paths = sorted(source.glob(f"*{SUFFIX}")) if source.is_dir() else [source]
+    tables = [path for path in paths if path.suffix == SUFFIX and path.is_file() and _is_trial(path)]
     if len(tables) > 1:
         commands = ", ".join(f"bench report {quoted(path)}" for path in tables)
         raise BenchError(
@@ -86,12 +86,12 @@ def read_trial(table: Path) -> TrialResult:
     return TrialResult(table, table.stem, rows, summarised(table.stem, rows))
 
 
-def trial_page(found: TrialResult, again: Sequence[str]) -> Page:
+def trial_page(result: TrialResult, again: Sequence[str]) -> Page:
     """How far a diagnosis of this robot can be trusted. again: the commands that give this page."""
-    summary = found.summary
+    summary = result.summary
     return Page(
-        title=f"How far a diagnosis of {found.robot} can be trusted",
-        facts=(f"robot {found.robot}", plural(summary.rows, "blind dataset"), "simulated"),
+        title=f"How far a diagnosis of {result.robot} can be trusted",
+        facts=(f"robot {result.robot}", plural(summary.rows, "blind dataset"), "simulated"),
         verdict=_verdict(summary),
         tiles=_tiles(summary),
         sections=(
@@ -99,27 +99,27 @@ def trial_page(found: TrialResult, again: Sequence[str]) -> Page:
             _confusion_section(summary),
             _misses_section(summary),
             _coverage_section(summary),
-            _errors_section(found),
+            _errors_section(result),
             _failures_section(summary),
-            _limits_section(found),
-            _again_section(found, again),
+            _limits_section(result),
+            _again_section(result, again),
         ),
         generator=generator(),
         footer=footer(),
     )
 
 
-def again_line(found: TrialResult, times: int = 1) -> str:
+def again_line(result: TrialResult, times: int = 1) -> str:
     """The command that runs the trial again, as far as its folder tells; with so many times the seeds."""
-    counts = Counter(row["kind"] for row in found.rows)
+    counts = Counter(row["kind"] for row in result.rows)
     kinds = [kind for kind in KINDS if counts[kind]]
-    each = Counter((row["kind"], row["hidden"]) for row in found.rows if row["kind"] in ("one", "outside"))
+    each = Counter((row["kind"], row["hidden"]) for row in result.rows if row["kind"] in ("one", "outside"))
     seeds = max(
         [*each.values(), *(-(-counts[k] // DATASETS_A_SEED) for k in kinds if k not in ("one", "outside"))]
     )
-    kept = _kept_beside(found, kinds)
+    kept = _saved_settings(result, kinds)
     given = kept.get("given", {})
-    words = ["bench trial", quoted(given.get("robot", found.robot))]
+    words = ["bench trial", quoted(given.get("robot", result.robot))]
     if "scenario" in given:
         words += ["--scenario", quoted(given["scenario"])]
     if "duration" in given:
@@ -128,13 +128,13 @@ def again_line(found: TrialResult, times: int = 1) -> str:
         words += ["--kinds", ",".join(kinds)]
     if kept.get("effects"):
         words += ["--effects", ",".join(kept["effects"])]
-    return " ".join([*words, "--seeds", str(times * seeds), "-o", quoted(found.table.parent)])
+    return " ".join([*words, "--seeds", str(times * seeds), "-o", quoted(result.table.parent)])
 
 
-def _kept_beside(found: TrialResult, kinds: Sequence[str]) -> dict[str, Any]:
+def _saved_settings(result: TrialResult, kinds: Sequence[str]) -> dict[str, Any]:
     """What the trial's folder keeps of its command: the effects that it drew from (none: all), and `given`."""
     for kind in kinds:
-        path = found.table.with_suffix("") / f"{kind}.json"
+        path = result.table.with_suffix("") / f"{kind}.json"
         if path.is_file():
             try:
                 kept = json.loads(path.read_text(encoding="utf-8"))
@@ -154,17 +154,17 @@ def _is_trial(path: Path) -> bool:
 def _verdict(summary: TrialSummary) -> tuple[str, ...]:
     """Three sentences: what is named, false alarms, and what the answers are worth."""
     by_figure = {target.figure: target for target in summary.targets}
-    told = [
+    phrases = [
         (by_figure[TargetFigure.ONE_FIRST], "a single hidden effect is named first in"),
         (by_figure[TargetFigure.TWO_EXACT], "two are found exactly in"),
         (by_figure[TargetFigure.THREE_EXACT], "three in"),
     ]
-    found = [
+    parts = [
         f"{words} {_of(target.share)}"
-        for target, words in told
+        for target, words in phrases
         if target.share is not None and target.share.of
     ]
-    first = f"{and_list(found)} of the cases." if found else "No effect that counts was hidden."
+    first = f"{and_list(parts)} of the cases." if parts else "No effect that counts was hidden."
     alarms = by_figure[TargetFigure.ALARM].share
     outside = by_figure[TargetFigure.OUTSIDE_HONEST].share
     said = []
@@ -176,18 +176,18 @@ def _verdict(summary: TrialSummary) -> tuple[str, ...]:
             f"{_of(outside)}"
         )
     second = f"{'; '.join(said)}." if said else "False alarms were not tried."
-    judged = [
+    limited = [
         target
         for target in summary.targets
         if target.reached is not None and (target.least, target.most) != (None, None)
     ]
-    kept = sum(target.kept is Attained.YES for target in judged)
-    if not judged:
+    kept = sum(target.kept is Attained.YES for target in limited)
+    if not limited:
         third = "No case counts, so nothing is said: longer recordings or more seeds help."
         return tuple(typeset(name[:1].upper() + name[1:]) for name in (first, second, third))
-    third = f"Of {plural(len(judged), 'figure')} with a limit, {kept} surely keep it"
+    third = f"Of {plural(len(limited), 'figure')} with a limit, {kept} surely keep it"
     for answer, words in NOT_KEPT.items():
-        names = [WORDS[target.figure] for target in judged if target.kept is answer]
+        names = [WORDS[target.figure] for target in limited if target.kept is answer]
         third += f"; {words}: {and_list(names)}" if names else ""
     third += "."
     return tuple(typeset(name[:1].upper() + name[1:]) for name in (first, second, third))
@@ -278,8 +278,8 @@ def _coverage_section(summary: TrialSummary) -> Section:
     return Section("coverage", "Intervals of the effects' parameters", typeset(lead), parts, "Intervals")
 
 
-def _errors_section(found: TrialResult) -> Section:
-    figure = errors_figure(found.rows)
+def _errors_section(result: TrialResult) -> Section:
+    figure = errors_figure(result.rows)
     if figure is None:
         none: tuple[Part, ...] = (Items("", "", ("No effect of the catalogue was hidden.",)),)
         return Section("errors", "What is left of the error", "", none, "Error left")
@@ -294,31 +294,31 @@ def _failures_section(summary: TrialSummary) -> Section:
     return Section("failures", "Cases that came to nothing", "", (part,), "Failures")
 
 
-def _limits_section(found: TrialResult) -> Section:
+def _limits_section(result: TrialResult) -> Section:
     said = [
         "Every dataset is simulated, with laws of its own for the hidden effects: a real machine may have others.",
         COUNTED,
     ]
     few = [
         WORDS[target.figure]
-        for target in found.summary.targets
+        for target in result.summary.targets
         if target.share and 0 < target.share.of < FEW and target.figure in MAIN
     ]
     if few:
         said.append(f"Fewer than {FEW} cases, so the shares say little: {'; '.join(few)}.")
-    untried = [kind for kind in KINDS if not any(row["kind"] == kind for row in found.rows)]
+    untried = [kind for kind in KINDS if not any(row["kind"] == kind for row in result.rows)]
     if untried:
         said.append(f"Not tried: {', '.join(untried)}.")
     return Section("limits", "Known limits", "", (Items("", "", tuple(map(typeset, said))),))
 
 
-def _again_section(found: TrialResult, again: Sequence[str]) -> Section:
+def _again_section(result: TrialResult, again: Sequence[str]) -> Section:
     columns: dict[str, list[Any]] = {
-        name: [row[name] for row in found.rows]
-        for name in found.rows[0]
+        name: [row[name] for row in result.rows]
+        for name in result.rows[0]
         if name == "commit" or name.startswith("version.")
     }
-    counts = Counter(row["kind"] for row in found.rows)
+    counts = Counter(row["kind"] for row in result.rows)
     heads = (PageColumn("kind", "keep"), PageColumn("datasets", "right"), PageColumn("hidden", "words"))
     hidden = {
         "nothing": "nothing",

@@ -1,10 +1,10 @@
-"""The verdict in three sentences: what is missing, what that changes, what is left; and the numbers that count."""
+"""The verdict in three sentences: what is missing, what that changes, what remains; and the numbers that count."""
 
 from collections.abc import Collection, Mapping
 
 from bench.basics.chi_squared import WITHIN_95
 from bench.diagnosis.result import Diagnosis
-from bench.diagnosis.summary import found_effects, gain_moved, moved_gain, summary_of
+from bench.diagnosis.summary import gain_moved, moved_gain, named_effects, summary_of
 from bench.document.numbers import gain_change, pretty_unit
 from bench.document.typeset import effect_name, share, short, typeset
 from bench.export.replay.replay import Replay
@@ -28,7 +28,7 @@ def diagnosis_verdict(diagnosis: Diagnosis) -> tuple[str, ...]:
     doubtful = [
         f"instead of {effect_name(verdict.effect)} it could as well be "
         f"{or_list(list(map(effect_name, verdict.alternatives)))}"
-        for verdict in found_effects(diagnosis)
+        for verdict in named_effects(diagnosis)
         if verdict.alternatives
     ]
     if not doubt and not said.nominal and said.moved and 1 < len(diagnosis.after.drive_gains) <= MOST_GAINS:
@@ -38,8 +38,8 @@ def diagnosis_verdict(diagnosis: Diagnosis) -> tuple[str, ...]:
         )
     if doubtful:
         middle += f"; {and_list(doubtful)}: these recordings cannot tell"
-    told = (said.verdict, said.unfinished, *said.laws, f"{middle}.", said.left)
-    return tuple(typeset(name) for name in told if name)
+    sentences = (said.verdict, said.unfinished, *said.laws, f"{middle}.", said.residual)
+    return tuple(typeset(name) for name in sentences if name)
 
 
 def identification_verdict(result: Identification, where: WhereItFails, noise: float) -> tuple[str, ...]:
@@ -50,7 +50,7 @@ def identification_verdict(result: Identification, where: WhereItFails, noise: f
 
 
 def comparison_verdict(error: ErrorSummary, model: str, where: WhereItFails, noise: float) -> tuple[str, ...]:
-    """Three sentences on a saved model beside other recordings."""
+    """Three sentences on a saved model applied to other recordings."""
     return (
         *_level(error, noise, "Applied as it is, the saved model"),
         f"Nothing was fitted here: the model comes from {model}.",
@@ -104,24 +104,24 @@ def diagnosis_tiles(diagnosis: Diagnosis) -> tuple[Tile, ...]:
     known = [step.validate if step.validate is not None else step.identify for step in (first, last)]
     kind = "not fitted" if last.validate is not None else "fitted"
     before = f"from {share(known[0])} without" if diagnosis.added else "nothing to add"
-    found = str(len(diagnosis.added)) if diagnosis.added else "none"
+    count = str(len(diagnosis.added)) if diagnosis.added else "none"
     names = ", ".join(effect_name(name) for name in diagnosis.added) or "that the catalogue knows"
     return (
         Tile(f"Error, {kind}", share(known[1]), before),
         Tile("Noise floor", share(diagnosis.unexplained.noise_floor), "of the currents, as an error"),
-        Tile("Missing effects", found, names),
+        Tile("Missing effects", count, names),
         _gain_tile(diagnosis.after, diagnosis.before if diagnosis.added else None),
     )
 
 
 def identification_tiles(result: Identification, noise: float) -> tuple[Tile, ...]:
     """The numbers that count of an identification."""
-    judged = result.error.validate
-    error = judged if judged is not None else result.error.identify
+    validation = result.error.validate
+    error = validation if validation is not None else result.error.identify
     fitted = share(result.error.identify)
-    note = f"fitted {fitted}" if judged is not None else "no recording kept for validation"
+    note = f"fitted {fitted}" if validation is not None else "no recording kept for validation"
     return (
-        Tile("Error, not fitted" if judged is not None else "Error, fitted", share(error), note),
+        Tile("Error, not fitted" if validation is not None else "Error, fitted", share(error), note),
         Tile("Noise floor", share(noise), "of the currents, as an error"),
         _gain_tile(result, None),
         Tile("Condition number", short(result.scaled_condition, 3), "columns of unit length"),
@@ -175,10 +175,10 @@ def _gain_tile(result: Identification, before: Identification | None) -> Tile:
 
 
 def _level(error: ErrorSummary, noise: float, subject: str) -> tuple[str]:
-    fitted, judged = error.identify, error.validate
+    fitted, validation = error.identify, error.validate
     parts = []
-    if judged is not None:
-        parts.append(f"{share(judged)} on recordings that were not fitted")
+    if validation is not None:
+        parts.append(f"{share(validation)} on recordings that were not fitted")
     if fitted is not None:
         parts.append(f"{share(fitted)} on those for identification")
     size = " and ".join(parts) or "no error: no recording"

@@ -1,4 +1,4 @@
-"""Write the page of a run, beside what is needed to write it again."""
+"""Write the page of a run, and what is needed to write it again."""
 
 from dataclasses import replace
 from pathlib import Path

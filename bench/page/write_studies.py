@@ -11,15 +11,15 @@ from bench.studies.sweep.run_sweep import FILE
 
 def write_sweep_report(folder: Path, output: Path) -> Path:
     """Write the page of the sweep in a folder. Raises BenchError where it has not ended or cannot be read."""
-    found = read_sweep(folder)
+    sweep = read_sweep(folder)
     again = [f"bench sweep {quoted(folder / FILE)} -o {quoted(folder)}"]
     return write_page(
-        output, sweep_page(found, [*again, f"bench report {quoted(folder)} -o {quoted(output)}"])
+        output, sweep_page(sweep, [*again, f"bench report {quoted(folder)} -o {quoted(output)}"])
     )
 
 
 def write_trial_report(table: Path, output: Path) -> Path:
     """Write the page of a trial from its table. Raises BenchError where it cannot be read."""
-    found = read_trial(table)
-    again = [again_line(found), f"bench report {quoted(table)} -o {quoted(output)}"]
-    return write_page(output, trial_page(found, again))
+    trial = read_trial(table)
+    again = [again_line(trial), f"bench report {quoted(table)} -o {quoted(output)}"]
+    return write_page(output, trial_page(trial, again))

@@ -49,7 +49,7 @@ def _motor(motor: MotorErrors, text: Callable[..., str]) -> dict[str, Any]:
         "by_recording": {
             name: {"error": error, "noise": noise} for name, (error, noise) in motor.by_recording.items()
         },
-        "alike_over": motor.memory,
+        "alike_over": motor.autocorrelation_time,
         "concentrated": [
             {
                 "region": concentration.where.name,

@@ -15,13 +15,13 @@ LONGEST = 60  # rows
 class Autocorrelation:
     """lag (L,) s; value (L,), one at lag zero; band: 95 % of the values lie within ± band by chance.
 
-    memory: the integrated autocorrelation time in rows; so many rows count as one independent one.
+    integrated_time: the integrated autocorrelation time in rows; so many rows count as one independent one.
     """
 
     lag: np.ndarray
     value: np.ndarray
     band: float
-    memory: float
+    integrated_time: float
 
 
 def autocorrelation(series: Sequence[MotorSeries]) -> Autocorrelation:
@@ -30,7 +30,9 @@ def autocorrelation(series: Sequence[MotorSeries]) -> Autocorrelation:
     count = sum(len(trace.time) for trace in series)
     rate = series[0].rate or 1.0
     lag = np.arange(len(values)) / rate
-    return Autocorrelation(lag, values, WITHIN_95 / float(np.sqrt(max(count, 1))), memory(values))
+    return Autocorrelation(
+        lag, values, WITHIN_95 / float(np.sqrt(max(count, 1))), integrated_autocorrelation_time(values)
+    )
 
 
 def correlations(rows: Sequence[np.ndarray], values: Sequence[np.ndarray]) -> np.ndarray:
@@ -57,7 +59,7 @@ def correlations(rows: Sequence[np.ndarray], values: Sequence[np.ndarray]) -> np
     )
 
 
-def memory(correlation: np.ndarray) -> float:
+def integrated_autocorrelation_time(correlation: np.ndarray) -> float:
     """Integrated autocorrelation time in rows, at least one.
 
     Lags are summed in pairs until the correlation is lost in its noise (Geyer, "Practical Markov chain Monte
@@ -75,4 +77,4 @@ def memory(correlation: np.ndarray) -> float:
 def independent_rows(series: Sequence[MotorSeries], values: Sequence[np.ndarray]) -> float:
     """How many of the rows count as independent, for one value a row."""
     count = sum(len(value) for value in values)
-    return count / memory(correlations([trace.row for trace in series], values))
+    return count / integrated_autocorrelation_time(correlations([trace.row for trace in series], values))

@@ -1,4 +1,4 @@
-"""In which part of the motion a motor's squared error is concentrated, far beyond chance."""
+"""The part of the motion in which a motor's squared error is concentrated, far beyond chance."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -30,29 +30,29 @@ class Concentration:
     of_rest: bool
 
 
-def concentrations(series: Sequence[MotorSeries], found: Sequence[Region]) -> list[Concentration]:
+def concentrations(series: Sequence[MotorSeries], candidates: Sequence[Region]) -> list[Concentration]:
     """The regions that hold far more of one motor's squared error than of its time, the most telling first.
 
     A second one is looked for outside the first, since many regions overlap.
     """
     squares = [trace.error**2 for trace in series]
-    left = [np.ones(len(square), dtype=bool) for square in squares]
+    remaining = [np.ones(len(square), dtype=bool) for square in squares]
     named: list[Concentration] = []
     while len(named) < MOST:
-        independent = _independent_squares(series, squares, left)
+        independent = _independent_squares(series, squares, remaining)
         best = max(
             (
-                _concentration(series[0].joint, region, squares, left, independent, bool(named))
-                for region in found
+                _concentration(series[0].joint, region, squares, remaining, independent, bool(named))
+                for region in candidates
             ),
             key=lambda concentration: _divergence(concentration.error_share, concentration.time_share),
             default=None,
         )
-        if best is None or not _counts(best, len(found)):
+        if best is None or not _counts(best, len(candidates)):
             break
         named.append(best)
-        region = next(candidate for candidate in found if candidate.where == best.where)
-        left = [kept & ~rows for kept, rows in zip(left, region.rows, strict=True)]
+        region = next(candidate for candidate in candidates if candidate.where == best.where)
+        remaining = [kept & ~rows for kept, rows in zip(remaining, region.rows, strict=True)]
     return named
 
 
@@ -63,13 +63,13 @@ def shares(series: Sequence[MotorSeries], region: Region) -> tuple[float, float]
 
 
 def _shares(
-    squares: Sequence[np.ndarray], inside: Sequence[np.ndarray], left: Sequence[np.ndarray]
+    squares: Sequence[np.ndarray], inside: Sequence[np.ndarray], remaining: Sequence[np.ndarray]
 ) -> tuple[float, float]:
-    """Shares of squares and of rows inside among those left."""
-    both = [rows & kept for rows, kept in zip(inside, left, strict=True)]
-    whole = sum(float(square[kept].sum()) for square, kept in zip(squares, left, strict=True))
+    """Shares of squares and of rows inside among the remaining ones."""
+    both = [rows & kept for rows, kept in zip(inside, remaining, strict=True)]
+    whole = sum(float(square[kept].sum()) for square, kept in zip(squares, remaining, strict=True))
     part = sum(float(square[rows].sum()) for square, rows in zip(squares, both, strict=True))
-    rows, all_rows = sum(int(entry.sum()) for entry in both), sum(int(values.sum()) for values in left)
+    rows, all_rows = sum(int(entry.sum()) for entry in both), sum(int(values.sum()) for values in remaining)
     return part / whole if whole else 0.0, rows / all_rows if all_rows else 1.0
 
 
@@ -77,11 +77,11 @@ def _concentration(
     joint: str,
     region: Region,
     squares: Sequence[np.ndarray],
-    left: Sequence[np.ndarray],
+    remaining: Sequence[np.ndarray],
     independent: float,
     of_rest: bool,
 ) -> Concentration:
-    error_share, time_share = _shares(squares, region.rows, left)
+    error_share, time_share = _shares(squares, region.rows, remaining)
     evidence = independent * _divergence(error_share, time_share)
     return Concentration(joint, region.where, error_share, time_share, evidence, of_rest)
 
@@ -106,15 +106,16 @@ def _divergence(error_share: float, time_share: float) -> float:
 
 
 def _independent_squares(
-    series: Sequence[MotorSeries], squares: Sequence[np.ndarray], left: Sequence[np.ndarray]
+    series: Sequence[MotorSeries], squares: Sequence[np.ndarray], remaining: Sequence[np.ndarray]
 ) -> float:
-    """Effective number of independent squares left: of blocks as long as their memory, weighed by their size.
+    """Effective number of remaining independent squares: of blocks as long as their autocorrelation time, weighed by
+    their size.
 
     The squares of normal errors are correlated by the square of the errors' correlation.
     """
     alike = correlations([trace.row for trace in series], [trace.error for trace in series]) ** 2
     length = max(int(np.ceil(2.0 * alike.sum() - 1.0)), 1)
-    kept = [square[rows] for square, rows in zip(squares, left, strict=True) if rows.any()]
+    kept = [square[rows] for square, rows in zip(squares, remaining, strict=True) if rows.any()]
     if not kept:
         return 0.0
     blocks = np.concatenate([np.add.reduceat(entry, np.arange(0, len(entry), length)) for entry in kept])

@@ -129,8 +129,10 @@ class ErrorBreakdown:
     @cached_property
     def shares(self) -> tuple[RegionShares, ...]:
         """Where the squared error lies, by parts of the motion."""
-        found = [region for region in regions(self.series, self.unit, self.current) if region.where.of_motion]
-        return tuple(RegionShares(region.where.name, *shares(self.series, region)) for region in found)
+        candidates = [
+            region for region in regions(self.series, self.unit, self.current) if region.where.of_motion
+        ]
+        return tuple(RegionShares(region.where.name, *shares(self.series, region)) for region in candidates)
 
     @cached_property
     def spectrum(self) -> Spectrum:

@@ -1,4 +1,4 @@
-"""Which effects leave errors like those found at a motor: candidates, between which a diagnosis decides."""
+"""Which effects leave errors like those at a motor: candidates, between which a diagnosis decides."""
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
@@ -58,7 +58,7 @@ def possible_effects(problem: Problem) -> dict[str, Effect]:
 
 def look_alikes(
     joint: str,
-    found: tuple[Iterable[Concentration], Iterable[Dependence], Iterable[SpectralLine], Iterable[Change]],
+    patterns: tuple[Iterable[Concentration], Iterable[Dependence], Iterable[SpectralLine], Iterable[Change]],
     possible: Mapping[str, Effect],
     has: Iterable[str],
 ) -> tuple[LookAlike, ...]:
@@ -72,13 +72,13 @@ def look_alikes(
         for name, _, place in (name.partition("@")[0].partition(":") for name in has)
         if place in ("", joint)
     }
-    left = [effect for name, effect in possible.items() if name not in there]
+    absent = [effect for name, effect in possible.items() if name not in there]
     named: set[str] = set()
     answer = []
-    for seen in _looks(*found):
+    for seen in _looks(*patterns):
         ranks = sorted(
             (effect.seen.index(seen), *_plainness(effect, possible))
-            for effect in left
+            for effect in absent
             if seen in effect.seen and effect.name not in named
         )
         effects = tuple(name for *_, name in ranks)

@@ -14,7 +14,7 @@ from bench.signals.settings import FilterSettings
 
 FEWEST = 20  # rows in which a motor moves, from which on a recording tells something of it
 SWIFT = 3  # rows excluded between two directions: more is a standstill, not a reversal
-BESIDE = 1.5  # rows on either side of a reversal that belong to it
+NEAR_REVERSAL = 1.5  # rows on either side of a reversal that belong to it
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -23,7 +23,7 @@ class MotorSeries:
 
     time s from the start of the recording; measured, modelled: current in the drive's unit; position,
     velocity, acceleration: rad or m and their rates, each (M,). row (M,): number of each among all rows, so
-    that gaps, where the joint stands still, are known. to_reversal (M,): rows to the nearest reversal, signed;
+    that gaps, where the joint does not move, are known. to_reversal (M,): rows to the nearest reversal, signed;
     reversal, after_standstill (M,): whether a row lies next to one. noise: RMS of the current's noise in the
     band of the fit, drive unit. rate: rows per second; band: the highest frequency that the fit sees, Hz.
     """
@@ -43,7 +43,7 @@ class MotorSeries:
     velocity: np.ndarray
     acceleration: np.ndarray
     to_reversal: np.ndarray
-    beside_standstill: np.ndarray
+    near_standstill: np.ndarray
 
     def __repr__(self) -> str:
         return f"<motor {self.joint} in {self.recording}: {len(self.time)} rows, {self.use}>"
@@ -61,7 +61,7 @@ class MotorSeries:
     @property
     def at_reversal(self) -> np.ndarray:
         """The rows next to a change of direction (M,)."""
-        return np.abs(self.to_reversal) <= BESIDE
+        return np.abs(self.to_reversal) <= NEAR_REVERSAL
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -97,14 +97,14 @@ def compared(
     for actuator in robot.actuators:
         unit = actuator.gain_unit
         units[actuator.joint] = (drive_unit(unit), units_of_gain(unit).position)
-    found = []
+    motors = []
     for trace in series:
         noise, band = (
             current_noise(logged[trace.name], settings, trace.sharing),
             settings.band(logged[trace.name].rate),
         )
-        found += [_motor(trace, j, joint, float(noise[j]), band) for j, joint in enumerate(robot.joints)]
-    return Compared(robot.name, tuple(robot.joints), units, tuple(found))
+        motors += [_motor(trace, j, joint, float(noise[j]), band) for j, joint in enumerate(robot.joints)]
+    return Compared(robot.name, tuple(robot.joints), units, tuple(motors))
 
 
 def relative_noise(series: Sequence[MotorSeries]) -> float:
@@ -143,12 +143,12 @@ def _motor(series: CurrentSeries, j: int, joint: str, noise: float, band: float)
         velocity=velocity[row],
         acceleration=series.acceleration[row, j],
         to_reversal=_to_nearest(row, _reversals(velocity, moving)),
-        beside_standstill=np.abs(_to_nearest(row, still.astype(float))) <= BESIDE + 1,
+        near_standstill=np.abs(_to_nearest(row, still.astype(float))) <= NEAR_REVERSAL + 1,
     )
 
 
 def _standstill(moving: np.ndarray) -> np.ndarray:
-    """Rows of stretches in which the joint stands still for longer than a reversal takes."""
+    """Rows of stretches in which the joint does not move for longer than a reversal takes."""
     edges = np.flatnonzero(np.diff(np.concatenate(([False], ~moving, [False])).astype(int)))
     stretches = [np.arange(a, b) for a, b in zip(edges[::2], edges[1::2], strict=True) if b - a > SWIFT]
     return np.concatenate(stretches) if stretches else np.empty(0, dtype=int)

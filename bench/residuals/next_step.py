@@ -7,16 +7,16 @@ from bench.residuals.residuals import MATERIAL
 MUCH = 3.0  # times the noise: worth a word where nobody asked for errors
 
 
-def left_over(what: Compared) -> list[str]:
+def remaining_errors(what: Compared) -> list[str]:
     """One sentence for every motor whose error is far above the noise of its current."""
-    found = []
+    lines = []
     for joint in what.joints:
         series = what.of(joint)
         error, noise = relative_error_of(series) or 0.0, relative_noise(series)
         if error > MUCH * noise > 0.0:
             times = f"{error / noise:.3g} times the noise of the current ({100.0 * noise:.3g} %)"
-            found.append(f"{motor_words(joint)}: error {100.0 * error:.3g} %, {times}")
-    return found
+            lines.append(f"{motor_words(joint)}: error {100.0 * error:.3g} %, {times}")
+    return lines
 
 
 DIAGNOSE = "names the physical effect that the model lacks"
@@ -24,7 +24,7 @@ KEEP = "keeps the model"
 
 
 def beyond_noise(what: Compared) -> bool:
-    """Whether errors are left that noise does not account for."""
+    """Whether errors remain that noise does not account for."""
     errors = [
         (relative_error_of(what.of(joint)) or 0.0, relative_noise(what.of(joint))) for joint in what.joints
     ]

@@ -6,7 +6,7 @@ from typing import Literal
 
 import numpy as np
 
-from bench.residuals.autocorrelation import correlations, memory
+from bench.residuals.autocorrelation import correlations, integrated_autocorrelation_time
 from bench.residuals.motor import MotorSeries
 
 PART = 1.0 / 3.0  # of every recording: its start, and its end
@@ -50,11 +50,11 @@ def over_warm_up(series: Sequence[MotorSeries]) -> tuple[Opposing, Opposing]:
 def by_load(series: Sequence[MotorSeries]) -> list[Opposing]:
     """Each payload of one motor, and none."""
     loads = list(dict.fromkeys(trace.payload for trace in series))
-    found = []
+    comparisons = []
     for load in loads:
         rows = [np.arange(len(trace.time) if trace.payload == load else 0) for trace in series]
-        found.append(_opposing(series, rows, f"with payload {load}" if load else "without payload"))
-    return found
+        comparisons.append(_opposing(series, rows, f"with payload {load}" if load else "without payload"))
+    return comparisons
 
 
 def changes(series: Sequence[MotorSeries]) -> list[Change]:
@@ -79,7 +79,9 @@ def _opposing(series: Sequence[MotorSeries], rows: Sequence[np.ndarray], part: s
     whole = np.concatenate(values)
     mean = float(whole.mean())
     scatter = [_without_trend(v) for v in values]
-    alike = memory(correlations([trace.row[chosen] for trace, chosen in used], scatter))
+    alike = integrated_autocorrelation_time(
+        correlations([trace.row[chosen] for trace, chosen in used], scatter)
+    )
     std = float(np.concatenate(scatter).std() * np.sqrt(alike / len(whole)))
     error = sum(float((trace.error[chosen] ** 2).sum()) for trace, chosen in used)
     measured = sum(float((trace.measured[chosen] ** 2).sum()) for trace, chosen in used)

@@ -56,7 +56,7 @@ class SpectralLine:
 
 
 def time_spectrum(series: Sequence[MotorSeries]) -> Spectrum:
-    """Welch's spectrum of one motor's error, averaged over its recordings; zero where it stands still."""
+    """Welch's spectrum of one motor's error, averaged over its recordings; zero where it does not move."""
     length = min(SEGMENT, *(int(trace.row[-1] - trace.row[0]) + 1 for trace in series))
     densities, weights = [], []
     for trace in series:
@@ -83,7 +83,7 @@ def position_spectrum(series: Sequence[MotorSeries]) -> PositionSpectrum:
 def lines(series: Sequence[MotorSeries]) -> list[SpectralLine]:
     """Lines that stand out of one motor's error far beyond chance, at most one over position and one over time."""
     count = independent_rows(series, [trace.error for trace in series])
-    found = []
+    spectral = []
     over_position = position_spectrum(series)
     travel = float(np.ptp(np.concatenate([trace.position for trace in series])))
     best = _strongest(over_position.cycles, over_position.share, FEWEST_CYCLES / max(travel, 1e-12), count, 2)
@@ -92,9 +92,9 @@ def lines(series: Sequence[MotorSeries]) -> list[SpectralLine]:
         error = np.concatenate([trace.error for trace in series])
         finer = _about(over_position.cycles[best], travel)
         amplitude, share = _sinusoids(position, error, finer)
-        found.append(_line(series[0].joint, "position", finer, share, amplitude, travel))
+        spectral.append(_line(series[0].joint, "position", finer, share, amplitude, travel))
     in_time = _time_line(series, count)
-    return [*found, *([in_time] if in_time else [])]
+    return [*spectral, *([in_time] if in_time else [])]
 
 
 def _time_line(series: Sequence[MotorSeries], independent: float) -> SpectralLine | None:
@@ -116,8 +116,8 @@ def _time_line(series: Sequence[MotorSeries], independent: float) -> SpectralLin
     _, share = shares(errors)
     _, of_motion = shares([trace.measured for trace in series])
     _, of_speed = shares([trace.velocity for trace in series])
-    own = np.where(np.maximum(of_motion, of_speed) < LIKE_MOTION * share, share, 0.0)
-    best = _strongest(frequency, own, FEWEST_CYCLES / duration, independent, 2 * len(series))
+    of_time = np.where(np.maximum(of_motion, of_speed) < LIKE_MOTION * share, share, 0.0)
+    best = _strongest(frequency, of_time, FEWEST_CYCLES / duration, independent, 2 * len(series))
     if best is None:
         return None
     finer = _about(frequency[best], duration)

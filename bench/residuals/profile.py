@@ -7,7 +7,7 @@ from typing import Literal
 import numpy as np
 
 from bench.basics.chi_squared import tail
-from bench.residuals.autocorrelation import correlations, memory
+from bench.residuals.autocorrelation import correlations, integrated_autocorrelation_time
 from bench.residuals.motor import MotorSeries
 
 Variable = Literal["time", "position", "velocity", "acceleration", "current", "direction", "constant"]
@@ -52,7 +52,7 @@ class Dependence:
     """The share of a motor's squared error that a variable's bin means account for.
 
     low, high: the smallest and the largest bin mean, drive unit; low_at, high_at: where. of_rest: a share of what
-    is left when the variables named before are subtracted.
+    remains when the variables named before are subtracted.
     """
 
     joint: str
@@ -112,15 +112,15 @@ def dependences(series: Sequence[MotorSeries]) -> list[Dependence]:
     named: list[Dependence] = []
     while len(named) < MOST:
         tried = [_dependence(series, kind, errors, named) for kind in VARIABLES]
-        best, left, chance = max(tried, key=lambda pair: pair[0].error_share)
+        best, residual, chance = max(tried, key=lambda pair: pair[0].error_share)
         for plain in (tried[VARIABLES.index("direction")], tried[VARIABLES.index("constant")]):
             if plain[0].error_share > AS_GOOD * best.error_share:
-                best, left, chance = plain
+                best, residual, chance = plain
         small = best.error_share * float(errors @ errors) < WORTH_NAMING / 2 * float(whole @ whole)
         if chance > SURPRISING / len(VARIABLES) or best.error_share < WORTH_NAMING or small:
             break
         named.append(best)
-        errors = left
+        errors = residual
     return named
 
 
@@ -133,15 +133,17 @@ def _dependence(
     size = len(bins.mean)
     index = np.clip(np.searchsorted(bins.edges, values, side="right") - 1, 0, size - 1)
     means = np.nan_to_num(bins.mean)
-    left = errors - means[index]
+    residual = errors - means[index]
     whole = float(errors @ errors)
-    share = 1.0 - float(left @ left) / whole if whole else 0.0
+    share = 1.0 - float(residual @ residual) / whole if whole else 0.0
     cuts = np.cumsum([len(trace.time) for trace in series])[:-1]
-    alike = memory(correlations([trace.row for trace in series], np.split(left, cuts)))
+    alike = integrated_autocorrelation_time(
+        correlations([trace.row for trace in series], np.split(residual, cuts))
+    )
     independent = len(errors) / alike
     ratio = -independent * float(np.log(max(1.0 - share, 1e-12)))
     # of the residual, bin means alone take a share of size / independent by chance
-    found = max(1.0 - (1.0 - share) / (1.0 - size / independent), 0.0) if size < independent else 0.0
+    unbiased = max(1.0 - (1.0 - share) / (1.0 - size / independent), 0.0) if size < independent else 0.0
     low, high = int(np.argmin(means)), int(np.argmax(means))
     ends = (float(means[low]), float(bins.center[low]), float(means[high]), float(bins.center[high]))
-    return Dependence(series[0].joint, variable, found, *ends, bool(named)), left, tail(ratio, size)
+    return Dependence(series[0].joint, variable, unbiased, *ends, bool(named)), residual, tail(ratio, size)

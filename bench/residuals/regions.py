@@ -67,9 +67,9 @@ def regions(series: Sequence[MotorSeries], unit: str, current: str) -> list[Regi
     speed = [np.abs(trace.velocity) for trace in series]
     acceleration = [np.abs(trace.acceleration) for trace in series]
     load = [np.abs(trace.modelled) for trace in series]
-    found = [
+    candidates = [
         Region(RegionPlace(RegionKind.REVERSALS), tuple(trace.at_reversal for trace in series)),
-        Region(RegionPlace(RegionKind.STANDSTILL), tuple(trace.beside_standstill for trace in series)),
+        Region(RegionPlace(RegionKind.STANDSTILL), tuple(trace.near_standstill for trace in series)),
         *_by_size((RegionKind.LOW_SPEED, RegionKind.HIGH_SPEED), speed, f"{unit}/s"),
         *_by_size((RegionKind.LOW_ACCELERATION, RegionKind.HIGH_ACCELERATION), acceleration, f"{unit}/s²"),
         *_by_size((RegionKind.LOW_CURRENT, RegionKind.HIGH_CURRENT), load, current),
@@ -81,7 +81,9 @@ def regions(series: Sequence[MotorSeries], unit: str, current: str) -> list[Regi
         *_by_recording(series),
     ]
     return [
-        region for region in found if 0 < sum(rows.sum() for rows in region.rows) < sum(map(len, region.rows))
+        region
+        for region in candidates
+        if 0 < sum(rows.sum() for rows in region.rows) < sum(map(len, region.rows))
     ]
 
 

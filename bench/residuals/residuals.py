@@ -23,8 +23,8 @@ MATERIAL = 1.15  # times the noise: an error below holds nothing to look for
 class MotorErrors:
     """Where one motor's error is.
 
-    units: of current and position, as in ("A", "rad"). error, noise: relative to the measured current, all
-    recordings together; by_recording: both of each, by name. memory: s over which errors are alike. above_noise:
+    units: of current and position, as in ("A", "rad"). error, noise: relative to the measured current, all recordings
+    together; by_recording: both of each, by name. autocorrelation_time: s over which errors are alike. above_noise:
     whether there is anything except noise; concentrations, dependences, lines and changes are empty where not. alike:
     effects that leave such errors.
     """
@@ -34,7 +34,7 @@ class MotorErrors:
     error: float
     noise: float
     by_recording: dict[str, tuple[float, float]]
-    memory: float
+    autocorrelation_time: float
     above_noise: bool
     concentrations: tuple[Concentration, ...]
     dependences: tuple[Dependence, ...]
@@ -78,7 +78,7 @@ def _of_motor(what: Compared, joint: str, possible: Mapping[str, Effect], has: S
     current, unit = what.units[joint]
     error, noise = relative_error_of(series) or 0.0, relative_noise(series)
     above = error > MATERIAL * noise
-    found = (
+    patterns = (
         tuple(concentrations(series, regions(series, unit, current))) if above else (),
         tuple(dependences(series)) if above else (),
         tuple(lines(series)) if above else (),
@@ -90,15 +90,15 @@ def _of_motor(what: Compared, joint: str, possible: Mapping[str, Effect], has: S
         error=error,
         noise=noise,
         by_recording={trace.recording: _error_and_noise(trace) for trace in series},
-        memory=autocorrelation(series).memory / (series[0].rate or 1.0),
+        autocorrelation_time=autocorrelation(series).integrated_time / (series[0].rate or 1.0),
         above_noise=above,
-        concentrations=found[0],
-        dependences=found[1],
-        lines=found[2],
-        changes=found[3],
+        concentrations=patterns[0],
+        dependences=patterns[1],
+        lines=patterns[2],
+        changes=patterns[3],
         warm_up=over_warm_up(series),
         by_load=tuple(by_load(series)),
-        alike=look_alikes(joint, found, possible, has),
+        alike=look_alikes(joint, patterns, possible, has),
     )
 
 

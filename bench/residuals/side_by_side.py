@@ -20,7 +20,7 @@ CLEAR = 3.0  # standard deviations by which a parameter must move to be reported
 
 
 @dataclass(frozen=True)
-class Beside:
+class ComparedModel:
     """A model with the currents that it gives in these recordings. name: what tells its file from the others."""
 
     name: str
@@ -32,7 +32,7 @@ class SideBySide:
     """Models, in the order in which they were given; what changed is compared with the first."""
 
     robot: str
-    models: tuple[Beside, ...]
+    models: tuple[ComparedModel, ...]
 
 
 def side_by_side(problem: Problem, files: Sequence[Path]) -> SideBySide:
@@ -44,13 +44,13 @@ def side_by_side(problem: Problem, files: Sequence[Path]) -> SideBySide:
         if sum(file.resolve() == other.resolve() for other in files) > 1:
             raise BenchError(f"{file}: is given twice")
     dataset, models = problem.dataset, []
-    for file, name in zip(files, told_apart(files), strict=True):
+    for file, name in zip(files, distinct_names(files), strict=True):
         saved = load_model(file)
-        models.append(Beside(name, saved.beside(dataset, apply_model(problem, saved).recordings)))
+        models.append(ComparedModel(name, saved.applied_to(dataset, apply_model(problem, saved).recordings)))
     return SideBySide(dataset.robot.name, tuple(models))
 
 
-def told_apart(files: Sequence[Path]) -> list[str]:
+def distinct_names(files: Sequence[Path]) -> list[str]:
     """Names of files with their folders, as far up as tells them apart: 1-compare/model.json, 2-compare/model.json."""
     for parts in range(2, max(len(file.parts) for file in files)):
         names = [Path(*file.parts[-parts:]).as_posix() for file in files]
@@ -72,13 +72,13 @@ def moved_parameters(first: Identification, other: Identification) -> list[str]:
     The distance is in the larger of the two deviations: models of the same recordings share their noise.
     """
     before = {parameter.name: parameter for parameter in first.parameters}
-    found = []
+    moved = []
     for parameter in other.parameters:
         old = before.get(parameter.name)
         std = max(parameter.std, old.std) if old is not None else math.inf
         if old is not None and 0.0 < std < math.inf and abs(parameter.value - old.value) > CLEAR * std:
-            found.append((abs(parameter.value - old.value) / std, parameter.name))
-    return [name for _, name in sorted(found, reverse=True)]
+            moved.append((abs(parameter.value - old.value) / std, parameter.name))
+    return [name for _, name in sorted(moved, reverse=True)]
 
 
 def effect_places(model: Identification) -> list[str]:
@@ -90,12 +90,12 @@ def effect_places(model: Identification) -> list[str]:
     ]
 
 
-def side_by_side_json(found: SideBySide, changed: Sequence[str]) -> dict[str, Any]:
+def side_by_side_json(comparison: SideBySide, changed: Sequence[str]) -> dict[str, Any]:
     """The models as plain data. changed: sentences on what is different."""
     return dict(
         finite(
             {
-                "robot": found.robot,
+                "robot": comparison.robot,
                 "models": [
                     {
                         "name": model.name,
@@ -107,7 +107,7 @@ def side_by_side_json(found: SideBySide, changed: Sequence[str]) -> dict[str, An
                             for joint, gain in model.model.drive_gains.items()
                         },
                     }
-                    for model in found.models
+                    for model in comparison.models
                 ],
                 "changed": list(changed),
             }

@@ -32,8 +32,8 @@ def where_sentences(where: WhereItFails) -> list[str]:
 def overlapping(where: WhereItFails) -> str:
     """How two shares of one motor's error go together; "" where no motor has two."""
     for motor in where.motors:
-        found = (*motor.concentrations, *motor.dependences, *motor.lines)
-        if sum(not getattr(finding, "of_rest", False) for finding in found) > 1:
+        patterns = (*motor.concentrations, *motor.dependences, *motor.lines)
+        if sum(not getattr(finding, "of_rest", False) for finding in patterns) > 1:
             return OVERLAPPING
     return ""
 
@@ -60,8 +60,8 @@ def level_sentence(motor: MotorErrors) -> str:
     if not motor.above_noise:
         return f"{size}, at {noise}: nothing to explain"
     times = f", {_times(motor.error / motor.noise)} times {noise}" if motor.noise > 0 else ""
-    found = motor.concentrations or motor.dependences or motor.lines or motor.changes
-    return f"{size}{times}" if found else f"{size}{times}, spread over the whole motion"
+    patterns = motor.concentrations or motor.dependences or motor.lines or motor.changes
+    return f"{size}{times}" if patterns else f"{size}{times}, spread over the whole motion"
 
 
 def finding_sentences(motor: MotorErrors) -> list[str]:

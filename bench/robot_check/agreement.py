@@ -32,14 +32,14 @@ def check_joint_list(machine: CheckedMachine) -> Check:
         return Check(CheckCode.JOINT_COUNTS_DIFFER, "failed", counts)
     for index in range(compiled.njnt):
         label = label_of(compiled, mujoco.mjtObj.mjOBJ_JOINT, index)
-        own = mujoco.mjtJoint(int(compiled.jnt_type[index])).name.removeprefix("mjJNT_").lower()
+        mujoco_kind = mujoco.mjtJoint(int(compiled.jnt_type[index])).name.removeprefix("mjJNT_").lower()
         joint = machine.model.joints[index + 1]
         kind = joint.shortname()
         if machine.model.names[index + 1] != label:
             names = {"mujoco": label, "pinocchio": machine.model.names[index + 1]}
             return Check(CheckCode.JOINT_NAMES_DIFFER, "failed", names)
-        if kind not in KINDS[own]:
-            kinds = {"joint": label, "mujoco": own, "pinocchio": kind}
+        if kind not in KINDS[mujoco_kind]:
+            kinds = {"joint": label, "mujoco": mujoco_kind, "pinocchio": kind}
             return Check(CheckCode.JOINT_KINDS_DIFFER, "failed", kinds)
         slices = (int(compiled.jnt_qposadr[index]), int(compiled.jnt_dofadr[index]))
         if slices != (joint.idx_q, joint.idx_v):

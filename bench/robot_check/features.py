@@ -1,4 +1,4 @@
-"""What an MJCF may hold and the model does not: refused where it bends the answer unseen, otherwise told."""
+"""What an MJCF may hold and the model does not: refused where it bends the answer unseen, otherwise reported."""
 
 from collections.abc import Iterator, Mapping
 from typing import Any

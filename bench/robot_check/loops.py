@@ -50,14 +50,14 @@ def check_constraints(machine: CheckedMachine, poses: np.ndarray) -> Check:
     worst = np.zeros((len(names), 2))
     for q in poses:
         turn = set_pose(machine, q)
-        own = np.hstack(
+        rows = np.hstack(
             (loop_residual(geometry, q[:, None]), loop_jacobian(geometry, q[:, None])[:, :, 0] @ turn)
         )
         pinocchio = _pinocchio_rows(machine, q, turn)
         row = 0
         for index, (loop, equality) in enumerate(zip(geometry.loops, equalities, strict=True)):
             theirs = _mujoco_rows(machine, equality)
-            for ours in (own[row : row + loop.size], pinocchio[index]):
+            for ours in (rows[row : row + loop.size], pinocchio[index]):
                 apart = np.abs(ours - theirs)
                 open_by = np.abs(
                     theirs[:, 0]
@@ -66,7 +66,7 @@ def check_constraints(machine: CheckedMachine, poses: np.ndarray) -> Check:
                 worst[index] = np.maximum(worst[index], (apart[:, 0].max(), turned))
             row += loop.size
         for index, equality in enumerate(couplings, start=len(geometry.loops)):
-            apart = np.abs(own[row] - _coupling_row(machine, equality))
+            apart = np.abs(rows[row] - _coupling_row(machine, equality))
             worst[index] = np.maximum(worst[index], (apart[0], apart[1:].max()))
             row += 1
     if worst.max() < TOLERANCE:
@@ -158,7 +158,7 @@ def _pinocchio_rows(machine: CheckedMachine, q: np.ndarray, turn: np.ndarray) ->
 def gaps(machine: CheckedMachine, q: np.ndarray) -> list[tuple[float, float]]:
     """How far each loop is open at q (nq,) by MuJoCo's body poses: m between points, rad of a weld."""
     set_pose(machine, q)
-    found = []
+    distances = []
     for loop, equality in zip(machine.geometry.loops, active_equalities(machine.compiled), strict=True):
         ends = _mujoco_ends(machine, equality, loop)
         (first, first_turn), (second, second_turn) = ends
@@ -167,8 +167,8 @@ def gaps(machine: CheckedMachine, q: np.ndarray) -> list[tuple[float, float]]:
             cosine = (np.trace(first_turn.T @ second_turn) - 1.0) / 2.0
             sine = np.linalg.norm(_vee(first_turn.T @ second_turn))
             turn = float(np.arctan2(sine, cosine))
-        found.append((float(np.linalg.norm(second - first)), turn))
-    return found
+        distances.append((float(np.linalg.norm(second - first)), turn))
+    return distances
 
 
 def _mujoco_ends(machine: CheckedMachine, equality: int, loop: Loop) -> list[tuple[np.ndarray, np.ndarray]]:

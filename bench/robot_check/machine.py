@@ -64,8 +64,8 @@ def body_places(compiled: mujoco.MjModel) -> dict[int, tuple[int, Placement]]:
             places[body] = (joint, Placement(np.eye(3), -point))
             continue
         joint, frame = places[int(compiled.body_parentid[body])]
-        own = Placement(rotation_matrix(compiled.body_quat[body]), compiled.body_pos[body])
-        places[body] = (joint, frame @ own)
+        placement = Placement(rotation_matrix(compiled.body_quat[body]), compiled.body_pos[body])
+        places[body] = (joint, frame @ placement)
     return places
 
 

@@ -18,8 +18,8 @@ def component_names(geometry: Geometry) -> tuple[str, ...]:
     """A name for every tree velocity, (nv,)."""
     names: list[str] = []
     for joint in geometry.joints:
-        own = AXES if joint.kind == "free" else AXES[3:]
-        names += [joint.name] if joint.kind in ("hinge", "slide") else [f"{joint.name} ({a})" for a in own]
+        axes = AXES if joint.kind == "free" else AXES[3:]
+        names += [joint.name] if joint.kind in ("hinge", "slide") else [f"{joint.name} ({a})" for a in axes]
     return tuple(names)
 
 

@@ -24,17 +24,17 @@ def refined(geometry: Geometry, poses: np.ndarray, values: np.ndarray) -> tuple[
     follower = make_follower(geometry)
     singular = SINGULAR * float(values[0])
     worst = int(np.argmin(values))
-    found = (poses[worst], float(values[worst]), float(values[worst]) < singular)
+    best = (poses[worst], float(values[worst]), float(values[worst]) < singular)
     for number in _starts(geometry, poses, values):
         pose = close(follower, poses[number])
         if pose is None:
             continue
         q, value, ended = _downhill(follower, pose, float(values[number]))
-        if ended or value < found[1]:
-            found = (q, value, ended or value < singular)
-        if found[2]:
+        if ended or value < best[1]:
+            best = (q, value, ended or value < singular)
+        if best[2]:
             break
-    return found
+    return best
 
 
 def _starts(geometry: Geometry, poses: np.ndarray, values: np.ndarray) -> list[int]:

@@ -65,8 +65,8 @@ def singularity_of(geometry: Geometry, swept: SingularitySweep) -> Singularity:
     singular = np.concatenate((swept.ends, swept.q[_crossings(geometry, swept)]))
     lowest_pose, lowest = swept.q[int(np.argmin(values))], float(values.min())
     if not len(singular):
-        lowest_pose, lowest, found = refined(geometry, swept.q, values)
-        singular = lowest_pose[None] if found else singular
+        lowest_pose, lowest, reached = refined(geometry, swept.q, values)
+        singular = lowest_pose[None] if reached else singular
     nearest, travel = None, None
     loose: tuple[str, ...] = ()
     if len(singular):

@@ -152,13 +152,13 @@ def _coupling(
     polynomial: Sequence[float],
 ) -> str:
     """As an equation of joint positions, counted from qpos0."""
-    left, right = (
+    left_side, right_side = (
         " + ".join(f"{factor:g} {joint}" for joint, factor in side.items()) for side in (first, second)
     )
     if tuple(polynomial) == (0.0, 1.0):
-        return f"{coupling}: {left} = {right}"
+        return f"{coupling}: {left_side} = {right_side}"
     powers = [f"{c:g}" if k == 0 else f"{c:g} x^{k}" for k, c in enumerate(polynomial) if c]
-    return f"{coupling}: {left} = {' + '.join(powers) or '0'}{f' with x = {right}' if right else ''}"
+    return f"{coupling}: {left_side} = {' + '.join(powers) or '0'}{f' with x = {right_side}' if right_side else ''}"
 
 
 # --- the home pose ------------------------------------------------------------------------------------------
@@ -248,8 +248,8 @@ def _singular(**conditioning: Any) -> str:
 
 def _mobility(tree: int, rank: int, spins: int, remaining: int, motors: int, redundant: Sequence[str]) -> str:
     less = f"{rank} of rank" + (f" and {count(spins, 'idle spin')}" if spins else "")
-    beside = f" and redundant ones at {', '.join(redundant)}" if redundant else ""
-    return f"{tree} of the tree minus {less} are {remaining}, for {count(motors, 'motor')}{beside}"
+    redundant_text = f" and redundant ones at {', '.join(redundant)}" if redundant else ""
+    return f"{tree} of the tree minus {less} are {remaining}, for {count(motors, 'motor')}{redundant_text}"
 
 
 def _spins(bodies: Sequence[str]) -> str:

@@ -86,7 +86,7 @@ class PayloadTable(UserTable):
     inertia: Vector6 = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
     """kg·m², Ixx Iyy Izz Ixy Ixz Iyz at the centre of mass, axes of the tool frame."""
     declared: DeclaredPayload | None = None
-    """Left out, the truth is declared."""
+    """Omitted, the truth is declared."""
 
 
 class Design(UserTable):
@@ -197,7 +197,7 @@ class Hidden(UserTable, extra="allow"):
 
     effect: Annotated[str, Field(min_length=1)]
     joint: str | None = None
-    """Left out: every actuated joint."""
+    """Omitted: every actuated joint."""
     file: str | None = None
     """A Python file with a user-defined effect of that name, absolute or relative to the scenario."""
 

@@ -1,9 +1,9 @@
 """Zero-phase filter and decimation in one: second-order sections, block by block.
 
 A filter with state s takes a block of samples x to outputs T x + O s and to the state F x + P s. So does its run
-backward over those outputs, and both together: all that stands between x and the few samples that are kept are
+backward over those outputs, and both together: all that is between x and the few samples that are kept are
 constant matrices, which take many blocks at once. Only the states are carried from block to block. The numbers are
-those of the run sample by sample, but for rounding.
+those of the run sample by sample, except for rounding.
 """
 
 from dataclasses import dataclass
@@ -85,7 +85,7 @@ class RunningFilter:
         if not self._begun:
             way = self._begin(way)
         way = extended_end(way, self._extension)
-        # Less than a whole block is left to run sample by sample, and at least one sample: it has the last output.
+        # Less than a whole block remains to run sample by sample, and at least one sample: it has the last output.
         way = way[self._run(way, len(way) - 1) :]
         columns = way.shape[1]
         state = self._state.reshape(*resting.shape, columns)
@@ -150,7 +150,7 @@ def kept_samples(sections: FloatArray, x: FloatArray, order: int, factor: int, f
 def _blocks(key: bytes, factor: int) -> _Blocks:
     sections = np.frombuffer(key).reshape(-1, 6).copy()
     length, size = block_length(factor), 2 * len(sections)
-    # Every column a run of its own: a unit impulse at each sample, then a unit of each state.
+    # Every column a separate run: a unit impulse at each sample, then a unit of each state.
     impulses = np.concatenate((np.eye(length), np.zeros((length, size))), axis=1)
     states = np.concatenate((np.zeros((size, length)), np.eye(size)), axis=1)
     outputs, after = one_by_one(sections, impulses, states)

@@ -1,4 +1,4 @@
-"""A velocity that the controller logged, beside the one that the positions give.
+"""A velocity that the controller logged, compared with the one that the positions give.
 
 Differentiated once, noise of density s on a velocity has the power (2 pi)^2 s f^3 / 3 in the acceleration up to f;
 differentiated twice, that on a position has (2 pi)^4 s f^5 / 5.
@@ -50,22 +50,22 @@ class LoggedVelocity:
 def compared_velocity(
     position: FloatArray, velocity: FloatArray, rate: float, settings: FilterSettings
 ) -> LoggedVelocity:
-    """A logged velocity (N,) beside the position (N,) at a rate [Hz]."""
+    """A logged velocity (N,) compared with the position (N,) at a rate [Hz]."""
     motion = estimate_motion(position[:, None], rate, settings)
-    own, acceleration = motion.velocity[:, 0], motion.acceleration[:, 0]
+    derived, acceleration = motion.velocity[:, 0], motion.acceleration[:, 0]
     cutoff, order = settings.position_cutoff, settings.filter_order
     logged = trim(low_pass(velocity, rate, cutoff, order), settings)
-    columns = np.column_stack((own, acceleration))
+    columns = np.column_stack((derived, acceleration))
     lengths = np.linalg.norm(columns, axis=0)
     lengths[lengths == 0.0] = 1.0
     scale, late = np.linalg.lstsq(columns / lengths, logged)[0] / lengths
     turned = 2.0 * np.pi * cutoff
     of_position = _density(position, rate) * turned**2 * cutoff / 3.0
-    left = float(np.mean((logged - columns @ np.array([scale, late])) ** 2))
-    density = max(_density(velocity, rate), (left - of_position) / cutoff)
+    remaining = float(np.mean((logged - columns @ np.array([scale, late])) ** 2))
+    density = max(_density(velocity, rate), (remaining - of_position) / cutoff)
     chance = CHANCE * (of_position + density * cutoff)
-    off = max(float(np.mean((logged - own) ** 2)) - chance, 0.0)
-    moved = float(np.mean(own**2))
+    off = max(float(np.mean((logged - derived) ** 2)) - chance, 0.0)
+    moved = float(np.mean(derived**2))
     once, twice = density * turned**2 * cutoff / 3.0, of_position * turned**2 * 3.0 / 5.0
     tiny = float(np.finfo(float).tiny)
     return LoggedVelocity(

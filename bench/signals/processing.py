@@ -52,10 +52,10 @@ def estimate_motion(
 
 
 def trim(x: FloatArray, settings: FilterSettings) -> FloatArray:
-    """Return x, shape (N, ...), without its border samples: what stands beside a `Motion`, such as currents.
+    """Return x, shape (N, ...), without its border samples: what belongs to a `Motion`, such as currents.
 
     Raises:
-        BenchError: nothing is left.
+        BenchError: nothing remains.
     """
     start, end = settings.border
     if len(x) <= start + end:

@@ -12,7 +12,7 @@ from bench.basics.interpolation import cubic_spline
 FloatArray = NDArray[np.float64]
 
 SAME = 0.1  # of the deviation of a position: as far a motion that returns may be from what it was
-MOSTLY = 0.5  # of the samples, at least: between a start and a stop of its own
+MOSTLY = 0.5  # of the samples, at least: between a separate start and stop
 OTHER = 0.5  # of the deviation: as far it must have been in between
 NEAR = 1.0  # of it: as far it may be off at a lag that is looked at
 FEWEST = 30  # samples that are there a second time

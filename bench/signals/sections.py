@@ -32,7 +32,7 @@ def chebyshev(order: int, ripple: float, cutoff: float) -> FloatArray:
 
 
 def _digital(poles: NDArray[np.complex128], gain: float, cutoff: float) -> FloatArray:
-    """Sections of an analogue low-pass without zeros, by the bilinear transform; gain: its own at 0 Hz.
+    """Sections of an analogue low-pass without zeros, by the bilinear transform; gain: at 0 Hz.
 
     The poles next to the unit circle come last; every section but the first passes a constant unchanged.
     """
@@ -87,10 +87,10 @@ def filtered(sections: FloatArray, x: FloatArray, states: FloatArray) -> tuple[F
         blocks = columns[:at].reshape(count, LENGTH, -1).transpose(1, 0, 2).reshape(LENGTH, -1)
         given = (matrices.fed @ blocks).reshape(len(state), count, -1).transpose(1, 0, 2)
         begins, state = carried(matrices.carry, state, given)
-        own = matrices.filtered @ blocks + matrices.initial @ begins.transpose(1, 0, 2).reshape(
+        forced = matrices.filtered @ blocks + matrices.initial @ begins.transpose(1, 0, 2).reshape(
             len(state), -1
         )
-        outputs[:at] = own.reshape(LENGTH, count, -1).transpose(1, 0, 2).reshape(at, -1)
+        outputs[:at] = forced.reshape(LENGTH, count, -1).transpose(1, 0, 2).reshape(at, -1)
     rest = len(x) - at
     if rest:
         matrices, given = _block(sections.tobytes()), columns[at:]
@@ -112,13 +112,13 @@ def carried(carry: FloatArray, state: FloatArray, given: FloatArray) -> tuple[Fl
         added = given[:whole].reshape(-1, TOGETHER * size, columns)
         added = alone @ added
         groups = states[:whole].reshape(-1, TOGETHER * size, columns)
-        for own, more in zip(groups, added, strict=True):
+        for target, more in zip(groups, added, strict=True):
             every = ahead @ state
             every += more
-            own[:size], own[size:] = state, every[:-size]
+            target[:size], target[size:] = state, every[:-size]
             state = every[-size:]
-    for own, more in zip(states[whole:], given[whole:], strict=True):
-        own[:] = state
+    for target, more in zip(states[whole:], given[whole:], strict=True):
+        target[:] = state
         state = carry @ state + more
     return states, state
 
@@ -169,7 +169,7 @@ class _Block:
 def _block(key: bytes) -> _Block:
     sections = np.frombuffer(key).reshape(-1, 6)
     size = 2 * len(sections)
-    # Every column a run of its own: a unit impulse at each sample, then a unit of each state.
+    # Every column a separate run: a unit impulse at each sample, then a unit of each state.
     impulses = np.concatenate((np.eye(LENGTH), np.zeros((LENGTH, size))), axis=1)
     states = np.concatenate((np.zeros((size, LENGTH)), np.eye(size)), axis=1)
     outputs, after = one_by_one(sections, impulses, states)

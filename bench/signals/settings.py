@@ -48,7 +48,7 @@ class FilterSettings:
         filter_order: order of one pass of the position filter.
         difference_order: order of the central differences: 2, 4, 6 or 8.
         border: samples dropped at the start and at the end after differentiation, before decimation.
-        keep_standstill: whether rows of a joint that stands still are fitted and judged; there friction takes
+        keep_standstill: whether rows of a joint that does not move are fitted and judged; there friction takes
             any value up to its limit.
     """
 
@@ -160,7 +160,7 @@ def choose_settings(
 ) -> FilterSettings:
     """Choose the filters from the spectra of all recordings.
 
-    The fit's band holds the currents but for a thousandth of their power (where Coulomb friction leaves a
+    The fit's band holds the currents except for a thousandth of their power (where Coulomb friction leaves a
     long tail: at most fifteen times the band of the motion) and gives at least 800 rows. It ends earlier
     where the noise of the positions, differentiated twice, would bias the fit (an acceleration whose noise
     is a share e of its power lowers a least-squares inertia by about e), but not before the motion does.

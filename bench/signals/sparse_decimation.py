@@ -17,14 +17,14 @@ from bench.signals.sections import response
 BETWEEN = 40  # kept samples from the end to where the start comes again: the filter has forgotten by then
 TOGETHER = 100_000  # numbers that are transformed at a time: they stay in the processor's cache
 FACTORS = (2, 3, 5)  # of lengths that a Fourier transform is quick for
-NEXT = 4  # samples that one between or beside them is interpolated from
+NEXT = 4  # samples that one between or outside them is interpolated from
 
 
 @dataclass(frozen=True)
 class _Plan:
     """How columns of K samples are filtered: as `size` samples that repeat.
 
-    front (b, t), back (b, t): what stands before the first and after the last sample, from the first t and the last t;
+    front (b, t), back (b, t): the samples before the first and after the last sample, from the first t and the last t;
     behind both it stays as it is. forward, backward: gains at the frequencies of both passes; kept: how many samples of
     twice the rate of those that are kept come out of the second, and the first `count` of every other are those.
     """
@@ -74,14 +74,14 @@ def _closed(columns: FloatArray, size: int) -> FloatArray:
 def _plan(every: int, length: int, factor: int) -> _Plan:
     count = -(-length // every)
     extension = 3 * ORDER
-    beside = np.arange(1, -(-extension // every) + 1)
-    before = np.minimum(beside * every, extension) / every
+    offsets = np.arange(1, -(-extension // every) + 1)
+    before = np.minimum(offsets * every, extension) / every
     nodes = -(-extension // every) + NEXT + 1
-    front = 2.0 * _between(np.zeros(len(beside)), nodes) - _between(before, nodes)
-    # counted from the last known sample backwards, in their own steps, as the last of all stands beyond it
+    front = 2.0 * _between(np.zeros(len(offsets)), nodes) - _between(before, nodes)
+    # counted from the last known sample backwards, in their steps, as the last of all is beyond it
     last = (count - 1) - (length - 1) / every
-    after = np.minimum(beside + last, extension / every)
-    back = 2.0 * _between(np.full(len(beside), last), nodes) - _between(last + after, nodes)
+    after = np.minimum(offsets + last, extension / every)
+    back = 2.0 * _between(np.full(len(offsets), last), nodes) - _between(last + after, nodes)
     common = every * factor // gcd(every, factor)
     repeats = -(-(length + 2 * extension + 2 * every + BETWEEN * factor) // common)
     while not _quick(repeats):
@@ -90,14 +90,14 @@ def _plan(every: int, length: int, factor: int) -> _Plan:
     size, kept = period // every, 2 * (period // factor)
     angle = 2.0 * np.pi * np.arange(size // 2 + 1) / period
     forward = response(sections_of(factor), angle)
-    first = int(decimated_indices(length, factor)[0]) + len(beside) * every
+    first = int(decimated_indices(length, factor)[0]) + len(offsets) * every
     backward = forward.conj() * np.exp(1j * angle * first) * (kept / size)
     rows = len(decimated_indices(length, factor))
     return _Plan(size, front[::-1], back[:, ::-1], forward, backward[: kept // 2 + 1], kept, rows)
 
 
 def _between(places: FloatArray, nodes: int) -> FloatArray:
-    """Weights (b, t) of samples 0 to t - 1 at places (b,) between or beside them: the cubic through the nearest."""
+    """Weights (b, t) of samples 0 to t - 1 at places (b,) between or outside them: the cubic through the nearest."""
     weights = np.zeros((len(places), nodes))
     for row, place in zip(weights, places, strict=True):
         first = max(int(np.floor(place)) - 1, 0)

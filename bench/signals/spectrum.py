@@ -19,8 +19,8 @@ SEGMENTS = 3  # a segment is this fraction of the record, of a short record more
 SEGMENT = 6.0  # s, the shortest segment if the record has it: a line is then 1 Hz wide on either side
 KAISER = 20.0  # side lobes below -150 dB: the floor of a 20-bit encoder lies 130 dB below the motion
 TAPS, TAPER = 33, 12.0  # of the high-pass of a quarter of the rate, by the window method
-NEIGHBOURS = 10  # samples left out on either side of one that stands out
-CLIP = 4.0  # standard deviations; white noise passes but for 6 samples in 100,000
+NEIGHBOURS = 10  # samples omitted on either side of an outlier
+CLIP = 4.0  # standard deviations; white noise passes except for 6 samples in 100,000
 LOBE = 13  # frequencies over which a window of that kind smears a line
 FADED, RISEN = (
     100.0,
@@ -101,9 +101,9 @@ def _window(length: int) -> FloatArray:
 def noise_density(x: FloatArray, rate: float) -> FloatArray:
     """Return the density [unit^2/Hz] of the white noise on each channel, shape (n,).
 
-    A short high-pass keeps the upper half of the spectrum, where noise is on its own but for sudden steps,
+    A short high-pass keeps the upper half of the spectrum, where noise is alone except for sudden steps,
     such as Coulomb friction at a reversal. Those stand out in time, so samples beyond four standard
-    deviations are left out with their neighbours, again and again until no more go. A spectrum could not
+    deviations are omitted with their neighbours, again and again until no more go. A spectrum could not
     tell their tail from noise.
 
     Args:
@@ -129,10 +129,10 @@ def _clipped_power(x: FloatArray) -> float:
         for start in np.maximum(loud - NEIGHBOURS, 0).tolist():
             quiet[start : start + 2 * NEIGHBOURS + 1] = 0.0
         kept *= quiet
-        left = int(kept.sum())
-        if left == count or quiet.sum() < len(x) / 10:
+        kept_count = int(kept.sum())
+        if kept_count == count or quiet.sum() < len(x) / 10:
             return level
-        count, level = left, float(power @ kept) / left
+        count, level = kept_count, float(power @ kept) / kept_count
 
 
 def noise_floor(x: FloatArray, rate: float, band: float) -> FloatArray:
@@ -140,7 +140,7 @@ def noise_floor(x: FloatArray, rate: float, band: float) -> FloatArray:
 
     The noise is taken as white: its density is read in the upper half of the spectrum and carried down. Noise
     that is not white (a controller that amplifies encoder noise into the current, drift) is not seen.
-    For what is left after decimation by a factor, band is noise_bandwidth(factor) * rate / 2.
+    For what remains after decimation by a factor, band is noise_bandwidth(factor) * rate / 2.
 
     Args:
         x: samples, shape (N, n), any unit.
@@ -222,7 +222,7 @@ def noise_from(frequency: FloatArray, position: FloatArray) -> FloatArray:
         position: power densities without white noise, shape (F, n) [unit^2/Hz].
     """
     omega = 2 * np.pi * frequency
-    found = np.full(position.shape[1], np.inf)
+    limits = np.full(position.shape[1], np.inf)
     for j, density in enumerate(position.T):
         shown = np.flatnonzero(density)
         if not len(shown):
@@ -233,11 +233,11 @@ def noise_from(frequency: FloatArray, position: FloatArray) -> FloatArray:
         octaves = largest_within_octaves(omega**4 * density, max(first, 1), last)
         least = int(np.argmin(octaves))
         if FADED * octaves[least] < octaves[0] and octaves[least:].max() > RISEN * octaves[least]:
-            found[j] = frequency[max(first, 1) + least]
+            limits[j] = frequency[max(first, 1) + least]
         else:
             level = _level_from(octaves, max(first, 1))
-            found[j] = np.inf if level is None else frequency[level]
-    return found
+            limits[j] = np.inf if level is None else frequency[level]
+    return limits
 
 
 def largest_within_octaves(values: FloatArray, first: int, last: int) -> FloatArray:
@@ -246,15 +246,17 @@ def largest_within_octaves(values: FloatArray, first: int, last: int) -> FloatAr
     """
     starts = np.arange(first, last + 1)
     sizes = np.frexp(starts + 1)[1] - 1
-    found = np.empty(len(starts))
+    largest = np.empty(len(starts))
     windows, size = values, 0
     for power in range(int(sizes[0]), int(sizes[-1]) + 1):
         while size < power:
             windows = np.maximum(windows[: -(1 << size)], windows[1 << size :])
             size += 1
-        own = sizes == power
-        found[own] = np.maximum(windows[starts[own]], windows[2 * starts[own] + 1 - (1 << power)])
-    return found
+        of_size = sizes == power
+        largest[of_size] = np.maximum(
+            windows[starts[of_size]], windows[2 * starts[of_size] + 1 - (1 << power)]
+        )
+    return largest
 
 
 def _level_from(octaves: FloatArray, first: int) -> int | None:

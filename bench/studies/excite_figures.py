@@ -73,10 +73,10 @@ def figures_of(robot: str, steps: int, seed: int, repetitions: int) -> dict[str,
     return figures
 
 
-def interval(found: float, chance: tuple[float, float]) -> tuple[float, float]:
+def interval(value: float, chance: tuple[float, float]) -> tuple[float, float]:
     """Interval of the true value of an observed ratio; chance: the spread of the ratio by chance."""
     low, high = chance
-    return found / high, found / low
+    return value / high, value / low
 
 
 def figures_json(path: Path, figures: dict[str, Any]) -> None:

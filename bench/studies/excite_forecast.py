@@ -29,12 +29,12 @@ class ForecastOutcome:
 
     name: str
     expected: float
-    found: float
+    observed: float
 
     @property
     def ratio(self) -> float:
-        """Found over expected: 1 where the forecast came true."""
-        return self.found / self.expected
+        """Observed over expected: 1 where the forecast came true."""
+        return self.observed / self.expected
 
 
 @dataclass(frozen=True)

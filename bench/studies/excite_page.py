@@ -68,10 +68,10 @@ def _better(figures: Figures) -> Sequence[str]:
 
 
 def _true(figures: Figures) -> Sequence[str]:
-    found = [with_interval(figures, name) for name in ("pooled", "smallest", "largest")]
+    intervals = [with_interval(figures, name) for name in ("pooled", "smallest", "largest")]
     unknowns = str(len(figures["ratios"])) if "ratios" in figures else UNKNOWN
     chance = "{:.2f} to {:.2f}".format(*figures["chance"]) if "chance" in figures else UNKNOWN
-    return figures["robot"], str(figures["repetitions"]), unknowns, *found, chance
+    return figures["robot"], str(figures["repetitions"]), unknowns, *intervals, chance
 
 
 def with_interval(figures: Figures, name: str) -> str:

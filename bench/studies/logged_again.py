@@ -6,7 +6,7 @@ import numpy as np
 
 from bench.dataset.dataset import Dataset
 from bench.identification.prepare import Prepared
-from bench.identification.standstill import bridged
+from bench.identification.standstill import interpolated
 from bench.signals.decimation import decimate
 from bench.signals.processing import trim
 from bench.signals.settings import choose_settings, signal_bands
@@ -36,7 +36,7 @@ def with_other_currents(prepared: Prepared, dataset: Dataset) -> Prepared | None
         for entry, recording in zip(prepared.measured, recordings, strict=True)
     )
     observations = tuple(
-        replace(observation, current=decimate(bridged(entry.current, entry.gaps), settings.decimation))
+        replace(observation, current=decimate(interpolated(entry.current, entry.gaps), settings.decimation))
         for observation, entry in zip(prepared.observations, measured, strict=True)
     )
     return replace(

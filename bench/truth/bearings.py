@@ -27,15 +27,15 @@ class BearingFriction:
 def bearings_of(machine: Machine, batch: Batch) -> tuple[BearingFriction, ...]:
     """One for each joint with such friction, that of the joint itself included."""
     model = machine.models[None]
-    found: dict[str, list[JointEffect]] = {}
+    by_joint: dict[str, list[JointEffect]] = {}
     for effect in machine.hidden:
         if isinstance(effect, JointEffect) and has_law(effect, "bearing_friction"):
-            found.setdefault(effect.joint, []).append(effect)
-    if not found:
+            by_joint.setdefault(effect.joint, []).append(effect)
+    if not by_joint:
         return ()
     readings = batch.bind("sensordata")
     bearings = []
-    for joint, effects in found.items():
+    for joint, effects in by_joint.items():
         dof = int(model.joint(joint).dofadr[0])
         at = int(model.sensor(FORCE + joint).adr[0])
         bearings.append(
@@ -44,7 +44,7 @@ def bearings_of(machine: Machine, batch: Batch) -> tuple[BearingFriction, ...]:
     return tuple(bearings)
 
 
-def _size(effects: list[JointEffect], across: Array, own: float) -> Callable[[], Array]:
+def _size(effects: list[JointEffect], across: Array, base: float) -> Callable[[], Array]:
     """Of a joint's friction; across: live force (R, 2) in the site's x and y, whose z is the joint's axis."""
     parameters = [
         {
@@ -57,7 +57,7 @@ def _size(effects: list[JointEffect], across: Array, own: float) -> Callable[[],
 
     def size() -> Array:
         force = np.linalg.norm(across, axis=1)[:, None]
-        total = np.full(len(force), own)
+        total = np.full(len(force), base)
         for effect, values in zip(effects, parameters, strict=True):
             added = effect.bearing_friction(values, force)
             if added is not None:

@@ -36,7 +36,7 @@ def as_dataset(simulation: Simulation) -> Dataset:
                 r.log.time,
                 r.log.position[:, :m],
                 r.log.current[:, :m],
-                _beside(r, scenario.robot, references=declared),
+                _extra_columns(r, scenario.robot, references=declared),
                 redundant=r.log.current[:, m:] if redundant else None,
             )
             for r in simulation.recordings
@@ -53,7 +53,7 @@ def _law(simulation: Simulation) -> ControlLaw:
     return ControlLaw(kp, kv, ka, 0.5 * simulation.scenario.settings.step)
 
 
-def _beside(recording: SimulatedRecording, robot: Robot, *, references: bool) -> dict[str, np.ndarray]:
+def _extra_columns(recording: SimulatedRecording, robot: Robot, *, references: bool) -> dict[str, np.ndarray]:
     """Positions of redundant motors' joints; references: of the others, where the controller's law is declared."""
     first = len(robot.joints)
     columns = {
@@ -96,10 +96,10 @@ def write_simulation(simulation: Simulation, folder: str | Path) -> Path:
 def _write_folder(simulation: Simulation, folder: Path) -> None:
     scenario = simulation.scenario
     dataset = as_dataset(simulation)
-    for recording, own in zip(simulation.recordings, dataset.recordings, strict=True):
-        file = folder / own.name
+    for recording, recorded in zip(simulation.recordings, dataset.recordings, strict=True):
+        file = folder / recorded.name
         log = recording.log
-        write_recording(file, log.time, log.position, log.current, scenario.robot.driven, own.extra)
+        write_recording(file, log.time, log.position, log.current, scenario.robot.driven, recorded.extra)
     entries = [
         # a simulation knows its units: where masses are large, currents may be, too
         RecordingEntry(

@@ -19,7 +19,7 @@ def motor_torque(
 ) -> Array:
     """Torque (S, n) for positions, velocities and accelerations (S, n) of the actuated joints that move independently.
 
-    poses: (S, nq) from which the loops are closed, each near its own, so that the assembly mode is kept.
+    poses: (S, nq) from which the loops are closed, each near the one of its sample, so that the assembly mode is kept.
     Counted are inertia, weight, and of what MuJoCo has
     itself damping, springs, dry friction that slides, and actuators other than the motors; not counted are
     laws of hidden effects, and springs and play in drives.
@@ -60,12 +60,12 @@ def powers(machine: Machine, payload: str | None, poses: Array, torque: Array) -
     m = machine.leading
     if torque.shape[1] == m:
         return torque
-    model, found = machine.models[payload], torque[:, :m].copy()
+    model, result = machine.models[payload], torque[:, :m].copy()
     data = mujoco.MjData(model)
     for k, pose in enumerate(poses):
         data.qpos[:] = pose
-        found[k] += following(model, data, machine.dofs[:m])[machine.dofs[m:]].T @ torque[k, m:]
-    return found
+        result[k] += following(model, data, machine.dofs[:m])[machine.dofs[m:]].T @ torque[k, m:]
+    return result
 
 
 def _bent(model: mujoco.MjModel, data: mujoco.MjData, held: Array, velocity: Array) -> Array:
@@ -73,13 +73,13 @@ def _bent(model: mujoco.MjModel, data: mujoco.MjData, held: Array, velocity: Arr
 
     held (m, passive): their columns of the loops' Jacobian.
     """
-    here = data.qpos.copy()
+    start = data.qpos.copy()
     ends = []
     for time in (-NUDGE, NUDGE):
-        qpos = here.copy()
+        qpos = start.copy()
         mujoco.mj_integratePos(model, qpos, velocity, time)
         data.qpos[:] = qpos
         ends.append(loop_rows(model, data)[1] @ velocity)
-    data.qpos[:] = here
+    data.qpos[:] = start
     change = (ends[1] - ends[0]) / (2 * NUDGE)
     return np.asarray(-np.linalg.lstsq(held, change, rcond=None)[0], dtype=np.float64)

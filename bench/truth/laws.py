@@ -47,13 +47,13 @@ def joint_laws(
 
 def _groups(effects: Sequence[JointEffect], joints: Sequence[str]) -> Iterator[list[JointEffect]]:
     """Effects of one kind, each joint at most once, in the order of `joints`."""
-    left = list(effects)
-    while left:
+    remaining = list(effects)
+    while remaining:
         group: dict[str, JointEffect] = {}
-        for effect in left:
-            if type(effect) is type(left[0]):
+        for effect in remaining:
+            if type(effect) is type(remaining[0]):
                 group.setdefault(effect.joint, effect)
-        left = [effect for effect in left if group.get(effect.joint) is not effect]
+        remaining = [effect for effect in remaining if group.get(effect.joint) is not effect]
         yield sorted(group.values(), key=lambda effect: joints.index(effect.joint))
 
 

@@ -96,7 +96,7 @@ class Machine:
     """As they really are."""
     hidden: tuple[HiddenEffect, ...]
     laws: bool
-    """Whether effects have their own laws, so that the forces of the motors are set at every step."""
+    """Whether effects have separate laws, so that the forces of the motors are set at every step."""
     home: Array
     """qpos (nq,) of the keyframe `home`."""
     inertia: Array
@@ -223,7 +223,7 @@ def _rigid_spec(robot: Robot, step: float) -> mujoco.MjSpec:
         spec.delete(extra)
     spec.compiler.fusestatic = False
     keep_masses(spec)
-    _own_options(spec)
+    _set_options(spec)
     option = spec.option
     option.timestep = step
     # explicit, so that the logged velocity is the one at which every force was evaluated
@@ -247,8 +247,8 @@ def _rigid_spec(robot: Robot, step: float) -> mujoco.MjSpec:
     return spec
 
 
-def _own_options(spec: mujoco.MjSpec) -> None:
-    """MuJoCo's options but for what acts on the robot; of the file's switches only those that are the robot's.
+def _set_options(spec: mujoco.MjSpec) -> None:
+    """MuJoCo's options except for what acts on the robot; of the file's switches only those that are the robot's.
 
     A spring, damper or friction that the file switches off is taken out, since the switch is for hidden ones as well.
     """

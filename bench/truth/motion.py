@@ -189,9 +189,9 @@ def _roll_out(
 
 
 def _motion(robot: Robot, index: int, run: MotionRun, timing: Timing, chunks: Sequence[States]) -> TrueMotion:
-    own = slice(timing.settle, timing.settle + run.samples)
+    after_settling = slice(timing.settle, timing.settle + run.samples)
     qpos, qvel, qacc, torque, current, misread, gaps = (
-        np.concatenate([getattr(states, name)[index] for states in chunks])[own]
+        np.concatenate([getattr(states, name)[index] for states in chunks])[after_settling]
         for name in ("qpos", "qvel", "qacc", "torque", "current", "misread", "gaps")
     )
     time = timing.step * timing.log_every * np.arange(run.samples, dtype=np.float64)

@@ -36,12 +36,12 @@ def references(robot: Robot, trajectory: FourierTrajectory) -> Callable[[Array],
     spline = _followed(robot, trajectory)
 
     def evaluate(time: Array) -> Evaluated:
-        own = trajectory.evaluate(time)
+        motors = trajectory.evaluate(time)
         moving = ((time > 0) & (time < trajectory.duration))[:, None]
         inside = np.clip(time, 0.0, trajectory.duration)
         q, qd, qdd = (spline(inside, order) for order in range(3))
         more = q, qd * moving, qdd * moving
-        return tuple(np.hstack(pair) for pair in zip(own, more, strict=True))  # type: ignore[return-value]
+        return tuple(np.hstack(pair) for pair in zip(motors, more, strict=True))  # type: ignore[return-value]
 
     return evaluate
 
@@ -68,7 +68,7 @@ def _followed(robot: Robot, trajectory: FourierTrajectory) -> BSpline:
     data = mujoco.MjData(model)
     data.qpos[:] = assembled(model, home, dofs[:m], wanted[0])
     passive = np.setdiff1d(np.arange(model.nv), dofs[:m])
-    found = np.empty((len(time), len(dofs) - m))
+    positions = np.empty((len(time), len(dofs) - m))
     for k, position in enumerate(wanted):
         data.qpos[addresses[:m]] = position
         try:
@@ -77,5 +77,5 @@ def _followed(robot: Robot, trajectory: FourierTrajectory) -> BSpline:
             raise BenchError(
                 f"the loops cannot be closed where the trajectory is at {time[k]:.2f} s"
             ) from None
-        found[k] = data.qpos[addresses[m:]]
-    return make_interp_spline(time, found, k=5)
+        positions[k] = data.qpos[addresses[m:]]
+    return make_interp_spline(time, positions, k=5)

@@ -46,7 +46,7 @@ def sense(
 ) -> Log:
     """Log the true time (N,), positions and current references (N, n) of the recording `name`.
 
-    Noise comes first, then quantisation to whole steps. Every channel has a random stream of its own, from
+    Noise comes first, then quantisation to whole steps. Every channel has a separate random stream, from
     the seed, the recording's name and the channel's: no recording depends on another.
     """
     position_noise = per_joint(sensors.position_noise, joints)

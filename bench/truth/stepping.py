@@ -105,7 +105,7 @@ class Stepper:
         self._dry = dry_friction
         self._bearings = bearings_of(machine, batch)
         self._balls = balls_of(machine.models[None], qvel)
-        self._own_friction = np.stack([model.dof_frictionloss[machine.motor_dofs] for model in self._models])
+        self._dry_friction = np.stack([model.dof_frictionloss[machine.motor_dofs] for model in self._models])
         # the arrays of the models themselves: looking them up takes longer than a law does
         self._frictions = [model.dof_frictionloss for model in self._models]
         self._friction_at = as_slice(machine.motor_dofs) or machine.motor_dofs
@@ -186,7 +186,7 @@ class Stepper:
 
     def _set_friction(self, check: bool) -> None:
         """Give the friction constraints of each run their size at this step."""
-        size = self._own_friction.copy()
+        size = self._dry_friction.copy()
         for law in self._dry:
             size[:, law.columns] += law.value()
         if check and size.min() < 0:
@@ -199,9 +199,9 @@ class Stepper:
         for friction, values in zip(self._frictions, size, strict=True):
             friction[self._friction_at] = values
         for bearing in self._bearings:
-            for friction, own in zip(self._frictions, bearing.size(), strict=True):
-                friction[bearing.dof] = own
+            for friction, level in zip(self._frictions, bearing.size(), strict=True):
+                friction[bearing.dof] = level
         for ball in self._balls:
-            for friction, own in zip(self._frictions, ball.size(), strict=True):
-                friction[ball.dofs] = own
+            for friction, level in zip(self._frictions, ball.size(), strict=True):
+                friction[ball.dofs] = level
         self._batch.set_models(self._models)

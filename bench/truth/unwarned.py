@@ -10,12 +10,12 @@ import mujoco
 def unwarned() -> Iterator[None]:
     """No warning goes to the screen and to a file MUJOCO_LOG.TXT: the error that `simulate` raises says it."""
     before = mujoco.get_mju_user_warning()
-    mujoco.set_mju_user_warning(_left_to_the_error)
+    mujoco.set_mju_user_warning(_ignored)
     try:
         yield
     finally:
         mujoco.set_mju_user_warning(before)
 
 
-def _left_to_the_error(_: str) -> None:
+def _ignored(_: str) -> None:
     pass

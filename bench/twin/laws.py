@@ -31,7 +31,7 @@ class JointLaw(ABC):
 
     @abstractmethod
     def opposing(self, now: Instant) -> tuple[float, float]:
-        """Torque that the motor has to overcome, and the dry friction, which holds a joint that stands still."""
+        """Torque that the motor has to overcome, and the dry friction, which holds a joint that does not move."""
 
     def reset(self) -> None:
         """Forget what happened before."""

@@ -41,7 +41,7 @@ class ToolForce:
 class Twin:
     """A simulated robot whose inputs are the current references of its drives.
 
-    model, data: MuJoCo's own, to be read, rendered and changed as ever. joints: of the motors, in the order of all
+    model, data: of MuJoCo, to be read, rendered and changed as ever. joints: of the motors, in the order of all
     currents. left_out: effects that no simulation of this kind holds.
     """
 
@@ -51,7 +51,7 @@ class Twin:
         self.joints = tuple(motor.joint for motor in file.motors)
         self._tool: ToolForce | None = None
         self._motors, self.left_out = self._placed(file)
-        self._own = np.zeros(model.nv)
+        self._applied = np.zeros(model.nv)
         self.reset()
 
     @property
@@ -80,7 +80,7 @@ class Twin:
             mujoco.mj_resetDataKeyframe(self.model, self.data, self.model.key("home").id)
         else:
             mujoco.mj_resetData(self.model, self.data)
-        self._own[:] = 0.0
+        self._applied[:] = 0.0
         for motor in self._motors:
             for joint_law in motor.joint_laws:
                 joint_law.reset()
@@ -114,8 +114,8 @@ class Twin:
                 self.model.dof_frictionloss[motor.dof] = dry
         if self._tool is not None:
             acting += self._tool_force(self._tool)
-        self.data.qfrc_applied += acting - self._own
-        self._own[:] = acting
+        self.data.qfrc_applied += acting - self._applied
+        self._applied[:] = acting
 
     def step(self, currents: Sequence[float] | np.ndarray) -> None:
         """One step of MuJoCo under these current references (n,)."""

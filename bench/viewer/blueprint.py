@@ -53,13 +53,13 @@ def blueprint(scenes: Sequence[Scene], motors: Sequence[Motor]) -> rrb.Blueprint
 def side_by_side(
     groups: Sequence[tuple[str, Sequence[Scene]]], motors: Sequence[Motor], reach: np.ndarray
 ) -> rrb.Blueprint:
-    """A tab for each group, its scenes beside each other: robot above, errors below, then the text.
+    """A tab for each group, its scenes side by side: robot above, errors below, then the text.
 
     reach (n,): the errors that all axes hold, drive units.
     """
     tabs = [
         rrb.Horizontal(
-            *(_beside(scene, motors, reach, first=not k) for k, scene in enumerate(scenes)), name=name
+            *(_tabs(scene, motors, reach, first=not k) for k, scene in enumerate(scenes)), name=name
         )
         for name, scenes in groups
     ]
@@ -101,7 +101,7 @@ def _tab(scene: Scene, motors: Sequence[Motor]) -> rrb.Container:
 
 
 def _pages(scene: Scene, motors: Sequence[Motor]) -> list[rrb.Container]:
-    """The tabs beside the robot; the one in front comes first."""
+    """The tabs next to the robot; the one in front comes first."""
     pages = [_steps(scene, motors)] if scene.steps else []
     pages.append(_currents(scene, motors))
     if scene.torques:
@@ -109,7 +109,7 @@ def _pages(scene: Scene, motors: Sequence[Motor]) -> list[rrb.Container]:
     return [*pages, _tool(scene, motors)]
 
 
-def _beside(scene: Scene, motors: Sequence[Motor], reach: np.ndarray, *, first: bool) -> rrb.Container:
+def _tabs(scene: Scene, motors: Sequence[Motor], reach: np.ndarray, *, first: bool) -> rrb.Container:
     errors = [
         _plot(
             f"{scene.root}/error/{motor.entity}",
@@ -225,12 +225,12 @@ def _in_columns(views: Sequence[Sequence[rrb.View]], shares: Sequence[float], na
     size = MOTORS_IN_COLUMN
     groups = [views[i : i + size] for i in range(0, len(views), size)]
     columns = [
-        rrb.Vertical(*(view for own in group for view in own), row_shares=[*shares] * len(group))
+        rrb.Vertical(*(view for column in group for view in column), row_shares=[*shares] * len(group))
         for group in groups
     ]
     if len(columns) == 1:
         return rrb.Vertical(
-            *(view for own in views for view in own), row_shares=[*shares] * len(views), name=name
+            *(view for column in views for view in column), row_shares=[*shares] * len(views), name=name
         )
     return rrb.Horizontal(*columns, name=name)
 

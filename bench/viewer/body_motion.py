@@ -124,12 +124,12 @@ def _gap(model: mujoco.MjModel, data: mujoco.MjData, loop: int) -> float:
     first, second = int(model.eq_obj1id[loop]), int(model.eq_obj2id[loop])
     if model.eq_objtype[loop] == int(mujoco.mjtObj.mjOBJ_SITE):
         return float(np.linalg.norm(data.site_xpos[first] - data.site_xpos[second]))
-    here, there = model.eq_data[loop, 0:3], model.eq_data[loop, 3:6]
+    first_anchor, second_anchor = model.eq_data[loop, 0:3], model.eq_data[loop, 3:6]
     if model.eq_type[loop] == int(mujoco.mjtEq.mjEQ_WELD):  # its anchor lies in the second body
-        here, there = there, here
+        first_anchor, second_anchor = second_anchor, first_anchor
     ends = [
         data.xpos[body] + data.xmat[body].reshape(3, 3) @ anchor
-        for body, anchor in ((first, here), (second, there))
+        for body, anchor in ((first, first_anchor), (second, second_anchor))
     ]
     return float(np.linalg.norm(ends[0] - ends[1]))
 

@@ -32,7 +32,7 @@ class Motor:
 class ShownContent:
     """One recording. root: the entity below which all lies; deviation (n,): of the fitted errors, drive unit.
 
-    steps: words and currents of the models before the one that is shown, whose own word is label.
+    steps: words and currents of the models before the one that is shown, whose word is label.
     reference_path (F, 3) m: where the controller wanted the tool, in the same frames as the motion. simulated: where a
     robot is that is drawn in outline.
     """
@@ -58,8 +58,8 @@ class ShownContent:
     @property
     def has_torques(self) -> bool:
         """Whether there is a torque of effects, found or known, to be drawn."""
-        found = self.torques is not None and bool(self.torques.by_effect)
-        return found or (self.known is not None and self.known.torque is not None)
+        by_effect = self.torques is not None and bool(self.torques.by_effect)
+        return by_effect or (self.known is not None and self.known.torque is not None)
 
     def column(self, time: np.ndarray) -> rr.TimeColumn:
         """Logged times as whole nanoseconds since the first sample."""

@@ -54,10 +54,10 @@ class SimulatedPoses:
 
 @dataclass(frozen=True, eq=False)
 class ViewContext:
-    """Everything that is shown beside an identification.
+    """Everything that is shown with an identification.
 
     steps: the models before it, the first one first. torques: of the model's effects, and known, by recording
-    name. truth: true values to compare with. text: Markdown that stands above the summary. label: of the errors
+    name. truth: true values to compare with. text: Markdown above the summary. label: of the errors
     of the model that is shown, where there are steps. simulated: a robot that is drawn in outline in the place of the
     measured one, by recording name.
     """

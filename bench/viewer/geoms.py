@@ -7,10 +7,10 @@ import mujoco
 import numpy as np
 import rerun as rr
 
-HIDDEN_GROUPS = 3  # geom groups from here on are not drawn by MuJoCo's own viewer: collision shapes, mostly
+HIDDEN_GROUPS = 3  # geom groups from this one on are not drawn by MuJoCo's viewer: collision shapes, mostly
 DARKEST = 0.30  # luminance below which a colour is lifted, to be seen on a dark ground
 SEEN_THROUGH = 90  # opacity of a mesh in outline, 0 to 255
-PLAIN = (0.5, 0.5, 0.5, 1.0)  # MuJoCo's default colour: a material's colour stands in its place
+PLAIN = (0.5, 0.5, 0.5, 1.0)  # MuJoCo's default colour: a material's colour replaces it
 
 _DRAWN = {
     int(mujoco.mjtGeom.mjGEOM_BOX): "boxes",
@@ -55,9 +55,9 @@ def shapes(model: mujoco.MjModel, outline: Colour | None = None) -> Iterator[Geo
     """
     geoms = visible_geoms(model)
     for body in range(model.nbody):
-        own = geoms[model.geom_bodyid[geoms] == body]
+        of_body = geoms[model.geom_bodyid[geoms] == body]
         by_kind: dict[str, list[int]] = {}
-        for geom in own:
+        for geom in of_body:
             by_kind.setdefault(_DRAWN[int(model.geom_type[geom])], []).append(int(geom))
         for kind, members in by_kind.items():
             if kind == "mesh":
@@ -91,7 +91,7 @@ def _solids(model: mujoco.MjModel, kind: str, geoms: np.ndarray, outline: Colour
             colors=colors,
             fill_mode=fill,
         )
-    # A capsule starts at its first end here, and is centred in MuJoCo.
+    # A capsule starts at its first end, and is centred in MuJoCo.
     axes = np.array([_rotation(quaternion)[:, 2] for quaternion in model.geom_quat[geoms]])
     return rr.Capsules3D(
         lengths=2.0 * size[:, 1],
@@ -128,8 +128,8 @@ def _mesh(model: mujoco.MjModel, geom: int, outline: Colour | None) -> tuple[rr.
 
 def _colour(model: mujoco.MjModel, geom: int) -> Colour:
     """Red, green, blue and opacity, 0 to 255, light enough for a dark ground."""
-    own, material = model.geom_rgba[geom], int(model.geom_matid[geom])
-    rgba = model.mat_rgba[material] if material >= 0 and np.allclose(own, PLAIN) else own
+    colour, material = model.geom_rgba[geom], int(model.geom_matid[geom])
+    rgba = model.mat_rgba[material] if material >= 0 and np.allclose(colour, PLAIN) else colour
     color = np.asarray(rgba[:3], dtype=float)
     luminance = float(color @ (0.2126, 0.7152, 0.0722))
     if luminance < DARKEST:

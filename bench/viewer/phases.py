@@ -20,8 +20,8 @@ MOTION_COLOURS = {
 START, MIDDLE, END = "start", "middle", "end"
 PHASE_COLOURS = {START: "#7A5AA6", MIDDLE: "#3E4756", END: "#2F7D74"}
 PAYLOAD_COLOUR, NO_PAYLOAD_COLOUR = "#8F7A1E", "#3E4756"
-FIFTH = 0.2  # of a recording that counts as its start and as its end, as where errors are told
-BESIDE = 1  # rows on either side of a change of direction that belong to it
+FIFTH = 0.2  # of a recording that counts as its start and as its end, as in the places of errors
+NEAR_REVERSAL = 1  # rows on either side of a change of direction that belong to it
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,7 +45,7 @@ def motion_states(velocity: np.ndarray, moving: np.ndarray) -> np.ndarray:
     """The state (M,) of a joint in every row: forwards, backwards, at a change of direction, or still."""
     states = np.where(velocity > 0, FORWARDS, BACKWARDS).astype(object)
     turns = np.flatnonzero((velocity[:-1] * velocity[1:] < 0) & moving[:-1] & moving[1:])
-    for shift in range(1 - BESIDE, BESIDE + 1):
+    for shift in range(1 - NEAR_REVERSAL, NEAR_REVERSAL + 1):
         states[np.clip(turns + shift, 0, len(states) - 1)] = REVERSAL
     states[~moving] = STILL
     return states

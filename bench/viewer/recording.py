@@ -41,7 +41,7 @@ REFERENCE_COLUMN = "reference."  # column of a log: what the controller asked of
 
 @dataclass(frozen=True)
 class ViewedRun:
-    """One identification among several that are shown beside each other; title: in a few words, what sets it apart."""
+    """One identification among several that are shown side by side; title: in a few words, what sets it apart."""
 
     title: str
     result: Identification
@@ -91,7 +91,7 @@ def write_rrd(
 
 
 def write_side_by_side(path: str | Path, viewed: Sequence[ViewedRun]) -> None:
-    """Write several identifications as one .rrd file, recordings of the same name beside each other.
+    """Write several identifications as one .rrd file, recordings of the same name side by side.
 
     Entities lie below the title of each, otherwise as those of `write_rrd`. Raises BenchError for another suffix
     than .rrd, for none to show, and for robots whose motors differ.
@@ -208,10 +208,10 @@ def _shown(viewed: ViewedRun, prefix: str, model: mujoco.MjModel, geometry: Geom
 def _logged_reference(recording: Recording, joints: Sequence[str]) -> KnownTruth | None:
     """The reference positions, where the log has them as reference.JOINT for every motor."""
     columns = [recording.extra.get(f"{REFERENCE_COLUMN}{joint}") for joint in joints]
-    found = [column for column in columns if column is not None]
-    if len(found) < len(joints) or not np.isfinite(found).all():
+    references = [column for column in columns if column is not None]
+    if len(references) < len(joints) or not np.isfinite(references).all():
         return None
-    return KnownTruth(recording.time, reference=np.stack(found, axis=1))
+    return KnownTruth(recording.time, reference=np.stack(references, axis=1))
 
 
 def _reference_path(
@@ -284,10 +284,10 @@ def _scenes(run: _Run, largest: float, title: str | None = None) -> list[Scene]:
 
 def _key(content: ShownContent, largest: float) -> str:
     """How colours and outlines read."""
-    told = [] if content.simulated is None else ["outlined: simulated"]
+    parts = [] if content.simulated is None else ["outlined: simulated"]
     if content.motion.tool_position is not None:
-        told.append(f"path: error from 0 (violet) to {percent(largest)} (yellow)")
-    return ", ".join(told)
+        parts.append(f"path: error from 0 (violet) to {percent(largest)} (yellow)")
+    return ", ".join(parts)
 
 
 def _send_text(

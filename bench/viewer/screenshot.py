@@ -55,7 +55,7 @@ def _viewer(size: str) -> Iterator[ViewerClient]:
         str(port),
         "--hide-welcome-screen",
     ]
-    # The program starts the viewer as a process of its own, and would leave it behind: both are one group.
+    # The program starts the viewer as a separate process, and would leave it behind: both are one group.
     with subprocess.Popen(
         command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, start_new_session=True
     ) as process:

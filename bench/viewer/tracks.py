@@ -19,8 +19,8 @@ MEASURED = Curve("measured, filtered", ON_DARK.measured, 4.0)
 MODELLED = Curve("modelled", ON_DARK.modelled, 1.5)
 ERROR = Curve("error", ON_DARK.error, 1.4)
 HIDDEN = Curve("hidden in the simulated machine", ON_DARK.measured, 4.0)
-FOUND = Curve("found: all effects of the model", ON_DARK.modelled, 1.6)
-LEFT = Curve("left over: gain × error", ON_DARK.error, 1.0)
+ALL_EFFECTS = Curve("found: all effects of the model", ON_DARK.modelled, 1.6)
+REMAINDER = Curve("left over: gain × error", ON_DARK.error, 1.0)
 REFERENCE = "#F2F5F8"
 MACHINE = Curve("simulated machine", ON_DARK.measured, 1.6)
 CLOSED = Curve("as drawn", ON_DARK.modelled, 1.6)
@@ -82,11 +82,11 @@ def send_torques(stream: rr.RecordingStream, content: ShownContent, motors: Sequ
             column = content.column(content.known.time)
             send_line(stream, f"{entity}/0_hidden", column, content.known.torque[:, j], HIDDEN)
         fitted = content.column(content.series.time)
-        send_line(stream, f"{entity}/1_left_over", fitted, motor.gain * errors[:, j], LEFT)
+        send_line(stream, f"{entity}/1_left_over", fitted, motor.gain * errors[:, j], REMAINDER)
         if content.torques is not None and content.torques.total is not None:
             column = content.column(content.torques.time)
             _send_effects(stream, entity, column, content, j)
-            send_line(stream, f"{entity}/3_found", column, content.torques.total[:, j], FOUND)
+            send_line(stream, f"{entity}/3_found", column, content.torques.total[:, j], ALL_EFFECTS)
 
 
 def _send_effects(
@@ -156,7 +156,7 @@ def steps_of(
     name: str, steps: Sequence[tuple[str, Sequence[CurrentSeries]]]
 ) -> tuple[tuple[str, CurrentSeries], ...]:
     """The recording of that name in every step that has it."""
-    found = [
+    traces = [
         (label, next((trace for trace in series if trace.name == name), None)) for label, series in steps
     ]
-    return tuple((label, trace) for label, trace in found if trace is not None)
+    return tuple((label, trace) for label, trace in traces if trace is not None)

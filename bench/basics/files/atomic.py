@@ -47,15 +47,15 @@ def _stand_in(target: Path) -> Path:
 
 
 @contextmanager
-def _named(path: Path, *own: Path) -> Iterator[None]:
-    """What the system says against writing, as a line that names `path`; own: paths that mean the same.
+def _named(path: Path, *paths: Path) -> Iterator[None]:
+    """What the system says against writing, as a line that names `path`; paths: others that mean the same.
 
     An error that names another file is about that one, and goes on as it is.
     """
     try:
         yield
     except OSError as error:
-        if error.filename is not None and Path(error.filename) not in own:
+        if error.filename is not None and Path(error.filename) not in paths:
             raise
         raise BenchError(f"cannot write {path}: {error.strerror or error}") from error
 

@@ -121,7 +121,7 @@ class CsvText:
 
     def _lines(self) -> Iterator[tuple[int, list[str]]]:
         """Line number and cells of each line that is not blank, as the fast reader counts them."""
-        lines = (found.group() for found in LINE.finditer(self.body))
+        lines = (match.group() for match in LINE.finditer(self.body))
         reader = csv.reader(lines, delimiter=self.delimiter)
         start = self.first_line
         try:

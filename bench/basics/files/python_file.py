@@ -1,4 +1,4 @@
-"""A Python file of the user's: read, run as a separate module, its mistakes told with their line."""
+"""A Python file of the user's: read, run as a separate module, its mistakes reported with their line."""
 
 import hashlib
 import sys
@@ -21,7 +21,7 @@ MISTAKES = (
 
 
 def read_source(path: Path) -> str:
-    """Its text. Raises BenchError naming the file where it cannot be read."""
+    """The text of the file. Raises BenchError naming the file where it cannot be read."""
     try:
         return path.read_text(encoding="utf-8")
     except (OSError, UnicodeDecodeError) as error:

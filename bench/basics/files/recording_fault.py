@@ -37,7 +37,7 @@ IN_UNIT: Mapping[Remedy, tuple[str, str]] = {
 
 
 class RecordingFaultError(BenchError):
-    """What is wrong with a recording, told as for a file of a dataset.
+    """What is wrong with a recording, reported as for a file of a dataset.
 
     said: what is wrong and where; advice: what helps in a dataset, with the punctuation before it. remedy: the same as
     a code, None where there is none. check: the name by which the check that found it is switched off. column: where

@@ -78,9 +78,9 @@ class FileTable:
             raise BenchError(f"{self.path}: column {column}: holds {kind}, not numbers")
         index = self.columns.index(column)
         rows = range(self.first_row, self.first_row + self.data.num_rows)
-        if (found := self.text.first_text(index, rows)) is None:
+        if (first := self.text.first_text(index, rows)) is None:
             return np.array(self.text.floats(index, rows))
-        row, cell = found
+        row, cell = first
         raise BenchError(f"{self.place(column, row - self.first_row)}: {cell!r} is not a number")
 
     def stamps(self) -> Array:

@@ -46,7 +46,7 @@ def read_toml(path: Path, table: type[Table]) -> Table:
 def line_of(text: str, location: tuple[int | str, ...]) -> int | None:
     """The line of TOML, counted from one, on which a key of this location is, or its table; None if unsure."""
     wanted = [str(part) for part in location]
-    here: list[str] = []
+    heading: list[str] = []
     counts: dict[str, int] = {}
     best: tuple[int, int] | None = None
     for number, line in enumerate(text.splitlines(), start=1):
@@ -55,14 +55,14 @@ def line_of(text: str, location: tuple[int | str, ...]) -> int | None:
         if header:
             name = header.group(2).replace('"', "").replace("'", "")
             counts[name] = counts.get(name, -1) + 1
-            here = [*name.split("."), *([str(counts[name])] if header.group(1) == "[[" else [])]
-            found = here
+            heading = [*name.split("."), *([str(counts[name])] if header.group(1) == "[[" else [])]
+            path = heading
         elif key:
-            found = [*here, *key.group(1).replace('"', "").replace("'", "").split(".")]
+            path = [*heading, *key.group(1).replace('"', "").replace("'", "").split(".")]
         else:
             continue
-        if wanted[: len(found)] == found and (best is None or len(found) > best[0]):
-            best = len(found), number
+        if wanted[: len(path)] == path and (best is None or len(path) > best[0]):
+            best = len(path), number
     return best[1] if best else None
 
 

@@ -116,24 +116,24 @@ def known_machines() -> Mapping[str, MachineTable]:
 def compared(model: Mapping[str, Any], known: tuple[KnownValue, ...]) -> tuple[AgainstKnown, ...]:
     """All drive gains, and everything else that is known, side by side; model: a model as JSON holds it."""
     rows = [_row(model, known_value, place) for known_value in known for place in known_value.values]
-    told = {row.place for row in rows if row.quantity == DRIVE_GAIN}
-    others = [_gain(model, joint, None) for joint in model["drive_gains"] if joint not in told]
+    determined = {row.place for row in rows if row.quantity == DRIVE_GAIN}
+    others = [_gain(model, joint, None) for joint in model["drive_gains"] if joint not in determined]
     return (*others, *rows)
 
 
 def _gain(model: Mapping[str, Any], joint: str, known: KnownValue | None) -> AgainstKnown:
     gain = model["drive_gains"].get(joint)
     fitted = model["gains_fitted"] if gain is None else gain.get("fitted", model["gains_fitted"])
-    return _beside(DRIVE_GAIN, joint, gain, known, fixed=not fitted)
+    return _comparison_row(DRIVE_GAIN, joint, gain, known, fixed=not fitted)
 
 
 def _row(model: Mapping[str, Any], known: KnownValue, place: str) -> AgainstKnown:
     if known.of == DRIVE_GAIN:
         return _gain(model, place, known)
     if known.of == PARAMETER:
-        found = next((parameter for parameter in model["parameters"] if parameter["name"] == place), None)
-        return _beside(PARAMETER, place, found, known)
-    return _beside(f"{known.of} {known.parameter}", place, _felt(model, known, place), known)
+        estimate = next((parameter for parameter in model["parameters"] if parameter["name"] == place), None)
+        return _comparison_row(PARAMETER, place, estimate, known)
+    return _comparison_row(f"{known.of} {known.parameter}", place, _felt(model, known, place), known)
 
 
 def _felt(model: Mapping[str, Any], known: KnownValue, place: str) -> Mapping[str, Any] | None:
@@ -151,15 +151,15 @@ def _felt(model: Mapping[str, Any], known: KnownValue, place: str) -> Mapping[st
     }
 
 
-def _beside(
+def _comparison_row(
     quantity: str,
     place: str,
-    found: Mapping[str, Any] | None,
+    parameter: Mapping[str, Any] | None,
     known: KnownValue | None,
     *,
     fixed: bool = False,
 ) -> AgainstKnown:
-    estimate = found or {"value": None, "std": None, "unit": ""}
+    estimate = parameter or {"value": None, "std": None, "unit": ""}
     return AgainstKnown(
         quantity,
         place,

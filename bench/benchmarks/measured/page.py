@@ -64,9 +64,9 @@ def measured_page(records: Sequence[Record], machines: Mapping[str, MachineTable
 
 def _verdict(records: Sequence[Record]) -> tuple[str, ...]:
     """Two sentences: how many values are right, and which are wrong."""
-    told = [(record, run, row) for record in records for run in record.runs for row in run.rows]
-    inside = [row.inside for _, _, row in told if row.inside is not None]
-    reached = [row.reached for _, _, row in told if row.reached is not None]
+    rows = [(record, run, row) for record in records for run in record.runs for row in run.rows]
+    inside = [row.inside for _, _, row in rows if row.inside is not None]
+    reached = [row.reached for _, _, row in rows if row.reached is not None]
     first = (
         f"Of {plural(len(inside), 'value')} that can be compared, {sum(inside)} are inside twice their stated "
         f"deviation and what the reference may be off by"
@@ -75,7 +75,7 @@ def _verdict(records: Sequence[Record]) -> tuple[str, ...]:
     wrong = [
         f"{quantity_name(row)} of {row.place} ({record.name}, {run.command.split(' ')[0]}, "
         f"{share(row.off, signed=True)})"
-        for record, run, row in told
+        for record, run, row in rows
         if row.inside is False
     ]
     failed = [f"bench {run.command}" for record in records for run in record.runs if run.failed]
@@ -146,8 +146,8 @@ def _figure(record: Record) -> list[Figure]:
 
 
 def _intervals(run: MachineRun, names: Sequence[tuple[str, str]], role: Role, shift: float) -> Spans:
-    found = {(quantity_name(known), known.place): known for known in run.rows}
-    rows = [found.get(name) for name in names]
+    by_name = {(quantity_name(known), known.place): known for known in run.rows}
+    rows = [by_name.get(name) for name in names]
     centre = np.array([np.nan if known is None or known.off is None else known.off for known in rows])
     half = np.array([np.nan if known is None or known.claimed is None else known.claimed for known in rows])
     at = np.arange(len(names))

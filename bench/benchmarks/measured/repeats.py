@@ -44,7 +44,7 @@ class Repeats:
 
 
 def repeats_of(machine: str, folder: Path, kind: Kind, logs: Sequence[str] = ()) -> Repeats:
-    """Of a dataset's logs, each by itself, or of the halves of its fitted logs. logs: only these, by name."""
+    """Results of a dataset's logs, each by itself, or of the halves of its fitted logs. logs: only these, by name."""
     dataset = load_dataset(folder)
     if logs:
         kept = [log for log in dataset.recordings if log.name in logs]

@@ -34,9 +34,9 @@ class FoundParameter:
 
 @dataclass(frozen=True)
 class NamedEffects:
-    """An effect that a diagnosis found: its verdict, where it shows, what it could be instead.
+    """An effect that a diagnosis identified: its verdict, where it shows, what it could be instead.
 
-    size: RMS of its torque or force by motor, N·m or N; parameters: as found, SI.
+    size: RMS of its torque or force by motor, N·m or N; parameters: as estimated, SI.
     """
 
     effect: str
@@ -60,8 +60,8 @@ class MachineStep:
 class MachineRun:
     """One command's answer. seconds: of the processor, from start to end. failed: why there is no answer.
 
-    judged: what the errors not fitted are of; said: sentences of a diagnosis, else notes; found, ladder, noise_floor:
-    of a diagnosis.
+    validated_on: what the errors not fitted are of; said: sentences of a diagnosis, else notes; named_effects, ladder,
+    noise_floor: of a diagnosis.
     """
 
     command: str
@@ -69,10 +69,10 @@ class MachineRun:
     effects: tuple[str, ...] = ()
     error_identify: float | None = None
     error_validate: float | None = None
-    judged: str = "recordings that were not fitted"
+    validated_on: str = "recordings that were not fitted"
     rows: tuple[AgainstKnown, ...] = ()
     said: tuple[str, ...] = ()
-    found: tuple[NamedEffects, ...] = ()
+    named_effects: tuple[NamedEffects, ...] = ()
     ladder: tuple[MachineStep, ...] = ()
     noise_floor: float | None = None
     failed: str = ""
@@ -92,14 +92,14 @@ class Record:
     program: dict[str, str]
 
 
-def measured(name: str, dataset: Path, table: MachineTable, told: Callable[[str], None]) -> Record:
-    """Identify and diagnose the dataset in a folder. told: hears of every command before it runs."""
+def measured(name: str, dataset: Path, table: MachineTable, report: Callable[[str], None]) -> Record:
+    """Identify and diagnose the dataset in a folder. report: is called with every command before it runs."""
     runs = []
     commands = [("identify", table.effects), *(("diagnose", start) for start in table.diagnose_with)]
     for command, effects in commands:
         given = [word for effect in effects for word in ("--with", effect)]
         line = " ".join((command, name, *given))
-        told(f"bench {line}")
+        report(f"bench {line}")
         runs.append(_run(command, dataset, given, line, table))
     return Record(name, tuple(runs), versions().columns())
 
@@ -121,7 +121,7 @@ def _run(command: str, dataset: Path, given: Sequence[str], line: str, table: Ma
 
 
 def _processor_seconds() -> float:
-    """Of all processes that were started and have ended, s."""
+    """Processor time of all processes that were started and have ended, s."""
     used = resource.getrusage(resource.RUSAGE_CHILDREN)
     return used.ru_utime + used.ru_stime
 
@@ -151,10 +151,10 @@ def _diagnosed(line: str, seconds: float, answer: dict[str, Any], table: Machine
         tuple(answer["after"]["effects"]),
         ladder[-1].identify,
         ladder[-1].validate,
-        judged=answer["judged_on"],
+        validated_on=answer["judged_on"],
         rows=compared(answer["after"], table.known),
         said=tuple(answer["summary"]),
-        found=tuple(
+        named_effects=tuple(
             NamedEffects(
                 name,
                 ranking[name]["verdict"],

@@ -84,10 +84,10 @@ def plural(answers: Sequence[bool | None]) -> str:
 
 
 def said_missing(run: MachineRun) -> str:
-    """The effects that a diagnosis found, strongest first."""
+    """The effects that a diagnosis identified, strongest first."""
     if not run.diagnosis:
         return NONE
-    return "; ".join(map(named, run.found)) if run.found else "nothing"
+    return "; ".join(map(named, run.named_effects)) if run.named_effects else "nothing"
 
 
 def named(effects: NamedEffects) -> str:

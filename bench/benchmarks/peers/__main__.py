@@ -19,7 +19,7 @@ from rich.table import Table
 from bench.basics.chi_squared import WITHIN_95
 from bench.basics.files.atomic import write_json_atomically, write_text_atomically
 from bench.basics.versions import versions
-from bench.benchmarks.peers.own import (
+from bench.benchmarks.peers.parabench import (
     Answer,
     solve_all_unknown,
     solve_mass_known,
@@ -102,15 +102,15 @@ def five_bar_scores(*, friction: bool) -> list[Score]:
     def others(step: float) -> Solver:
         return lambda problem: mujoco_sysid.solve(problem, step)
 
-    own: list[tuple[Solver, int]] = [
+    ours: list[tuple[Solver, int]] = [
         (lambda problem: solve_all_unknown(problem)[0], MANY),
         (solve_two_masses, MANY),
         (solve_output_error, MANY),
     ]
     if friction:
-        own.append((lambda problem: solve_two_masses(problem, ("coulomb_friction",)), MANY))
-        own.append((lambda problem: solve_output_error(problem, ("coulomb_friction",)), MANY))
-    solvers = [*own, (others(1e-3), FEW), (others(2.5e-4), ONE if friction else FEW)]
+        ours.append((lambda problem: solve_two_masses(problem, ("coulomb_friction",)), MANY))
+        ours.append((lambda problem: solve_output_error(problem, ("coulomb_friction",)), MANY))
+    solvers = [*ours, (others(1e-3), FEW), (others(2.5e-4), ONE if friction else FEW)]
     return [score("five_bar", friction=friction, solve=solve, seeds=seeds) for solve, seeds in solvers]
 
 
@@ -123,10 +123,10 @@ def arm_scores(*, friction: bool) -> list[Score]:
     def others(problem: PeerProblem) -> Answer:
         return figaroh_arm.solve(problem, settings.position_cutoff, settings.decimation)
 
-    own: list[Solver] = [solve_mass_known, lambda problem: solve_all_unknown(problem)[0]]
+    ours: list[Solver] = [solve_mass_known, lambda problem: solve_all_unknown(problem)[0]]
     if friction:
-        own.append(lambda problem: solve_all_unknown(problem, ("coulomb_friction",))[0])
-    return [score("two_link", friction=friction, solve=solve, seeds=MANY) for solve in (*own, others)]
+        ours.append(lambda problem: solve_all_unknown(problem, ("coulomb_friction",))[0])
+    return [score("two_link", friction=friction, solve=solve, seeds=MANY) for solve in (*ours, others)]
 
 
 def title(scored: Score) -> str:
@@ -170,12 +170,12 @@ def main() -> int:
     text = ["# Beside others", "", EXPLANATION, ""]
     for solve in (five_bar_scores, arm_scores):
         for friction in (False, True):
-            found = solve(friction=friction)
-            scores += found
-            console.print(scores_table(found))
-            text += [f"## {title(found[0])}", "", "| " + " | ".join(HEADERS) + " |"]
+            new_scores = solve(friction=friction)
+            scores += new_scores
+            console.print(scores_table(new_scores))
+            text += [f"## {title(new_scores[0])}", "", "| " + " | ".join(HEADERS) + " |"]
             text += ["|---" + "|---:" * (len(HEADERS) - 1) + "|"]
-            text += ["| " + " | ".join(cells(scored)) + " |" for scored in found] + [""]
+            text += ["| " + " | ".join(cells(scored)) + " |" for scored in new_scores] + [""]
     content: dict[str, Any] = {
         "scores": [vars(scored) for scored in scores],
         "figaroh": version("figaroh"),

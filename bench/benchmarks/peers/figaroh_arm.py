@@ -1,7 +1,7 @@
 """The serial arm with FIGAROH: drive gains and base parameters by its total least squares on currents.
 
 FIGAROH has no closed loops, and identifies gains from an unloaded and a loaded movement and the mass of the
-payload. Its own functions filter, differentiate, build and reduce the regressor and solve; decimation is SciPy's,
+payload. Its functions filter, differentiate, build and reduce the regressor and solve; decimation is SciPy's,
 as in its examples. The cut-off is given, the same as ours chose.
 """
 
@@ -17,7 +17,7 @@ import mujoco
 import numpy as np
 from scipy.signal import decimate
 
-from bench.benchmarks.peers.own import Answer
+from bench.benchmarks.peers.parabench import Answer
 from bench.benchmarks.peers.problems import PeerProblem
 from bench.truth.dataset import as_dataset
 
@@ -73,11 +73,11 @@ def solve(problem: PeerProblem, cutoff: float, decimation: int) -> Answer:
     indices, _ = decomposition.QRDecomposer()._identify_base_parameters(reduced, remaining)  # noqa: SLF001 - has no public name
     without, loaded = np.split(decomposition.build_baseRegressor(reduced, indices), 2)
     settings["nb_samples"] = len(full[0]) // n
-    found = regressor.build_total_regressor_current(
+    solution = regressor.build_total_regressor_current(
         without, loaded, _mass_last(full[1]), *currents, dict.fromkeys(range(9)), settings
     )[1]
     seconds = time.process_time() - start
-    gains = np.abs(found[len(indices) : len(indices) + n])
+    gains = np.abs(solution[len(indices) : len(indices) + n])
     return Answer("FIGAROH, payload's mass alone", seconds, gains, None, None, None)
 
 

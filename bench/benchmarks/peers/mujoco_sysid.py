@@ -1,7 +1,7 @@
 """The five-bar with mujoco.sysid: positions predicted by simulating, gains and masses varied until they fit.
 
 It is given what the measurements do not tell: the initial state, the controller with its gains, every other mass
-and inertia. What differs is the step: the simulated truth's own, in which case the model is a copy of the truth,
+and inertia. What differs is the step: that of the simulated truth, in which case the model is a copy of the truth,
 or the log's, as for a machine that is not a simulation.
 """
 
@@ -16,7 +16,7 @@ from typing import Any
 
 import numpy as np
 
-from bench.benchmarks.peers.own import Answer
+from bench.benchmarks.peers.parabench import Answer
 from bench.benchmarks.peers.problems import UNKNOWN_BODIES, PeerProblem
 from bench.scenario.scenario import payload_truth
 
@@ -43,10 +43,10 @@ def solve(problem: PeerProblem, step: float) -> Answer:
     residual = sysid.build_residual_fn(models_sequences=sequences)
     start = time.process_time()
     with redirect_stdout(io.StringIO()):
-        found, result = sysid.optimize(parameters, residual, optimizer="mujoco", verbose=False)
+        optimum, result = sysid.optimize(parameters, residual, optimizer="mujoco", verbose=False)
     seconds = time.process_time() - start
-    vector = found.as_vector()
-    errors = np.concatenate([part.ravel() for part in residual(vector, found)[0]])
+    vector = optimum.as_vector()
+    errors = np.concatenate([part.ravel() for part in residual(vector, optimum)[0]])
     jacobian = np.asarray(result.jac)
     variance = float(errors @ errors) / (len(errors) - len(vector))
     stds = np.sqrt(variance * np.diag(np.linalg.inv(jacobian.T @ jacobian)))

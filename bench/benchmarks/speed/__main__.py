@@ -22,7 +22,7 @@ from bench.studies.sweep.console import table_console
 
 
 def regressor_figures() -> list[SpeedFigure]:
-    """The projected regressor over Pinocchio's own."""
+    """The projected regressor over Pinocchio's."""
     return [
         SpeedFigure(f"regressor over Pinocchio's, {robot}", regressor.measure(robot).ratio, "×", limit)
         for robot, limit in regressor.LIMITS.items()

@@ -121,11 +121,11 @@ def main() -> int:
         sys.stderr.write("python -m bench.benchmarks.speed.feedforward MODEL.json\n")
         return 2
     try:
-        found = seconds_per_call(load_identified(sys.argv[1]))
+        timings = seconds_per_call(load_identified(sys.argv[1]))
     except BenchError as error:
         sys.stderr.write(f"{error}\n")
         return 2
-    for name, seconds in found.items():
+    for name, seconds in timings.items():
         sys.stdout.write(f"{name}: {1e6 * seconds:.2f} µs a call\n")
     return 0
 

@@ -2,7 +2,7 @@
 
 Legs of equal length between two hexagons. Each leg hangs on a universal joint of the base and pushes its rod, a
 slide with a motor, against a ball joint of the platform, which is a free body: 6 · 3 + 6 = 24 tree degrees of
-freedom, 6 left once closed.
+freedom, 6 once closed.
 """
 
 from pathlib import Path

@@ -41,7 +41,7 @@ FRICTION = {"emps": 10.0, "five_bar": 0.2, "three_rrr": 0.3, "stewart": 8.0, "tw
 def write_long_dataset(folder: Path, duration: float, robot: str = "five_bar") -> Path:
     """A dataset of a robot with dry friction: two Parquet logs, unloaded and loaded, of so many seconds.
 
-    Every second of them has noise of its own, though movements repeat.
+    Every second of them has different noise, though movements repeat.
     """
     scenario, payload = _scenario(robot)
     simulation = simulate(scenario, threads=1)
@@ -103,8 +103,8 @@ def measure() -> tuple[float, float]:
         done = subprocess.run(program, capture_output=True, text=True, check=False)
         if done.returncode:
             raise BenchError(f"the long logs cannot be identified: {done.stderr}")
-        found = json.loads(done.stdout)
-        return found["seconds"], found["gigabytes"]
+        measured = json.loads(done.stdout)
+        return measured["seconds"], measured["gigabytes"]
 
 
 def main() -> None:

@@ -9,12 +9,12 @@ KILO = 1024
 
 
 def peak_bytes() -> int:
-    """Of this process since it was started.
+    """Peak memory of this process since it was started, bytes.
 
     What `getrusage` says on Linux is never less than what the process had that started it.
     """
     if STATUS.is_file():
-        found = re.search(r"^VmHWM:\s+(\d+) kB", STATUS.read_text(encoding="ascii"), re.MULTILINE)
-        if found:
-            return int(found[1]) * KILO
+        match = re.search(r"^VmHWM:\s+(\d+) kB", STATUS.read_text(encoding="ascii"), re.MULTILINE)
+        if match:
+            return int(match[1]) * KILO
     return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * KILO

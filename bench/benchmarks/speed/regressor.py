@@ -67,9 +67,9 @@ def measure(robot: str, repeats: int = 9) -> RegressorSpeed:
             regressor(tree, data, q, v, a)
         times[repeat] = closed - start, projected - closed, perf_counter() - projected
     samples = len(motion.time)
-    closures, own, pinocchio = np.median(times, axis=0) / samples * 1e6
+    closures, ours, pinocchio = np.median(times, axis=0) / samples * 1e6
     ratio = float(np.median((times[:, 0] + times[:, 1]) / times[:, 2]))
-    return RegressorSpeed(robot, samples, len(columns), closures, own, pinocchio, ratio)
+    return RegressorSpeed(robot, samples, len(columns), closures, ours, pinocchio, ratio)
 
 
 def _movement(

@@ -26,7 +26,7 @@ from bench.truth.simulate import simulate
 LIMIT = 15.0  # s
 AGAIN_LIMIT = 2.0  # s
 DURATION = 20.0  # s, of each of three recordings
-FOUND = ("coulomb_friction", "viscous_friction:leg_2")
+MISSING = ("coulomb_friction", "viscous_friction:leg_2")
 ABSORBED = ("payload_mass_error", "rotor_inertia")
 SCENARIO: Mapping[str, Any] = {
     "seed": 3,
@@ -66,15 +66,15 @@ def six_motors(folder: Path, duration: float = DURATION) -> Dataset:
     return load_dataset(folder / "data")
 
 
-def told(dataset: Dataset) -> Diagnosis:
+def stand_in_diagnosis(dataset: Dataset) -> Diagnosis:
     """What a diagnosis that finds the hidden effects says, without the search: all effects are in its ranking."""
-    before, after = identify(prepare(problem_of(dataset))), identify(prepare(problem_of(dataset, FOUND)))
+    before, after = identify(prepare(problem_of(dataset))), identify(prepare(problem_of(dataset, MISSING)))
     errors = [(result.error.identify or 0.0, result.error.validate or 0.0) for result in (before, after)]
-    found = tuple(name.partition(":")[0] for name in FOUND)
+    missing = tuple(name.partition(":")[0] for name in MISSING)
     ranking = tuple(
         EffectVerdict(
             effect=name,
-            verdict="missing" if name in found else "absorbed" if name in ABSORBED else "not supported",
+            verdict="missing" if name in missing else "absorbed" if name in ABSORBED else "not supported",
             error_before=errors[0][1],
             error_after=errors[1][1],
             evidence=1.0,
@@ -83,14 +83,14 @@ def told(dataset: Dataset) -> Diagnosis:
             size={},
             why=Reason(Because.EXPLAINS),
         )
-        for name in (*found, *(name for name in CATALOGUE if name not in found))
+        for name in (*missing, *(name for name in CATALOGUE if name not in missing))
     )
     floor = relative_noise_floor(dataset.recordings, after.recordings, after.settings)
     return Diagnosis(
         robot=dataset.robot.name,
         held_out=0.0,
-        missing=found,
-        ladder=(LadderStep((), *errors[0]), LadderStep(found, *errors[1])),
+        missing=missing,
+        ladder=(LadderStep((), *errors[0]), LadderStep(missing, *errors[1])),
         ranking=ranking,
         unexplained=Unexplained(Remainder.NOISE, errors[1][1], floor, ()),
         before=before,
@@ -103,7 +103,7 @@ def measure() -> tuple[float, float]:
     with TemporaryDirectory() as name:
         folder = Path(name)
         dataset = six_motors(folder)
-        diagnosis = told(dataset)
+        diagnosis = stand_in_diagnosis(dataset)
         start = perf_counter()
         write_diagnosis_report(folder / "out", diagnosis, dataset, CommandRun("diagnose", "data"))
         written = perf_counter()

@@ -150,12 +150,12 @@ def measure_dask(workers: int = DASK_WORKERS, runs: int = RUNS) -> Scheduling:
     try:
         hands = _Process(scheduler.address, str(workers))
         try:
-            found = measure("dask", workers, lambda: DaskPool(scheduler.address), runs)
+            measured = measure("dask", workers, lambda: DaskPool(scheduler.address), runs)
         finally:
             hands.end()
     finally:
         seconds = scheduler.end()
-    return replace(found, scheduler=1e3 * seconds / _sent(runs))
+    return replace(measured, scheduler=1e3 * seconds / _sent(runs))
 
 
 def measure_all() -> list[Scheduling]:

@@ -24,7 +24,7 @@ LOCAL = "127.0.0.1"
 
 @dataclass(frozen=True)
 class NoDesign:
-    """Stands for a design: no trajectories."""
+    """In place of a design: no trajectories."""
 
     def __call__(self, _: None) -> dict[str, Any]:
         """Nothing."""
@@ -33,7 +33,7 @@ class NoDesign:
 
 @dataclass(frozen=True)
 class NoRuns:
-    """Stands for identifications: rows at once."""
+    """In place of identifications: rows at once."""
 
     runs: tuple[Run, ...]
 

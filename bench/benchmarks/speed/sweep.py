@@ -78,7 +78,7 @@ def _timed(file: Path, folder: Path, workers: int) -> tuple[float, float]:
 
 
 def _stepping_seconds(file: Path) -> float:
-    """Of all runs, stepped by mujoco.rollout on as many threads as there are workers, with nothing else."""
+    """Time of all runs, s, stepped by mujoco.rollout on as many threads as there are workers, with nothing else."""
     scenario = scenario_from_dict(make_plan(load_sweep(file)).run(0).content, "five_bar")
     simulation = simulate(scenario, resolve_trajectories(scenario, designer))
     return plain_rollout(simulation, copies=STEPPED, threads=WORKERS) * RUNS / STEPPED

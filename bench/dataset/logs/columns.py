@@ -81,9 +81,9 @@ def columns_of(file: Path, log: LogFile, robot: Robot, log_map: LogMap) -> Colum
     count = values["time"].size
     refuse(
         [
-            f"{file}: {sources[column]!r} for {column} has {plural(found.size, 'sample')}, time has {count}"
-            for column, found in values.items()
-            if found.size != count
+            f"{file}: {sources[column]!r} for {column} has {plural(samples.size, 'sample')}, time has {count}"
+            for column, samples in values.items()
+            if samples.size != count
         ]
     )
     ordered = {name: values[name] for name in sorted(values, key=lambda name: name != "time")}
@@ -140,14 +140,14 @@ def _stated_factors(
     file: Path, log: LogFile, robot: Robot, sources: Mapping[str, str], given: Mapping[str, float]
 ) -> dict[str, tuple[float, str]]:
     """Factor and unit by column, of those whose unit the log states and nobody gave."""
-    found: dict[str, tuple[float, str]] = {}
+    factors: dict[str, tuple[float, str]] = {}
     for column, source in sources.items():
         if source in log.units and column not in given:
             unit = log.units[source]
             factor = factor_of(f"{file}: {source!r}", unit, column, robot)
             if factor is not None:
-                found[column] = factor, unit
-    return found
+                factors[column] = factor, unit
+    return factors
 
 
 def _sources(
@@ -204,7 +204,7 @@ def _misspelt(missing: Sequence[str], log_map: LogMap) -> str:
 
 
 def _example(target: str, sources: Mapping[str, str], there: Sequence[str], robot: Robot) -> str:
-    """How a column that is missing is mapped to one that is free, and its unit told."""
+    """How a column that is missing is mapped to one that is free, and its unit given."""
     free = [name for name in there if name not in sources.values()]
     if not free:
         return ""

@@ -42,6 +42,6 @@ def _pieces(path: Path, size: int) -> bytes:
         parts = [head[: max(head.rfind(b"\n"), head.rfind(b"\r")) + 1]]
         for start in np.linspace(HEAD, size - PIECE, PIECES).astype(int):
             file.seek(start)
-            if found := WHOLE_LINES.search(file.read(PIECE)):
-                parts.append(found.group(1).lstrip(b"\r\n"))
+            if match := WHOLE_LINES.search(file.read(PIECE)):
+                parts.append(match.group(1).lstrip(b"\r\n"))
     return b"".join(parts)

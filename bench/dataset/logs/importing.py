@@ -81,11 +81,11 @@ def _folded(faults: Sequence[LogFault]) -> list[str]:
     groups: dict[tuple[str, str, Remedy | None], list[LogFault]] = {}
     for fault in faults:
         groups.setdefault(fault.alike, []).append(fault)
-    told = []
+    lines = []
     for first, *others in groups.values():
         names = [path.name for path in dict.fromkeys(fault.file for fault in others) if path != first.file]
-        told.append(f"{first.line}; likewise in {listed(names)}" if names else first.line)
-    return told
+        lines.append(f"{first.line}; likewise in {listed(names)}" if names else first.line)
+    return lines
 
 
 def import_log(
@@ -116,7 +116,7 @@ def import_logs(
     A folder without a dataset.toml becomes a dataset of `robot` (or its built-in name or path); otherwise the
     recordings are added to it. `payloads` are defined in it; a request names one of them, or one that the dataset has.
     Samples are written as they were logged, after the checks that reading a dataset makes. replace: a recording of the
-    same name, and a payload, become what is given here; until that is whole, what it replaces is kept next to it.
+    same name, and a payload, become what is given; until that is whole, what it replaces is kept next to it.
 
     Errors: BenchError, and nothing is written: a file, robot, joint or name that does not exist (with what there is),
     vectors of different length, everything that is wrong with the recordings, a line each; of what several logs
@@ -132,14 +132,16 @@ def import_logs(
     faults: list[LogFault] = []
     for request in requests:
         try:
-            found, wrong, told = _parts(loaded, request, joints, progress)
+            new_parts, wrong, new_notes = _parts(loaded, request, joints, progress)
         except BenchError as error:
             faults += [_as_fault(request.file, line) for line in lines_of(error)]
             continue
         faults += wrong
-        parts += found
-        entries += [RecordingEntry(part.name, part.use, request.payload, request.accept) for part in found]
-        notes += [(request.file, note) for note in told]
+        parts += new_parts
+        entries += [
+            RecordingEntry(part.name, part.use, request.payload, request.accept) for part in new_parts
+        ]
+        notes += [(request.file, note) for note in new_notes]
     refuse([*_folded(faults), *_doubtful(payloads, loaded, requests)])
     names = [part.name for part in parts]
     if twice := next((name for name in names if names.count(name) > 1), None):
@@ -149,7 +151,7 @@ def import_logs(
     text = extended_toml(folder, _reference(loaded, folder), loaded, entries, payloads, replace=replace)
     notes += [(folder / DATASET_FILE, note) for note in _payload_notes(folder, payloads, names)]
     if replace:
-        notes += [(folder / DATASET_FILE, note) for note in _left_pieces(folder, requests, names)]
+        notes += [(folder / DATASET_FILE, note) for note in _stale_pieces(folder, requests, names)]
     progress.phase("writing the recordings", sum(part.rows for part in parts))
     _write(folder, text, parts, progress)
     return Imported(tuple(entries), tuple(notes))
@@ -168,8 +170,8 @@ def _parts(
     faults = [_as_fault(file, line) for line in columns.faults]
     for part in parts:
         table = FileTable(file, part.table, log.lines, part.first_row, columns.sources)
-        found = faults_of(table, joints, frozenset(request.accept))
-        for fault in found:
+        table_faults = faults_of(table, joints, frozenset(request.accept))
+        for fault in table_faults:
             alike = (fault.column, fault.check or "", fault.remedy)
             faults.append(LogFault(file, alike, _with_cure(fault, request.log_map.scale, columns.stated)))
     return parts, faults, (*log.notes, *columns.notes, *cuts)
@@ -204,7 +206,7 @@ def _payload_notes(folder: Path, payloads: Sequence[Payload], names: Sequence[st
     return said
 
 
-def _left_pieces(folder: Path, requests: Sequence[LogRequest], names: Sequence[str]) -> list[str]:
+def _stale_pieces(folder: Path, requests: Sequence[LogRequest], names: Sequence[str]) -> list[str]:
     """What is said of recordings called as pieces of a log that takes another place: an import that cut it otherwise
     may have left them. They are not deleted, since a recording of the user may have such a name.
     """
@@ -214,10 +216,10 @@ def _left_pieces(folder: Path, requests: Sequence[LogRequest], names: Sequence[s
     for request in requests:
         whole = Path(request.recording)
         piece = re.compile(rf"{re.escape(whole.stem)}(-\d+)?(-validate)?{re.escape(whole.suffix)}")
-        left = [file for file in files if piece.fullmatch(file) and file not in names]
-        if left:
+        stale = [file for file in files if piece.fullmatch(file) and file not in names]
+        if stale:
             said.append(
-                f"{listed(left)} {'stays as it was' if len(left) == 1 else 'stay as they were'}: delete pieces of "
+                f"{listed(stale)} {'stays as it was' if len(stale) == 1 else 'stay as they were'}: delete pieces of "
                 f"{request.file.name} from an earlier import, with their [[recordings]] tables"
             )
     return said
@@ -273,7 +275,7 @@ def _unit_cure(
     given = scale[key]
     factor = (UNITS[given].factor if isinstance(given, str) else given) * UNITS[unit].factor
     known = (alike.factor for alike in UNITS.values() if alike.of == UNITS[unit].of)
-    if not any(math.isclose(factor, own, rel_tol=1e-9) for own in known):
+    if not any(math.isclose(factor, unit_factor, rel_tol=1e-9) for unit_factor in known):
         return f"it is turned by --scale {key}={_number(given)} already: is this its column?"
     return f"give --scale {key}={factor:.12g} in place of --scale {key}={_number(given)}"
 

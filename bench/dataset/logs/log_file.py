@@ -116,9 +116,9 @@ def _content(path: Path) -> bytes:
 
 def text_log(path: Path, content: bytes, reading: Reading) -> LogFile:
     """The log that a text is. Raises BenchError where there is no table in it."""
-    found = split_log(path, content, reading.skip_rows, reading.header)
+    log = split_log(path, content, reading.skip_rows, reading.header)
     del content  # of a large log that is much memory
-    return replace(_log_of(table_of(found.text)), units=found.units, notes=found.notes)
+    return replace(_log_of(table_of(log.text)), units=log.units, notes=log.notes)
 
 
 def _read_parquet(path: Path) -> LogFile:
@@ -149,17 +149,17 @@ def _read_mat(path: Path) -> LogFile:
 def _read_npz(path: Path) -> LogFile:
     if not zipfile.is_zipfile(path):
         raise BenchError(f"{path}: is not a complete NumPy archive")
-    found: dict[str, Array] = {}
+    vectors: dict[str, Array] = {}
     try:
         with np.load(path, allow_pickle=False) as archive:
             for name in archive.files:
                 try:
-                    found |= dict(_vectors(name, archive[name]))
+                    vectors |= dict(_vectors(name, archive[name]))
                 except ValueError:  # an array of Python objects: no numbers, and not read from a file
                     continue
     except (zipfile.BadZipFile, zlib.error, EOFError, OSError, KeyError) as error:
         raise BenchError(f"{path}: is not a complete NumPy archive: {one_line(error)}") from error
-    return LogFile(path, found)
+    return LogFile(path, vectors)
 
 
 def _vectors(name: str, value: Any) -> Iterator[tuple[str, Array]]:

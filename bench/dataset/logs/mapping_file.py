@@ -103,16 +103,16 @@ def import_mapping(
 
 def _files(path: Path, index: int, table: LogsTable) -> list[Path]:
     """The files of [[logs]], in the order of its patterns and of their names. Raises BenchError where one has none."""
-    found: list[Path] = []
+    files: list[Path] = []
     for pattern in table.files:
         whole = Path(pattern)
         base = Path(whole.anchor) if whole.is_absolute() else path.parent
         matching = sorted(base.glob(str(whole.relative_to(whole.anchor))))
         if not matching:
             raise BenchError(f"{path}: logs[{index}].files: no file {pattern!r} in {path.parent.resolve()}")
-        found += matching
-    if table.name is not None and len(found) > 1:
+        files += matching
+    if table.name is not None and len(files) > 1:
         raise BenchError(
-            f"{path}: logs[{index}].name: {table.name!r} cannot be the name of {len(found)} logs"
+            f"{path}: logs[{index}].name: {table.name!r} cannot be the name of {len(files)} logs"
         )
-    return found
+    return files

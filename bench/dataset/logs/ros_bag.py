@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from rosbags.interfaces import Connection
 
 Array = npt.NDArray[np.float64]
-Found = TypeVar("Found")
+Answer = TypeVar("Answer")
 JOINT_STATE = "sensor_msgs/msg/JointState"
 KINDS = {"position": "position", "velocity": "velocity", "effort": "current"}
 """Field of a message -> the columns that it becomes."""
@@ -52,7 +52,7 @@ def joint_topics(path: Path) -> tuple[str, ...]:
     return _read(path, lambda reader: tuple(_counts(reader)))
 
 
-def _read(path: Path, read: Callable[[AnyReader], Found]) -> Found:
+def _read(path: Path, read: Callable[[AnyReader], Answer]) -> Answer:
     """What a reader of the bag gives."""
     try:
         from rosbags.highlevel import AnyReader, AnyReaderError  # noqa: PLC0415 - an extra that may be absent
@@ -140,9 +140,9 @@ def _joints(where: str, names: Sequence[tuple[str, ...]]) -> tuple[str, ...]:
     """The joints of every message. Raises BenchError where messages are of different joints, or name one twice."""
     sets = Counter(frozenset(name) for name in names)
     if len(sets) > 1:
-        told = "; ".join(f"{', '.join(sorted(entry))} ({count})" for entry, count in sets.most_common(4))
+        differing = "; ".join(f"{', '.join(sorted(entry))} ({count})" for entry, count in sets.most_common(4))
         raise BenchError(
-            f"{where}: its messages are of different joints: {told}: record them on separate topics"
+            f"{where}: its messages are of different joints: {differing}: record them on separate topics"
         )
     if len(set(names[0])) != len(names[0]):
         raise BenchError(f"{where}: a message names a joint twice: {', '.join(names[0])}")

@@ -62,7 +62,7 @@ def cut(
 ) -> tuple[list[Segment], tuple[str, ...]]:
     """The recordings of a log, in their order, and what was cut and dropped, in words.
 
-    Raises BenchError for a name that is no recording's, a fraction that cannot be, and where no piece is left.
+    Raises BenchError for a name that is no recording's, a fraction that cannot be, and where no piece remains.
     """
     path, fraction = Path(name), cutting.validate_fraction
     if path.suffix.lower() not in SUFFIXES or path.name != name:
@@ -84,7 +84,7 @@ def cut(
     notes: tuple[str, ...] = _unmeasured(lost)
     if cuts and cutting.shortest is not None:
         whole = [piece for piece in pieces if _long_enough(time, *piece, cutting.shortest)]
-        said = _told(time, cuts, pieces, whole, cutting.shortest)
+        said = _note_on(time, cuts, pieces, whole, cutting.shortest)
         if not whole:
             raise BenchError(f"{file}: {said}: nothing remains")
         notes = (*notes, said)
@@ -133,7 +133,7 @@ def _long_enough(time: Array, first: int, end: int, shortest: float) -> bool:
     return end - first >= FEWEST and bool(time[end - 1] - time[first] >= shortest)
 
 
-def _told(
+def _note_on(
     time: Array,
     cuts: list[int],
     pieces: list[tuple[int, int]],

@@ -54,8 +54,8 @@ def split_log(path: Path, content: bytes, skip_rows: int = 0, header: bool | Non
     """
     text, encoding = _text(path, content)
     lines = [
-        _Line(number, found.start(), found.group().rstrip("\r\n"))
-        for number, found in enumerate(islice(LINE.finditer(text), LOOKED_AT), 1)
+        _Line(number, match.start(), match.group().rstrip("\r\n"))
+        for number, match in enumerate(islice(LINE.finditer(text), LOOKED_AT), 1)
     ][skip_rows:]
     rows = [line for line in lines if line.text.strip() and not _comment(line)]
     if not rows:
@@ -85,8 +85,8 @@ def split_log(path: Path, content: bytes, skip_rows: int = 0, header: bool | Non
     if delimiter == " ":  # a run of blanks is one separator
         delimiter, body = ";", "\n".join(";".join(line.split()) for line in body.splitlines())
     decimal_comma = delimiter != "," and "," in first.text
-    found = CsvText(path, tuple(names), body, first.number, delimiter, decimal_comma)
-    return TextLog(found, units, tuple(notes))
+    csv_text = CsvText(path, tuple(names), body, first.number, delimiter, decimal_comma)
+    return TextLog(csv_text, units, tuple(notes))
 
 
 def _refuse_cut_off(path: Path, text: str, above: Sequence[str], delimiter: str) -> None:
@@ -103,8 +103,8 @@ def _refuse_cut_off(path: Path, text: str, above: Sequence[str], delimiter: str)
 
 
 def _decimals(cell: str) -> int:
-    found = DECIMALS.search(cell)
-    return len(found.group(1)) if found else 0
+    match = DECIMALS.search(cell)
+    return len(match.group(1)) if match else 0
 
 
 def _text(path: Path, content: bytes) -> tuple[str, tuple[str, ...]]:
@@ -223,5 +223,5 @@ def _is_units(cells: Sequence[str]) -> bool:
 
 def _bracketed(name: str) -> str | None:
     """The unit in square brackets at a name's end, as in "q1 [deg]", where it is a known one."""
-    found = re.search(r"\[([^\]]+)\]$", name)
-    return found.group(1) if found and unit_named(found.group(1)) else None
+    match = re.search(r"\[([^\]]+)\]$", name)
+    return match.group(1) if match and unit_named(match.group(1)) else None

@@ -24,5 +24,5 @@ def name_of(text: str) -> str | None:
 
 def units_of(column: str, robot: Robot) -> list[str]:
     """The units that a recording's column may be in, SI first."""
-    found = [name for name, unit in UNITS.items() if unit.of == measured_by(column, robot)]
-    return sorted(found, key=lambda name: UNITS[name].factor != 1.0) or ["1"]
+    names = [name for name, unit in UNITS.items() if unit.of == measured_by(column, robot)]
+    return sorted(names, key=lambda name: UNITS[name].factor != 1.0) or ["1"]

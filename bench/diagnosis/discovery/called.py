@@ -7,14 +7,14 @@ from bench.diagnosis.rounds import Round
 from bench.diagnosis.search import possible, score
 
 
-def stood_for(here: Round, laws: Sequence[str], barred: Collection[str]) -> dict[str, int]:
+def stood_for(this_round: Round, laws: Sequence[str], barred: Collection[str]) -> dict[str, int]:
     """Laws of the best set for which another proposal (index) does as well or better, by the law's name.
 
     As sign(load) is a constant offset where the load does not change its sign. Effects have less to earn than laws, so
     that the evidence for the set with the effect is at least as large where both explain the same.
     """
-    system, proposals, found = here.system, here.proposals, here.found
-    chosen, total = found.best.fit.chosen, found.best.total
+    system, proposals, selection = this_round.system, this_round.proposals, this_round.selection
+    chosen, total = selection.selected.fit.chosen, selection.selected.total
     called: dict[str, int] = {}
     for name in laws:
         place = next((i for i in chosen if proposals[i].name == name), None)
@@ -23,7 +23,7 @@ def stood_for(here: Round, laws: Sequence[str], barred: Collection[str]) -> dict
         others = tuple(i for i in chosen if i != place)
         tried = [
             (score(system, solve_set(system, (*others, i))), i)
-            for i in found.singles
+            for i in selection.singles
             if i not in chosen and proposals[i].name not in (*laws, *barred)
         ]
         able = [

@@ -15,16 +15,16 @@ INEXACT = 0.1  # of what a law explains: as much may be wrong with its form
 
 
 def doubted(
-    finding: SearchResult, laws: Sequence[Law], ranking: Sequence[EffectVerdict], left: Unexplained
+    finding: SearchResult, laws: Sequence[Law], ranking: Sequence[EffectVerdict], remaining: Unexplained
 ) -> tuple[EffectVerdict, ...]:
     """The ranking with small effects at the motors of laws as what resembles something: they are not sure; nor are
-    others there where clearly more is left than noise: the law is not what is there, then.
+    others there where clearly more remains than noise: the law is not what is there, then.
 
     A law out of a finite grammar is near to what is there, seldom the same: what a second effect at its motor takes
     away, if that is less than INEXACT of what the law does, says little of the name. Both are errors on recordings
     that were not fitted, of models without the one and the other.
     """
-    inexact = left.error > CLEARLY * hypot(left.noise_floor, left.encoders)
+    inexact = remaining.error > CLEARLY * hypot(remaining.noise_floor, remaining.encoders)
     places = {place.name for law in laws for place in law.places}
     names = {law.name for law in laws}
     return tuple(
@@ -43,17 +43,17 @@ def _doubted(why: Reason) -> Reason:
 
 def _small(finding: SearchResult, effect: str, laws: Collection[str]) -> bool:
     """Whether an effect explains little compared with the laws."""
-    found = frozenset(finding.names)
-    own, by_laws = (
-        _taken_away(finding, finding.fits(found.difference(out)).step) for out in ([effect], laws)
+    all_names = frozenset(finding.names)
+    without_effect, by_laws = (
+        _taken_away(finding, finding.fits(all_names.difference(out)).step) for out in ([effect], laws)
     )
-    return own < INEXACT**2 * by_laws
+    return without_effect < INEXACT**2 * by_laws
 
 
 def _taken_away(finding: SearchResult, without: LadderStep) -> float:
-    """By how much the squared error of a model exceeds that of the identified one."""
+    """How much the squared error of a model exceeds that of the identified one."""
     return _error(without) ** 2 - _error(finding.after.error) ** 2
 
 
-def _error(found: LadderStep | ErrorSummary) -> float:
-    return float(found.validate or found.identify or 0.0)
+def _error(summary: LadderStep | ErrorSummary) -> float:
+    return float(summary.validate or summary.identify or 0.0)

@@ -55,18 +55,18 @@ class Factor(ABC):
 
     @abstractmethod
     def values(self, seen: Seen) -> np.ndarray:
-        """Its parts (M, parts)."""
+        """Values (M, parts) of its parts."""
 
     @abstractmethod
     def formula(self, place: Place) -> tuple[str, ...]:
-        """Its parts with numbers, such as "abs(a)"."""
+        """Formulas of its parts with numbers, such as "abs(a)"."""
 
     @abstractmethod
     def code(self, place: Place, number: str) -> tuple[str, ...]:
-        """Its parts as Python code with numpy; number: the name of its number."""
+        """The parts of the factor as Python code with numpy; number: the name of its number."""
 
     def unit(self, place: Place) -> Unit:  # noqa: ARG002 - by default none
-        """Of its values."""
+        """The unit of its values."""
         return {}
 
     def with_number(self, value: float) -> "Factor":  # noqa: ARG002 - by default it has none
@@ -292,5 +292,5 @@ class Memory(Timed):
 
 def unit_of(factors: tuple[Factor, ...], place: Place) -> str:
     """Unit of a coefficient that makes a torque or force of a product of factors."""
-    own = times(*(factor.unit(place) for factor in factors), power=-1.0)
-    return written(times({"{effort}": 1.0}, own))
+    product = times(*(factor.unit(place) for factor in factors), power=-1.0)
+    return written(times({"{effort}": 1.0}, product))

@@ -9,18 +9,20 @@ import numpy as np
 from bench.basics.deadline import NEVER, Deadline, TimeUpError
 from bench.basics.progress import SILENT, Progress
 from bench.basics.threads import on_one_thread
+from bench.diagnosis.base_model import BaseModel
 from bench.diagnosis.candidates import Proposal
 from bench.diagnosis.catalogue_search import (
     SearchResult,
     SplitProblem,
     answered,
-    band_checked,
+    completed,
     search_catalogue,
     search_from,
     split_and_fitted,
 )
 from bench.diagnosis.decision import RULE
 from bench.diagnosis.discovery.called import stood_for
+from bench.diagnosis.discovery.discovered_at import discovered_at
 from bench.diagnosis.discovery.doubted import doubted
 from bench.diagnosis.discovery.laws import Law, laws_of
 from bench.diagnosis.discovery.merged import merged
@@ -28,9 +30,7 @@ from bench.diagnosis.discovery.refine import Judge, Refined
 from bench.diagnosis.discovery.search import Laws, search_laws
 from bench.diagnosis.discovery.seen import places_of
 from bench.diagnosis.discovery.smooth import tabled_laws
-from bench.diagnosis.discovery.told import discovered_at
 from bench.diagnosis.discovery.variables import Place
-from bench.diagnosis.origin import Origin
 from bench.diagnosis.reason import Because, Reason
 from bench.diagnosis.result import (
     Diagnosis,
@@ -38,15 +38,15 @@ from bench.diagnosis.result import (
     Unexplained,
     Unfinished,
 )
-from bench.diagnosis.rounds import Round, judged, usable
+from bench.diagnosis.rounds import Round, round_about, usable
 from bench.diagnosis.search import best_set
 from bench.effects import EffectInstance
 from bench.identification.finding import Finding
 from bench.identification.identify import fit
 from bench.identification.mistaken import mistaken
+from bench.identification.model_averaged import gains_model_averaged
 from bench.identification.prepare import Prepared
 from bench.identification.problem import Problem
-from bench.identification.widened import gains_widened
 
 TRIED = 1000  # laws that might represent several effects, as many as a search looks at
 UNIT = 10.0  # times the nominal gain, or a tenth: as far off, a unit or a load is wrong
@@ -78,11 +78,11 @@ def find_missing_effects(
         causes = mistaken(problem, case.before, whole, deadline)
     except TimeUpError:
         unfinished = (Unfinished.CAUSES,)
-    found = _found(case, discover, not causes, progress)
+    diagnosis = _diagnosis(case, discover, not causes, progress)
     return replace(
-        found,
-        after=replace(found.after, findings=(*causes, *found.after.findings)),
-        unfinished=(*unfinished, *found.unfinished),
+        diagnosis,
+        after=replace(diagnosis.after, findings=(*causes, *diagnosis.after.findings)),
+        unfinished=(*unfinished, *diagnosis.unfinished),
     )
 
 
@@ -95,8 +95,8 @@ class _Answer:
     diagnosis: Diagnosis
 
 
-def _found(case: SplitProblem, discover: bool | None, believed: bool, progress: Progress) -> Diagnosis:
-    """What is found; believed: whether nothing speaks against how the data are declared.
+def _diagnosis(case: SplitProblem, discover: bool | None, believed: bool, progress: Progress) -> Diagnosis:
+    """The diagnosis; believed: whether nothing speaks against how the data are declared.
 
     After the deadline the last answer that came to its end is given.
     """
@@ -111,7 +111,7 @@ def _found(case: SplitProblem, discover: bool | None, believed: bool, progress: 
     except TimeUpError:
         return _without_laws(best.diagnosis, discover)
     progress.phase("looking at half of the band")
-    return band_checked(best.finding, best.diagnosis)
+    return completed(best.finding, best.diagnosis)
 
 
 def _without_laws(diagnosis: Diagnosis, discover: bool | None) -> Diagnosis:
@@ -127,7 +127,7 @@ def _with_more(
     finding, answer = plain.finding, plain
     gains = plain.diagnosis.after.drive_gains.values()
     believed = believed and all(1.0 / UNIT <= gain.value / gain.nominal <= UNIT for gain in gains)
-    wanted = something_left(plain.diagnosis.unexplained)
+    wanted = something_remains(plain.diagnosis.unexplained)
     if discover is None and not believed:
         return
     if discover is not False and not wanted:
@@ -135,9 +135,9 @@ def _with_more(
         yield answer
     if answer.laws or not (wanted if discover is None else discover):
         return
-    found_laws = search_laws(finding.origin, finding.last, _never(finding), progress)
-    if found_laws is not None:
-        answer = _with_laws(case, answer, *found_laws, progress)
+    discovered_laws = search_laws(finding.base_model, finding.last, _never(finding), progress)
+    if discovered_laws is not None:
+        answer = _with_laws(case, answer, *discovered_laws, progress)
         yield answer
     if answer.laws or wanted:
         answer = _with_one_for_several(case, answer, progress)
@@ -150,9 +150,9 @@ def _never(finding: SearchResult) -> dict[str, Reason]:
     return {name: why for name, why in finding.barred.items() if why.because is not Because.NOT_NEEDED}
 
 
-def _never_beside(finding: SearchResult, named: Sequence[EffectInstance]) -> dict[str, Reason]:
-    """The same with laws that were identified with named effects: their special cases may be found where their sign was
-    impossible at some motors alone, for what drove there may have been the law.
+def _never_with_laws(finding: SearchResult, named: Sequence[EffectInstance]) -> dict[str, Reason]:
+    """The same with laws that were identified with named effects: their special cases may be selected where their sign
+    was impossible at some motors alone, for what drove there may have been the law.
     """
     specials = {special for instance in named for special in instance.effect.contains}
     return {
@@ -162,9 +162,11 @@ def _never_beside(finding: SearchResult, named: Sequence[EffectInstance]) -> dic
     }
 
 
-def something_left(left: Unexplained) -> bool:
+def something_remains(unexplained: Unexplained) -> bool:
     """Whether there is enough beyond the noise to look for laws in."""
-    return left.significant or left.error > RULE.beyond_noise * hypot(left.noise_floor, left.encoders)
+    return unexplained.significant or unexplained.error > RULE.beyond_noise * hypot(
+        unexplained.noise_floor, unexplained.encoders
+    )
 
 
 def _with_laws(
@@ -178,27 +180,33 @@ def _with_laws(
     """The answer with the laws that were identified, converged and judged with all effects; without, if they do not
     stay.
 
-    prior: of the laws, by default that of the terms they were found with.
+    prior: of the laws, by default that of the terms they were selected with.
     """
-    origin, last = plain.finding.origin, searched.last
-    own = len(origin.start.effects)
+    base_model, last = plain.finding.base_model, searched.last
+    given_count = len(base_model.start.effects)
     result = fit(refined.model)
     laws = laws_of(
-        result, refined.model.effects[own:], refined.terms, places_of(origin.start), case.problem.catalogue
+        result,
+        refined.model.effects[given_count:],
+        refined.terms,
+        places_of(base_model.start),
+        case.problem.catalogue,
     )
     named = [
-        instance for instance in refined.model.effects[own:] if instance.effect.name not in refined.terms
+        instance
+        for instance in refined.model.effects[given_count:]
+        if instance.effect.name not in refined.terms
     ]
-    model = origin.with_instances([*named, *(instance for law in laws for instance in law.instances)])
+    model = base_model.with_instances([*named, *(instance for law in laws for instance in law.instances)])
     if prior is None:
         prior = max(proposal.prior for proposal in last.proposals)
     proposals = [
         _as_in(model, proposal) for proposal in last.proposals if proposal.name not in searched.terms
     ]
     proposals += _proposed(model, laws, prior)
-    barred = _never_beside(plain.finding, named)
-    here = _judged_from(origin, model, proposals, barred)
-    called = stood_for(here, [law.name for law in laws], barred)
+    barred = _never_with_laws(plain.finding, named)
+    this_round = _round_from(base_model, model, proposals, barred)
+    called = stood_for(this_round, [law.name for law in laws], barred)
     if called:
         laws = [law for law in laws if law.name not in called]
         named += [
@@ -207,38 +215,44 @@ def _with_laws(
             if i in called.values()
             for instance in proposal.instances
         ]
-        model = origin.with_instances([*named, *(instance for law in laws for instance in law.instances)])
-        here = _judged_from(
-            origin, model, [proposal for proposal in proposals if proposal.name not in called], barred
+        model = base_model.with_instances([*named, *(instance for law in laws for instance in law.instances)])
+        this_round = _round_from(
+            base_model, model, [proposal for proposal in proposals if proposal.name not in called], barred
         )
-    if not called and here.names.isdisjoint(law.name for law in laws):
+    if not called and this_round.names.isdisjoint(law.name for law in laws):
         return plain
-    finding = search_from(case, origin, here, progress, barred, wholly=True)
+    finding = search_from(case, base_model, this_round, progress, barred, wholly=True)
     staying = tuple(law for law in laws if law.name in finding.names)
     if not (staying or called) or not finding.more_probable_than(
         plain.finding, plain.diagnosis.unexplained.excess
     ):
         return plain
-    return _Answer(finding, staying, _told(finding, staying, laws, answered(case, finding, progress)))
+    return _Answer(
+        finding, staying, _with_discovered(finding, staying, laws, answered(case, finding, progress))
+    )
 
 
-def _judged_from(
-    origin: Origin, model: Prepared, proposals: Sequence[Proposal], barred: Collection[str]
+def _round_from(
+    base_model: BaseModel, model: Prepared, proposals: Sequence[Proposal], barred: Collection[str]
 ) -> Round:
-    """As `judged`, but the set is sought from that of the model, too: of laws at one motor each none shows alone."""
-    here = judged(origin, model, proposals, barred)
-    there = {instance.effect.name for instance in model.effects[len(origin.start.effects) :]}
+    """As `round_about`; the search also starts from the model's set: of laws at one motor each, none shows alone."""
+    this_round = round_about(base_model, model, proposals, barred)
+    there = {instance.effect.name for instance in model.effects[len(base_model.start.effects) :]}
     known = usable(proposals, barred)
     begun = [i for i in known if proposals[i].name in there]
-    best = best_set(here.system, [begun, here.chosen], known, origin.deadline)
-    return replace(here, found=replace(here.found, best=best)) if best.total > here.found.best.total else here
+    best = best_set(this_round.system, [begun, this_round.chosen], known, base_model.deadline)
+    return (
+        replace(this_round, selection=replace(this_round.selection, selected=best))
+        if best.total > this_round.selection.selected.total
+        else this_round
+    )
 
 
 def _with_one_for_several(case: SplitProblem, plain: _Answer, progress: Progress) -> _Answer:
     """The answer with one law for several frictions, where that has fewer unknowns and leaves as little."""
     progress.phase("trying one law for several frictions")
-    finding, left = plain.finding, plain.diagnosis.unexplained
-    much = (1.0 - RULE.material) * left.error > hypot(left.noise_floor, left.encoders)
+    finding, unexplained = plain.finding, plain.diagnosis.unexplained
+    much = (1.0 - RULE.material) * unexplained.error > hypot(unexplained.noise_floor, unexplained.encoders)
     prior = RULE.prior + float(np.log(TRIED))
     searched = Laws(finding.last, {law.name: law.terms[0] for law in plain.laws})
     judge = Judge(finding.last.system.samples, prior)
@@ -250,38 +264,41 @@ def _with_one_for_several(case: SplitProblem, plain: _Answer, progress: Progress
 
 
 def _with_tables(case: SplitProblem, plain: _Answer, progress: Progress) -> _Answer:
-    """The answer with functions as they were measured, where much is left that no formula fits.
+    """The answer with functions as they were measured, where much remains that no formula fits.
 
     They compete only with the identified model: what the effects of the catalogue are worth has been judged before, and
-    where more than noise is left beside them, too, they must explain a share of it. A table is no law: the gains'
+    where more than noise remains with them, too, they must explain a share of it. A table is no law: the gains'
     standard errors hold what they are without it, where they have not run away there.
     """
-    finding, left = plain.finding, plain.diagnosis.unexplained
-    if not (left.significant or left.much):
+    finding, unexplained = plain.finding, plain.diagnosis.unexplained
+    if not (unexplained.significant or unexplained.much):
         return plain
     progress.phase("tabling what no formula fits")
-    origin = finding.origin
-    own = len(origin.start.effects)
+    base_model = finding.base_model
+    given_count = len(base_model.start.effects)
     laws = tabled_laws(finding, {*case.problem.catalogue, *(law.name for law in plain.laws)})
     if not laws:
         return plain
-    instances = [*finding.model.effects[own:], *(instance for law in laws for instance in law.instances)]
-    model = origin.with_instances(instances)
+    instances = [
+        *finding.model.effects[given_count:],
+        *(instance for law in laws for instance in law.instances),
+    ]
+    model = base_model.with_instances(instances)
     proposals = [proposal for proposal in finding.last.proposals if proposal.name in finding.names]
     proposals += _proposed(model, laws, RULE.prior)
-    here = _judged_from(origin, model, proposals, finding.barred)
-    if here.names.isdisjoint(law.name for law in laws):
+    this_round = _round_from(base_model, model, proposals, finding.barred)
+    if this_round.names.isdisjoint(law.name for law in laws):
         return plain
-    wider = search_from(case, origin, here, progress, finding.barred, wholly=True)
+    wider = search_from(case, base_model, this_round, progress, finding.barred, wholly=True)
     staying = tuple(law for law in (*plain.laws, *laws) if law.name in wider.names)
     tabled = {law.name for law in laws}.intersection(wider.names)
     if not tabled or not wider.more_probable_than(finding, wider.excess(case)):
         return plain
-    told = _told(wider, staying, (*plain.laws, *laws), answered(case, wider, progress))
-    told = replace(told, after=gains_widened(told.after, [plain.diagnosis.after]))
-    judged_before = {verdict.effect for verdict in told.ranking}
+    diagnosis = _with_discovered(wider, staying, (*plain.laws, *laws), answered(case, wider, progress))
+    diagnosis = replace(diagnosis, after=gains_model_averaged(diagnosis.after, [plain.diagnosis.after]))
+    judged_before = {verdict.effect for verdict in diagnosis.ranking}
     others = tuple(verdict for verdict in plain.diagnosis.ranking if verdict.effect not in judged_before)
-    return _Answer(wider, staying, replace(told, ranking=(*told.ranking, *others)))
+    return _Answer(wider, staying, replace(diagnosis, ranking=(*diagnosis.ranking, *others)))
 
 
 def _proposed(model: Prepared, laws: Sequence[Law], prior: float) -> list[Proposal]:
@@ -305,7 +322,7 @@ def _as_in(model: Prepared, proposal: Proposal) -> Proposal:
     return replace(proposal, instances=instances)
 
 
-def _told(
+def _with_discovered(
     finding: SearchResult, laws: Sequence[Law], tried: Sequence[Law], diagnosis: Diagnosis
 ) -> Diagnosis:
     """The laws as what was discovered, and the catalogue's names as what is missing. tried: laws that competed."""
@@ -336,7 +353,7 @@ def _without(verdict: EffectVerdict, laws: Mapping[str, Sequence[str]]) -> Effec
     """A verdict that names effects of the catalogue alone. laws: by name the motors at which they stay.
 
     Indistinguishable is what has an alternative of the catalogue. An effect that does as well as laws alone resembles
-    what they say; a found one for which nothing but a law could stand is as sure as it is without that.
+    what they say; an identified one for which nothing but a law could stand is as sure as it is without that.
     """
     others = tuple(name for name in verdict.alternatives if name not in laws)
     if others or not verdict.alternatives:

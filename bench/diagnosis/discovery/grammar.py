@@ -56,13 +56,13 @@ def grammar(scope: Scope) -> list[Term]:
     others = [factor for ahead in range(1, scope.others + 1) for factor in _of_another(ahead)]
     groups: list[list[Factor]] = [list(speed), list(inertial), list(load), [*place, *waves]]
     singles = [factor for group in groups for factor in group]
-    beside: list[Factor] = [*clock, *steps, *tool, *together, *others]
-    terms = [Term((factor,)) for factor in (*singles, *beside)]
+    partners: list[Factor] = [*clock, *steps, *tool, *together, *others]
+    terms = [Term((factor,)) for factor in (*singles, *partners)]
     for i, group in enumerate(groups):
         terms += _products(group, [factor for later in groups[i + 1 :] for factor in later])
     carriers = [Power(V, 0.0), Power(V), Power(A), Power(LOAD), Power(V, 1.0, odd=False)]
     carriers += [Power(V, 2.0), Power(A, 1.0, odd=False), Power(LOAD, 1.0, odd=False), Power(Q)]
-    terms += _products(carriers, beside)
+    terms += _products(carriers, partners)
     terms += _remembered(scope)
     terms += _triples([*waves[:3], Power(Q, 1.0, odd=False), Power(Q, 2.0, odd=False), Power(Q)])
     return list(
@@ -87,7 +87,7 @@ def _steps(x: Variable, low: float, high: float) -> list[Factor]:
 
 
 def _of_another(ahead: int) -> list[Factor]:
-    """Of the motor so many places further."""
+    """Factors of the motor so many places further."""
     q, v, a, load = (Variable(variable.kind, ahead) for variable in (Q, V, A, LOAD))
     powers = [Power(v, 0.0), Power(v), Power(v, 2.0), *(Power(x, 1.0, odd=False) for x in (v, a, load))]
     return [

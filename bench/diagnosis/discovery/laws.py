@@ -24,10 +24,10 @@ class Law:
     source: str
 
     def at(self, numbers: Mapping[str, float]) -> list[Term]:
-        """Its terms with these numbers, by label."""
+        """The terms of the law with these numbers, by label."""
         return [
-            term.with_numbers([numbers[label] for label in own])
-            for term, own in zip(self.terms, labelled(self.terms)[1], strict=True)
+            term.with_numbers([numbers[label] for label in labels])
+            for term, labels in zip(self.terms, labelled(self.terms)[1], strict=True)
         ]
 
 
@@ -80,6 +80,6 @@ def _law(name: str, shown: Mapping[int, Sequence[Term]], at: Sequence[Place]) ->
     instances = []
     for place in at:
         numbers, names = labelled(shown[place.index])
-        values = {label: numbers[label].value for own in names for label in own}
+        values = {label: numbers[label].value for labels in names for label in labels}
         instances.append(EffectInstance(replace(effect, **values), place.name, f"{name}:{place.name}"))
     return Law(name, terms, tuple(at), tuple(instances), source)

@@ -4,6 +4,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from itertools import groupby, product
 
+from bench.diagnosis.base_model import BaseModel
 from bench.diagnosis.catalogue_search import SearchResult
 from bench.diagnosis.discovery.factors import Power
 from bench.diagnosis.discovery.grammar import V
@@ -14,13 +15,12 @@ from bench.diagnosis.discovery.screen import Screened
 from bench.diagnosis.discovery.seen import places_of
 from bench.diagnosis.discovery.term import Term
 from bench.diagnosis.discovery.variables import Place
-from bench.diagnosis.origin import Origin
 from bench.effects import Effect
 from bench.identification.prepare import Prepared, with_effects
 
 EXPONENTS = (0.5, 1.5, 2.5)
 NAME = "power"
-OWN = 2  # unknowns of a power
+POWER_UNKNOWNS = 2  # unknowns of a power
 
 
 def merged(
@@ -29,25 +29,26 @@ def merged(
     """The identified model with a power of the velocity for some of its functions of the velocity at some motors,
     wherever that has fewer unknowns and leaves as little, or as many and leaves clearly less.
 
-    laws: among the identified effects. catalogue: with their special cases. much: whether more is left
+    laws: among the identified effects. catalogue: with their special cases. much: whether more remains
     than noise, so that a model with as many unknowns can leave clearly less.
     """
-    origin = finding.origin
-    parts = parts_of(finding.model.effects[len(origin.start.effects) :], laws)
+    base_model = finding.base_model
+    parts = parts_of(finding.model.effects[len(base_model.start.effects) :], laws)
     least = finding.weight_by(judge.samples)
     for alike in together(parts):
         others = [part for part in parts if part not in alike]
         at = {part.instance.joint for part in alike}
-        places = [place for place in places_of(origin.start) if place.name in at]
-        own = OWN * len(places)
+        places = [place for place in places_of(base_model.start) if place.name in at]
+        law_unknowns = POWER_UNKNOWNS * len(places)
 
         def size(kept: Sequence[Part], others: Sequence[Part] = others) -> tuple[int, int]:
             return len({part.name for part in (*others, *kept)}), unknowns(kept)
 
-        sets = sorted(fewer(alike, own - much, catalogue), key=size)
+        sets = sorted(fewer(alike, law_unknowns - much, catalogue), key=size)
         for _, alternatives in groupby(sets, key=size):
             tried = [
-                _with_power(origin, finding.model, [*others, *kept], places, judge) for kept in alternatives
+                _with_power(base_model, finding.model, [*others, *kept], places, judge)
+                for kept in alternatives
             ]
             best = max(tried, key=lambda each: each.weight)
             if best.weight > least:
@@ -73,37 +74,37 @@ def together(parts: Sequence[Part]) -> list[list[Part]]:
 
 
 def _with_power(
-    origin: Origin, found_model: Prepared, stay: Sequence[Part], places: Sequence[Place], judge: Judge
+    base_model: BaseModel, full_model: Prepared, stay: Sequence[Part], places: Sequence[Place], judge: Judge
 ) -> Refined:
     """What stays of the identified model, and a power of the velocity at some places, converged from the exponent that
-    does best beside it as it is.
+    does best with it as it is.
     """
     terms = {part.name: part.term for part in stay if part.term is not None}
     begun = []
     for exponent in EXPONENTS:
         term = Term((Power(V, exponent, free=True),))
         added = *(part.instance for part in stay), *instances_of(NAME, Screened(term, {}, 0.0), places)
-        model = with_effects(found_model, (*origin.start.effects, *added))
+        model = with_effects(full_model, (*base_model.start.effects, *added))
         begun.append((judge.refined(model, {**terms, NAME: term}), term, added))
     _, term, added = max(begun, key=lambda each: each[0].weight)
-    return judge.refined(origin.beside(found_model, added), {**terms, NAME: term})
+    return judge.refined(base_model.warm_started(full_model, added), {**terms, NAME: term})
 
 
-def fewer(alike: Sequence[Part], own: int, catalogue: Mapping[str, Effect]) -> list[list[Part]]:
-    """What may stay with a law with `own` unknowns, so that unknowns are saved: some of the effects that were
-    identified, each as it is or as a special case of it that was not found.
+def fewer(alike: Sequence[Part], law_unknowns: int, catalogue: Mapping[str, Effect]) -> list[list[Part]]:
+    """What may stay with a law of `law_unknowns` unknowns, so that unknowns are saved: some of the effects that were
+    identified, each as it is or as a special case of it that was not selected.
     """
     effects = [part for part in alike if part.term is None]
-    found = {part.name for part in effects}
+    present = {part.name for part in effects}
     ways = []
-    for name in sorted(found):
+    for name in sorted(present):
         whole = [part for part in effects if part.name == name]
-        specials = sorted({*whole[0].instance.effect.contains} - found)
+        specials = sorted({*whole[0].instance.effect.contains} - present)
         ways.append(
             [[], whole, *([_as_special_case(part, catalogue[each]) for part in whole] for each in specials)]
         )
     sets = ([part for some in chosen for part in some] for chosen in product(*ways))
-    return [kept for kept in sets if unknowns(kept) + own < unknowns(alike)]
+    return [kept for kept in sets if unknowns(kept) + law_unknowns < unknowns(alike)]
 
 
 def _as_special_case(part: Part, special: Effect) -> Part:

@@ -21,7 +21,7 @@ class Part:
 
     @property
     def name(self) -> str:
-        """Of its effect."""
+        """The name of its effect."""
         return self.instance.effect.name
 
     @property
@@ -33,7 +33,7 @@ class Part:
 
     @property
     def unknowns(self) -> int:
-        """Its numbers; the exponents of a law are among them, whether they were chosen or adapted."""
+        """Count of its numbers; the exponents of a law are among them, whether they were chosen or adapted."""
         effect = self.instance.effect
         factors = () if self.term is None else self.term.factors
         chosen = [each for each in factors if isinstance(each, Power) and each.exponent and not each.free]
@@ -51,7 +51,7 @@ def parts_of(instances: Iterable[EffectInstance], laws: Sequence[Law]) -> list[P
 
 
 def unknowns(parts: Iterable[Part]) -> int:
-    """Of all together."""
+    """Number of unknowns of all together."""
     return sum(part.unknowns for part in parts)
 
 

@@ -1,10 +1,11 @@
-"""Found terms with an exponent or a frequency set free, where that does better or makes others superfluous."""
+"""Identified terms with an exponent or a frequency set free, where that does better or makes others superfluous."""
 
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 from itertools import islice
 
+from bench.diagnosis.base_model import BaseModel, at_its_solution
 from bench.diagnosis.decision import RULE
 from bench.diagnosis.discovery.grammar import LOAD
 from bench.diagnosis.discovery.named import name_of
@@ -13,7 +14,6 @@ from bench.diagnosis.discovery.source import law_effect
 from bench.diagnosis.discovery.term import Term, about_its_mean, at_other_harmonics, freed
 from bench.diagnosis.discovery.variables import Place
 from bench.diagnosis.evidence import Samples, effects_prior, residual_squares
-from bench.diagnosis.origin import Origin, at_its_solution
 from bench.effects import EffectInstance
 from bench.identification.nonlinear import converged
 from bench.identification.prepare import Prepared, with_effects
@@ -27,17 +27,17 @@ FAR_LESS = 1.5**2  # times the best squared error: a model that starts from ther
 @dataclass(frozen=True)
 class Refined:
     """A converged model, its terms of the grammar by their effect's name, and its weight: see `Samples.log_posterior`;
-    judged: sum of squares where nothing was fitted.
+    held_out: sum of squares where nothing was fitted.
     """
 
     model: Prepared
     terms: Mapping[str, Term]
     weight: float
-    judged: float = 0.0
+    held_out: float = 0.0
 
-    def size(self, own: int) -> int:
-        """How many effects it has beyond the first `own` instances."""
-        return len({instance.effect.name for instance in self.model.effects[own:]})
+    def size(self, given_count: int) -> int:
+        """How many effects it has beyond the first `given_count` instances."""
+        return len({instance.effect.name for instance in self.model.effects[given_count:]})
 
 
 @dataclass(frozen=True)
@@ -75,7 +75,7 @@ class _Variant:
 
 
 def refined(
-    origin: Origin, model: Prepared, terms: Mapping[str, Term], places: Sequence[Place], judge: Judge
+    base_model: BaseModel, model: Prepared, terms: Mapping[str, Term], places: Sequence[Place], judge: Judge
 ) -> Refined:
     """The best of the identified model and those with one number more to be adapted, or with a wave at another
     harmonic.
@@ -86,38 +86,43 @@ def refined(
     that is known there; what does well is then converged as it is. MOST of them are tried, those with all or none of
     the other effects first. Raises TimeUpError after the deadline.
     """
-    own = len(origin.start.effects)
+    given_count = len(base_model.start.effects)
     best = judge.refined(model, terms)
-    looked_at = judge.refined(origin.again_nearby(model), terms)
-    for _ in range(best.size(own)):
+    looked_at = judge.refined(base_model.again_nearby(model), terms)
+    for _ in range(best.size(given_count)):
         fewer = (
             (new, variant.looked_at)
-            for variant in _fewer(origin, looked_at, judge)
-            if (new := _converged_if_better(origin, variant, looked_at, best, judge))
+            for variant in _fewer(base_model, looked_at, judge)
+            if (new := _converged_if_better(base_model, variant, looked_at, best, judge))
         )
         simpler = next(fewer, None)
         if simpler is None:
             break
         best, looked_at = simpler
-    for variant in islice(_tried(origin, looked_at, places, judge), MOST):
-        if new := _converged_if_better(origin, variant, looked_at, best, judge):
+    for variant in islice(_tried(base_model, looked_at, places, judge), MOST):
+        if new := _converged_if_better(base_model, variant, looked_at, best, judge):
             best, looked_at = new, variant.looked_at
     return best
 
 
 def _converged_if_better(
-    origin: Origin, variant: _Variant, looked_at: Refined, best: Refined, judge: Judge
+    base_model: BaseModel, variant: _Variant, looked_at: Refined, best: Refined, judge: Judge
 ) -> Refined | None:
     """A model that is tried, converged as it is; None where the best is as good. looked_at: see `_promises`."""
-    own = len(origin.start.effects)
-    if variant.looked_at.size(own) > best.size(own) or not _promises(origin, variant, looked_at, best, judge):
+    given_count = len(base_model.start.effects)
+    if variant.looked_at.size(given_count) > best.size(given_count) or not _promises(
+        base_model, variant, looked_at, best, judge
+    ):
         return None
     new = judge.refined(variant.exactly(), variant.looked_at.terms)
-    return new if new.weight > best.weight and not _slower(new, own) else None
+    return new if new.weight > best.weight and not _slower(new, given_count) else None
 
 
-def _promises(origin: Origin, variant: _Variant, looked_at: Refined, best: Refined, judge: Judge) -> bool:
-    """Whether a model may be better than the best: by what it leaves nearby, then as it is with the values found there.
+def _promises(
+    base_model: BaseModel, variant: _Variant, looked_at: Refined, best: Refined, judge: Judge
+) -> bool:
+    """Whether a model may be better than the best: by what it leaves nearby, then as it is with the values estimated
+    there.
 
     looked_at: the best as it is known nearby.
     """
@@ -126,65 +131,71 @@ def _promises(origin: Origin, variant: _Variant, looked_at: Refined, best: Refin
         return False
     if near.model.nearby is None:
         return True
-    there = with_effects(origin.start, near.model.effects, near.model.present)
+    there = with_effects(base_model.start, near.model.effects, near.model.present)
     return judge.refined(there, near.terms).weight > best.weight - NEARBY
 
 
-def _fewer(origin: Origin, found: Refined, judge: Judge) -> Iterator[_Variant]:
-    """The model without one of its effects, where a term is left."""
-    own = len(origin.start.effects)
-    names = {instance.effect.name for instance in found.model.effects[own:]}
+def _fewer(base_model: BaseModel, refinement: Refined, judge: Judge) -> Iterator[_Variant]:
+    """The model without one of its effects, where a term remains."""
+    given_count = len(base_model.start.effects)
+    names = {instance.effect.name for instance in refinement.model.effects[given_count:]}
     for name in sorted(names):
-        terms = {key: term for key, term in found.terms.items() if key != name}
-        fewer = _without(origin, found.model, names - {name}, found, judge) if terms else None
+        terms = {key: term for key, term in refinement.terms.items() if key != name}
+        fewer = _without(base_model, refinement.model, names - {name}, refinement, judge) if terms else None
         if fewer is not None:
-            yield _Variant(judge.refined(fewer, terms), partial(origin.exactly, fewer))
+            yield _Variant(judge.refined(fewer, terms), partial(base_model.exactly, fewer))
 
 
-def _tried(origin: Origin, found: Refined, places: Sequence[Place], judge: Judge) -> Iterator[_Variant]:
+def _tried(
+    base_model: BaseModel, refinement: Refined, places: Sequence[Place], judge: Judge
+) -> Iterator[_Variant]:
     """Models with a number of one term set free, with all other effects, none of them, and all but one.
 
-    found: the model that they start from, converged as it is known nearby.
+    refinement: the model that they start from, converged as it is known nearby.
     """
-    own = len(origin.start.effects)
+    given_count = len(base_model.start.effects)
     wholes = []
 
-    def told(look: Prepared, exactly: Callable[[], Prepared], name: str, variant: Term) -> _Variant:
-        kept = {instance.effect.name for instance in look.effects[own:]}
-        terms = {key: found_term for key, found_term in found.terms.items() if key in kept} | {name: variant}
+    def as_variant(look: Prepared, exactly: Callable[[], Prepared], name: str, variant: Term) -> _Variant:
+        kept = {instance.effect.name for instance in look.effects[given_count:]}
+        terms = {key: term_of for key, term_of in refinement.terms.items() if key in kept} | {name: variant}
         return _Variant(judge.refined(look, terms), exactly)
 
-    def beside(others: Sequence[EffectInstance], name: str, variant: Term) -> _Variant:
+    def with_others(others: Sequence[EffectInstance], name: str, variant: Term) -> _Variant:
         added = instances_of(name, Screened(variant, {}, 0.0), places)
-        exactly = partial(origin.with_instances, [*others, *added])
-        if found.model.nearby is None or not others:
+        exactly = partial(base_model.with_instances, [*others, *added])
+        if refinement.model.nearby is None or not others:
             exact = exactly()
-            return told(exact, lambda: exact, name, variant)
-        return told(origin.joined_nearby(found.model, others, added), exactly, name, variant)
+            return as_variant(exact, lambda: exact, name, variant)
+        return as_variant(base_model.joined_nearby(refinement.model, others, added), exactly, name, variant)
 
-    added_names = {instance.effect.name for instance in found.model.effects[own:]}
-    for name, term in found.terms.items():
+    added_names = {instance.effect.name for instance in refinement.model.effects[given_count:]}
+    for name, term in refinement.terms.items():
         for variant, mean in _with_a_mean(term, added_names):
             others = [
-                instance for instance in found.model.effects[own:] if instance.effect.name not in (name, mean)
+                instance
+                for instance in refinement.model.effects[given_count:]
+                if instance.effect.name not in (name, mean)
             ]
-            yield beside(others, f"{name}_mean", variant)
-    for name, term in found.terms.items():
-        others = [instance for instance in found.model.effects[own:] if instance.effect.name != name]
+            yield with_others(others, f"{name}_mean", variant)
+    for name, term in refinement.terms.items():
+        others = [
+            instance for instance in refinement.model.effects[given_count:] if instance.effect.name != name
+        ]
         for variant in (*at_other_harmonics(term), *freed(term)):
             free = f"{name}_free"
             if others:
-                yield beside([], free, variant)
-            whole = beside(others, free, variant)
+                yield with_others([], free, variant)
+            whole = with_others(others, free, variant)
             yield whole
             wholes.append(
                 (whole.looked_at.model, free, variant, {instance.effect.name for instance in others})
             )
     for whole_model, free, variant, names in wholes:
         for name in sorted(names) if len(names) > 1 else ():
-            fewer = _without(origin, whole_model, {*names, free} - {name}, found, judge)
+            fewer = _without(base_model, whole_model, {*names, free} - {name}, refinement, judge)
             if fewer is not None:
-                yield told(fewer, partial(origin.exactly, fewer), free, variant)
+                yield as_variant(fewer, partial(base_model.exactly, fewer), free, variant)
 
 
 def _with_a_mean(term: Term, names: Collection[str]) -> Iterator[tuple[Term, str]]:
@@ -202,7 +213,7 @@ def _with_a_mean(term: Term, names: Collection[str]) -> Iterator[tuple[Term, str
             yield variant, name
 
 
-def _slower(new: Refined, own: int) -> bool:
+def _slower(new: Refined, given_count: int) -> bool:
     """Whether a wave's rate has run below the range that it is free in, at the motor where that law is largest.
 
     So slow a wave is a straight line over the travel, and imitates something else.
@@ -213,7 +224,7 @@ def _slower(new: Refined, own: int) -> bool:
     begin = 0
     for i, instance in enumerate(new.model.effects):
         part = slice(begin, begin := begin + len(instance.effect.parameters))
-        if i < own or instance.effect.name not in new.terms:
+        if i < given_count or instance.effect.name not in new.terms:
             continue
         values = solution.theta[at + part.start : at + part.stop]
         size = sum(float(((seen.effects[:, :, part] @ values) ** 2).sum()) for seen in new.model.fitted)
@@ -230,15 +241,19 @@ def _slower(new: Refined, own: int) -> bool:
 
 
 def _without(
-    origin: Origin, whole: Prepared, kept: Collection[str], found: Refined, judge: Judge
+    base_model: BaseModel, whole: Prepared, kept: Collection[str], refinement: Refined, judge: Judge
 ) -> Prepared | None:
     """A converged model without some of its effects; None where that explains far less, the others as they are.
 
     As the whole: as it is known nearby, or as it is.
     """
-    own = len(origin.start.effects)
-    left = [instance for i, instance in enumerate(whole.effects) if i < own or instance.effect.name in kept]
-    fewer = with_effects(whole, left)
-    if judge.refined(fewer, {}).judged > FAR_LESS * found.judged:
+    given_count = len(base_model.start.effects)
+    remaining = [
+        instance
+        for i, instance in enumerate(whole.effects)
+        if i < given_count or instance.effect.name in kept
+    ]
+    fewer = with_effects(whole, remaining)
+    if judge.refined(fewer, {}).held_out > FAR_LESS * refinement.held_out:
         return None
-    return at_its_solution(converged(fewer, nearly=True, deadline=origin.deadline))
+    return at_its_solution(converged(fewer, nearly=True, deadline=base_model.deadline))

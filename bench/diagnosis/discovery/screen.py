@@ -46,46 +46,46 @@ class Known:
         self._values = {factor: factor.values(seen)[rows] for factor in every}
 
     def values(self, factor: Factor) -> np.ndarray:
-        """Its parts (M, parts)."""
-        found = self._values.get(factor)
-        return factor.values(self._seen)[self._rows] if found is None else found
+        """Values (M, parts) of the factor's parts."""
+        kept = self._values.get(factor)
+        return factor.values(self._seen)[self._rows] if kept is None else kept
 
     def columns(self, terms: Sequence[Term]) -> np.ndarray:
-        """Of terms of as many parts each, (M, T p)."""
-        found = np.empty((len(self._rows), len(terms), terms[0].parts))
+        """Columns (M, T p) of terms of as many parts each."""
+        matrix = np.empty((len(self._rows), len(terms), terms[0].parts))
         for i, term in enumerate(terms):
             first, *others = term.factors
             column = self.values(first)
             for factor in others:
                 column = column * self.values(factor)
-            found[:, i] = column
-        return found.reshape(len(found), -1)
+            matrix[:, i] = column
+        return matrix.reshape(len(matrix), -1)
 
     def parts_of(self, group: int) -> int:
         """How many parts each term of a group has."""
         return self._terms[self.groups[group][0]].parts
 
     def columns_of(self, group: int) -> np.ndarray:
-        """Of the terms of one of the groups, (M, T p)."""
-        found = self._kept.get(group)
-        if found is None:
-            found = self.columns([self._terms[i] for i in self.groups[group]])
+        """Columns (M, T p) of the terms of one of the groups."""
+        columns = self._kept.get(group)
+        if columns is None:
+            columns = self.columns([self._terms[i] for i in self.groups[group]])
             if self._may_keep:
-                self._kept[group] = found
-        return found
+                self._kept[group] = columns
+        return columns
 
 
 def _groups(terms: Sequence[Term]) -> list[list[int]]:
     """Which terms are looked at together: not too many at a time, of as many parts each."""
-    found = []
+    groups = []
     for parts in sorted({term.parts for term in terms}):
         chosen = [i for i, term in enumerate(terms) if term.parts == parts]
         size = max(1, TOGETHER // parts)
-        found += [chosen[at : at + size] for at in range(0, len(chosen), size)]
-    return found
+        groups += [chosen[at : at + size] for at in range(0, len(chosen), size)]
+    return groups
 
 
-class Left:
+class Residual:
     """What a model and some terms leave at all motors, in few rows, and their columns there, orthonormal.
 
     basis (M, r), error (M,), weights (M,) motor by motor: the weights take torque to errors, and are
@@ -98,7 +98,7 @@ class Left:
         error: Sequence[np.ndarray],
         weights: Sequence[np.ndarray],
         known: Sequence[Known],
-        fewer: "Left | None" = None,
+        fewer: "Residual | None" = None,
     ) -> None:
         self.basis, self.error, self.weights, self.known, self.fewer = basis, error, weights, known, fewer
         self.squares = float(sum(values @ values for values in error))
@@ -110,10 +110,10 @@ class Left:
 
     @property
     def rows(self) -> int:
-        """Of all motors together."""
+        """Number of rows of all motors together."""
         return sum(map(len, self.error))
 
-    def beside(self, candidate: "Screened", motors: Sequence[int] | None = None) -> "Left":
+    def orthogonal_to(self, candidate: "Screened", motors: Sequence[int] | None = None) -> "Residual":
         """The residual with a term at every motor, or at some, each with a separate coefficient."""
         some = range(self.motors) if motors is None else motors
         columns = [
@@ -128,24 +128,24 @@ class Left:
         at = np.cumsum([0, *map(len, self.error)])
         for i, (j, column) in enumerate(zip(some, columns, strict=True)):
             rows[at[j] : at[j + 1], i * size : (i + 1) * size] = column
-        own = np.concatenate(self.basis)
+        spanned = np.concatenate(self.basis)
         lengths = np.linalg.norm(rows, axis=0)
-        for _ in range(2):  # the second time for what rounding left of the first
-            rows = rows - own @ (own.T @ rows)
+        for _ in range(2):  # the second time for the rounding errors of the first
+            rows = rows - spanned @ (spanned.T @ rows)
         rows = rows[:, np.linalg.norm(rows, axis=0) > INVISIBLE * lengths]
         new = np.linalg.qr(rows)[0]
         error = np.concatenate(self.error)
         error = error - new @ (new.T @ error)
-        basis = np.concatenate((own, new), axis=1)
+        basis = np.concatenate((spanned, new), axis=1)
         parts = at[1:-1]
-        return Left(np.split(basis, parts), np.split(error, parts), self.weights, self.known, self)
+        return Residual(np.split(basis, parts), np.split(error, parts), self.weights, self.known, self)
 
     def explained(self) -> np.ndarray:
         """Sum of squares that each of the known terms explains at all motors together, (T,)."""
-        found = np.zeros(sum(map(len, self.known[0].groups)))
+        reductions = np.zeros(sum(map(len, self.known[0].groups)))
         for some, products in zip(self.known[0].groups, self.products, strict=True):
-            found[some] = products.explained()
-        return found
+            reductions[some] = products.explained()
+        return reductions
 
     def explained_at(self, term: Term, motor: int) -> float:
         """The same for one term at one motor."""
@@ -154,18 +154,20 @@ class Left:
 
     @cached_property
     def products(self) -> "list[Products]":
-        """Of the known terms in their groups; only the new columns are compared with the residual without them."""
+        """Products of the known terms in their groups; only the new columns are compared with the residual without
+        them.
+        """
         every = range(self.motors)
-        found = []
+        all_products = []
         for k in range(len(self.known[0].groups)):
             columns = [known.columns_of(k) for known in self.known]
             if self.fewer is None:
-                found.append(self._products(columns, every, self.known[0].parts_of(k)))
+                all_products.append(self._products(columns, every, self.known[0].parts_of(k)))
             else:
-                found.append(self._beside(self.fewer, self.fewer.products[k], columns))
-        return found
+                all_products.append(self._joined(self.fewer, self.fewer.products[k], columns))
+        return all_products
 
-    def _beside(self, before: "Left", products: "Products", columns: Sequence[np.ndarray]) -> "Products":
+    def _joined(self, before: "Residual", products: "Products", columns: Sequence[np.ndarray]) -> "Products":
         """Products with columns (M, T p) of some terms at every motor, from those where less is taken away."""
         new = [values[:, before.basis[j].shape[1] :] for j, values in enumerate(self.basis)]
         along = [(values * self.weights[j][:, None]).T @ columns[j] for j, values in enumerate(new)]
@@ -188,21 +190,23 @@ class Left:
                 values[i] = float(value)
                 return -self.explained_at(term.with_numbers(values), motor)
 
-            found, least = minimum_between(unexplained, number.low, number.high, TOLERANCE * abs(number.high))
+            optimum, least = minimum_between(
+                unexplained, number.low, number.high, TOLERANCE * abs(number.high)
+            )
             values = [other.value for other in term.numbers]
             if least < unexplained(values[i]):
-                values[i] = found
+                values[i] = optimum
             term = term.with_numbers(values)
         return tuple(other.value for other in term.numbers)
 
     def _products(self, columns: Sequence[np.ndarray], motors: Sequence[int], parts: int) -> "Products":
-        """Of columns (M, T p) of terms of so many parts at some motors."""
+        """Products of columns (M, T p) of terms of so many parts at some motors."""
         inner, across, towards, whole = [], [], [], []
         for j, column in zip(motors, columns, strict=True):
             rows = column * self.weights[j][:, None]
-            own = rows.reshape(len(rows), -1, parts)
-            count = own.shape[1]
-            inner.append(np.einsum("mtp,mtq->tpq", own, own, optimize=True))
+            blocks = rows.reshape(len(rows), -1, parts)
+            count = blocks.shape[1]
+            inner.append(np.einsum("mtp,mtq->tpq", blocks, blocks, optimize=True))
             across.append((self.basis[j].T @ rows).reshape(-1, count, parts))
             towards.append((self.error[j] @ rows).reshape(count, parts))
             whole.append(np.sqrt(np.einsum("tpp->tp", inner[-1])))
@@ -218,7 +222,8 @@ class Left:
 
 @dataclass(frozen=True)
 class Products:
-    """Of each of some terms: inner products (T, q, q) of its columns, those with the residual (T, q), lengths (T, q).
+    """Products of some terms: for each, inner products (T, q, q) of its columns, those with the residual (T, q),
+    lengths (T, q).
 
     All but the lengths without what the model and other terms take away. q: the parts of a term at all motors.
     """
@@ -234,44 +239,44 @@ class Products:
 
     def explained(self) -> np.ndarray:
         """Sum of squares that each term explains, (T,)."""
-        left = np.sqrt(np.maximum(np.einsum("tii->ti", self.normal), 0.0))
-        left[left <= INVISIBLE * self.lengths] = np.inf
-        scaled = self.normal / (left[:, :, None] * left[:, None, :])
-        each = np.arange(left.shape[1])
+        remaining = np.sqrt(np.maximum(np.einsum("tii->ti", self.normal), 0.0))
+        remaining[remaining <= INVISIBLE * self.lengths] = np.inf
+        scaled = self.normal / (remaining[:, :, None] * remaining[:, None, :])
+        each = np.arange(remaining.shape[1])
         scaled[:, each, each] = 1.0 + RIDGE
-        right = self.right / left
+        right = self.right / remaining
         solved = np.linalg.solve(scaled, right[..., None])[..., 0]
         return np.asarray((right * solved).sum(axis=1))
 
 
-def left_without(
-    left: PartialRegression,
+def residual_without(
+    regression: PartialRegression,
     known: Sequence[Known],
     rows: np.ndarray,
     without: Sequence[int] = (),
     values: Sequence[float] = (),
-) -> Left:
+) -> Residual:
     """What a solved model leaves of its currents in these rows of every motor, without some of its columns.
 
     without: their places among the model's; values: their coefficients. All are linearised about the same solution,
     that of the whole model, so that the residual without a part of it can be compared.
     """
-    motors, out = range(len(left.columns)), list(without)
-    own = np.concatenate([np.delete(left.columns[j][rows], out, axis=1) for j in motors])
-    gone = [left.columns[j][rows][:, out] @ np.array(values, dtype=float) for j in motors]
-    basis = _orthonormal(own)
-    error = left.remainder[rows].T.reshape(-1) - np.concatenate(gone)
+    motors, out = range(len(regression.columns)), list(without)
+    kept = np.concatenate([np.delete(regression.columns[j][rows], out, axis=1) for j in motors])
+    gone = [regression.columns[j][rows][:, out] @ np.array(values, dtype=float) for j in motors]
+    basis = _orthonormal(kept)
+    error = regression.remainder[rows].T.reshape(-1) - np.concatenate(gone)
     error = error - basis @ (basis.T @ error)
-    weights = [left.moving[rows, j] * left.weights[j] for j in motors]
-    return Left(np.split(basis, len(motors)), np.split(error, len(motors)), weights, known)
+    weights = [regression.moving[rows, j] * regression.weights[j] for j in motors]
+    return Residual(np.split(basis, len(motors)), np.split(error, len(motors)), weights, known)
 
 
 def _orthonormal(columns: np.ndarray) -> np.ndarray:
     """Orthonormal columns of the same span."""
     lengths = np.linalg.norm(columns, axis=0)
     orthogonal, triangle = np.linalg.qr(columns / np.where(lengths > 0.0, lengths, 1.0))
-    left, singular, _ = np.linalg.svd(triangle)
-    return np.asarray(orthogonal @ left[:, singular > DEPENDENT * singular[0]])
+    vectors, singular, _ = np.linalg.svd(triangle)
+    return np.asarray(orthogonal @ vectors[:, singular > DEPENDENT * singular[0]])
 
 
 def few_rows(samples: int) -> np.ndarray:
@@ -280,14 +285,14 @@ def few_rows(samples: int) -> np.ndarray:
 
 
 def screened(
-    left: Left, terms: Sequence[Term], most: int, but: Collection[object] = frozenset()
+    residual: Residual, terms: Sequence[Term], most: int, but: Collection[object] = frozenset()
 ) -> list[Screened]:
-    """Of the known terms those that explain most, each structure once, with their numbers adapted at every motor.
+    """The known terms that explain most, each structure once, with their numbers adapted at every motor.
 
     but: structures that are not wanted.
     """
-    explained = left.explained()
-    rounded = np.round(explained / left.squares, DIGITS)
+    explained = residual.explained()
+    rounded = np.round(explained / residual.squares, DIGITS)
     best: dict[object, int] = {}
     taken: set[float] = set()
     for i in sorted(range(len(terms)), key=lambda i: (-rounded[i], terms[i].strangeness)):
@@ -299,7 +304,8 @@ def screened(
         if len(best) == most:
             break
     return [
-        Screened(terms[i], left.fitted(terms[i]), float(explained[i]) / left.squares) for i in best.values()
+        Screened(terms[i], residual.fitted(terms[i]), float(explained[i]) / residual.squares)
+        for i in best.values()
     ]
 
 

@@ -6,19 +6,19 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from bench.basics.progress import SILENT, Progress
+from bench.diagnosis.base_model import BaseModel
 from bench.diagnosis.candidates import Proposal
 from bench.diagnosis.decision import RULE
 from bench.diagnosis.discovery.grammar import grammar
 from bench.diagnosis.discovery.named import BASICS, name_of
 from bench.diagnosis.discovery.refine import Judge, Refined, instances_of, refined
-from bench.diagnosis.discovery.screen import Known, few_rows, left_without
+from bench.diagnosis.discovery.screen import Known, few_rows, residual_without
 from bench.diagnosis.discovery.seen import places_of, scope_of, seen_at
 from bench.diagnosis.discovery.states import State, best_states
 from bench.diagnosis.discovery.term import Term
 from bench.diagnosis.normal_equations import solve_set
-from bench.diagnosis.origin import Origin
 from bench.diagnosis.rounds import Round, reshaped, system_about
-from bench.diagnosis.search import Found, best_set, score
+from bench.diagnosis.search import Selection, best_set, score
 from bench.identification.partial_regression import partial_regression
 from bench.identification.prepare import Prepared
 from bench.identification.solve_only import solved_quickly
@@ -36,112 +36,122 @@ class Laws:
     terms: Mapping[str, Term]
 
     @property
-    def found(self) -> dict[str, Term]:
+    def selected(self) -> dict[str, Term]:
         """The terms of the best set."""
         return {name: term for name, term in self.terms.items() if name in self.last.names}
 
 
 def search_laws(
-    origin: Origin, last: Round, barred: Collection[str], progress: Progress = SILENT
+    base_model: BaseModel, last: Round, barred: Collection[str], progress: Progress = SILENT
 ) -> tuple[Laws, Refined] | None:
     """Terms that do better than the catalogue alone, next to its effects or in place of them; None where none does.
 
     Rounds end where the converged model is no better than the last one. last: of a search among the effects of the
-    catalogue, with its converged model; barred: names that may not be found. Raises TimeUpError after the deadline.
+    catalogue, with its converged model; barred: names that may not be selected. Raises TimeUpError after the deadline.
     """
-    last = replace(last, model=origin.exactly(last.model))
+    last = replace(last, model=base_model.exactly(last.model))
     laws, judge = Laws(last, {}), Judge(last.system.samples, 0.0)
     for number in range(ROUNDS):
-        origin.deadline.check()
+        base_model.deadline.check()
         progress.phase(f"searching for laws, round {number + 1}")
-        states, count = _states(origin, laws)
+        states, count = _states(base_model, laws)
         if not states:
             break
         if number:
-            laws = replace(laws, last=replace(laws.last, proposals=reshaped(origin, laws.last, SILENT)))
-        new = _round(origin, laws, barred, states, count)
+            laws = replace(laws, last=replace(laws.last, proposals=reshaped(base_model, laws.last, SILENT)))
+        new = _round(base_model, laws, barred, states, count)
         if new.last.names == laws.last.names:
             laws = new
             break
         judge = Judge(new.last.system.samples, RULE.prior + float(np.log(count)))
-        model = origin.with_proposals(new.last.proposals, new.last.chosen)
-        converged = judge.refined(model, new.found)
-        if converged.weight <= judge.refined(laws.last.model, laws.found).weight:
+        model = base_model.with_proposals(new.last.proposals, new.last.chosen)
+        converged = judge.refined(model, new.selected)
+        if converged.weight <= judge.refined(laws.last.model, laws.selected).weight:
             break
         laws = replace(new, last=replace(new.last, model=model))
-    if not laws.found:
+    if not laws.selected:
         return None
-    return laws, refined(origin, laws.last.model, laws.found, places_of(origin.start), judge)
+    return laws, refined(base_model, laws.last.model, laws.selected, places_of(base_model.start), judge)
 
 
-def _round(origin: Origin, laws: Laws, barred: Collection[str], states: Sequence[State], count: int) -> Laws:
+def _round(
+    base_model: BaseModel, laws: Laws, barred: Collection[str], states: Sequence[State], count: int
+) -> Laws:
     """The best set of identified effects and new terms, about the identified model; of so many that were tried."""
-    here = laws.last
-    places = places_of(origin.start)
-    terms = dict(laws.found)
+    this_round = laws.last
+    places = places_of(base_model.start)
+    terms = dict(laws.selected)
     proposals = [
-        proposal for proposal in here.proposals if proposal.name not in laws.terms or proposal.name in terms
+        proposal
+        for proposal in this_round.proposals
+        if proposal.name not in laws.terms or proposal.name in terms
     ]
     taken = {proposal.name for proposal in proposals}
-    own = {term.structure: name for name, term in terms.items()}
+    by_structure = {term.structure: name for name, term in terms.items()}
     fresh = [screened for state in states for screened in state.terms]
     prior = RULE.prior + float(np.log(count))
     numbers = iter(range(len(fresh) + len(taken)))
     for screened in fresh:
         if len(terms) >= MOST_TERMS:
             break
-        if screened.term.structure in own or name_of(screened.term) is not None:
+        if screened.term.structure in by_structure or name_of(screened.term) is not None:
             continue
         name = next(name for i in numbers if (name := f"term_{i}") not in taken)
-        terms[name], own[screened.term.structure] = screened.term, name
+        terms[name], by_structure[screened.term.structure] = screened.term, name
         proposals.append(Proposal(name, instances_of(name, screened, places), False, "", prior))
     index = {proposal.name: i for i, proposal in enumerate(proposals)}
     usable = [
         i for i, proposal in enumerate(proposals) if not proposal.absorbed and proposal.name not in barred
     ]
-    begin = [[index[name] for name in here.names]]
+    begin = [[index[name] for name in this_round.names]]
     for state in states[:BEGUN]:
         names = {
-            own.get(candidate.term.structure) or name_of(candidate.term) or "" for candidate in state.terms
+            by_structure.get(candidate.term.structure) or name_of(candidate.term) or ""
+            for candidate in state.terms
         }
-        chosen = {index[name] for name in (*names, *state.beside) if name in index}
+        chosen = {index[name] for name in (*names, *state.effects) if name in index}
         begin.append(sorted(chosen.intersection(usable)))
-    system = system_about(origin, here.model, proposals)
-    best = best_set(system, begin, usable, origin.deadline)
+    system = system_about(base_model, this_round.model, proposals)
+    best = best_set(system, begin, usable, base_model.deadline)
     singles = {i: score(system, solve_set(system, (i,))) for i in usable}
-    return Laws(Round(here.model, proposals, system, Found(best, singles)), terms)
+    return Laws(Round(this_round.model, proposals, system, Selection(best, singles)), terms)
 
 
-def _states(origin: Origin, laws: Laws) -> tuple[list[State], int]:
+def _states(base_model: BaseModel, laws: Laws) -> tuple[list[State], int]:
     """Sets of terms added to nothing, to the identified effects, and to these without each one; and their number."""
-    model, own = laws.last.model, len(origin.start.effects)
+    model, given_count = laws.last.model, len(base_model.start.effects)
     names = laws.last.names
     stack, solution = solved_quickly(model)
-    left = partial_regression(stack, solution)
-    seen = replace(model, signals=origin.nearby.signals(model.present, model.signals))
+    regression = partial_regression(stack, solution)
+    seen = replace(model, signals=base_model.nearby.signals(model.present, model.signals))
     places = places_of(seen)
-    terms = grammar(scope_of(seen, left, places))
-    rows = few_rows(len(left.remainder))
+    terms = grammar(scope_of(seen, regression, places))
+    rows = few_rows(len(regression.remainder))
     known = [Known(seen_at(seen, place), rows, terms) for place in places]
-    columns, unknowns = _columns_of(model, own)
+    columns, unknowns = _columns_of(model, given_count)
     lefts = {}
     fewer = [names, *(names - {name} for name in sorted(names)), set[str]()]
     for kept in {tuple(sorted(some)): some for some in fewer}.values():
-        origin.deadline.check()
+        base_model.deadline.check()
         out = [i for name, some in columns.items() if name not in kept for i in some]
         count = sum(unknowns[name] for name in kept)
-        lefts[tuple(sorted(kept))] = left_without(left, known, rows, out, solution.theta[out].tolist()), count
-    return best_states(lefts, terms, BASICS, origin.deadline), len(terms)
+        lefts[tuple(sorted(kept))] = (
+            residual_without(regression, known, rows, out, solution.theta[out].tolist()),
+            count,
+        )
+    return best_states(lefts, terms, BASICS, base_model.deadline), len(terms)
 
 
-def _columns_of(model: Prepared, own: int) -> tuple[dict[str, list[int]], dict[str, int]]:
-    """By effect beyond the first `own` ones: its columns among the model's, and how many unknowns it has."""
+def _columns_of(model: Prepared, given_count: int) -> tuple[dict[str, list[int]], dict[str, int]]:
+    """For every effect beyond the first `given_count` ones: its columns among the model's, and how many unknowns it
+    has.
+    """
     columns: dict[str, list[int]] = {}
     unknowns: dict[str, int] = {}
     at = model.layout.size - model.layout.effects
     for i, instance in enumerate(model.effects):
         size, name = len(instance.effect.parameters), instance.effect.name
-        if i >= own:
+        if i >= given_count:
             columns.setdefault(name, []).extend(range(at, at + size))
             unknowns[name] = unknowns.get(name, 0) + size + len(instance.effect.shape)
         at += size

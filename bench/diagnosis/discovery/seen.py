@@ -57,7 +57,7 @@ def seen_at(prepared: Prepared, place: Place) -> Seen:
     return Seen(every, [slice(int(a), int(b)) for a, b in pairwise(ends)], step / rate)
 
 
-def scope_of(prepared: Prepared, left: PartialRegression, places: Sequence[Place]) -> Scope:
+def scope_of(prepared: Prepared, regression: PartialRegression, places: Sequence[Place]) -> Scope:
     """What there is for laws to look at."""
     fitted = prepared.fitted
     positions = np.concatenate([observation.position for observation in fitted])
@@ -75,7 +75,7 @@ def scope_of(prepared: Prepared, left: PartialRegression, places: Sequence[Place
         lowest=float(positions.min()),
         highest=float(positions.max()),
         rates=tuple(rates),
-        pulses=_pulses(left, [len(observation.time) for observation in fitted], interval),
+        pulses=_pulses(regression, [len(observation.time) for observation in fitted], interval),
         shortest=interval,
     )
 
@@ -98,16 +98,16 @@ def _fitted(prepared: Prepared) -> list[RobotSignals]:
     ]
 
 
-def _pulses(left: PartialRegression, lengths: Sequence[int], interval: float) -> tuple[float, ...]:
+def _pulses(regression: PartialRegression, lengths: Sequence[int], interval: float) -> tuple[float, ...]:
     """Frequencies, rad/s, that stand out of the errors of all recordings together, motor by motor."""
     size = FINER * max(lengths)
-    parts = np.split(left.remainder, np.cumsum(lengths)[:-1])
+    parts = np.split(regression.remainder, np.cumsum(lengths)[:-1])
     power = sum(np.abs(np.fft.rfft(part, n=size, axis=0)) ** 2 for part in parts)
     frequencies = 2.0 * np.pi * np.fft.rfftfreq(size, interval)
-    found: list[float] = []
-    for own in np.asarray(power).T:
-        inside = own[1:-1]
-        peaks = 1 + np.flatnonzero((inside > own[:-2]) & (inside >= own[2:]))
+    pulses: list[float] = []
+    for spectrum in np.asarray(power).T:
+        inside = spectrum[1:-1]
+        peaks = 1 + np.flatnonzero((inside > spectrum[:-2]) & (inside >= spectrum[2:]))
         peaks = peaks[peaks > FINER]  # at least a period within a recording
-        found += frequencies[peaks[np.argsort(own[peaks])[::-1][:PULSES]]].tolist()
-    return tuple(sorted(set(found)))
+        pulses += frequencies[peaks[np.argsort(spectrum[peaks])[::-1][:PULSES]]].tolist()
+    return tuple(sorted(set(pulses)))

@@ -10,7 +10,7 @@ from bench.diagnosis.decision import RULE
 from bench.diagnosis.discovery.factors import Factor, Power
 from bench.diagnosis.discovery.grammar import TOOL, A, Q, T, V
 from bench.diagnosis.discovery.laws import Law
-from bench.diagnosis.discovery.screen import Known, Left, Screened, few_rows, left_without
+from bench.diagnosis.discovery.screen import Known, Residual, Screened, few_rows, residual_without
 from bench.diagnosis.discovery.seen import has_tool, places_of, seen_at
 from bench.diagnosis.discovery.source import law_effect
 from bench.diagnosis.discovery.table import table_over
@@ -24,7 +24,7 @@ from bench.identification.solve_only import solved_quickly
 KNOTS = 8
 OF_OTHERS: tuple[Kind, ...] = ("position", "velocity")
 TERMS = 2  # functions of a motor, added up
-TOLD = "What was measured, not a law: valid where the data were, and constant beyond."
+VALIDITY = "What was measured, not a law: valid where the data were, and constant beyond."
 
 
 def tabled_laws(finding: SearchResult, taken: Collection[str]) -> list[Law]:
@@ -41,10 +41,10 @@ def tabled_laws(finding: SearchResult, taken: Collection[str]) -> list[Law]:
     views = [seen_at(model, place) for place in places]
     tried = [_terms(model, place, seen) for place, seen in zip(places, views, strict=True)]
     known = [Known(seen, rows, terms) for seen, terms in zip(views, tried, strict=True)]
-    left = left_without(regression, known, rows)
+    residual = residual_without(regression, known, rows)
     laws = []
     for place, terms in zip(places, tried, strict=True):
-        chosen = _chosen(left, place.index, terms)
+        chosen = _chosen(residual, place.index, terms)
         if chosen:
             laws.append(_law(chosen, place, taken))
     return laws
@@ -52,12 +52,12 @@ def tabled_laws(finding: SearchResult, taken: Collection[str]) -> list[Law]:
 
 def _terms(model: Prepared, place: Place, seen: Seen) -> list[Term]:
     """A function of each thing by itself, one that turns with the direction of motion, and one that grows with it."""
-    own = [Q, V, A, Variable("load"), T]
+    of_motor = [Q, V, A, Variable("load"), T]
     others = [Variable(kind, ahead) for ahead in range(1, len(place.motors)) for kind in OF_OTHERS]
     tool = [TOOL] if has_tool(model) else []
     carriers: list[tuple[Factor, ...]] = [(), (Power(V, 0.0),), (Power(V),)]
     terms = []
-    for variable in (*own, *tool, *others):
+    for variable in (*of_motor, *tool, *others):
         values = seen.values[variable]
         if not np.ptp(values) > 0.0:
             continue
@@ -67,25 +67,25 @@ def _terms(model: Prepared, place: Place, seen: Seen) -> list[Term]:
     return terms
 
 
-def _chosen(left: Left, motor: int, terms: Sequence[Term]) -> list[Term]:
+def _chosen(residual: Residual, motor: int, terms: Sequence[Term]) -> list[Term]:
     """One term after the other, as long as it is worth its unknowns."""
     chosen: list[Term] = []
     price = RULE.prior + float(np.log(len(terms)))
     for _ in range(TERMS):
         usable = [term for term in terms if not _overlaps(term, chosen)]
-        gains = [_worth(left, motor, term, price) for term in usable]
+        gains = [_worth(residual, motor, term, price) for term in usable]
         if not gains or max(gains) <= 0.0:
             break
         chosen.append(usable[int(np.argmax(gains))])
-        left = left.beside(Screened(chosen[-1], {}, 0.0), [motor])
+        residual = residual.orthogonal_to(Screened(chosen[-1], {}, 0.0), [motor])
     return chosen
 
 
-def _worth(left: Left, motor: int, term: Term, price: float) -> float:
+def _worth(residual: Residual, motor: int, term: Term, price: float) -> float:
     """Nats by which a term at a motor does better than its unknowns cost."""
-    explained = left.explained_at(term, motor)
-    gained = -0.5 * left.rows * np.log(max(1.0 - explained / left.squares, 1e-12))
-    return float(gained - 0.5 * np.log(left.rows) * term.parts - price)
+    explained = residual.explained_at(term, motor)
+    gained = -0.5 * residual.rows * np.log(max(1.0 - explained / residual.squares, 1e-12))
+    return float(gained - 0.5 * np.log(residual.rows) * term.parts - price)
 
 
 def _overlaps(term: Term, chosen: Sequence[Term]) -> bool:
@@ -98,6 +98,6 @@ def _law(terms: Sequence[Term], place: Place, taken: Collection[str]) -> Law:
     name = plain
     while name in taken:
         name += "_"
-    effect, source = law_effect(name, terms, place, TOLD)
+    effect, source = law_effect(name, terms, place, VALIDITY)
     instance = EffectInstance(effect, place.name, f"{name}:{place.name}")
     return Law(name, tuple(terms), (place,), (instance,), source)

@@ -24,29 +24,31 @@ WIDEST = 100  # letters in a line
 OF_THE_ROBOT = ("load", "tool_speed", "others_load")
 
 
-def law_effect(name: str, terms: Sequence[Term], place: Place, told: str = "") -> tuple[Effect, str]:
+def law_effect(name: str, terms: Sequence[Term], place: Place, validity: str = "") -> tuple[Effect, str]:
     """The effect of that name, which is the sum of these terms at a motor, and the text of its file."""
-    source = law_source(name, terms, place, told)
+    source = law_source(name, terms, place, validity)
     return effects_in(source, Path(f"{name}.py"))[name], source
 
 
-def law_source(name: str, terms: Sequence[Term], place: Place, told: str = "") -> str:
-    """The file of an effect that is the sum of terms; place: a motor at which it sits; told: how it was found."""
+def law_source(name: str, terms: Sequence[Term], place: Place, validity: str = "") -> str:
+    """The file of an effect that is the sum of terms; place: a motor at which it sits; validity: where it holds."""
     code_place = _nameless(place)
     numbers, names = labelled(terms)
     variables = sorted({variable for term in terms for variable in term.variables})
     columns = [
         code
-        for term, own in zip(terms, names, strict=True)
-        for code in term.codes(code_place, [f"self.{word}" for word in own])
+        for term, labels in zip(terms, names, strict=True)
+        for code in term.codes(code_place, [f"self.{word}" for word in labels])
     ]
     units = [term.unit(place) for term in terms for _ in range(term.parts)]
-    formulas = [part for term, own in zip(terms, names, strict=True) for part in _law(term, code_place, own)]
+    formulas = [
+        part for term, labels in zip(terms, names, strict=True) for part in _law(term, code_place, labels)
+    ]
     law = " + ".join(
         f"c{i + 1}*{formula}" if formula != "1" else f"c{i + 1}" for i, formula in enumerate(formulas)
     )
-    own_alone = all(variable.ahead == 0 and variable.kind not in OF_THE_ROBOT for variable in variables)
-    base = "ActuatorEffect" if own_alone else "Effect"
+    motor_alone = all(variable.ahead == 0 and variable.kind not in OF_THE_ROBOT for variable in variables)
+    base = "ActuatorEffect" if motor_alone else "Effect"
     by_load = Variable("load") in variables
     lines = [
         '"""A law found in data: an effect that is in no catalogue."""',
@@ -61,7 +63,7 @@ def law_source(name: str, terms: Sequence[Term], place: Place, told: str = "") -
         "",
         "@dataclass(frozen=True)",
         f"class {_class_name(name)}({base}):",
-        f'    """{told or "Valid for motions like those of the data."}"""',
+        f'    """{validity or "Valid for motions like those of the data."}"""',
         "",
         f'    name = "{name}"',
         *_wrapped("law", f"τ = {law}"),
@@ -79,7 +81,7 @@ def law_source(name: str, terms: Sequence[Term], place: Place, told: str = "") -
         *(f"    {label}: float = {number.value!r}" for label, number in numbers.items()),
         *(f"    c{i + 1}: float = 0.0" for i in range(len(columns) if by_load else 0)),
         "",
-        *(_torque(variables, columns) if own_alone else _columns(variables, columns, code_place)),
+        *(_torque(variables, columns) if motor_alone else _columns(variables, columns, code_place)),
     ]
     return "\n".join(lines) + "\n"
 
@@ -89,18 +91,18 @@ def labelled(terms: Sequence[Term]) -> tuple[dict[str, Number], list[list[str]]]
     taken: dict[str, Number] = {}
     names: list[list[str]] = []
     for term in terms:
-        own = []
+        labels = []
         for number in term.numbers:
             count = sum(other.name == number.name for other in taken.values())
             label = number.name if not count else f"{number.name}_{count + 1}"
             taken[label] = number
-            own.append(label)
-        names.append(own)
+            labels.append(label)
+        names.append(labels)
     return taken, names
 
 
 def _nameless(place: Place) -> Place:
-    """The motors by where they stand to the law's own, so that it can sit at any of them."""
+    """The motors by their position after the law's motor, so that it can sit at any of them."""
     count = len(place.motors)
     ahead = ["own", *("other" if count == 2 else f"other{k}" for k in range(1, count))]
     motors = tuple(ahead[(i - place.index) % count] for i in range(count))
@@ -122,8 +124,8 @@ def _imports(terms: Sequence[Term], variables: Sequence[Variable]) -> list[str]:
     if any(isinstance(factor, PiecewiseLinear) for term in terms for factor in term.factors):
         lines.append("from bench.effects.table import hat")
     if any(variable.depends_on_model for variable in variables):
-        own = ", with_itself" if Variable("load") in variables else ""
-        lines.append(f"from bench.effects.load import load_at{own}")
+        more = ", with_itself" if Variable("load") in variables else ""
+        lines.append(f"from bench.effects.load import load_at{more}")
     if any(variable.kind == "tool_speed" for variable in variables):
         lines.append("from bench.effects.tool_motion import tool_speed")
     return lines
@@ -197,8 +199,8 @@ def _torque(variables: Sequence[Variable], columns: Sequence[str]) -> list[str]:
 
 
 def _columns(variables: Sequence[Variable], columns: Sequence[str], place: Place) -> list[str]:
-    """Of a law that looks at other motors or at the tool."""
-    own = [column.replace("joint.rate", "own.rate") for column in columns]
+    """The `columns` method of a law that looks at other motors or at the tool."""
+    replaced = [column.replace("joint.rate", "own.rate") for column in columns]
     lines = [
         "    def columns(self, robot, joint):",
         "        motors = list(robot.joints)",
@@ -223,8 +225,8 @@ def _columns(variables: Sequence[Variable], columns: Sequence[str], place: Place
             lines.append(
                 f"        {variable.symbol(place)} = robot.joints[{variable.motor(place)}].{ATTRIBUTES[variable.kind]}"
             )
-    own = [name.replace("tool_speed", "speed") for name in own]
-    stacked = _stacked(own, "robot")
+    replaced = [name.replace("tool_speed", "speed") for name in replaced]
+    stacked = _stacked(replaced, "robot")
     made = [f"        columns[:, here] = {stacked[0]}", *stacked[1:]]
     if Variable("load") in variables:  # of which the law itself is a part
         values = ", ".join(f"self.c{i + 1}" for i in range(len(columns)))

@@ -8,7 +8,7 @@ import numpy as np
 
 from bench.basics.deadline import NEVER, Deadline
 from bench.diagnosis.decision import RULE
-from bench.diagnosis.discovery.screen import Left, Screened, screened
+from bench.diagnosis.discovery.screen import Residual, Screened, screened
 from bench.diagnosis.discovery.term import Term
 
 WIDTH = 6  # sets that are kept
@@ -18,19 +18,19 @@ DEPTH = 3  # terms in a set
 
 @dataclass(frozen=True)
 class State:
-    """Terms added to a model with some effects, what they leave, and half the logarithm of the squares that are left,
+    """Terms added to a model with some effects, what they leave, and half the logarithm of the squares that remain,
     with a charge for each unknown, `charged` for those of the effects.
     """
 
-    beside: tuple[str, ...]
+    effects: tuple[str, ...]
     terms: tuple[Screened, ...]
-    left: Left
+    residual: Residual
     charged: float
     cost: float
 
 
 def best_states(
-    lefts: Mapping[tuple[str, ...], tuple[Left, int]],
+    lefts: Mapping[tuple[str, ...], tuple[Residual, int]],
     terms: Sequence[Term],
     basics: Sequence[Term],
     deadline: Deadline = NEVER,
@@ -44,8 +44,8 @@ def best_states(
     price = RULE.prior + float(np.log(len(terms)))
     levels: list[list[State]] = []
     alone = [
-        _state(names, (), left, _charge(left, unknowns, RULE.prior * len(names)), price)
-        for names, (left, unknowns) in lefts.items()
+        _state(names, (), residual, _charge(residual, unknowns, RULE.prior * len(names)), price)
+        for names, (residual, unknowns) in lefts.items()
     ]
     beam = list(alone)
     least = min(state.cost for state in alone)
@@ -55,7 +55,7 @@ def best_states(
         wider: list[State] = []
         for state in beam:
             deadline.check()
-            best = screened(state.left, terms, WIDER, _known(state))
+            best = screened(state.residual, terms, WIDER, _known(state))
             wider += [_joined(state, candidate, price) for candidate in best]
         beam = _distinct(wider)[:WIDTH]
         if not beam or beam[0].cost >= least:
@@ -70,24 +70,32 @@ def _known(state: State) -> set[object]:
 
 
 def _state(
-    beside: tuple[str, ...], terms: tuple[Screened, ...], left: Left, charged: float, price: float
+    effects: tuple[str, ...], terms: tuple[Screened, ...], residual: Residual, charged: float, price: float
 ) -> State:
-    unknowns = sum(candidate.term.parts + len(candidate.term.numbers) for candidate in terms) * left.motors
-    charge = charged + _charge(left, unknowns, price * len(terms))
-    return State(beside, terms, left, charged, float(0.5 * np.log(left.squares) + charge))
+    unknowns = (
+        sum(candidate.term.parts + len(candidate.term.numbers) for candidate in terms) * residual.motors
+    )
+    charge = charged + _charge(residual, unknowns, price * len(terms))
+    return State(effects, terms, residual, charged, float(0.5 * np.log(residual.squares) + charge))
 
 
-def _charge(left: Left, unknowns: int, price: float) -> float:
-    return float((0.5 * np.log(left.rows) * unknowns + price) / left.rows)
+def _charge(residual: Residual, unknowns: int, price: float) -> float:
+    return float((0.5 * np.log(residual.rows) * unknowns + price) / residual.rows)
 
 
 def _joined(state: State, candidate: Screened, price: float) -> State:
-    return _state(state.beside, (*state.terms, candidate), state.left.beside(candidate), state.charged, price)
+    return _state(
+        state.effects,
+        (*state.terms, candidate),
+        state.residual.orthogonal_to(candidate),
+        state.charged,
+        price,
+    )
 
 
 def _distinct(states: Sequence[State]) -> list[State]:
     """The best of each set of structures, the best first."""
-    found: dict[frozenset[object], State] = {}
+    distinct: dict[frozenset[object], State] = {}
     for state in sorted(states, key=lambda candidate: candidate.cost):
-        found.setdefault(frozenset((*_known(state), *state.beside)), state)
-    return list(found.values())
+        distinct.setdefault(frozenset((*_known(state), *state.effects)), state)
+    return list(distinct.values())

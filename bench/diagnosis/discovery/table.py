@@ -56,8 +56,8 @@ def table_over(
     """With as many values of a variable (M,) between any two of its knots; `among` are knots, too."""
     places = np.quantile(values, np.linspace(0.01, 0.99, knots))
     apart = 0.3 * float(np.ptp(places)) / knots
-    found = sorted(among)
+    nodes = sorted(among)
     for place in places.tolist():
-        if all(abs(place - value) > apart for value in found):
-            found.append(place)
-    return PiecewiseLinear(variable, tuple(sorted(found)))
+        if all(abs(place - value) > apart for value in nodes):
+            nodes.append(place)
+    return PiecewiseLinear(variable, tuple(sorted(nodes)))

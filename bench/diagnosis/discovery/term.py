@@ -47,28 +47,28 @@ class Term:
 
     def with_numbers(self, values: Sequence[float]) -> "Term":
         """The same with other numbers, in the order of `numbers`."""
-        left = list(values)
+        remaining = list(values)
         return Term(
             tuple(
-                factor if factor.number is None else factor.with_number(left.pop(0))
+                factor if factor.number is None else factor.with_number(remaining.pop(0))
                 for factor in self.factors
             )
         )
 
     def values(self, seen: Seen) -> np.ndarray:
-        """Its parts (M, parts) at coefficients of one."""
+        """Values (M, parts) of its parts at coefficients of one."""
         return reduce(np.multiply, (factor.values(seen) for factor in self.factors), np.ones((1, 1)))
 
     def formulas(self, place: Place) -> tuple[str, ...]:
-        """Its parts, such as "sign(v)*abs(a)"; numbers in SI units."""
+        """Formulas of its parts, such as "sign(v)*abs(a)"; numbers in SI units."""
         written = [factor.formula(place) for factor in self.factors]
         return tuple(_product([each[min(k, len(each) - 1)] for each in written]) for k in range(self.parts))
 
     def codes(self, place: Place, names: Sequence[str]) -> tuple[str, ...]:
-        """Its parts as Python code; names: the names of its numbers."""
-        left = list(names)
+        """The parts of the term as Python code; names: the names of its numbers."""
+        remaining = list(names)
         written = [
-            factor.code(place, "" if factor.number is None else left.pop(0)) for factor in self.factors
+            factor.code(place, "" if factor.number is None else remaining.pop(0)) for factor in self.factors
         ]
         return tuple(_product([each[min(k, len(each) - 1)] for each in written]) for k in range(self.parts))
 
@@ -80,7 +80,7 @@ class Term:
         return Term(tuple(factor for factor in self.factors if factor not in mean)) if mean else self
 
     def unit(self, place: Place) -> str:
-        """Of its coefficients."""
+        """The units of its coefficients."""
         return unit_of(self.factors, place)
 
 

@@ -65,13 +65,13 @@ class Variable:
 
     def unit(self, place: "Place") -> Unit:
         """In symbols of the law's motor, or in plain units where another motor is of another kind."""
-        own = UNITS[self.kind]
+        exponents = UNITS[self.kind]
         rotates = place.rotates[(place.index + self.ahead) % len(place.motors)]
         if rotates == place.rotates[place.index]:
-            return own
+            return exponents
         units = joint_units(rotates)
         plain = {"{effort}": units.effort, "{angle}": units.position}
-        return {plain.get(symbol, symbol): exponent for symbol, exponent in own.items()}
+        return {plain.get(symbol, symbol): exponent for symbol, exponent in exponents.items()}
 
 
 @dataclass(frozen=True)
@@ -84,7 +84,7 @@ class Place:
 
     @property
     def name(self) -> str:
-        """Of the motor."""
+        """The name of the motor."""
         return self.motors[self.index]
 
 

@@ -9,7 +9,11 @@ from bench.diagnosis.result import Diagnosis
 
 def write_laws(diagnosis: Diagnosis, folder: Path) -> Diagnosis:
     """Write the file of every law into a folder; the diagnosis with their names."""
-    for law, source in {found_law.law: found_law.source for found_law in diagnosis.discovered}.items():
+    for law, source in {
+        discovered_law.law: discovered_law.source for discovered_law in diagnosis.discovered
+    }.items():
         write_text_atomically(folder / f"{law}.py", source)
-    named = tuple(replace(found_law, file=f"{found_law.law}.py") for found_law in diagnosis.discovered)
+    named = tuple(
+        replace(discovered_law, file=f"{discovered_law.law}.py") for discovered_law in diagnosis.discovered
+    )
     return replace(diagnosis, discovered=named)

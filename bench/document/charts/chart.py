@@ -222,12 +222,12 @@ class Chart:
 
     @property
     def y(self) -> Axis:
-        """Of the first panel."""
+        """The y axis of the first panel."""
         return self.panels[0].y
 
     @property
     def series(self) -> tuple[Series, ...]:
-        """Of all panels."""
+        """The series of all panels."""
         return tuple(entry for panel in self.panels for entry in panel.series)
 
 

@@ -32,8 +32,8 @@ def currents_chart(curves: Sequence[Curve], unit: str, title: str) -> Chart:
         Panel(Axis("error", unit), (noise, *map(_error_line, curves))),
     ]
     if len(curves) > 1:
-        own = Axis(f"error {name}, enlarged", unit)
-        panels.append(Panel(own, (noise, _error_line((role, name, last)))))
+        axis = Axis(f"error {name}, enlarged", unit)
+        panels.append(Panel(axis, (noise, _error_line((role, name, last)))))
     return Chart(title, Axis(TIME, "s"), tuple(panels))
 
 

@@ -30,8 +30,8 @@ NOISE_BAND = "± noise of the current"
 
 
 def motor_charts(errors: ErrorBreakdown) -> Mapping[str, Chart]:
-    """By name: the five VARIABLES, reversals, recordings, opposing, shares, spectrum, positions, autocorrelation,
-    histogram; all recordings together.
+    """Charts by name: the five VARIABLES, reversals, recordings, opposing, shares, spectrum, positions,
+    autocorrelation, histogram; all recordings together.
     """
     return {
         **{variable: against_chart(errors, variable) for variable in VARIABLES},

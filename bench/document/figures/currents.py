@@ -22,14 +22,14 @@ PAGE_WIDTH = 11.0  # inches: text of 10 points can be read where a page is shown
 MOTOR_HEIGHT = 1.75  # inches
 LEFT, RIGHT, TITLE, FOOT, LEGEND = 1.02, 0.12, 0.36, 0.6, 0.4  # inches about the axes of one recording
 LABEL_AT = -0.178  # left of the axes, as a share of their width
-BESIDE = 2  # recordings side by side
+COLUMNS = 2  # recordings side by side
 
 
 def current_figure(result: Identification, recordings: Sequence[str] | None = None) -> Figure:
     """Measured and modelled current of every motor, the error below; one column for each recording.
 
     recordings: names of those to show, all by default. The band about the error is one standard deviation
-    of the errors on the fitted recordings; the error has gaps where a joint stands still. Raises BenchError
+    of the errors on the fitted recordings; the error has gaps where a joint does not move. Raises BenchError
     for a recording that the result does not have.
     """
     chosen = _chosen(result, recordings)
@@ -62,7 +62,7 @@ class Blocks:
             for (upper, lower), joint, unit, error_unit in zip(
                 block, joints, units, error_units, strict=True
             ):
-                first = place % BESIDE == 0
+                first = place % COLUMNS == 0
                 upper.set_ylabel(f"{joint} [{unit}]" if first else "")
                 lower.set_ylabel(f"error [{error_unit}]" if first else "")
                 upper.set_xlabel("")
@@ -80,12 +80,12 @@ class Blocks:
 
 
 def currents_page(names: Sequence[str], joints: Sequence[str]) -> Blocks:
-    """Empty axes for recordings, BESIDE of them in a row, each with all its motors under each other.
+    """Empty axes for recordings, COLUMNS of them in a row, each with all its motors under each other.
 
     All recordings have the same scale for one motor. To be called within `STYLE`.
     """
     names = list(dict.fromkeys(names))
-    columns = min(BESIDE, len(names))
+    columns = min(COLUMNS, len(names))
     rows = -(-len(names) // columns)
     # A figure outside pyplot: nothing global is touched, and no window can open.
     # Margins are given, in inches: working them out takes longer than drawing.

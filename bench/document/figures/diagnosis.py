@@ -13,7 +13,7 @@ from bench.diagnosis.result import Diagnosis
 from bench.document.charts.currents import before_after_chart
 from bench.document.charts.models import ladder_chart
 from bench.document.figures.comparison import errors_figure
-from bench.document.figures.currents import BESIDE, MOTOR_HEIGHT, PAGE_WIDTH
+from bench.document.figures.currents import COLUMNS, MOTOR_HEIGHT, PAGE_WIDTH
 from bench.document.figures.diagnosis_panels import draw_moved, moved
 from bench.document.figures.draw import draw
 from bench.document.numbers import effect_name, percent
@@ -22,16 +22,20 @@ from bench.identification.wording import and_list
 from bench.residuals.motor import Compared
 
 
-def write_diagnosis_figures(folder: Path, diagnosis: Diagnosis, left: Compared) -> list[Path]:
+def write_diagnosis_figures(folder: Path, diagnosis: Diagnosis, residuals: Compared) -> list[Path]:
     """Write errors.png, ladder.png, gains.png and, for the residual, errors_MOTOR.png, and tell their paths.
 
-    Where nothing is missing there is no ladder and there are no gains before and after. left: the errors of
+    Where nothing is missing there is no ladder and there are no gains before and after. residuals: the errors of
     the model with what is missing.
     """
     pages = {"errors.png": errors_before_after_figure(diagnosis)}
     if diagnosis.added:
         pages = {"ladder.png": ladder_figure(diagnosis), **pages, "gains.png": gains_figure(diagnosis)}
-    pages |= {f"errors_{joint}.png": errors_figure(left, joint) for joint in left.joints if left.of(joint)}
+    pages |= {
+        f"errors_{joint}.png": errors_figure(residuals, joint)
+        for joint in residuals.joints
+        if residuals.of(joint)
+    }
     for name, figure in pages.items():
         with atomic_path(folder / name) as partial:
             figure.savefig(partial)
@@ -56,7 +60,7 @@ def errors_before_after_figure(diagnosis: Diagnosis) -> Figure:
     chosen = chosen or list(diagnosis.after.recordings)
     before = {trace.name: trace for trace in diagnosis.before.recordings} if diagnosis.added else {}
     gains = {joint: diagnosis.after.drive_gains[joint] for joint in diagnosis.after.joints}
-    columns = min(BESIDE, len(chosen))
+    columns = min(COLUMNS, len(chosen))
     rows = -(-len(chosen) // columns)
     with mpl.rc_context(STYLE):
         size = (PAGE_WIDTH, rows * (MOTOR_HEIGHT * len(gains) + 0.6) + 0.5)

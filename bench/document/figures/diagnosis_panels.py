@@ -35,7 +35,7 @@ class Moved:
 
     @property
     def label(self) -> str:
-        """Its name with its unit."""
+        """The name with the unit."""
         return f"{self.name} [{pretty_unit(self.after.unit)}]"
 
 

@@ -108,20 +108,20 @@ def _against(name: str, charts: Mapping[str, Chart], head: str | None) -> PaperF
         x, error = head or chart.x.title, chart.y.title
         for series in _binned(chart):
             drawn = points_of(series)
-            own: Columns = {
+            columns: Columns = {
                 "direction": [series.name] * len(series.mean),
                 x: series.center.tolist(),
                 f"mean {error}": series.mean.tolist(),
                 f"standard deviation [{chart.y.unit}]": series.spread.tolist(),
                 "rows": [float(count) for count in series.count],
             }
-            means.append(_of_motor(joint, own))
-            own = {
+            means.append(_of_motor(joint, columns))
+            columns = {
                 "direction": [series.name] * len(drawn),
                 x: series.x[drawn].tolist(),
                 error: series.y[drawn].tolist(),
             }
-            points.append(_of_motor(joint, own))
+            points.append(_of_motor(joint, columns))
     return PaperFigure(name, _panels(charts, CLOUD), {"": _joined(means), "_points": _joined(points)})
 
 

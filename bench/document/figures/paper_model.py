@@ -53,13 +53,13 @@ def diagnosis_figures(diagnosis: Diagnosis) -> list[PaperFigure]:
     if not diagnosis.added:
         return [ranking]
     before = {trace.name: trace for trace in diagnosis.before.recordings}
-    judged = [trace for trace in diagnosis.after.recordings if trace.use == "validate"]
+    held_out = [trace for trace in diagnosis.after.recordings if trace.use == "validate"]
     rows = moved(diagnosis, parameters=True)
     gains = [row for row in rows if row.nominal is not None]
     figures = [_ladder(diagnosis), ranking]
     figures += [_moved("gains_before_after", gains)] if gains else []
     figures += [_moved("parameters_before_after", [row for row in rows if row.nominal is None])]
-    return figures + [_before_after(diagnosis, before[trace.name], trace) for trace in judged]
+    return figures + [_before_after(diagnosis, before[trace.name], trace) for trace in held_out]
 
 
 def _draw(chart: Chart, axes: Axes) -> None:

@@ -31,7 +31,7 @@ def motors_table(where: WhereItFails) -> Table:
         Column("error", [motor.error for motor in motors], "share"),
         Column("noise", [motor.noise for motor in motors], "share"),
         Column("× noise", [_ratio(motor.error, motor.noise) for motor in motors], "number", format="s"),
-        Column("alike over", [motor.memory for motor in motors], "number", 3, ".2g", "s"),
+        Column("alike over", [motor.autocorrelation_time for motor in motors], "number", 3, ".2g", "s"),
         Column("first third", [motor.warm_up[0].error for motor in motors], "share", 1),
         Column("last third", [motor.warm_up[1].error for motor in motors], "share", 1),
     ]

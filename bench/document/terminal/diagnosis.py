@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from rich.console import Console
 from rich.text import Text
 
-from bench.diagnosis.reason_words import judged_on
+from bench.diagnosis.reason_words import validated_on
 from bench.diagnosis.result import Diagnosis, EffectVerdict
 from bench.diagnosis.summary import reason, summary_sentences
 from bench.document.diagnosis import (
@@ -36,7 +36,7 @@ def diagnosis_report(diagnosis: Diagnosis, console: Console | None = None, *, ve
     width = console.width
     console.print()
     have = ", ".join(diagnosis.before.effects) or "rigid bodies only"
-    facts = f"model with {have} · judged on {judged_on(diagnosis)}"
+    facts = f"model with {have} · judged on {validated_on(diagnosis)}"
     console.print(Text.assemble((diagnosis.robot, "bold"), "  ", (facts, "dim")))
     console.print()
     for sentence in map(named_after, summary_sentences(diagnosis)):
@@ -88,7 +88,7 @@ def diagnosis_report(diagnosis: Diagnosis, console: Console | None = None, *, ve
 def _shown(
     ranking: Sequence[EffectVerdict], verbose: bool
 ) -> tuple[list[EffectVerdict], list[EffectVerdict]]:
-    """Which verdicts are shown, and which are only named: those not supported but for the first few."""
+    """Which verdicts are shown, and which are only named: those not supported except for the first few."""
     unsupported = [verdict for verdict in ranking if verdict.verdict == "not supported"]
     left_out = [] if verbose else unsupported[SHOWN:]
     return [verdict for verdict in ranking if verdict not in left_out], left_out

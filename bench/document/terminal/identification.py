@@ -74,7 +74,7 @@ def comparison_report(comparison: Comparison, console: Console | None = None) ->
     console = console or Console()
     console.print()
     console.print(Text.assemble((comparison.robot, "bold"), "  ", (f"model {comparison.model}", "dim")))
-    # Nothing is fitted here, whatever a recording's use in its dataset is.
+    # Nothing is fitted, whatever a recording's use in its dataset is.
     joints = tuple(comparison.error.by_actuator or comparison.error.by_actuator_validate)
     _errors_section(console, comparison.recordings, joints)
     if comparison.notes:

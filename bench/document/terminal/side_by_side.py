@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from rich.console import Console
 from rich.text import Text
 
-from bench.document.side_by_side import errors_beside_table, gains_beside_table
+from bench.document.side_by_side import compared_errors_table, compared_gains_table
 from bench.document.terminal.identification import section, sentences_list
 from bench.document.terminal.tables import printed
 from bench.residuals.side_by_side import SideBySide
@@ -23,8 +23,8 @@ def side_by_side_report(
     section(
         console,
         "Error of the modelled current, RMS(error) / RMS(measured)",
-        printed(errors_beside_table(comparison), console.width),
+        printed(compared_errors_table(comparison), console.width),
     )
-    section(console, "Drive gains [95 % intervals]", printed(gains_beside_table(comparison), console.width))
+    section(console, "Drive gains [95 % intervals]", printed(compared_gains_table(comparison), console.width))
     section(console, "What changed", sentences_list(changed))
     console.print()

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from bench.effects.effect import Effect, EffectParameter, ShapeParameter
-from bench.effects.motor_link_difference import apparent_inertia, own_torque, torque_behind
+from bench.effects.motor_link_difference import apparent_inertia, torque_behind, torque_of_motor
 from bench.effects.secant import secant
 from bench.effects.signals import RobotSignals
 
@@ -49,7 +49,7 @@ class Backlash(Effect):
         return SMALLEST, LARGEST
 
     def columns(self, robot: RobotSignals, joint: str) -> np.ndarray:
-        torque, acceleration = own_torque(robot, joint)
+        torque, acceleration = torque_of_motor(robot, joint)
         rotor = self.r * apparent_inertia(torque, acceleration)
         carried = torque - rotor * acceleration
         soft = SOFT * float(np.sqrt((carried**2).mean()))

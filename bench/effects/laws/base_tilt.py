@@ -54,7 +54,7 @@ class BaseTilt(Effect):
     """The base turned about its y axis by tilt_y, then about the x axis of the floor by tilt_x.
 
     Valid for a robot whose masses the model knows. What gravity never moved in the model, since it turns with a
-    vertical joint of the base, is estimated beside it, see `TiltedWeight`. Source: Khalil and Dombre, "Modeling,
+    vertical joint of the base, is estimated with it, see `TiltedWeight`. Source: Khalil and Dombre, "Modeling,
     Identification and Control of Robots", 2002, chapter 9 (gravity in the base frame).
     """
 

@@ -42,5 +42,7 @@ class CoggingTorque(ActuatorEffect):
             return super().brackets(parameter, samples)
         return strongest_periods(samples, [np.ones(len(joint_samples.position)) for joint_samples in samples])
 
-    def beside(self, parameter: ShapeParameter, samples: Sequence[JointSamples]) -> tuple[Bracket, ...]:
-        return (next_to(self.periods, samples),) if samples else super().beside(parameter, samples)
+    def brackets_near(
+        self, parameter: ShapeParameter, samples: Sequence[JointSamples]
+    ) -> tuple[Bracket, ...]:
+        return (next_to(self.periods, samples),) if samples else super().brackets_near(parameter, samples)

@@ -10,10 +10,10 @@ from bench.effects.effect import Bracket, Effect, EffectParameter, ShapeParamete
 from bench.effects.motor_link_difference import (
     apparent_inertia,
     motion_cutoff,
-    own_torque,
     rates_behind,
     slopes,
     torque_behind,
+    torque_of_motor,
 )
 from bench.effects.on_spring import deflection
 from bench.effects.samples import JointSamples
@@ -63,7 +63,7 @@ class DriveFlexibility(Effect):
     zeta: float = 0.06
 
     def columns(self, robot: RobotSignals, joint: str) -> np.ndarray:
-        torque, acceleration = own_torque(robot, joint)
+        torque, acceleration = torque_of_motor(robot, joint)
         at = list(robot.joints).index(joint)
         by_motion = slopes(robot, joint)
         parts = np.stack((torque, -acceleration), axis=1)

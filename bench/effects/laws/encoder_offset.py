@@ -43,8 +43,8 @@ class EncoderOffset(Effect):
     def columns(self, robot: RobotSignals, joint: str) -> np.ndarray:
         unit = 1.0 if robot.joints[joint].rotates else SLIDE
         joints = list(robot.joints)
-        own = joints.index(joint)
-        before = tuple(rounded(robot.offsets.get(other, 0.0)) for other in joints[:own])
+        index = joints.index(joint)
+        before = tuple(rounded(robot.offsets.get(other, 0.0)) for other in joints[:index])
 
         def change(offset: float) -> np.ndarray:
             after = _torque_at(robot, (*before, offset))

@@ -82,10 +82,10 @@ def stretches(position: np.ndarray) -> list[tuple[int, int, float]]:
 @lru_cache(maxsize=256)
 def _curve(sharpness: float) -> tuple[np.ndarray, np.ndarray]:
     """y from -1 to 1 and the way x(y) along the curve, zero where y is: the integral of dy / (1 - sign(y) |y|^n)."""
-    left = np.geomspace(1.0, FINEST, STEPS)
-    above = 1.0 - left
-    from_above = -np.expm1(sharpness * np.log1p(-left[1:]))  # 1 - y^n
-    up = _integrated(np.append(1.0, left[1:] / from_above), -np.log(left))
+    descending = np.geomspace(1.0, FINEST, STEPS)
+    above = 1.0 - descending
+    from_above = -np.expm1(sharpness * np.log1p(-descending[1:]))  # 1 - y^n
+    up = _integrated(np.append(1.0, descending[1:] / from_above), -np.log(descending))
     below = np.linspace(0.0, 1.0, STEPS)
     down = _integrated(1.0 / (1.0 + below**sharpness), below)
     return np.concatenate((-below[:0:-1], above)), np.concatenate((-down[:0:-1], up))

@@ -6,7 +6,7 @@ import numpy as np
 
 from bench.effects.effect import Effect, EffectParameter
 from bench.effects.passive_joint import passive_velocity, seen_by_motors
-from bench.effects.signals import Borne, RobotSignals
+from bench.effects.signals import JointReaction, RobotSignals
 
 MOST = 10.0  # times the force of the model: what a mass on the axis may add to it
 NOTHING = 1e-9  # of the largest force: less gives no direction
@@ -17,7 +17,7 @@ class PassiveLoadFriction(Effect):
     """Friction of a bearing in proportion to the force that it bears across its axis, carried to the motors.
 
     mu |F| is what the columns give together where they are linearised about mu and mum (Euler's rule for what is in
-    proportion to both). Friction and springs in joints without a motor press on the bearing as well, its own friction
+    proportion to both). Friction and springs in joints without a motor press on the bearing as well, its friction
     too: those of the present model count. Valid while the joint turns, for a force that follows from the motion: not
     where closures repeat one another. Source: Rosyid and El-Khasawneh, "Identification of the dynamic parameters of a
     parallel kinematics mechanism with prismatic joints by considering varying friction", Applied Sciences 10(14), 2020
@@ -53,13 +53,13 @@ class PassiveLoadFriction(Effect):
     def in_joint(self, robot: RobotSignals, joint: str) -> np.ndarray:
         """Torque or force (N, 1, 2) in the joint by mu and mum."""
         direction = np.sign(passive_velocity(robot, joint))
-        borne = robot.borne(joint, robot.every)
-        force, of_mass, torques = borne.force, borne.of_mass, robot.in_joints()
+        reaction = robot.joint_reaction(joint, robot.every)
+        force, of_mass, torques = reaction.force, reaction.of_mass, robot.in_joints()
         if torques:  # which change at once where a joint turns back
             force, of_mass = robot.refined(force), robot.refined(of_mass)
         for other, torque in torques.items():
-            force = force + np.einsum("kud,kd->ku", robot.refined(borne.by_torque(other)), torque)
-        whole = force + self._mass(borne) * of_mass
+            force = force + np.einsum("kud,kd->ku", robot.refined(reaction.by_torque(other)), torque)
+        whole = force + self._mass(reaction) * of_mass
         size = np.linalg.norm(whole, axis=1, keepdims=True)
         along = whole / np.maximum(size, NOTHING * max(float(size.max()), np.finfo(float).tiny))
         parts = np.column_stack([(along * part).sum(axis=1) for part in (force, of_mass)])
@@ -71,12 +71,12 @@ class PassiveLoadFriction(Effect):
         torque = self.in_joint(robot, joint)[:, 0]
         return np.stack([seen_by_motors(robot, joint, column) for column in torque.T], axis=2)
 
-    def _mass(self, borne: Borne) -> float:
+    def _mass(self, reaction: JointReaction) -> float:
         """kg on the axis: where there is no friction yet that would tell it, as bars would have."""
         if not self.mu > 0.0:
-            return borne.mass
-        largest = float(np.linalg.norm(borne.of_mass))
+            return reaction.mass
+        largest = float(np.linalg.norm(reaction.of_mass))
         if not largest > 0.0:
             return 0.0
-        most = MOST * float(np.linalg.norm(borne.force)) / largest
+        most = MOST * float(np.linalg.norm(reaction.force)) / largest
         return float(np.clip(self.mum / self.mu, -most, most))

@@ -10,7 +10,7 @@ from bench.effects.periods import PERIODS, followed_wave, next_to, strongest_per
 from bench.effects.samples import JointSamples
 from bench.effects.signals import JointSignals
 
-LEAST = 0.2  # of the gain, that is left where the ripple takes most
+LEAST = 0.2  # of the gain, that remains where the ripple takes most
 
 
 @dataclass(frozen=True)
@@ -54,5 +54,7 @@ class TorqueRipple(ActuatorEffect):
             return super().brackets(parameter, samples)
         return strongest_periods(samples, [joint_samples.motor_torque for joint_samples in samples])
 
-    def beside(self, parameter: ShapeParameter, samples: Sequence[JointSamples]) -> tuple[Bracket, ...]:
-        return (next_to(self.periods, samples),) if samples else super().beside(parameter, samples)
+    def brackets_near(
+        self, parameter: ShapeParameter, samples: Sequence[JointSamples]
+    ) -> tuple[Bracket, ...]:
+        return (next_to(self.periods, samples),) if samples else super().brackets_near(parameter, samples)

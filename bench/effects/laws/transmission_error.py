@@ -47,22 +47,22 @@ class TransmissionError(Effect):
     periods: float = 1.0
 
     def columns(self, robot: RobotSignals, joint: str) -> np.ndarray:
-        coarse, own = robot.coarse, robot.joints[joint]
+        coarse, motor = robot.coarse, robot.joints[joint]
         at = list(robot.joints).index(joint)
         velocity, acceleration = coarse.velocity[:, at, None], coarse.acceleration[:, at, None]
         # rad of the wave for each rad or m of the joint
-        steepness = float(phase(np.ones(1), self.periods, own.rotates)[0])
+        steepness = float(phase(np.ones(1), self.periods, motor.rotates)[0])
         about = self._about(steepness)
         position = logged = coarse.position[:, at]
         for _ in range(STEPS if about.any() else 0):
-            position = logged - wave(position, self.periods, own.rotates) @ about
-        error = wave(position, self.periods, own.rotates)
+            position = logged - wave(position, self.periods, motor.rotates) @ about
+        error = wave(position, self.periods, motor.rotates)
         slope = steepness * np.column_stack((-error[:, 1], error[:, 0]))
         bend = -(steepness**2) * error
         grown = 1.0 + (slope @ about)[:, None]
         velocity = velocity / grown
         acceleration = (acceleration - (bend @ about)[:, None] * velocity**2) / grown
-        highest = 2.0 * np.pi * WIDER * own.band
+        highest = 2.0 * np.pi * WIDER * motor.band
         shown = 1.0 / (1.0 + (steepness * velocity / highest) ** ORDER)
         rates = shown * np.stack((error, slope * velocity, slope * acceleration + bend * velocity**2))
         return robot.refined(-np.einsum("okn,okp->knp", slopes(robot, joint), rates))
@@ -81,5 +81,7 @@ class TransmissionError(Effect):
             samples, [1.0 + (joint_samples.velocity / pace) ** 2 for joint_samples in samples]
         )
 
-    def beside(self, parameter: ShapeParameter, samples: Sequence[JointSamples]) -> tuple[Bracket, ...]:
-        return (next_to(self.periods, samples),) if samples else super().beside(parameter, samples)
+    def brackets_near(
+        self, parameter: ShapeParameter, samples: Sequence[JointSamples]
+    ) -> tuple[Bracket, ...]:
+        return (next_to(self.periods, samples),) if samples else super().brackets_near(parameter, samples)

@@ -13,14 +13,14 @@ from bench.dataset.payload import Payload
 from bench.dataset.robot import refuse_redundant
 from bench.diagnosis.decision import RULE
 from bench.diagnosis.split import HELD_OUT
-from bench.excitation.discrimination.evidence import error_over_noise, own_estimate, shown_nats
+from bench.excitation.discrimination.evidence import error_over_noise, estimate_of_rival, shown_nats
 from bench.excitation.discrimination.limits import Envelope, envelope
 from bench.excitation.discrimination.motion_figures import planned_facts, recorded_facts
 from bench.excitation.discrimination.predicted_currents import planned, predicted, times_of
 from bench.excitation.discrimination.result import Discrimination, ImpossibleSign
 from bench.excitation.discrimination.rival_models import Rival, fit_rivals, noise_of
-from bench.excitation.discrimination.search import DesignedMotion, band_of, best_motion, judged, starts
-from bench.excitation.discrimination.separation import Question, question, separation, share_left
+from bench.excitation.discrimination.search import DesignedMotion, band_of, best_loaded, best_motion, starts
+from bench.excitation.discrimination.separation import Question, question, residual_share, separation
 from bench.excitation.limits import feasible_motion
 from bench.identification.problem import Problem
 
@@ -46,7 +46,7 @@ def discriminate(
 ) -> Discrimination:
     """The motion on which models with the one or the other effect differ most, inside the robot's limits.
 
-    requests: the two effects, as EFFECT or EFFECT:JOINT, beside those of the problem. The difference is
+    requests: the two effects, as EFFECT or EFFECT:JOINT, in addition to those of the problem. The difference is
     what one model, fitted to the given data, predicts of the motor currents, and the other cannot imitate,
     fitted anew to given and new data together; in nats, as an expected log-likelihood difference. The smaller of
     both directions is made large. No motion is given where neither effect shows in the data and none promises any
@@ -77,7 +77,7 @@ def discriminate(
     shown = {rival.request: 0.0 if rival.absorbed else shown_nats(rival) for rival in rivals}
     nothing = motion is not None and motion.nats < FAINT and max(shown.values()) < RULE.prior
     motion = None if nothing else motion
-    found = Discrimination(
+    result = Discrimination(
         robot=dataset.robot.name,
         effects=requests,
         error_over_noise=error_over_noise(rivals),
@@ -89,7 +89,7 @@ def discriminate(
         questions=asked,
         envelope=around,
         given_seconds=sum(float(np.ptp(measurement.time)) for measurement in measured),
-        judged_rows=_judged_rows(dataset, first),
+        held_out_rows=_judged_rows(dataset, first),
         motion=motion,
         recorded=recorded_facts(measured, joints),
         planned={} if motion is None else planned_facts(motion.trajectory, joints),
@@ -97,11 +97,11 @@ def discriminate(
         wider=None,
         impossible=_impossible(rivals),
     )
-    if motion is None or found.tells:
-        return found
+    if motion is None or result.tells:
+        return result
     heavier = _heavier(asked, around, motion, first)
     far = best_motion(asked, envelope(first, WIDER * widen), loads, duration, seed, progress)
-    return replace(found, second=heavier, wider=None if far is None else (WIDER * widen, far.nats))
+    return replace(result, second=heavier, wider=None if far is None else (WIDER * widen, far.nats))
 
 
 def _judged_rows(dataset: Dataset, rival: Rival) -> int:
@@ -133,7 +133,7 @@ def _heavier(
     if payload is None or payload.mass is None:
         return None
     free = replace(around, current=np.full_like(around.current, np.inf))
-    design = judged(asked, free, [SECOND], motion.trajectory)
+    design = best_loaded(asked, free, [SECOND], motion.trajectory)
     return None if design is None else (payload.mass, design.nats)
 
 
@@ -145,7 +145,7 @@ def _imitated(
         return ()
     rival = asked[0].truth
     random = np.random.default_rng(seed)
-    left = {query.truth.request: 0.0 for query in asked}
+    shares = {query.truth.request: 0.0 for query in asked}
     for i, (_, trajectory) in zip(range(TRIED), starts(rival, around, duration, random), strict=False):
         time = times_of(trajectory, band_of(around, trajectory))
         tree = feasible_motion(rival.prepared.model.geometry, around.joint, trajectory, time)
@@ -154,21 +154,21 @@ def _imitated(
         plan = planned(rival, trajectory, time, tree, loads[i % len(loads)])
         for query in asked:
             current = predicted(query.truth, plan)
-            share = share_left(query, plan, current, separation(query, plan, current))
-            left[query.truth.request] = max(left[query.truth.request], share)
-    return tuple(name for name, share in left.items() if share < ALIKE)
+            share = residual_share(query, plan, current, separation(query, plan, current))
+            shares[query.truth.request] = max(shares[query.truth.request], share)
+    return tuple(name for name, share in shares.items() if share < ALIKE)
 
 
 def _impossible(rivals: Sequence[Rival]) -> tuple[ImpossibleSign, ...]:
     """What the fits to the given data say against an effect already: a sign that cannot be."""
-    found = []
+    signs = []
     for rival in rivals:
-        values, covariance = own_estimate(rival)
+        values, covariance = estimate_of_rival(rival)
         std = np.sqrt(np.maximum(np.diag(covariance), 0.0))
         at = 0
-        for instance in rival.own:
+        for instance in rival.instances:
             for parameter in instance.effect.parameters:
                 if parameter.positive and values[at] < -SURE * std[at]:
-                    found.append(ImpossibleSign(rival.name, parameter.name, instance.joint))
+                    signs.append(ImpossibleSign(rival.name, parameter.name, instance.joint))
                 at += 1
-    return tuple(found)
+    return tuple(signs)

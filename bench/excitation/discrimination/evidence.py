@@ -9,10 +9,10 @@ from bench.identification.current_noise import current_noise
 from bench.identification.standard_errors import residual_series, uncertainty
 
 
-def own_estimate(rival: Rival) -> tuple[np.ndarray, np.ndarray]:
-    """Parameters (k,) of the rival's own effect, and their covariance (k, k) as errors in a row are alike."""
+def estimate_of_rival(rival: Rival) -> tuple[np.ndarray, np.ndarray]:
+    """Parameters (k,) of the rival's effect, and their covariance (k, k) as errors in a row are alike."""
     size = len(rival.solution.theta)
-    first = size - sum(len(instance.effect.parameters) for instance in rival.own)
+    first = size - sum(len(instance.effect.parameters) for instance in rival.instances)
     spread = uncertainty(rival.stack, rival.solution, "autocorrelated")
     return rival.solution.theta[first:], spread.covariance[first:size, first:size]
 
@@ -22,7 +22,7 @@ def shown_nats(rival: Rival) -> float:
 
     Half of Wald's statistic (1943) of its parameters, less half their number; 0 where that is negative.
     """
-    values, covariance = own_estimate(rival)
+    values, covariance = estimate_of_rival(rival)
     lengths = np.sqrt(np.maximum(np.diag(covariance), 0.0))
     known = lengths > 0.0
     if not known.any():

@@ -21,18 +21,18 @@ MOVING = "#3A424C"
 BAND = "#9AA0A6"
 
 
-def discrimination_figure(found: Discrimination) -> Figure:
+def discrimination_figure(result: Discrimination) -> Figure:
     """A row a motor: its position, its speed, and what the other model cannot imitate, in noise deviations."""
-    if found.motion is None:
+    if result.motion is None:
         raise BenchError("there is no motion to draw")
-    joints = list(found.joints)
-    table = trajectory_table(found.motion.trajectory, joints, RATE)
+    joints = list(result.joints)
+    table = trajectory_table(result.motion.trajectory, joints, RATE)
     with mpl.rc_context(STYLE):
         figure = Figure(figsize=(11.5, 2.1 * len(joints) + 1.0), dpi=DPI, layout="constrained")
         axes = figure.subplots(len(joints), 3, sharex=True, squeeze=False)
-        for j, (joint, unit) in enumerate(found.joints.items()):
+        for j, (joint, unit) in enumerate(result.joints.items()):
             length = units_of_gain(unit).position
-            recorded = found.recorded[joint]
+            recorded = result.recorded[joint]
             for column, (kind, low, high) in enumerate(
                 (("position", recorded.low, recorded.high), ("velocity", -recorded.speed, recorded.speed))
             ):
@@ -49,11 +49,13 @@ def discrimination_figure(found: Discrimination) -> Figure:
                 panel.set_ylabel(f"{joint} [{length}{'/s' if column else ''}]")
             axes[j, 2].set_ylabel(f"{joint}, current [σ of noise]")
             axes[j, 2].axhspan(-1.0, 1.0, color=BAND, alpha=0.2, linewidth=0.0)
-            for asked, answer, colour in zip(found.questions, found.motion.answers, COLOURS, strict=False):
+            for asked, answer, colour in zip(result.questions, result.motion.answers, COLOURS, strict=False):
                 name = spoken(asked.truth.request.replace(":", " at "))
                 axes[j, 2].plot(
                     answer.time,
-                    np.where(answer.left[:, j] == 0.0, np.nan, answer.left[:, j]),  # no row at standstill
+                    np.where(
+                        answer.residual[:, j] == 0.0, np.nan, answer.residual[:, j]
+                    ),  # no row at standstill
                     color=colour,
                     linewidth=1.0,
                     label=f"if {name} is the truth",
@@ -68,8 +70,8 @@ def discrimination_figure(found: Discrimination) -> Figure:
     return figure
 
 
-def write_discrimination_figure(path: Path, found: Discrimination) -> None:
+def write_discrimination_figure(path: Path, result: Discrimination) -> None:
     """Write `discrimination_figure` as a picture, whole or not at all."""
-    figure = discrimination_figure(found)
+    figure = discrimination_figure(result)
     with atomic_path(path) as partial:
         figure.savefig(partial)

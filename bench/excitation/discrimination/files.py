@@ -27,8 +27,8 @@ Draw = Callable[[Path, Discrimination], None]
 
 
 @dataclass(frozen=True)
-class Told:
-    """What commands are told of, as a shell takes it. designed: the one that designed the motion; diagnose: with the
+class CommandLines:
+    """Command lines, as a shell takes them. designed: the one that designed the motion; diagnose: with the
     same model, once its logs are there; robot: a name or a folder.
     """
 
@@ -38,22 +38,27 @@ class Told:
     robot: str
 
 
-PLAIN = Told(
+PLAIN = CommandLines(
     "bench discriminate DATASET EFFECT_A EFFECT_B -o DIR", "bench diagnose DATASET", "DATASET", "ROBOT"
 )
 
 
 def write_discrimination(
-    folder: str | Path, found: Discrimination, draw: Draw, *, rate: float = 1000.0, told: Told = PLAIN
+    folder: str | Path,
+    result: Discrimination,
+    draw: Draw,
+    *,
+    rate: float = 1000.0,
+    commands: CommandLines = PLAIN,
 ) -> list[Path]:
     """Write the folder, whole or not at all, and tell its files; one that an earlier call wrote is replaced.
 
-    rate: samples a second, Hz, of the trajectory as a table. draw: draws the picture at a path. told: of the commands
-    that the README names. Raises BenchError if the folder holds anything else, or cannot be written.
+    rate: samples a second, Hz, of the trajectory as a table. draw: draws the picture at a path. commands: the command
+    lines that the README names. Raises BenchError if the folder holds anything else, or cannot be written.
     """
     check_folder(folder)
     with whole_folder(folder) as partial:
-        _write(partial, found, draw, rate, told)
+        _write(partial, result, draw, rate, commands)
         names = sorted(path.name for path in partial.iterdir())
     return [Path(folder) / name for name in names]
 
@@ -75,59 +80,59 @@ def trajectory_table(trajectory: FourierTrajectory, joints: list[str], rate: flo
     return columns
 
 
-def discrimination_json(found: Discrimination) -> dict[str, Any]:
+def discrimination_json(result: Discrimination) -> dict[str, Any]:
     """The answer as plain data, ready for JSON."""
-    motion = found.motion
+    motion = result.motion
     answer = {
-        "robot": found.robot,
-        "effects": list(found.effects),
-        "tells": found.tells,
-        "error_over_noise": found.error_over_noise,
-        "shown": dict(found.shown),
-        "nothing_to_tell_apart": found.nothing,
-        "absorbed": list(found.absorbed),
-        "imitated": list(found.imitated),
-        "given": dict(found.given),
-        "promised": dict(found.promised),
-        "error_growth": found.growth,
+        "robot": result.robot,
+        "effects": list(result.effects),
+        "tells": result.tells,
+        "error_over_noise": result.error_over_noise,
+        "shown": dict(result.shown),
+        "nothing_to_tell_apart": result.nothing,
+        "absorbed": list(result.absorbed),
+        "imitated": list(result.imitated),
+        "given": dict(result.given),
+        "promised": dict(result.promised),
+        "error_growth": result.growth,
         "payload": None if motion is None else motion.payload,
         "trajectory": None if motion is None else motion.trajectory.to_dict(),
-        "wider": None if found.wider is None else {"widen": found.wider[0], "nats": found.wider[1]},
+        "wider": None if result.wider is None else {"widen": result.wider[0], "nats": result.wider[1]},
         "second_payload": None
-        if found.second is None
-        else {"mass": found.second[0], "nats": found.second[1]},
-        "summary": sentences(found),
+        if result.second is None
+        else {"mass": result.second[0], "nats": result.second[1]},
+        "summary": sentences(result),
     }
     return dict(finite(answer))
 
 
-def _write(folder: Path, found: Discrimination, draw: Draw, rate: float, told: Told) -> None:
-    if found.motion is not None:
-        trajectory, joints = found.motion.trajectory, list(found.joints)
+def _write(folder: Path, result: Discrimination, draw: Draw, rate: float, commands: CommandLines) -> None:
+    if result.motion is not None:
+        trajectory, joints = result.motion.trajectory, list(result.joints)
         write_table(folder / TRAJECTORY, trajectory_table(trajectory, joints, rate))
-        write_text_atomically(folder / COEFFICIENTS, _coefficients(found, trajectory))
-        draw(folder / PICTURE, found)
-    write_text_atomically(folder / SUMMARY, _readme(found, rate, told))
-    write_json_atomically(folder / ANSWER, discrimination_json(found))
+        write_text_atomically(folder / COEFFICIENTS, _coefficients(result, trajectory))
+        draw(folder / PICTURE, result)
+    write_text_atomically(folder / SUMMARY, _readme(result, rate, commands))
+    write_json_atomically(folder / ANSWER, discrimination_json(result))
 
 
-def _coefficients(found: Discrimination, trajectory: FourierTrajectory) -> str:
+def _coefficients(result: Discrimination, trajectory: FourierTrajectory) -> str:
     lines = [
-        f'# Joints: {", ".join(found.joints)}. In a scenario: trajectory_file = "{COEFFICIENTS}" of a recording.'
+        f'# Joints: {", ".join(result.joints)}. In a scenario: trajectory_file = "{COEFFICIENTS}" of a recording.'
     ]
     lines += [f"{key} = {value!r}" for key, value in trajectory.to_dict().items()]
     return "\n".join(lines) + "\n"
 
 
-def _readme(found: Discrimination, rate: float, told: Told) -> str:
-    lines = [f"# {found.robot}: {' or '.join(found.effects)}?", ""]
-    lines += [f"- {sentence}" for sentence in sentences(found)]
-    if found.motion is None:
-        return "\n".join([*lines, "", f"Asked by `{told.designed}`."]) + "\n"
-    into = f"--robot {told.robot} -o {told.dataset}"
-    payload = f" --payload {found.motion.payload}" if found.motion.payload else ""
-    inside = f'\npayload = "{found.motion.payload}"' if found.motion.payload else ""
-    lines += ["", f"![The motion, and where the models differ]({PICTURE})", "", *_table(found), ""]
+def _readme(result: Discrimination, rate: float, commands: CommandLines) -> str:
+    lines = [f"# {result.robot}: {' or '.join(result.effects)}?", ""]
+    lines += [f"- {sentence}" for sentence in sentences(result)]
+    if result.motion is None:
+        return "\n".join([*lines, "", f"Asked by `{commands.designed}`."]) + "\n"
+    into = f"--robot {commands.robot} -o {commands.dataset}"
+    payload = f" --payload {result.motion.payload}" if result.motion.payload else ""
+    inside = f'\npayload = "{result.motion.payload}"' if result.motion.payload else ""
+    lines += ["", f"![The motion, and where the models differ]({PICTURE})", "", *_table(result), ""]
     lines += [
         "## Record it",
         "",
@@ -138,7 +143,7 @@ def _readme(found: Discrimination, rate: float, told: Told) -> str:
         "   ```sh",
         f"   bench import first.csv {into} --name telling.csv{payload}",
         f"   bench import second.csv {into} --name telling_check.csv --use validate{payload}",
-        f"   {told.diagnose}",
+        f"   {commands.diagnose}",
         "   ```",
         "",
         "To see it in simulation first, give a scenario this recording, and a second one with `validate`:",
@@ -150,12 +155,12 @@ def _readme(found: Discrimination, rate: float, told: Told) -> str:
         f'trajectory_file = "{COEFFICIENTS}"',
         "```",
         "",
-        f"The motion was designed by `{told.designed}`.",
+        f"The motion was designed by `{commands.designed}`.",
     ]
     return "\n".join(lines) + "\n"
 
 
-def _table(found: Discrimination) -> list[str]:
+def _table(result: Discrimination) -> list[str]:
     """Facts of every joint, recorded and planned, as a Markdown table."""
     lines = [
         "| motor | | from | to | speed | acceleration | reversals a second |",
@@ -166,7 +171,7 @@ def _table(found: Discrimination) -> list[str]:
         values = (motion.low, motion.high, motion.speed, motion.acceleration, motion.reversals)
         return f"| {joint} | {what} | {' | '.join(f'{value:.3g}' for value in values)} |"
 
-    for joint, facts in found.planned.items():
-        motor = f"{joint} [{length_unit(found, joint)}, s]"
-        lines += [row(motor, "recorded", found.recorded[joint]), row("", "this motion", facts)]
+    for joint, facts in result.planned.items():
+        motor = f"{joint} [{length_unit(result, joint)}, s]"
+        lines += [row(motor, "recorded", result.recorded[joint]), row("", "this motion", facts)]
     return lines

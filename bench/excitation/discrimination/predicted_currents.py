@@ -12,7 +12,7 @@ from bench.identification.effect_columns import robot_signals
 from bench.identification.effect_rows import effect_rows
 from bench.identification.filtered import Measured, passive_rates
 from bench.identification.observation import Observation, observe
-from bench.identification.standstill import bridged, standstills
+from bench.identification.standstill import interpolated, standstills
 from bench.model.motion import Motion
 from bench.scenario.trajectory import FourierTrajectory
 from bench.signals.decimation import BAND, decimate
@@ -56,9 +56,9 @@ def planned(
 
 
 def predicted(rival: Rival, plan: PlannedMotion) -> np.ndarray:
-    """Currents (N, n) that the model with its own effect predicts, drive unit, without noise.
+    """Currents (N, n) that the model with its effect predicts, drive unit, without noise.
 
-    Where an effect depends on the current itself, such as a delay, both are found in turn.
+    Where an effect depends on the current itself, such as a delay, both are computed in turn.
     """
     gains, effects = rival.present.gains, rival.prepared.effects
     rigid = robot_signals(rival.prepared.model, plan.measured, rival.present).torque()
@@ -76,7 +76,7 @@ def rows_with(rival: Rival, plan: PlannedMotion, current: np.ndarray) -> tuple[O
     """What `rival` would see if these currents (N, n) were logged: its rows, and its tangents (M, n, k)."""
     seen = _seen(rival, plan, current)
     effects = effect_rows(seen, DECIMATION, rival.prepared.effects)
-    seen_current = decimate(bridged(current, plan.measured.gaps), DECIMATION)
+    seen_current = decimate(interpolated(current, plan.measured.gaps), DECIMATION)
     rows = replace(plan.rows, current=seen_current, effects=effects)
     return rows, tangents(rival, [seen], DECIMATION)
 

@@ -43,7 +43,7 @@ class Discrimination:
     effects: as they were named. error_over_noise: of the better of both models on the given data, RMS over RMS
     of the currents' noise. shown: nats that each effect explains of the given data. nothing: whether neither
     shows there, nor any motion promises that it would; there is no motion then. absorbed: those of them that
-    the model's own parameters take up, so that nothing can show them. imitated: those that the other effect
+    the model's parameters take up, so that nothing can show them. imitated: those that the other effect
     does everything of, whatever the motion. questions: one for each effect that is neither, and how the motion
     answers them; given, promised: nats by the name of the effect that is taken for the true one. recorded,
     planned: facts by joint. second: mass in kg of a second payload, and the nats that the same motion promises
@@ -61,7 +61,7 @@ class Discrimination:
     questions: tuple[Question, ...]
     envelope: Envelope
     given_seconds: float
-    judged_rows: int
+    held_out_rows: int
     motion: DesignedMotion | None
     recorded: Mapping[str, MotionFacts]
     planned: Mapping[str, MotionFacts]
@@ -90,11 +90,11 @@ class Discrimination:
 
     @property
     def growth(self) -> float:
-        """By which share the wrong model's error is the larger, over given data not fitted and the new motion."""
+        """The share by which the wrong model's error is the larger, over given data not fitted and the new motion."""
         if self.motion is None or not self.questions:
             return 0.0
         shares = [
-            2.0 * answer.nats * answer.memory / (self.judged_rows + answer.count)
+            2.0 * answer.nats * answer.autocorrelation_time / (self.held_out_rows + answer.count)
             for answer in self.motion.answers
         ]
         return float(np.sqrt(1.0 + min(shares)) - 1.0)
@@ -102,10 +102,10 @@ class Discrimination:
     @property
     def given_tells(self) -> bool:
         """Whether the given data are enough already."""
-        if self.motion is None or not self.questions or self.judged_rows == 0:
+        if self.motion is None or not self.questions or self.held_out_rows == 0:
             return False
         pairs = list(zip(self.given.values(), self.motion.answers, strict=True))
-        shares = [2.0 * nats * answer.memory / self.judged_rows for nats, answer in pairs]
+        shares = [2.0 * nats * answer.autocorrelation_time / self.held_out_rows for nats, answer in pairs]
         growth = float(np.sqrt(1.0 + min(shares)) - 1.0)
         return min(self.given.values()) >= RULE.prior and growth >= RULE.material
 

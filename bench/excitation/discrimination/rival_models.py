@@ -6,10 +6,10 @@ import numpy as np
 
 from bench.basics.errors import BenchError
 from bench.effects import EffectInstance, effect_columns
+from bench.identification.autocorrelation_time import autocorrelation_time
 from bench.identification.compressed import Stack
 from bench.identification.effect_columns import PresentModel, robot_signals
 from bench.identification.identifiability_of_effects import identifiable_columns
-from bench.identification.memory import memory_in_rows
 from bench.identification.nonlinear import converged, present_model
 from bench.identification.prepare import Prepared, prepare
 from bench.identification.problem import Problem
@@ -20,9 +20,9 @@ from bench.identification.standard_errors import residual_series
 
 @dataclass(frozen=True)
 class Rival:
-    """A model with one of the two effects. request: how the user named it; own: where the effect sits.
+    """A model with one of the two effects. request: how the user named it; instances: the effect at each of its places.
 
-    absorbed: the model's own parameters take the effect up, so that no data of this robot can show it.
+    absorbed: the model's parameters take the effect up, so that no data of this robot can show it.
     follows_current: whether some effect's torque depends on the current that was logged.
     """
 
@@ -31,14 +31,14 @@ class Rival:
     stack: Stack
     solution: Solution
     present: PresentModel
-    own: tuple[EffectInstance, ...]
+    instances: tuple[EffectInstance, ...]
     absorbed: bool
     follows_current: bool
 
     @property
     def name(self) -> str:
         """The effect's name."""
-        return self.own[0].effect.name
+        return self.instances[0].effect.name
 
     @property
     def values(self) -> np.ndarray:
@@ -52,18 +52,18 @@ class RivalNoise:
     """What the better of two models leaves of the given currents.
 
     weights (n,): one over the RMS of every motor's error, 1 / drive unit, in rows of the fit; row_rate Hz: how
-    many rows a second; memory s: how long errors are alike.
+    many rows a second; autocorrelation_time s: how long errors are alike.
     """
 
     weights: np.ndarray
     row_rate: float
-    memory: float
+    autocorrelation_time: float
 
 
 def fit_rivals(problem: Problem, requests: tuple[str, str]) -> tuple[Rival, Rival]:
     """Fit the model with either effect to all recordings, those for validation too.
 
-    requests: as EFFECT or EFFECT:PLACE, beside the problem's effects. Raises BenchError for names that
+    requests: as EFFECT or EFFECT:PLACE, in addition to the problem's effects. Raises BenchError for names that
     are unknown, alike, or in the model already.
     """
     fitted = tuple(replace(recording, use="identify") for recording in problem.dataset.recordings)
@@ -90,19 +90,19 @@ def noise_of(rivals: tuple[Rival, Rival]) -> RivalNoise:
     parts = np.split(series, better.stack.starts[1:])
     prepared = better.prepared
     row_rate = prepared.measured[0].recording.rate / prepared.settings.decimation
-    return RivalNoise(weights, row_rate, memory_in_rows(parts) / row_rate)
+    return RivalNoise(weights, row_rate, autocorrelation_time(parts) / row_rate)
 
 
 def _fitted(prepared: Prepared, request: str) -> Rival:
     prepared = converged(prepared)
     stack, solution = solved_quickly(prepared)
-    own = tuple(instance for instance in prepared.effects if instance.request == request)
-    count = sum(len(instance.effect.parameters) for instance in own)  # requests come last
+    effects = tuple(instance for instance in prepared.effects if instance.request == request)
+    count = sum(len(instance.effect.parameters) for instance in effects)  # requests come last
     kept = identifiable_columns(stack, prepared.layout, prepared.gains)
     absorbed = not np.any(kept >= prepared.layout.size - count)
     present = present_model(prepared, solution)
     return Rival(
-        request, prepared, stack, solution, present, own, absorbed, _follows_current(prepared, present)
+        request, prepared, stack, solution, present, effects, absorbed, _follows_current(prepared, present)
     )
 
 

@@ -56,9 +56,9 @@ def best_motion(
     progress.phase("trying random motions", STARTS)
     for i, (movement, trajectory) in enumerate(starts(rivals[0], envelope, duration, random)):
         progress.advance()
-        found = judged(questions, envelope, [loads[i % len(loads)]], trajectory)
-        if found is not None and (best is None or found.nats > best[1].nats):
-            best = movement, found
+        designed = best_loaded(questions, envelope, [loads[i % len(loads)]], trajectory)
+        if designed is not None and (best is None or designed.nats > best[1].nats):
+            best = movement, designed
     if best is None:
         return None
     movement, design = best
@@ -67,10 +67,10 @@ def best_motion(
         progress.advance()
         spread = FIRST_SPREAD * (LAST_SPREAD / FIRST_SPREAD) ** (step / STEPS)
         near, other = _varied(envelope, movement, design.trajectory, spread, random)
-        found = judged(questions, envelope, [design.payload], other)
-        if found is not None and found.nats > design.nats:
-            movement, design = near, found
-    return judged(questions, envelope, loads, design.trajectory) or design
+        designed = best_loaded(questions, envelope, [design.payload], other)
+        if designed is not None and designed.nats > design.nats:
+            movement, design = near, designed
+    return best_loaded(questions, envelope, loads, design.trajectory) or design
 
 
 def band_of(envelope: Envelope, trajectory: FourierTrajectory) -> float:
@@ -115,10 +115,10 @@ def starts(
             alone = (np.arange(n) == random.integers(n))[:, None]
             trajectory = replace(trajectory, a=trajectory.a * alone, b=trajectory.b * alone)
         try:
-            found = feasible(model, limits, movement, trajectory, dense=True)
+            possible = feasible(model, limits, movement, trajectory, dense=True)
         except BenchError:  # nothing fits about this center
             continue
-        yield replace(movement, velocity=envelope.velocity), found
+        yield replace(movement, velocity=envelope.velocity), possible
 
 
 def _varied(
@@ -167,7 +167,7 @@ def _inside(movement: Movement, trajectory: FourierTrajectory) -> FourierTraject
     return replace(trajectory, a=trajectory.a * scale, b=trajectory.b * scale)
 
 
-def judged(
+def best_loaded(
     questions: Sequence[Question],
     envelope: Envelope,
     loads: Sequence[str | None],
@@ -191,7 +191,7 @@ def judged(
         answers = tuple(
             separation(question, plan, currents[question.truth.request]) for question in questions
         )
-        found = DesignedMotion(trajectory, payload, answers)
-        if best is None or found.nats > (WORTH if best.payload is None else 1.0) * best.nats:
-            best = found
+        designed = DesignedMotion(trajectory, payload, answers)
+        if best is None or designed.nats > (WORTH if best.payload is None else 1.0) * best.nats:
+            best = designed
     return best

@@ -15,29 +15,29 @@ MUCH = 1.5  # times another figure: worth a word
 BEYOND = 0.05  # of the recorded travel: further out is elsewhere
 
 
-def sentences(found: Discrimination) -> list[str]:
+def sentences(result: Discrimination) -> list[str]:
     """What the given data and the new motion can say, and what is different about the motion."""
-    return [*warnings(found), *_answer(found)]
+    return [*warnings(result), *_answer(result)]
 
 
-def warnings(found: Discrimination) -> list[str]:
+def warnings(result: Discrimination) -> list[str]:
     """What makes the answer doubtful: a model that is known to be wrong."""
-    if not found.model_is_wrong:
+    if not result.model_is_wrong:
         return []
     doubt = (
-        f"With either effect, the model's error is {_number(found.error_over_noise)} times the noise of the current: "
+        f"With either effect, the model's error is {_number(result.error_over_noise)} times the noise of the current: "
         "the model lacks another effect. Run bench diagnose first, and add its result by --with."
     )
     return [doubt]
 
 
-def next_step(found: Discrimination, diagnose: str, folder: str | Path) -> str | None:
+def next_step(result: Discrimination, diagnose: str, folder: str | Path) -> str | None:
     """What to do with the answer that `folder` holds; None where there is nothing to do. diagnose: that command."""
-    if found.model_is_wrong:
+    if result.model_is_wrong:
         return f"next: {diagnose}, then this command again with its result (--with EFFECT)"
-    if found.motion is None:
+    if result.motion is None:
         return None
-    if found.given_tells:
+    if result.given_tells:
         return f"next: {diagnose}"
     return (
         f"next: record {Path(folder) / 'trajectory.csv'} twice, add both logs with bench import (how: "
@@ -45,82 +45,82 @@ def next_step(found: Discrimination, diagnose: str, folder: str | Path) -> str |
     )
 
 
-def length_unit(found: Discrimination, joint: str) -> str:
+def length_unit(result: Discrimination, joint: str) -> str:
     """The unit of a motor's position: rad or m."""
-    return units_of_gain(found.joints[joint]).position
+    return units_of_gain(result.joints[joint]).position
 
 
-def _answer(found: Discrimination) -> list[str]:
-    names = [_spoken(effect) for effect in found.effects]
-    if found.absorbed:
-        taken = and_list([_spoken(name) for name in found.absorbed])
+def _answer(result: Discrimination) -> list[str]:
+    names = [_spoken(effect) for effect in result.effects]
+    if result.absorbed:
+        taken = and_list([_spoken(name) for name in result.absorbed])
         verdict = (
             f"No motion of this robot can distinguish {and_list(names)}: with these payloads, the parameters of the "
             f"model absorb {taken} completely in any motion."
         )
-        return [verdict, *_against(found)]
-    if not found.questions:
+        return [verdict, *_against(result)]
+    if not result.questions:
         return [
             f"No motion of this robot can distinguish {and_list(names)}: they have the same effect.",
-            *_against(found),
+            *_against(result),
         ]
-    lines = [*_against(found), *(_imitated(found, name) for name in found.imitated)]
-    if found.nothing:
-        shown = and_list([f"{_number(nats)} nats ({_spoken(name)})" for name, nats in found.shown.items()])
+    lines = [*_against(result), *(_imitated(result, name) for name in result.imitated)]
+    if result.nothing:
+        shown = and_list([f"{_number(nats)} nats ({_spoken(name)})" for name, nats in result.shown.items()])
         lines.append(
             f"Neither effect shows in these data: they explain {shown}; a verdict needs {RULE.prior:g} ({NATS}). "
             "No motion inside the limits would show effects as small as the fitted ones, so there is nothing to "
             f"distinguish. If you still suspect one of them, excite it first: "
-            f"{or_list(telling_motions(_names(found)))}."
+            f"{or_list(telling_motions(_names(result)))}."
         )
         return lines
-    if max(found.shown.values(), default=0.0) < RULE.prior:
+    if max(result.shown.values(), default=0.0) < RULE.prior:
         lines.append(
             "Neither effect is certain in these data: the following holds for effects as small as the fitted ones."
         )
     lines.append(
-        f"The expected evidence of the given data, {found.given_seconds:.3g} s, is {_nats(found.given)}; a verdict "
+        f"The expected evidence of the given data, {result.given_seconds:.3g} s, is {_nats(result.given)}; a verdict "
         f"needs {RULE.prior:g} nats and errors that differ by {100 * RULE.material:.3g} % ({NATS})."
     )
-    if found.given_tells:
+    if result.given_tells:
         lines.append("That is enough: bench diagnose can distinguish them without a new motion.")
-    if found.motion is None:
+    if result.motion is None:
         lines.append(
             f"The search found no motion inside the limits. Possible remedies: "
-            f"{or_list(telling_motions(_names(found)))}."
+            f"{or_list(telling_motions(_names(result)))}."
         )
         return lines
-    seconds = found.motion.trajectory.duration
+    seconds = result.motion.trajectory.duration
     lines.append(
-        f"This motion, {seconds:.3g} s{_carrying(found)}, raises that to {_nats(found.promised)}; the error of the "
-        f"wrong model is then {in_percent(found.growth, 2)} larger than that of the right one."
+        f"This motion, {seconds:.3g} s{_carrying(result)}, raises that to {_nats(result.promised)}; the error of the "
+        f"wrong model is then {in_percent(result.growth, 2)} larger than that of the right one."
     )
-    if not found.tells:
-        lines += _not_enough(found)
-    return lines + motion_words(found)
+    if not result.tells:
+        lines += _not_enough(result)
+    return lines + motion_words(result)
 
 
-def _against(found: Discrimination) -> list[str]:
+def _against(result: Discrimination) -> list[str]:
     return [
         f"{begun(sign.effect)} would need a negative {sign.parameter}{f' at {sign.joint}' if sign.joint else ''} "
         "to explain the given data, which is impossible: this is evidence against it."
-        for sign in found.impossible
+        for sign in result.impossible
     ]
 
 
-def motion_words(found: Discrimination) -> list[str]:
+def motion_words(result: Discrimination) -> list[str]:
     """What the motion does that the recordings do not."""
-    if found.motion is None:
+    if result.motion is None:
         return []
     said_of = []
-    moving = [joint for joint, facts in found.planned.items() if facts.high > facts.low]
-    if len(moving) == 1 < len(found.planned):
+    moving = [joint for joint, facts in result.planned.items() if facts.high > facts.low]
+    if len(moving) == 1 < len(result.planned):
         said_of.append(f"{motor_words(moving[0])} moves alone")
     for joint in moving:
-        unit = length_unit(found, joint)
-        said_of += _joint_words(joint, unit, found.recorded[joint], found.planned[joint])
-    if found.motion.payload is not None:
-        said_of.append(f"it carries the payload {found.motion.payload}")
+        unit = length_unit(result, joint)
+        said_of += _joint_words(joint, unit, result.recorded[joint], result.planned[joint])
+    if result.motion.payload is not None:
+        said_of.append(f"it carries the payload {result.motion.payload}")
     if not said_of:
         return ["It differs from the recorded motions only in its shape."]
     return [f"Differences from the recordings: {'; '.join(said_of)}."]
@@ -152,30 +152,30 @@ def _joint_words(joint: str, unit: str, old: MotionFacts, new: MotionFacts) -> l
     return words
 
 
-def _not_enough(found: Discrimination) -> list[str]:
+def _not_enough(result: Discrimination) -> list[str]:
     """Why that is too little, and what would help."""
-    nats = min(found.promised.values())
+    nats = min(result.promised.values())
     lines = ["The search found no motion inside these limits that distinguishes them with certainty."]
-    if found.wider is not None and found.wider[1] > MUCH * nats:
-        factor, wide = found.wider
+    if result.wider is not None and result.wider[1] > MUCH * nats:
+        factor, wide = result.wider
         lines.append(
             f"With speeds, accelerations and currents up to {factor:.3g} times the recorded ones "
             f"(--widen {factor:.3g}), a motion of the same length gives an expected {_number(wide)} nats."
         )
-    if found.second is not None and found.second[1] > MUCH * nats:
-        mass, heavy = found.second
+    if result.second is not None and result.second[1] > MUCH * nats:
+        mass, heavy = result.second
         lines.append(
             f"With a second payload of {mass:.3g} kg the same motion gives an expected {_number(heavy)} nats."
         )
     if len(lines) == 1:
         lines.append(
-            f"Possible remedies: {or_list(telling_motions(_names(found)))}; less noise; or --duration."
+            f"Possible remedies: {or_list(telling_motions(_names(result)))}; less noise; or --duration."
         )
     return lines
 
 
-def _imitated(found: Discrimination, name: str) -> str:
-    other = next(effect for effect in found.effects if effect != name)
+def _imitated(result: Discrimination, name: str) -> str:
+    other = next(effect for effect in result.effects if effect != name)
     return (
         f"{_capital(_spoken(other))} includes {_spoken(name)} as a special case: data can only give evidence for "
         f"{_spoken(other)}; without it, the simpler {_spoken(name)} is preferred."
@@ -186,22 +186,22 @@ def _nats(values: Mapping[str, float]) -> str:
     return or_list([f"{_number(nats)} nats if {_spoken(name)} is true" for name, nats in values.items()])
 
 
-def _carrying(found: Discrimination) -> str:
-    if found.motion is None or found.motion.payload is None:
-        return " without a payload" if any(load for load in _loads(found)) else ""
-    return f" with {found.motion.payload}"
+def _carrying(result: Discrimination) -> str:
+    if result.motion is None or result.motion.payload is None:
+        return " without a payload" if any(load for load in _loads(result)) else ""
+    return f" with {result.motion.payload}"
 
 
-def _loads(found: Discrimination) -> list[str]:
+def _loads(result: Discrimination) -> list[str]:
     return [
         measurement.recording.payload
-        for measurement in found.questions[0].truth.prepared.measured
+        for measurement in result.questions[0].truth.prepared.measured
         if measurement.recording.payload is not None
     ]
 
 
-def _names(found: Discrimination) -> list[str]:
-    return [effect.partition(":")[0] for effect in found.effects]
+def _names(result: Discrimination) -> list[str]:
+    return [effect.partition(":")[0] for effect in result.effects]
 
 
 def _spoken(request: str) -> str:

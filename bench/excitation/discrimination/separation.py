@@ -36,16 +36,16 @@ class Question:
 class Separation:
     """An answer to a question, for one motion.
 
-    nats: expected log-likelihood difference of given and new data together. left (M, n): what `other` cannot
-    imitate of the new motion, in deviations of a row's noise, at the times (M,) s. count: equations of the new
-    motion, as many as a fit to the given data makes of its duration; memory: how many of them count as one.
+    nats: expected log-likelihood difference of given and new data together. residual (M, n): what `other` cannot
+    imitate of the new motion, in deviations of a row's noise, at the times (M,) s. count: equations of the new motion,
+    as many as a fit to the given data makes of its duration; autocorrelation_time: how many of them count as one.
     """
 
     nats: float
-    left: np.ndarray
+    residual: np.ndarray
     time: np.ndarray
     count: float
-    memory: float
+    autocorrelation_time: float
 
 
 def question(truth: Rival, other: Rival, noise: RivalNoise) -> Question:
@@ -53,8 +53,8 @@ def question(truth: Rival, other: Rival, noise: RivalNoise) -> Question:
     modelled = (truth.stack.phi @ truth.solution.theta + truth.stack.kappa) / truth.solution.gains
     stack = replace(other.stack, current=modelled * other.stack.moving)
     rows = _rows(stack, other.solution, given_tangents(other), noise.weights)
-    memory = max(1.0, noise.memory * noise.row_rate)
-    return Question(truth, other, noise, np.asarray(np.linalg.qr(rows / np.sqrt(memory), mode="r")))
+    rows_as_one = max(1.0, noise.autocorrelation_time * noise.row_rate)
+    return Question(truth, other, noise, np.asarray(np.linalg.qr(rows / np.sqrt(rows_as_one), mode="r")))
 
 
 def separation(asked: Question, plan: PlannedMotion, current: np.ndarray) -> Separation:
@@ -62,29 +62,31 @@ def separation(asked: Question, plan: PlannedMotion, current: np.ndarray) -> Sep
     other = asked.other
     observation, curved = rows_with(other, plan, current)
     stack = stack_observations([observation], other.prepared.layout, other.prepared.dataset.payloads)
-    memory = max(1.0, asked.noise.memory * plan.row_rate)
-    rows = _rows(stack, other.solution, curved, _weights(asked, plan)) / np.sqrt(memory)
-    left = _remainder(np.concatenate((asked.given, rows)))
-    new = left[len(asked.given) :].reshape(stack.current.shape)
-    nats = 0.5 * float(np.sum(left**2))
+    rows_as_one = max(1.0, asked.noise.autocorrelation_time * plan.row_rate)
+    rows = _rows(stack, other.solution, curved, _weights(asked, plan)) / np.sqrt(rows_as_one)
+    remainder = _remainder(np.concatenate((asked.given, rows)))
+    new = remainder[len(asked.given) :].reshape(stack.current.shape)
+    nats = 0.5 * float(np.sum(remainder**2))
     share = asked.noise.row_rate / plan.row_rate
     count = float(stack.moving.sum()) * share
-    return Separation(nats, new * np.sqrt(memory), observation.time, count, max(1.0, memory * share))
+    return Separation(
+        nats, new * np.sqrt(rows_as_one), observation.time, count, max(1.0, rows_as_one * share)
+    )
 
 
-def share_left(asked: Question, plan: PlannedMotion, current: np.ndarray, answer: Separation) -> float:
-    """What the other model cannot imitate, as a share of what the truth's own effect does to the currents."""
+def residual_share(asked: Question, plan: PlannedMotion, current: np.ndarray, answer: Separation) -> float:
+    """What the other model cannot imitate, as a share of what the truth's effect does to the currents."""
     observation, _ = rows_with(asked.truth, plan, current)
-    count = sum(len(instance.effect.parameters) for instance in asked.truth.own)
+    count = sum(len(instance.effect.parameters) for instance in asked.truth.instances)
     columns = observation.effects[:, :, observation.effects.shape[2] - count :]
     values = asked.truth.values[len(asked.truth.values) - count :]
-    own = columns @ values / asked.truth.present.gains * observation.moving
-    size = float(np.linalg.norm(own * _weights(asked, plan)))
-    return float(np.linalg.norm(answer.left)) / size if size > 0.0 else 0.0
+    effect_current = columns @ values / asked.truth.present.gains * observation.moving
+    size = float(np.linalg.norm(effect_current * _weights(asked, plan)))
+    return float(np.linalg.norm(answer.residual)) / size if size > 0.0 else 0.0
 
 
 def _weights(asked: Question, plan: PlannedMotion) -> np.ndarray:
-    """One over a row's noise (n,): white noise is less in a narrower band."""
+    """Inverse noise (n,) of a row: white noise is less in a narrower band."""
     return np.asarray(asked.noise.weights * np.sqrt(asked.noise.row_rate / plan.row_rate))
 
 

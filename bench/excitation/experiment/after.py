@@ -43,11 +43,11 @@ def plan_after(
     mapper: Mapper = IN_TURN,
     progress: Progress = SILENT,
 ) -> ExperimentPlan:
-    """The motion, with a payload of the dataset or without, that tells most beside its fitted recordings.
+    """The motion, with a payload of the dataset or without, that adds most to its fitted recordings.
 
     problem: what was measured; its effects are not aimed at. The machine is the one that the data give; limits of speed
     and acceleration that the table leaves out are the largest of the recordings. See `plan_experiment`. Raises
-    BenchError for a payload of the table's own.
+    BenchError for a payload that the table defines.
     """
     if table.payload is not None:
         raise BenchError("payload: the next motion carries what the dataset declares: leave it out")
@@ -86,18 +86,18 @@ def plan_after(
 
 def _measured_machine(prepared: Prepared, table: ExperimentTable) -> Nominal:
     """The machine as the data give it, with the noise of its log."""
-    found = fit(prepared)
-    values = {parameter.name: parameter.value for parameter in found.parameters}
+    identified = fit(prepared)
+    values = {parameter.name: parameter.value for parameter in identified.parameters}
     dataset, model = prepared.dataset, prepared.model
     carried = [observation.payload_name for observation in prepared.fitted]
     return Nominal(
         model=model,
         base=np.array([values.get(name, 0.0) for name in model.base.names]),
-        gains=np.array([gain.value for gain in found.drive_gains.values()]),
+        gains=np.array([gain.value for gain in identified.drive_gains.values()]),
         payloads={name: dataset.payloads[name] for name in dict.fromkeys(carried) if name is not None},
         layout=prepared.layout,
         effects=prepared.effects,
-        gains_fitted=found.gains_fitted,
+        gains_fitted=identified.gains_fitted,
         noise=_noise(prepared, table),
         source="the model and the gains that the recordings give",
     )
@@ -105,7 +105,7 @@ def _measured_machine(prepared: Prepared, table: ExperimentTable) -> Nominal:
 
 def _noise(prepared: Prepared, table: ExperimentTable) -> Noise:
     """As the user says, else as the spectra of the recordings say."""
-    told = noise_of(prepared.dataset.robot, table)
+    noise = noise_of(prepared.dataset.robot, table)
     recordings = [measurement.recording for measurement in prepared.measured]
     rate = recordings[0].rate
     bands = signal_bands(
@@ -113,11 +113,11 @@ def _noise(prepared: Prepared, table: ExperimentTable) -> Noise:
         [recording.current for recording in recordings],
         rate,
     )
-    if told.current is not None:
-        return replace(told, rate=rate)
+    if noise.current is not None:
+        return replace(noise, rate=rate)
     current = np.sqrt(bands.current_noise * rate / 2.0)
     heard = bool(np.all(current > 0.0))
-    return Noise(current if heard else None, told.ratio, told.encoder, rate, recorded=heard)
+    return Noise(current if heard else None, noise.ratio, noise.encoder, rate, recorded=heard)
 
 
 def _known(prepared: Prepared, nominal: Nominal) -> tuple[Evidence, ...]:
@@ -148,6 +148,6 @@ def _room(geometry: Geometry, table: ExperimentTable, prepared: Prepared) -> Roo
                 [np.abs(getattr(measurement, key)).max(axis=0) for measurement in prepared.measured], axis=0
             )
             changes[key] = dict(zip(joints, largest.tolist(), strict=True))
-    told = f"{' and '.join(changes)}: the largest of each joint in the recordings"
+    assumption = f"{' and '.join(changes)}: the largest of each joint in the recordings"
     room = room_of(geometry, table.model_copy(update=changes))
-    return replace(room, assumed=(told,) if changes else ())
+    return replace(room, assumed=(assumption,) if changes else ())

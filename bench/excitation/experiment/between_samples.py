@@ -35,17 +35,17 @@ class Extremes:
 def extremes(trajectory: FourierTrajectory) -> Extremes:
     """Bounds of position, velocity and acceleration that hold at every time."""
     ramp, duration = trajectory.ramp, trajectory.duration
-    found = [
+    pieces = [
         _piece(trajectory, 0.0, ramp, blended=True),
         _piece(trajectory, duration - ramp, duration, blended=True),
     ]
     if duration > 2.0 * ramp:
-        found.append(_piece(trajectory, ramp, duration - ramp, blended=False))
+        pieces.append(_piece(trajectory, ramp, duration - ramp, blended=False))
     return Extremes(
-        np.min([piece.low for piece in found], axis=0),
-        np.max([piece.high for piece in found], axis=0),
-        np.max([piece.velocity for piece in found], axis=0),
-        np.max([piece.acceleration for piece in found], axis=0),
+        np.min([piece.low for piece in pieces], axis=0),
+        np.max([piece.high for piece in pieces], axis=0),
+        np.max([piece.velocity for piece in pieces], axis=0),
+        np.max([piece.acceleration for piece in pieces], axis=0),
     )
 
 

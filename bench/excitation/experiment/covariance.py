@@ -42,14 +42,15 @@ def determined(fit: Equations) -> Determined:
 
 @dataclass(frozen=True)
 class ErrorSlopes:
-    """By how much errors change where the normal matrix changes by dN and the score by dS, to first order.
+    """Derivatives of the errors: how much they change where the normal matrix changes by dN and the score by dS, to
+    first order.
 
-    Of each error by itself: for each column of left, by_normal and by_score (P, m), left' dN by_normal + left' dS
+    Of each error by itself: for each column of left_factor (L), by_normal and by_score (P, m), L' dN by_normal + L' dS
     by_score. Of the mean of all: trace(mean_by_normal dN) + trace(mean_by_score dS), (P, P), symmetric. A single
-    error, which is its own mean, has no columns.
+    error, which is its mean, has no columns.
     """
 
-    left: np.ndarray
+    left_factor: np.ndarray
     by_normal: np.ndarray
     by_score: np.ndarray
     mean_by_normal: np.ndarray
@@ -58,7 +59,7 @@ class ErrorSlopes:
 
 @dataclass(frozen=True)
 class RelativeErrors:
-    """Of targets (k,), by number: logarithms of their standard errors over sizes (P,) of all unknowns."""
+    """Criterion of targets (k,), by number: logarithms of their standard errors over sizes (P,) of all unknowns."""
 
     sizes: np.ndarray
     targets: np.ndarray
@@ -71,10 +72,10 @@ class RelativeErrors:
         """About a fit, by themselves those that are `near` (k,); where nothing is determined nothing changes."""
         relative = _relative(fit, self.sizes)
         inverse, noise = _sides(self, relative)
-        left = inverse * (0.5 / self._variances(relative))
-        mean = left / len(self.targets)
+        left_factor = inverse * (0.5 / self._variances(relative))
+        mean = left_factor / len(self.targets)
         return ErrorSlopes(
-            left[:, near],
+            left_factor[:, near],
             noise[:, near],
             inverse[:, near],
             _symmetric(mean @ noise.T),
@@ -87,8 +88,8 @@ class RelativeErrors:
 
 @dataclass(frozen=True)
 class Volume:
-    """Of targets (k,), by number, with sizes (P,) of all unknowns: the logarithm of the geometric mean of the axes of
-    their relative error ellipsoid: D-optimality.
+    """Criterion of targets (k,), by number, with sizes (P,) of all unknowns: the logarithm of the geometric mean of the
+    axes of their relative error ellipsoid: D-optimality.
     """
 
     sizes: np.ndarray
@@ -104,9 +105,11 @@ class Volume:
         """About a fit; where nothing is determined nothing changes."""
         relative = _relative(fit, self.sizes)
         inverse, noise = _sides(self, relative)
-        left = inverse @ np.linalg.inv(self._block(relative)) * (0.5 / len(self.targets))
-        none = np.zeros((len(left), 0))
-        return ErrorSlopes(none, none, none, _symmetric(left @ noise.T), _symmetric(left @ inverse.T))
+        left_factor = inverse @ np.linalg.inv(self._block(relative)) * (0.5 / len(self.targets))
+        none = np.zeros((len(left_factor), 0))
+        return ErrorSlopes(
+            none, none, none, _symmetric(left_factor @ noise.T), _symmetric(left_factor @ inverse.T)
+        )
 
     def _block(self, relative: "_Relative") -> np.ndarray:
         return relative.covariance[np.ix_(self.targets, self.targets)]
@@ -154,9 +157,9 @@ def _sparse(space: np.ndarray) -> np.ndarray:
     """A basis (k, P) of the columns of `space` (P, k) of few unknowns each: reduced echelon form."""
     rows = space.T.copy()
     for place in range(len(rows)):
-        left = np.abs(rows[place:])
-        at = int(np.argmax(left.max(axis=0)))
-        pivot = place + int(np.argmax(left[:, at]))
+        remaining = np.abs(rows[place:])
+        at = int(np.argmax(remaining.max(axis=0)))
+        pivot = place + int(np.argmax(remaining[:, at]))
         rows[[place, pivot]] = rows[[pivot, place]]
         rows[place] /= rows[place, at]
         others = np.arange(len(rows)) != place

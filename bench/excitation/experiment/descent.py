@@ -24,7 +24,7 @@ from bench.scenario.trajectory import FourierTrajectory
 
 FIRST, SMALLEST, MOST = 0.1, 1e-4, 0.5  # of the step that is trusted, of the largest size of a coefficient
 ENOUGH, GOOD = 0.1, 0.6  # of what was predicted: to be taken, and to be trusted further
-ALSO_MEAN = 0.03  # weight of all errors' mean beside the largest: where that one cannot fall, others shall
+ALSO_MEAN = 0.03  # weight of all errors' mean next to the largest: where that one cannot fall, others shall
 
 
 ROUNDS = ((8, 0.3), (3, 0.3), (1, 0.4))  # how many go on, and their share of the steps together
@@ -115,22 +115,22 @@ def _program(_: Search, asked: tuple[Linearised, float]) -> tuple[np.ndarray, fl
         )
     )
     right = np.concatenate((-errors.values, np.maximum(1.0 - limits.values, 0.0)))
-    found = linprog(
+    optimum = linprog(
         np.append(mean, 1.0),
         A_ub=rows,
         b_ub=right,
         bounds=[*[(-trusted, trusted)] * count, (None, None)],
         method="highs",
     )
-    if found.x is None:
-        raise BenchError(f"search of motions: the linear program failed: {found.message}")
-    step = found.x[:-1]
-    return step, float(errors.values.max() - found.x[-1] - mean @ step)
+    if optimum.x is None:
+        raise BenchError(f"search of motions: the linear program failed: {optimum.message}")
+    step = optimum.x[:-1]
+    return step, float(errors.values.max() - optimum.x[-1] - mean @ step)
 
 
 @dataclass(frozen=True)
 class _Change:
-    """A trajectory beside the motion of which it is a change, with its payload."""
+    """A trajectory and the motion of which it is a change, with its payload."""
 
     trajectory: FourierTrajectory
     load: str | None
@@ -139,18 +139,18 @@ class _Change:
 
 def _changes(search: Search, candidate: Candidate, step: np.ndarray) -> list[_Change]:
     """The motions of a candidate with other coefficients."""
-    found, at = [], 0
+    changes, at = [], 0
     for before, load in zip(candidate, search.loads, strict=True):
         sizes = coefficient_sizes(search.room, before.trajectory)
-        own = step[at : at + sizes.size].reshape(sizes.shape) * sizes
+        of_motion = step[at : at + sizes.size].reshape(sizes.shape) * sizes
         at += sizes.size
-        trajectory = filled(search.room, moved(before.trajectory, own))
-        found.append(_Change(trajectory, load, before.motion))
-    return found
+        trajectory = filled(search.room, moved(before.trajectory, of_motion))
+        changes.append(_Change(trajectory, load, before.motion))
+    return changes
 
 
 def _tried(search: Search, change: _Change) -> Tried | None:
-    """None where it does not keep the limits."""
+    """The changed motion with its rows; None where it does not keep the limits."""
     return search.tried(change.trajectory, change.load, change.near)
 
 

@@ -25,7 +25,7 @@ from bench.model.spin import idle_spins
 
 WIDER = 4.0  # times what is passed through: the set of poses, so that the next interval's middle lies in it
 LEAST = 0.5  # of the largest radius of a pose's set: a joint that hardly moves has that
-STARTS = 1e-12  # rad, or of the robot's length: what a closed pose may be off, beside its residual
+STARTS = 1e-12  # rad, or of the robot's length: what a closed pose may be off, in addition to its residual
 MOST_TURNED = 0.75  # of I - C A_p, below 1: with less, sets are smaller, with more, speeds in them stray more
 MOST_MOVED = (
     0.1  # rad, or of the robot's length: of a ball or free joint in its set, whose rates turn with it
@@ -72,18 +72,19 @@ class _Linear:
     largest: np.ndarray
 
     def bounded(self, sizes: np.ndarray) -> np.ndarray:
-        """Of x with |x| <= sizes + |I - C A_p| |x|: bounds (K, passive, c)."""
+        """Bounds (K, passive, c) of x with |x| <= sizes + |I - C A_p| |x|."""
         ratio = (sizes / self.weights[:, :, None]).max(axis=1, initial=0.0) / (1.0 - self.largest[:, None])
         return np.asarray(sizes + self.turned[:, :, None] * ratio[:, None, :])
 
     def jacobian(self, motion: Motion, middle: np.ndarray) -> np.ndarray:
         """How far J strays from the motion's, (K, passive, n)."""
         active, passive = list(self.closures.active), list(self.closures.passive)
-        own = motion.jacobian[:, passive]
-        off = middle[:, :, active] + middle[:, :, passive] @ own
+        passive_jacobian = motion.jacobian[:, passive]
+        off = middle[:, :, active] + middle[:, :, passive] @ passive_jacobian
         return self.bounded(
             np.abs(self.inverse @ off)
-            + np.abs(self.inverse) @ (self.radius[:, :, active] + self.radius[:, :, passive] @ np.abs(own))
+            + np.abs(self.inverse)
+            @ (self.radius[:, :, active] + self.radius[:, :, passive] @ np.abs(passive_jacobian))
         )
 
 
@@ -96,15 +97,15 @@ def enclosed(
     half = intervals.half[:, None]
     (_, speed, growth), (_, speeding, growing) = motors.middle, motors.radius
     start = _start(geometry, closures, motion)
-    own, fastest = np.abs(motion.jacobian[:, passive]), np.abs(speed) + speeding
-    first = np.abs(motion.v[:, passive]) + _by(own, speeding)
+    passive_jacobian, fastest = np.abs(motion.jacobian[:, passive]), np.abs(speed) + speeding
+    first = np.abs(motion.v[:, passive]) + _by(passive_jacobian, speeding)
 
     def moved(speeds: np.ndarray) -> np.ndarray:
-        """By all joints (K, nv), with such speeds of the passive ones."""
-        found = np.zeros_like(motion.v)
-        found[:, active] = motors.radius[0]
-        found[:, passive] = half * speeds
-        return _evened(geometry, found)
+        """Movement (K, nv) of all joints, with such speeds of the passive ones."""
+        rates = np.zeros_like(motion.v)
+        rates[:, active] = motors.radius[0]
+        rates[:, passive] = half * speeds
+        return _evened(geometry, rates)
 
     reach = moved(WIDER * first)
     least = LEAST * (reach / column_scales(geometry)).max(axis=1, keepdims=True) * column_scales(geometry)
@@ -156,11 +157,13 @@ def follows(geometry: Geometry, q: np.ndarray, passed: np.ndarray, reach: np.nda
         into_second = np.all(between + passed[first][:, passive] <= reach[first + 1][:, passive], axis=1)
         return np.asarray(into_first | into_second)
 
-    found = overlap(_apart(geometry, q[:-1], q[1:])[:, passive], np.arange(len(q) - 1))
-    left = np.flatnonzero(~found)
-    if len(left) and idle_spins(geometry):
-        found[left] = overlap(_apart_but_for_spins(geometry, q[left], q[left + 1]), left)
-    return found
+    certain = overlap(_apart(geometry, q[:-1], q[1:])[:, passive], np.arange(len(q) - 1))
+    uncertain = np.flatnonzero(~certain)
+    if len(uncertain) and idle_spins(geometry):
+        certain[uncertain] = overlap(
+            _apart_but_for_spins(geometry, q[uncertain], q[uncertain + 1]), uncertain
+        )
+    return certain
 
 
 def _apart_but_for_spins(geometry: Geometry, first: np.ndarray, second: np.ndarray) -> np.ndarray:
@@ -173,9 +176,9 @@ def _apart_but_for_spins(geometry: Geometry, first: np.ndarray, second: np.ndarr
     free = np.linalg.svd(rows)[2][:, -spins:]
     away = displacements(geometry, first.T, second.T)[passive].T
     spun = np.einsum("ksp,ks->kp", free, np.einsum("ksp,kp->ks", free, away))
-    found = np.zeros((len(first), geometry.nv))
-    found[:, passive] = np.abs(away - spun) + np.abs(spun).max(axis=1, keepdims=True) ** 2
-    return np.asarray(_evened(geometry, found)[:, passive])
+    distances = np.zeros((len(first), geometry.nv))
+    distances[:, passive] = np.abs(away - spun) + np.abs(spun).max(axis=1, keepdims=True) ** 2
+    return np.asarray(_evened(geometry, distances)[:, passive])
 
 
 def begins_at_home(geometry: Geometry, q: np.ndarray, reach: np.ndarray) -> bool:
@@ -215,8 +218,8 @@ def _start(geometry: Geometry, closures: Closures, motion: Motion) -> _Start:
 
 def _rows(closures: Closures, q: list[Scalar], samples: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Residual (K, m), and the closures' Jacobian with its radius, (K, m, nv) each."""
-    left, rows = loop_rows(closures, frames_of(closures.links, q))
-    residual = dense_balls(left, samples)[0].T
+    open_loops, rows = loop_rows(closures, frames_of(closures.links, q))
+    residual = dense_balls(open_loops, samples)[0].T
     middle, radius = np.zeros((2, samples, len(rows), closures.nv))
     for i, row in enumerate(rows):
         columns = list(row)
@@ -269,47 +272,47 @@ def _by(matrices: np.ndarray, vectors: np.ndarray) -> np.ndarray:
 
 def _evened(geometry: Geometry, sizes: np.ndarray) -> np.ndarray:
     """Tree displacements (K, nv) whose ball and free joints have one size for all directions: that of the vector."""
-    found = sizes.copy()
+    even = sizes.copy()
     for part in _vectors(geometry):
-        found[:, part] = np.linalg.norm(sizes[:, part], axis=1, keepdims=True)
-    return found
+        even[:, part] = np.linalg.norm(sizes[:, part], axis=1, keepdims=True)
+    return even
 
 
 def _vectors(geometry: Geometry) -> list[slice]:
     """The tree velocities that are vectors: of ball and free joints."""
-    found = []
+    slices = []
     for joint in geometry.joints:
         if joint.kind in ("ball", "free"):
-            found += [slice(at, at + 3) for at in range(joint.v.start, joint.v.stop, 3)]
-    return found
+            slices += [slice(at, at + 3) for at in range(joint.v.start, joint.v.stop, 3)]
+    return slices
 
 
 def _configurations(geometry: Geometry, sizes: np.ndarray) -> np.ndarray:
     """Radii (K, nq) of configurations within displacements (K, nv) that are evened; a unit quaternion turned by an
     angle is off by at most half of it.
     """
-    found = np.zeros((len(sizes), geometry.nq))
+    configuration = np.zeros((len(sizes), geometry.nq))
     for joint in geometry.joints:
         if joint.kind in ("hinge", "slide"):
-            found[:, joint.q] = sizes[:, joint.v]
+            configuration[:, joint.q] = sizes[:, joint.v]
             continue
         if joint.kind == "free":
-            found[:, joint.q.start : joint.q.start + 3] = sizes[:, joint.v.start : joint.v.start + 3]
-        found[:, joint.q.stop - 4 : joint.q.stop] = 0.5 * sizes[:, joint.v.stop - 1 : joint.v.stop]
-    return found
+            configuration[:, joint.q.start : joint.q.start + 3] = sizes[:, joint.v.start : joint.v.start + 3]
+        configuration[:, joint.q.stop - 4 : joint.q.stop] = 0.5 * sizes[:, joint.v.stop - 1 : joint.v.stop]
+    return configuration
 
 
 def _apart(geometry: Geometry, first: np.ndarray, second: np.ndarray) -> np.ndarray:
     """Displacements (K, nv), evened, from configurations (K, nq) to others."""
-    found = np.zeros((len(second), geometry.nv))
+    distances = np.zeros((len(second), geometry.nv))
     for joint in geometry.joints:
         if joint.kind in ("hinge", "slide"):
-            found[:, joint.v] = np.abs(second[:, joint.q] - first[:, joint.q])
+            distances[:, joint.v] = np.abs(second[:, joint.q] - first[:, joint.q])
             continue
         if joint.kind == "free":
             at = slice(joint.q.start, joint.q.start + 3)
             away = np.linalg.norm(second[:, at] - first[:, at], axis=1)
-            found[:, joint.v.start : joint.v.start + 3] = away[:, None]
+            distances[:, joint.v.start : joint.v.start + 3] = away[:, None]
         at = slice(joint.q.stop - 4, joint.q.stop)
         along = np.abs((second[:, at] * first[:, at]).sum(axis=1))
         across = np.minimum(
@@ -317,5 +320,5 @@ def _apart(geometry: Geometry, first: np.ndarray, second: np.ndarray) -> np.ndar
             np.linalg.norm(second[:, at] + first[:, at], axis=1),
         )
         angle = 4.0 * np.arctan2(across, np.sqrt(2.0 * (1.0 + along)))
-        found[:, joint.v.stop - 3 : joint.v.stop] = angle[:, None]
-    return found
+        distances[:, joint.v.stop - 3 : joint.v.stop] = angle[:, None]
+    return distances

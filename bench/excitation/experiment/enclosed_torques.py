@@ -2,7 +2,7 @@
 
 From the platform and the outer links inwards the forces of the bodies add up to those at every joint of the opened
 tree; the loops' Jacobian takes these to the motors. Masses: the nominal base parameters, each at the standard parameter
-that it stands for. Source of the recursion: W. Khalil and E. Dombre, "Modeling, Identification and Control of Robots",
+that it represents. Source of the recursion: W. Khalil and E. Dombre, "Modeling, Identification and Control of Robots",
 2002, chapter 9.
 """
 
@@ -81,9 +81,9 @@ def _at_joints(
     tree: list[Scalar] = [0.0] * geometry.nv
     carried: dict[int, Wrench] = {}
     for link in reversed(links):
-        own = _wrench(rates[link.index], [float(value) for value in bodies[link.index]])
+        wrench = _wrench(rates[link.index], [float(value) for value in bodies[link.index]])
         outer = carried.get(link.index, (ZERO, ZERO))
-        force, moment = add(own[0], outer[0]), add(own[1], outer[1])
+        force, moment = add(wrench[0], outer[0]), add(wrench[1], outer[1])
         if link.kind == "hinge":
             tree[link.v] = dot(link.axis, moment)
         elif link.kind == "slide":
@@ -121,8 +121,8 @@ def _wrench(rates: BodyRates, parameters: list[float]) -> Wrench:
     inertia: Matrix = ((xx, xy, xz), (xy, yy, yz), (xz, yz, zz))
     w, turning, acceleration = rates.angular, rates.turning, rates.acceleration
     force = add(scaled(acceleration, mass), add(cross(turning, moment), _swept(w, moment)))
-    own = add(turned(inertia, turning), cross(w, turned(inertia, w)))
-    return force, add(own, cross(moment, acceleration))
+    rotational = add(turned(inertia, turning), cross(w, turned(inertia, w)))
+    return force, add(rotational, cross(moment, acceleration))
 
 
 def _swept(w: Vector, c: Vector) -> Vector:

@@ -2,7 +2,7 @@
 
 The position of a joint in a log is wrong by up to half a step, nearly at random from sample to sample; the modelled
 currents are then wrong by i_q e + i_v e' + i_a e''. In the score of the estimate, the sum over all samples of J' w
-(error of the current), the derivatives go over to what stands before e by summation by parts: (P - V' + A'')' e with
+(error of the current), the derivatives go over to the factors of e by summation by parts: (P - V' + A'')' e with
 P = J' w i_q and so on. All of it is smooth, so that the filters of the fit, which let the motion pass, change nothing.
 """
 

@@ -1,4 +1,4 @@
-"""The planned motions: positions, speeds and expected currents of every motor, beside their limits."""
+"""The planned motions: positions, speeds and expected currents of every motor, with their limits."""
 
 from pathlib import Path
 

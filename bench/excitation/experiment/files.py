@@ -37,7 +37,7 @@ Draw = Callable[[Path, ExperimentPlan], None]
 def write_plan(
     folder: str | Path,
     plan: ExperimentPlan,
-    told: Forecast,
+    forecast: Forecast,
     drawn: Mapping[str, Draw],
     drive: SimulatedDrive = FIRST,
 ) -> list[Path]:
@@ -57,8 +57,8 @@ def write_plan(
         write_text_atomically(partial / SCENARIO, scenario_text(plan, drive))
         for file, draw in drawn.items():
             draw(partial / file, plan)
-        write_text_atomically(partial / SUMMARY, _readme(plan, told, tuple(drawn)))
-        write_json_atomically(partial / ANSWER, plan_json(plan, told))
+        write_text_atomically(partial / SUMMARY, _readme(plan, forecast, tuple(drawn)))
+        write_json_atomically(partial / ANSWER, plan_json(plan, forecast))
         names = sorted(path.name for path in partial.iterdir())
     return [Path(folder) / name for name in names]
 
@@ -71,7 +71,7 @@ def check_folder(folder: str | Path) -> None:
         raise BenchError(f"{folder}: is there already and holds something else: name another folder")
 
 
-def plan_json(plan: ExperimentPlan, told: Forecast) -> dict[str, Any]:
+def plan_json(plan: ExperimentPlan, forecast: Forecast) -> dict[str, Any]:
     """The answer as plain data, ready for JSON."""
     answer = {
         "robot": plan.robot.name,
@@ -93,16 +93,16 @@ def plan_json(plan: ExperimentPlan, told: Forecast) -> dict[str, Any]:
                 "grouping": expected.grouping,
                 "aimed_at": i in plan.targets,
             }
-            for i, expected in enumerate(told.unknowns)
+            for i, expected in enumerate(forecast.unknowns)
         ],
-        "undetermined": [list(names) for names in told.together],
+        "undetermined": [list(names) for names in forecast.together],
         "gain_accuracy": None
-        if told.enough is None
+        if forecast.enough is None
         else {
-            "asked": told.enough.accuracy,
-            "expected": told.enough.expected,
-            "seconds": told.enough.seconds,
-            "mass": told.enough.mass,
+            "asked": forecast.enough.accuracy,
+            "expected": forecast.enough.expected,
+            "seconds": forecast.enough.seconds,
+            "mass": forecast.enough.mass,
         },
         "assumed": list(plan.room.assumed),
         "reach": {recording.name: _limits(plan, recording.trajectory) for recording in plan.recordings},
@@ -110,7 +110,7 @@ def plan_json(plan: ExperimentPlan, told: Forecast) -> dict[str, Any]:
             recording.name: {
                 "intervals": recording.proven.proof.intervals,
                 "shortest": recording.proven.proof.shortest,
-                "given_way": [asdict(told) for told in recording.proven.given_way],
+                "given_way": [asdict(unproven) for unproven in recording.proven.given_way],
             }
             for recording in plan.recordings
         },
@@ -122,13 +122,13 @@ def plan_json(plan: ExperimentPlan, told: Forecast) -> dict[str, Any]:
             }
             for recording in plan.recordings
         },
-        "summary": sentences(plan, told),
+        "summary": sentences(plan, forecast),
     }
     return dict(finite(answer))
 
 
 def _limits(plan: ExperimentPlan, trajectory: FourierTrajectory) -> dict[str, Any]:
-    """What a motion reaches at most, proven between samples, beside what it may, by joint."""
+    """What a motion reaches at most, proven between samples, with its limit, by joint."""
     reach, room = extremes(trajectory), plan.room
     return {
         joint: {
@@ -212,12 +212,12 @@ def _payload(payload: Payload) -> list[str]:
     return lines
 
 
-def _readme(plan: ExperimentPlan, told: Forecast, drawn: tuple[str, ...]) -> str:
+def _readme(plan: ExperimentPlan, forecast: Forecast, drawn: tuple[str, ...]) -> str:
     lines = [f"# {plan.robot.name}: motions to identify it with", ""]
-    lines += [f"- {sentence}" for sentence in sentences(plan, told)]
+    lines += [f"- {sentence}" for sentence in sentences(plan, forecast)]
     lines += [f"\n![The motions]({PICTURE})"] if PICTURE in drawn else []
     lines += ["", "| unknown | nominal | standard error | of its size |", "|---|---:|---:|---:|"]
-    for expected in told.unknowns:
+    for expected in forecast.unknowns:
         value = "" if np.isnan(expected.value) else f"{expected.value:.4g}"
         std = "undetermined" if expected.std is None else f"{expected.std:.2g} {expected.unit}"
         share = "" if expected.std is None else in_percent(expected.relative, 2)

@@ -96,20 +96,20 @@ class Forecast:
 def covariance_of(plan: ExperimentPlan, rows: Sequence[PlannedRows]) -> tuple[Determined, bool]:
     """Covariance (P, P) by the noise of currents and the steps of encoders, and whether these matter."""
     search, nominal = plan.search, plan.nominal
-    own = [row_evidence(nominal, planned, load) for planned, load in zip(rows, search.loads, strict=True)]
-    everything = [*search.known, *own]
+    of_plan = [row_evidence(nominal, planned, load) for planned, load in zip(rows, search.loads, strict=True)]
+    everything = [*search.known, *of_plan]
     fit = equations(everything)
-    found = determined(fit)
+    result = determined(fit)
     if not np.any(nominal.noise.encoder > 0.0):
-        return found, False
+        return result, False
     weights = 1.0 / pooled_variance(everything)
     extra = [
         encoder_score(nominal, trial.trajectory, load, weights)
         for trial, load in zip(plan.motions, search.loads, strict=True)
     ]
     both = determined(replace(fit, score=fit.score + np.sum(extra, axis=0)))
-    stepped = np.diag(both.covariance) > STEPPED**2 * np.diag(found.covariance)
-    return both, bool(stepped[~found.undetermined].any())
+    stepped = np.diag(both.covariance) > STEPPED**2 * np.diag(result.covariance)
+    return both, bool(stepped[~result.undetermined].any())
 
 
 def forecast(plan: ExperimentPlan, gain_accuracy: float | None = None) -> Forecast:
@@ -119,13 +119,13 @@ def forecast(plan: ExperimentPlan, gain_accuracy: float | None = None) -> Foreca
     errors of noise: an effect that the model lacks is no part of them.
     """
     rows = planned_rows(plan.nominal, [trial.trajectory for trial in plan.motions], plan.search.loads)
-    found, stepped = covariance_of(plan, rows)
-    std = np.sqrt(np.maximum(np.diag(found.covariance), 0.0))
+    result, stepped = covariance_of(plan, rows)
+    std = np.sqrt(np.maximum(np.diag(result.covariance), 0.0))
     unknowns = tuple(
-        replace(expected, std=None if found.undetermined[i] else float(std[i]), size=float(plan.sizes[i]))
+        replace(expected, std=None if result.undetermined[i] else float(std[i]), size=float(plan.sizes[i]))
         for i, expected in enumerate(described(plan.nominal))
     )
-    together = tuple(tuple(unknowns[i].name for i in direction) for direction in found.directions)
+    together = tuple(tuple(unknowns[i].name for i in direction) for direction in result.directions)
     enough = None if gain_accuracy is None else enough_for(plan, rows, gain_accuracy)
     coarse = [ForecastNote(ForecastCode.COARSE_ENCODERS)] if stepped else []
     notes = [*_notes(plan, unknowns, together), *coarse]
@@ -171,17 +171,17 @@ def gain_error(plan: ExperimentPlan, rows: Sequence[PlannedRows], mass: float | 
     Of the planned motions the first goes unloaded and the last one loaded; where only one was planned, it goes twice.
     """
     nominal = _with_mass(plan.nominal, mass)
-    told = []
+    evidence = []
     for planned, load in zip((rows[0], rows[-1]), (None, *nominal.payloads), strict=False):
         what = seen(nominal, planned.motion, load)
         if np.any(np.abs(what.current * nominal.gains) > plan.room.torque):
             return float("inf")
-        told.append(row_evidence(nominal, planned, load))
-    found = determined(equations(told))
+        evidence.append(row_evidence(nominal, planned, load))
+    result = determined(equations(evidence))
     first = nominal.layout.size
-    if not nominal.gains_fitted or found.undetermined[first:].any():
+    if not nominal.gains_fitted or result.undetermined[first:].any():
         return float("inf")
-    return float((np.sqrt(np.diag(found.covariance))[first:] / nominal.gains).max())
+    return float((np.sqrt(np.diag(result.covariance))[first:] / nominal.gains).max())
 
 
 def enough_for(plan: ExperimentPlan, rows: Sequence[PlannedRows], accuracy: float) -> Enough:
@@ -207,7 +207,7 @@ def enough_for(plan: ExperimentPlan, rows: Sequence[PlannedRows], accuracy: floa
 
 
 def moving_mass(nominal: Nominal) -> float:
-    """Of all bodies that move, kg, by the MJCF."""
+    """Mass of all bodies that move, kg, by the MJCF."""
     geometry = nominal.model.geometry
     masses = cad_prior(geometry).parameters[::10]
     return float(sum(masses[joint] for joint, _ in geometry.bodies))

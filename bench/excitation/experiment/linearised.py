@@ -29,12 +29,12 @@ from bench.excitation.experiment.room import Room, outside, tool_positions
 from bench.excitation.experiment.search import Candidate, Search, Tried
 from bench.model.geometry import Geometry
 from bench.model.mobility import least_held, smallest_singular_values
-from bench.model.motion import Motion, joined, motion_beside
+from bench.model.motion import Motion, joined, motion_near
 from bench.scenario.trajectory import FourierTrajectory
 
 STEP = 1e-5  # of a joint's room, speed and acceleration: of the difference quotients of the motion
 CHANGE = 1e-4  # of the largest size of a coefficient: of those of the errors
-NEAR = 0.5  # of a limit, and of the largest error: what is less of it may be left out of one step
+NEAR = 0.5  # of a limit, and of the largest error: what is less of it may be omitted of one step
 FINER = 3  # times as many samples for ranges, speeds and accelerations
 LOOKED_AT = 64  # poses, those whose closures are least held
 
@@ -59,7 +59,7 @@ class Linearised:
 
 
 def coefficient_sizes(room: Room, trajectory: FourierTrajectory) -> np.ndarray:
-    """The largest size (2, n, H) that each coefficient a, b could have on its own, rad or m."""
+    """The largest size (2, n, H) that each coefficient a, b could have alone, rad or m."""
     k_omega = 2.0 * np.pi * trajectory.base_frequency * np.arange(1, trajectory.harmonics + 1)
     ranges = 0.5 * (room.joint.high - room.joint.low)[:, None]
     by_speed, by_acceleration = room.velocity[:, None] / k_omega, room.acceleration[:, None] / k_omega**2
@@ -83,7 +83,7 @@ def _joined(search: Search, candidate: Candidate, parts: list[tuple[np.ndarray, 
     """What the coefficients of all motions of a candidate do, from what those of each do."""
     errors, near = _near(search, search.fit(candidate))
     *each, mean = np.hstack([slopes for slopes, _ in parts])
-    limits = _beside_each_other([limits for _, limits in parts])
+    limits = _concatenated([limits for _, limits in parts])
     return Linearised(Linear(errors[near], np.array(each) if each else mean[None]), mean, limits)
 
 
@@ -102,10 +102,10 @@ def _by_one_motion(search: Search, motion: tuple[Candidate, int]) -> tuple[np.nd
     tried = candidate[number]
     sizes = coefficient_sizes(search.room, tried.trajectory)
     basis = _basis(tried.trajectory, search.shape.times)
-    told = _perturbed(search, tried, search.loads[number])
+    probe = _perturbed(search, tried, search.loads[number])
     at = len(search.known) + number
-    slopes = _error_slopes(search, told, basis, sizes, gradient, recordings, at)
-    return slopes, _limits(search, tried, told, basis, sizes)
+    slopes = _error_slopes(search, probe, basis, sizes, gradient, recordings, at)
+    return slopes, _limits(search, tried, probe, basis, sizes)
 
 
 @dataclass(frozen=True)
@@ -139,7 +139,7 @@ def _perturbed(search: Search, tried: Tried, load: str | None) -> _Perturbed:
             at = (order * n + j) * count
             moved_states[order][at : at + count, j] += steps[order, j]
     every = np.tile(np.arange(count), 2 * n)
-    moved_motions = motion_beside(geometry, tried.motion.at(every), *moved_states)
+    moved_motions = motion_near(geometry, tried.motion.at(every), *moved_states)
     whole = joined((moved_motions, *(_accelerated(tried.motion, j, steps[2, j]) for j in range(n))))
     each = seen_each(search.nominal, whole, count, load)
     showing = [each[order * n : (order + 1) * n] for order in range(3)]
@@ -167,7 +167,7 @@ def _basis(trajectory: FourierTrajectory, times: np.ndarray) -> np.ndarray:
 
 def _error_slopes(
     search: Search,
-    told: _Perturbed,
+    probe: _Perturbed,
     basis: np.ndarray,
     sizes: np.ndarray,
     gradient: ErrorSlopes,
@@ -180,25 +180,25 @@ def _error_slopes(
     changes, and with it the weights of the motors. Columns of `gradient` meet the regressor first: nothing has the size
     of a gram for each coefficient.
     """
-    own, n, m = recordings[number], sizes.shape[1], gradient.left.shape[1]
+    recording, n, m = recordings[number], sizes.shape[1], gradient.left_factor.shape[1]
     weight = 1.0 / pooled_variance(recordings)
-    scale = own.samples / len(told.shown.current)
-    of_normal, of_score = scale * weight[:, None], scale * (weight**2 * own.variance)[:, None]
-    sides = np.hstack((gradient.left, gradient.by_normal, gradient.by_score))
-    left, by_normal, by_score = np.split(_times(told.shown.jacobian, sides), 3, axis=2)  # (N, n, m) each
+    scale = recording.samples / len(probe.shown.current)
+    of_normal, of_score = scale * weight[:, None], scale * (weight**2 * recording.variance)[:, None]
+    sides = np.hstack((gradient.left_factor, gradient.by_normal, gradient.by_score))
+    by_left, by_normal, by_score = np.split(_times(probe.shown.jacobian, sides), 3, axis=2)  # (N, n, m) each
     of_mean = 2.0 * (
-        of_normal * (told.shown.jacobian @ gradient.mean_by_normal)
-        + of_score * (told.shown.jacobian @ gradient.mean_by_score)
+        of_normal * (probe.shown.jacobian @ gradient.mean_by_normal)
+        + of_score * (probe.shown.jacobian @ gradient.mean_by_score)
     )
     slopes = np.zeros((m + 1, *sizes.shape))
-    variances = _variance_slopes(search.nominal.noise, told, basis, sizes)
+    variances = _variance_slopes(search.nominal.noise, probe, basis, sizes)
     for order in range(3):
         for j in range(n):
-            change = (told.showing[order][j].jacobian - told.shown.jacobian) / told.steps[order, j]
+            change = (probe.showing[order][j].jacobian - probe.shown.jacobian) / probe.steps[order, j]
             to_left, to_normal, to_score = np.split(_times(change, sides), 3, axis=2)
             at_samples = (
-                of_normal * (left * to_normal + to_left * by_normal)
-                + of_score * (left * to_score + to_left * by_score)
+                of_normal * (by_left * to_normal + to_left * by_normal)
+                + of_score * (by_left * to_score + to_left * by_score)
             ).sum(axis=1)
             of_all = np.hstack((at_samples, np.einsum("tip,tip->t", of_mean, change)[:, None]))
             slopes[:, :, j] += np.einsum("tm,twk->mwk", of_all, basis[order]) * sizes[:, j]
@@ -211,18 +211,18 @@ def _times(rows: np.ndarray, matrix: np.ndarray) -> np.ndarray:
     return (rows.reshape(-1, rows.shape[2]) @ matrix).reshape(*rows.shape[:2], -1)
 
 
-def _variance_slopes(noise: Noise, told: _Perturbed, basis: np.ndarray, sizes: np.ndarray) -> np.ndarray:
+def _variance_slopes(noise: Noise, probe: _Perturbed, basis: np.ndarray, sizes: np.ndarray) -> np.ndarray:
     """Derivatives (n, 2, n, H) of the variance of each motor's currents by the coefficients."""
-    current, before = told.shown.current, noise.deviation(told.shown.current) ** 2
-    found = np.zeros((len(before), *sizes.shape))
+    current, before = probe.shown.current, noise.deviation(probe.shown.current) ** 2
+    slopes = np.zeros((len(before), *sizes.shape))
     for which, j, k in np.ndindex(sizes.shape):
         amount = CHANGE * sizes[which, j, k] * basis[:, :, which, k]  # (3, N)
         changed = current + sum(
-            amount[order][:, None] * (told.showing[order][j].current - current) / told.steps[order, j]
+            amount[order][:, None] * (probe.showing[order][j].current - current) / probe.steps[order, j]
             for order in range(3)
         )
-        found[:, which, j, k] = (noise.deviation(changed) ** 2 - before) / CHANGE
-    return found
+        slopes[:, which, j, k] = (noise.deviation(changed) ** 2 - before) / CHANGE
+    return slopes
 
 
 def _by_variances(
@@ -231,11 +231,11 @@ def _by_variances(
     """Derivatives (m + 1, n) of the errors, and of their mean, by the variance of each motor's currents in one
     recording.
     """
-    own = recordings[number]
-    share = own.samples / sum(recording.samples for recording in recordings)
+    changed = recordings[number]
+    share = changed.samples / sum(recording.samples for recording in recordings)
 
     def between(grams: np.ndarray, right: np.ndarray, mean: np.ndarray) -> np.ndarray:
-        each = np.einsum("pm,npm->mn", gradient.left, grams @ right)
+        each = np.einsum("pm,npm->mn", gradient.left_factor, grams @ right)
         return np.vstack((each, np.einsum("pq,nqp->n", mean, grams)))
 
     whole = sum(recording.grams for recording in recordings)
@@ -244,24 +244,24 @@ def _by_variances(
     return np.asarray(
         weight**2
         * (
-            between(own.grams, by_score, gradient.mean_by_score)
+            between(changed.grams, by_score, gradient.mean_by_score)
             - share * between(np.asarray(whole), by_normal, gradient.mean_by_normal)
             - 2.0 * share * weight * between(np.asarray(noisy), by_score, gradient.mean_by_score)
         )
     )
 
 
-def _limits(search: Search, tried: Tried, told: _Perturbed, basis: np.ndarray, sizes: np.ndarray) -> Linear:
+def _limits(search: Search, tried: Tried, probe: _Perturbed, basis: np.ndarray, sizes: np.ndarray) -> Linear:
     """All limits of one motion that are at all near, each as its share."""
     room = search.room
     parts = [_of_motors(room, tried.trajectory, search.shape.times, sizes)]
-    for values in _whole_robot(search, told):
+    for values in _whole_robot(search, probe):
         at, slopes = values.values, values.slopes  # (m,), (m, n) by positions
         by_coefficient = np.einsum("mj,mwk,wjk->mwjk", slopes, basis[0][values.samples], sizes)
         parts.append(Linear(at, by_coefficient.reshape(len(at), sizes.size)))
     if np.isfinite(room.torque).any():
-        parts.append(_of_torques(search, told, basis, sizes))
-    parts.append(_of_bands(search, tried.trajectory, told, basis, sizes))
+        parts.append(_of_torques(search, probe, basis, sizes))
+    parts.append(_of_bands(search, tried.trajectory, probe, basis, sizes))
     return Linear(np.concatenate([part.values for part in parts]), np.vstack([part.slopes for part in parts]))
 
 
@@ -297,24 +297,24 @@ class _OfPoses:
     slopes: np.ndarray
 
 
-def _whole_robot(search: Search, told: _Perturbed) -> list[_OfPoses]:
+def _whole_robot(search: Search, probe: _Perturbed) -> list[_OfPoses]:
     """Loop amplification, hold of the closures and boxes."""
     geometry, room = search.nominal.model.geometry, search.room
-    found = []
+    limits = []
 
     def of(
         values: Callable[[Motion, np.ndarray], np.ndarray], samples: np.ndarray, whole: np.ndarray
     ) -> None:
-        """Of values, `whole` at some samples: those that are near."""
-        near, here = samples[whole > NEAR], whole[whole > NEAR]
+        """Keep the values, `whole` at some samples, that are near their limit."""
+        near, present = samples[whole > NEAR], whole[whole > NEAR]
         if len(near):
-            moved_values = values(told.moved_at(near), np.tile(near, len(room.home)))
-            slopes = (moved_values.reshape(-1, len(near)) - here) / told.steps[0][:, None]
-            found.append(_OfPoses(near, here, slopes.T))
+            moved_values = values(probe.moved_at(near), np.tile(near, len(room.home)))
+            slopes = (moved_values.reshape(-1, len(near)) - present) / probe.steps[0][:, None]
+            limits.append(_OfPoses(near, present, slopes.T))
 
-    every = np.arange(len(told.motion.time))
+    every = np.arange(len(probe.motion.time))
     if geometry.closed:
-        flat = told.motion.jacobian.reshape(len(every), -1)
+        flat = probe.motion.jacobian.reshape(len(every), -1)
         largest = np.abs(flat).argmax(axis=1)
         signs = np.sign(flat[every, largest])
 
@@ -326,64 +326,66 @@ def _whole_robot(search: Search, told: _Perturbed) -> list[_OfPoses]:
             entries = motion.jacobian.reshape(len(which), -1)[np.arange(len(which)), which]
             return np.asarray(signs[samples] * entries / room.joint.amplification)
 
-        worst, held = least_held(geometry, told.motion.q, LOOKED_AT)
+        worst, held = least_held(geometry, probe.motion.q, LOOKED_AT)
         of(not_held, worst, room.joint.held / held)
-        of(amplified, every, amplified(told.motion, every))
+        of(amplified, every, amplified(probe.motion, every))
     for box in room.boxes:
         out_of = partial(_out_of, geometry, box)
-        of(out_of, every, out_of(told.motion, every))
-    return found
+        of(out_of, every, out_of(probe.motion, every))
+    return limits
 
 
 def _out_of(geometry: Geometry, box: Box, motion: Motion, _: np.ndarray) -> np.ndarray:
-    """The share (m,) of a box's room that is left behind: 1 at its walls."""
+    """The share (m,) of a box's room that is used up: 1 at its walls."""
     width = max(high - low for low, high in zip(box.low, box.high, strict=True))
     return 1.0 + outside(box, tool_positions(geometry, motion)) / width
 
 
-def _of_torques(search: Search, told: _Perturbed, basis: np.ndarray, sizes: np.ndarray) -> Linear:
+def _of_torques(search: Search, probe: _Perturbed, basis: np.ndarray, sizes: np.ndarray) -> Linear:
     """Torques of the motors."""
     scale = search.nominal.gains / search.room.torque
-    here = told.shown.current * scale
+    present = probe.shown.current * scale
     values, slopes = [], []
     for i in np.flatnonzero(np.isfinite(search.room.torque)):
-        near = np.flatnonzero(np.abs(here[:, i]) > NEAR)
-        sign = np.sign(here[near, i])
+        near = np.flatnonzero(np.abs(present[:, i]) > NEAR)
+        sign = np.sign(present[near, i])
         slope = np.zeros((len(near), *sizes.shape))
         for order in range(3):
             for j in range(sizes.shape[1]):
-                change = (told.showing[order][j].current[near, i] - told.shown.current[near, i]) * scale[i]
+                change = (probe.showing[order][j].current[near, i] - probe.shown.current[near, i]) * scale[i]
                 slope[:, :, j] += (
-                    (sign * change / told.steps[order, j])[:, None, None] * basis[order][near] * sizes[:, j]
+                    (sign * change / probe.steps[order, j])[:, None, None] * basis[order][near] * sizes[:, j]
                 )
-        values.append(np.abs(here[near, i]))
+        values.append(np.abs(present[near, i]))
         slopes.append(slope.reshape(len(near), sizes.size))
     return Linear(np.concatenate(values), np.vstack(slopes))
 
 
 def _of_bands(
-    search: Search, trajectory: FourierTrajectory, told: _Perturbed, basis: np.ndarray, sizes: np.ndarray
+    search: Search, trajectory: FourierTrajectory, probe: _Perturbed, basis: np.ndarray, sizes: np.ndarray
 ) -> Linear:
     """What of the currents lies above the band: see `band_shares`."""
     rate = search.shape.rate
-    values = band_shares(told.shown.current, rate, trajectory)
+    values = band_shares(probe.shown.current, rate, trajectory)
     near = np.flatnonzero(values > NEAR)
-    here = told.shown.current[:, near]
-    whole, above = current_above(here, rate, trajectory)
-    of_logarithm = hann(len(here))[:, None] * (
+    present = probe.shown.current[:, near]
+    whole, above = current_above(present, rate, trajectory)
+    of_logarithm = hann(len(present))[:, None] * (
         above / (above**2).sum(axis=0) - whole / (whole**2).sum(axis=0)
     )
     of_logarithm -= of_logarithm.mean(axis=0)  # of currents about their mean
     slopes = np.zeros((len(near), *sizes.shape))
     for order in range(3):
         for j in range(sizes.shape[1]):
-            weights = of_logarithm * (told.showing[order][j].current[:, near] - here) / told.steps[order, j]
+            weights = (
+                of_logarithm * (probe.showing[order][j].current[:, near] - present) / probe.steps[order, j]
+            )
             slopes[:, :, j] += np.einsum("tm,twk->mwk", weights, basis[order]) * sizes[:, j]
     return Linear(values[near], slopes.reshape(len(near), sizes.size) * values[near, None])
 
 
-def _beside_each_other(parts: list[Linear]) -> Linear:
-    """The limits of all motions, each by its own coefficients."""
+def _concatenated(parts: list[Linear]) -> Linear:
+    """The limits of all motions, each by its coefficients."""
     widths = [part.slopes.shape[1] for part in parts]
     slopes, at = [], 0
     for part, width in zip(parts, widths, strict=True):

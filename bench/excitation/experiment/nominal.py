@@ -46,7 +46,7 @@ class Noise:
 
 @dataclass(frozen=True)
 class Nominal:
-    """A model with values: base parameters (nb,), gains (n,), payloads by name, and effects as unknowns beside.
+    """A model with values: base parameters (nb,), gains (n,), payloads by name, and effects as further unknowns.
 
     layout: of the parameters; the gains come behind them where `gains_fitted`: they are unknowns where some payload's
     mass is known. source: where the values are from, in words. scale: why payloads, as they are declared, leave all
@@ -185,15 +185,15 @@ def pooled_variance(recordings: Sequence[Evidence]) -> np.ndarray:
 def reference_sizes(nominal: Nominal, recordings: Sequence[SeenMotion]) -> np.ndarray:
     """The size (P,) against which the standard error of each unknown is held.
 
-    A gain: its own. A base parameter: its own, but at least SMALLEST of the largest of its unit. A payload's: as a base
-    parameter's. An effect's: what makes FRICTION_SHARE of the RMS torque of a motor, over `recordings`.
+    A gain: its value. A base parameter: its value, but at least SMALLEST of the largest of its unit. A payload's: as a
+    base parameter's. An effect's: what makes FRICTION_SHARE of the RMS torque of a motor, over `recordings`.
     """
     layout = nominal.layout
     sizes = np.zeros(nominal.size)
     units = np.array(nominal.model.base.units)
-    own = np.abs(nominal.base)
-    largest = {unit: float(own[units == unit].max()) for unit in sorted(set(units))}
-    sizes[: layout.base] = np.maximum(own, [SMALLEST * largest[unit] for unit in units])
+    magnitudes = np.abs(nominal.base)
+    largest = {unit: float(magnitudes[units == unit].max()) for unit in sorted(set(units))}
+    sizes[: layout.base] = np.maximum(magnitudes, [SMALLEST * largest[unit] for unit in units])
     torque = np.concatenate([motion.current * nominal.gains for motion in recordings])
     rms = np.sqrt(np.mean(torque**2, axis=0))
     columns = np.concatenate([motion.jacobian for motion in recordings]) * nominal.gains[:, None]

@@ -37,7 +37,7 @@ Limit = tuple[Kept, str]  # and the joint or box that it is of, "" for the whole
 
 @dataclass(frozen=True)
 class Margin:
-    """What is left of a limit in intervals: in their middles, and at least in the whole of each, (K,); where the last
+    """What remains of a limit in intervals: in their middles, and at least in the whole of each, (K,); where the last
     is above zero the limit is kept.
     """
 
@@ -46,24 +46,24 @@ class Margin:
 
 
 def margins(nominal: Nominal, room: Room, payload: str | None, enclosure: Enclosure) -> dict[Limit, Margin]:
-    """What is left of every limit, always in the same order."""
+    """What remains of every limit, always in the same order."""
     geometry = nominal.model.geometry
-    found: dict[Limit, Margin] = {}
+    by_limit: dict[Limit, Margin] = {}
     if geometry.closed:
         sizes = np.abs(enclosure.motion.jacobian)
-        found[Kept.AMPLIFICATION, ""] = _below(room.joint.amplification, sizes, sizes + enclosure.jacobian)
+        by_limit[Kept.AMPLIFICATION, ""] = _below(room.joint.amplification, sizes, sizes + enclosure.jacobian)
         values, straying = _singular_values(geometry, enclosure)
-        found[Kept.SINGULAR, ""] = Margin(
+        by_limit[Kept.SINGULAR, ""] = Margin(
             values - room.joint.held, values * (1.0 - ROUNDING) - straying - room.joint.held
         )
     for limit in passive_ranges(geometry):
         at, radius = limit.at(enclosure.motion.q), enclosure.passed[:, limit.displacement.start]
-        left = np.minimum(at - limit.low, limit.high - at)
-        found[Kept.PASSIVE_RANGE, limit.joint] = Margin(left, left - radius)
+        distance = np.minimum(at - limit.low, limit.high - at)
+        by_limit[Kept.PASSIVE_RANGE, limit.joint] = Margin(distance, distance - radius)
     if room.boxes:
         points, radii = _tool(geometry, enclosure)
         for i, box in enumerate(room.boxes):
-            found[Kept.WORKSPACE, str(i)] = Margin(
+            by_limit[Kept.WORKSPACE, str(i)] = Margin(
                 _clear(box, points, np.zeros_like(points)),
                 _clear(box, points, radii),
             )
@@ -72,14 +72,14 @@ def margins(nominal: Nominal, room: Room, payload: str | None, enclosure: Enclos
         middle, largest = enclosed_torques(nominal, payload, enclosure)
         for j in limited.tolist():
             most = room.torque[j]
-            found[Kept.TORQUE, geometry.robot.joints[j]] = Margin(
+            by_limit[Kept.TORQUE, geometry.robot.joints[j]] = Margin(
                 most - middle[:, j], most - largest[:, j] * (1.0 + ROUNDING)
             )
-    return found
+    return by_limit
 
 
 def _below(most: float, middle: np.ndarray, largest: np.ndarray) -> Margin:
-    """Of what is at most so large everywhere; middle, largest (K, nv, n)."""
+    """Margin of what is at most so large everywhere; middle, largest (K, nv, n)."""
     return Margin(most - middle.max(axis=(1, 2)), most - largest.max(axis=(1, 2)) * (1.0 + ROUNDING))
 
 
@@ -121,7 +121,7 @@ def _tool(geometry: Geometry, enclosure: Enclosure) -> tuple[np.ndarray, np.ndar
 
 
 def _clear(box: Box, points: np.ndarray, radii: np.ndarray) -> np.ndarray:
-    """What is left between points (K, 3) with radii and the walls of a box that they keep inside or out of, (K,) m."""
+    """What remains between points (K, 3) with radii and the walls of a box that they keep inside or out of, (K,) m."""
     low, high = np.asarray(box.low), np.asarray(box.high)
     if box.keep == "inside":
         return np.asarray(np.minimum(points - low, high - points).min(axis=1) - radii.max(axis=1))

@@ -123,11 +123,11 @@ class ExperimentPlan:
             PlannedRecording(name, "identify", load, proof)
             for name, load, proof in zip(self.names, self.search.loads, self.proofs, strict=True)
         ]
-        judged = [
+        held_out = [
             PlannedRecording(f"{name}_check", "validate", load, proof)
             for name, load, proof in zip(self.names, self.search.loads, self.checks, strict=True)
         ]
-        return (*fitted, *judged)
+        return (*fitted, *held_out)
 
 
 @dataclass(frozen=True)
@@ -184,18 +184,18 @@ def _open_scale(model: IdentificationModel, payloads: Mapping[str, Payload]) -> 
 
 def noise_of(robot: Robot, table: ExperimentTable) -> Noise:
     """What the log is expected to be like."""
-    own, joints = table.sensors, robot.joints
+    sensors, joints = table.sensors, robot.joints
     current = (
         None
-        if own.current_noise is None
-        else joint_values("sensors.current_noise", own.current_noise, joints)
+        if sensors.current_noise is None
+        else joint_values("sensors.current_noise", sensors.current_noise, joints)
     )
     if current is not None and np.any(current <= 0.0):
         raise BenchError(
             "sensors.current_noise: must be greater than 0: without noise nothing has a standard error"
         )
-    encoder = joint_values("sensors.encoder_resolution", own.encoder_resolution, joints)
-    return Noise(current, own.current_noise_ratio, encoder, table.rate)
+    encoder = joint_values("sensors.encoder_resolution", sensors.encoder_resolution, joints)
+    return Noise(current, sensors.current_noise_ratio, encoder, table.rate)
 
 
 def _effects(
@@ -204,9 +204,9 @@ def _effects(
     catalogue: Mapping[str, Effect],
     payloads: tuple[str, ...],
 ) -> tuple[EffectInstance, ...]:
-    found = select_effects(requests, places_in(model.geometry, payloads), catalogue)
-    check_linear(found)
-    return found
+    instances = select_effects(requests, places_in(model.geometry, payloads), catalogue)
+    check_linear(instances)
+    return instances
 
 
 def check_linear(effects: Sequence[EffectInstance]) -> None:
@@ -233,7 +233,7 @@ def plan_experiment(
 ) -> ExperimentPlan:
     """Design motions, without and with the payload, that make the standard errors of what is wanted small.
 
-    effects: what the model has beside, not aimed at. The plan is the same with every mapper. Raises BenchError for
+    effects: what else the model has, not aimed at. The plan is the same with every mapper. Raises BenchError for
     names that are unknown and limits that leave no room.
     """
     progress.phase("reading the robot")
@@ -332,7 +332,7 @@ def targets_of(nominal: Nominal, wanted: Sequence[str]) -> np.ndarray:
     """The unknowns that are aimed at, by number. Raises BenchError for gains that no payload gives a scale."""
     layout = nominal.layout
     gains = np.arange(layout.size, nominal.size)
-    found: list[int] = []
+    indices: list[int] = []
     for name in wanted:
         if name == GAINS and not nominal.gains_fitted:
             if nominal.scale is not None:
@@ -341,13 +341,13 @@ def targets_of(nominal: Nominal, wanted: Sequence[str]) -> np.ndarray:
                 )
             raise BenchError("the drive gains cannot be identified without a payload of known mass: give one")
         if name in (ALL, PARAMETERS):
-            found += range(layout.base)
+            indices += range(layout.base)
         if name in (ALL, GAINS):
-            found += gains.tolist()
+            indices += gains.tolist()
         at = layout.size - layout.effects
         for instance in nominal.effects:
             count = len(instance.effect.parameters)
             if instance.request == name:
-                found += range(at, at + count)
+                indices += range(at, at + count)
             at += count
-    return np.unique(found)
+    return np.unique(indices)

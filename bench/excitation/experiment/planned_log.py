@@ -1,4 +1,4 @@
-"""The rows that a fit will take from planned motions: filters chosen as for a log, rows at standstill left out."""
+"""The rows that a fit will take from planned motions: filters chosen as for a log, rows at standstill omitted."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass

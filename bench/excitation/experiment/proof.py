@@ -17,7 +17,7 @@ from bench.excitation.experiment.nominal import Nominal
 from bench.excitation.experiment.open_limits import Kept, Limit, margins
 from bench.excitation.experiment.room import Room
 from bench.model.geometry import Geometry
-from bench.model.motion import Motion, blocks_of, joined, motion_beside, motion_of
+from bench.model.motion import Motion, blocks_of, joined, motion_near, motion_of
 from bench.scenario.trajectory import FourierTrajectory
 
 RATE = 1000.0  # intervals a second, before any is cut
@@ -30,7 +30,7 @@ LOOPS: Limit = (Kept.LOOPS, "")
 
 @dataclass(frozen=True)
 class Proof:
-    """That a motion keeps all limits: by so many intervals, the shortest of which takes so many seconds."""
+    """Proof that a motion keeps all limits: by so many intervals, the shortest of which takes so many seconds."""
 
     intervals: int
     shortest: float
@@ -78,8 +78,8 @@ class Promise:
 
 
 def prove(promise: Promise) -> Proof | Unproven:
-    """That the robot keeps its loops closed and clear of singular poses, its passive joints' ranges, the boxes of its
-    tool and the torques of its motors at all times; or what could not be proven, and when.
+    """Prove that the robot keeps its loops closed and clear of singular poses, its passive joints' ranges, the boxes of
+    its tool and the torques of its motors at all times; or what could not be proven, and when.
 
     Ranges, speeds and accelerations of the motors follow from the trajectory alone, see `between_samples`.
     """
@@ -104,7 +104,7 @@ def prove(promise: Promise) -> Proof | Unproven:
         finer = known.intervals.at(undecided).cut(parts)
         near = known.motion.at(np.repeat(np.flatnonzero(undecided), parts))
         try:
-            motion = motion_beside(
+            motion = motion_near(
                 geometry, replace(near, time=finer.middle), *trajectory.evaluate(finer.middle)
             )
         except BenchError as error:
@@ -118,23 +118,23 @@ def _looked(promise: Promise, intervals: Intervals, motion: Motion) -> _Looked:
     rates = bool(np.isfinite(promise.room.torque).any())
     parts = []
     for block in blocks_of(len(intervals.half), TOGETHER):
-        own = Intervals(intervals.middle[block], intervals.half[block])
-        motors = motor_balls(promise.trajectory, own)
-        enclosure = enclosed(geometry, own, motors, motion.at(block), rates=rates)
+        in_block = Intervals(intervals.middle[block], intervals.half[block])
+        motors = motor_balls(promise.trajectory, in_block)
+        enclosure = enclosed(geometry, in_block, motors, motion.at(block), rates=rates)
         held = enclosure.held
-        found = margins(promise.nominal, promise.room, promise.payload, enclosure.at(held))
-        still, exceeded = np.zeros((2, len(held), 1 + len(found)), dtype=bool)
+        by_limit = margins(promise.nominal, promise.room, promise.payload, enclosure.at(held))
+        still, exceeded = np.zeros((2, len(held), 1 + len(by_limit)), dtype=bool)
         still[~held] = True
-        for k, margin in enumerate(found.values(), start=1):
+        for k, margin in enumerate(by_limit.values(), start=1):
             still[held, k] = ~(margin.least > 0.0)
             exceeded[held, k] = ~(margin.middle > 0.0)
         parts.append(
             _Looked(
-                own,
+                in_block,
                 motion.at(block),
                 enclosure.passed,
                 enclosure.reach,
-                (LOOPS, *found),
+                (LOOPS, *by_limit),
                 still,
                 exceeded,
                 _parts(enclosure),
@@ -215,7 +215,7 @@ def _first(geometry: Geometry, known: _Looked) -> Unproven:
 
 
 def _amplified(geometry: Geometry, motion: Motion, sample: int) -> Unproven:
-    """That a joint, the fastest at a sample, moves too fast for the motors' speed there."""
+    """The finding that a joint, the fastest at a sample, moves too fast for the motors' speed there."""
     fastest = int(np.abs(motion.jacobian[sample]).max(axis=1).argmax())
     where = next(joint.name for joint in geometry.joints if joint.v.start <= fastest < joint.v.stop)
     return Unproven(Kept.AMPLIFICATION, where, float(motion.time[sample]), exceeded=True)

@@ -4,21 +4,21 @@ from bench.excitation.experiment.open_limits import Kept
 from bench.excitation.experiment.proof import Unproven
 
 
-def limit_in_words(told: Unproven) -> str:
+def limit_in_words(unproven: Unproven) -> str:
     """A limit that could not be proven, when, and why the loops could not be closed there."""
-    if told.limit is Kept.WORKSPACE:
-        what = f"workspace[{told.where}]"
+    if unproven.limit is Kept.WORKSPACE:
+        what = f"workspace[{unproven.where}]"
     else:
-        what = f"the {told.limit}" + (f" of {told.where}" if told.where else "")
-    when = "" if told.time is None else f" at t = {told.time:.4f} s"
-    why = f" ({told.why})" if told.why else ""
+        what = f"the {unproven.limit}" + (f" of {unproven.where}" if unproven.where else "")
+    when = "" if unproven.time is None else f" at t = {unproven.time:.4f} s"
+    why = f" ({unproven.why})" if unproven.why else ""
     return f"{what}{when}{why}"
 
 
-def made_smaller(name: str, told: Unproven) -> str:
+def made_smaller(name: str, unproven: Unproven) -> str:
     """A sentence on the motion of that name, which was made smaller: by which limit, where, and what relaxes it."""
-    when = "" if told.time is None else f"at t = {told.time:.4g} s "
-    return f"The motion {name!r} was reduced, because {when}{_IN_THE_WAY[told.limit].format(told.where)}."
+    when = "" if unproven.time is None else f"at t = {unproven.time:.4g} s "
+    return f"The motion {name!r} was reduced, because {when}{_IN_THE_WAY[unproven.limit].format(unproven.where)}."
 
 
 _IN_THE_WAY = {

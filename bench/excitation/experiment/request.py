@@ -38,7 +38,7 @@ class ExpectedSensors(UserTable):
     """[sensors]: what the controller's log is expected to be like."""
 
     current_noise: NotNegativePerJoint | None = None
-    """Standard deviation, drive unit; left out, 1 % of the RMS current of each recording."""
+    """Standard deviation, drive unit; omitted, 1 % of the RMS current of each recording."""
     current_noise_ratio: Positive = 0.01
     encoder_resolution: NotNegativePerJoint = 0.0
     """A step, rad or m."""
@@ -62,7 +62,7 @@ class ExperimentTable(UserTable):
     position: Mapping[str, tuple[Number, Number]] = {}
     """Joint = [low, high], rad or m, inside the joint ranges of the robot."""
     amplification: Positive | None = None
-    """Largest passive speed for active speed; left out, three times that of the home pose."""
+    """Largest passive speed for active speed; omitted, three times that of the home pose."""
     workspace: tuple[Box, ...] = ()
     payload: DeclaredPayload | None = None
     sensors: ExpectedSensors = ExpectedSensors()

@@ -1,4 +1,4 @@
-"""The file of limits, and what the command line says beside it."""
+"""The file of limits, and what the command line adds to it."""
 
 from collections.abc import Mapping
 from pathlib import Path
@@ -15,7 +15,7 @@ from bench.excitation.experiment.request import PER, ExperimentTable, by_unit
 def asked_table(file: Path | None, given: Mapping[str, Any], robot: Robot) -> ExperimentTable:
     """The file's table, or an empty one, with what was given on the command line in place of its keys.
 
-    `payload_mass` stands for the mass of the payload; `velocity` and `acceleration` are pairs of a number and its unit.
+    `payload_mass` is the mass of the payload; `velocity` and `acceleration` are pairs of a number and its unit.
     Raises BenchError in one line.
     """
     table = ExperimentTable() if file is None else read_toml(file, ExperimentTable)

@@ -76,8 +76,8 @@ def room_of(geometry: Geometry, table: ExperimentTable) -> Room:
     if table.torque is not None:
         torque = joint_values("torque", table.torque, joints)
     if table.current is not None:
-        own = joint_values("current", table.current, joints) * geometry.robot.nominal_gains
-        torque = np.minimum(torque, own)
+        by_current = joint_values("current", table.current, joints) * geometry.robot.nominal_gains
+        torque = np.minimum(torque, by_current)
     room = Room(home, limits, velocity, acceleration, torque, table.workspace, tuple(assumed))
     _check_home(geometry, room)
     return room

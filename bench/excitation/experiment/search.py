@@ -53,7 +53,7 @@ class Shape:
 
     @property
     def rate(self) -> float:
-        """Of `times`, Hz."""
+        """The rate of `times`, Hz."""
         return (len(self.times) - 1) / self.duration
 
 
@@ -102,9 +102,9 @@ class Search:
         near = None
         for _ in range(MOST_SHRINKS):
             motion = self._motion(trajectory, near)
-            found = None if motion is None else self._telling(trajectory, load, motion)
-            if found is not None:
-                return found
+            kept = None if motion is None else self._telling(trajectory, load, motion)
+            if kept is not None:
+                return kept
             near = motion
             trajectory = scaled(trajectory, SHRINK)
         return None
@@ -147,11 +147,11 @@ def check_proven_at_home(search: Search) -> None:
     none = np.zeros((len(search.room.home), 1))
     standing = FourierTrajectory(search.room.home, none, none, 1.0 / STANDING, STANDING, 0.5 * STANDING)
     for load in search.loads:
-        told = prove(Promise(search.nominal, search.room, standing, load))
-        if isinstance(told, Unproven):
+        proof = prove(Promise(search.nominal, search.room, standing, load))
+        if isinstance(proof, Unproven):
             robot = search.nominal.model.geometry.robot.name
             raise BenchError(
-                f"robot {robot}: of no motion from home it could be proven that it keeps {limit_in_words(told)}"
+                f"robot {robot}: of no motion from home it could be proven that it keeps {limit_in_words(proof)}"
             )
 
 
@@ -198,11 +198,11 @@ def random_candidates(
             frequency = float(np.exp(random.uniform(np.log(shape.lowest), np.log(shape.highest))))
         trajectories = tuple(_drawn(search, frequency, few, random) for _ in search.loads)
         drawn.append(_Drawn(trajectories, few, (seed, stream + int(few), number)))
-    found = []
+    candidates = []
     for candidate in mapper.map(_largest, search, drawn):
         progress.advance()
-        found.append(candidate)
-    return found
+        candidates.append(candidate)
+    return candidates
 
 
 def _drawn(search: Search, frequency: float, few: bool, random: np.random.Generator) -> FourierTrajectory:
@@ -225,27 +225,27 @@ def _drawn(search: Search, frequency: float, few: bool, random: np.random.Genera
 def _largest(search: Search, drawn: _Drawn) -> Candidate:
     """The drawn motions, or others at random, as large as the limits allow."""
     random = np.random.default_rng(drawn.seed)
-    found: list[Tried] = []
+    motions: list[Tried] = []
     for first, load in zip(drawn.trajectories, search.loads, strict=True):
         trajectory = first
         for _ in range(TRIES):
             full = filled(search.room, trajectory, grow=True)
             shrunk = search.shrunk(full, load)
             if shrunk is not None:
-                found.append(shrunk)
+                motions.append(shrunk)
                 break
             trajectory = _drawn(search, first.base_frequency, drawn.few, random)
         else:
             raise _no_room(search, scaled(full, SHRINK ** (MOST_SHRINKS - 1)), load)
-    return tuple(found)
+    return tuple(motions)
 
 
 def _no_room(search: Search, smallest: FourierTrajectory, load: str | None) -> BenchError:
     """What is said where no motion keeps the limits: the one that the smallest of all does not keep."""
-    told = prove(Promise(search.nominal, search.room, smallest, load))
+    proof = prove(Promise(search.nominal, search.room, smallest, load))
     which = (
-        f"; the smallest that was tried does not keep {limit_in_words(told)}"
-        if isinstance(told, Unproven)
+        f"; the smallest that was tried does not keep {limit_in_words(proof)}"
+        if isinstance(proof, Unproven)
         else ""
     )
     robot = search.nominal.model.geometry.robot.name
@@ -255,7 +255,7 @@ def _no_room(search: Search, smallest: FourierTrajectory, load: str | None) -> B
 
 
 def _with_few(trajectory: FourierTrajectory, random: np.random.Generator) -> FourierTrajectory:
-    """The same with FEW harmonics left for each joint."""
+    """The same with FEW harmonics for each joint."""
     kept = random.random(trajectory.a.shape).argsort(axis=1) < FEW
     return replace(trajectory, a=trajectory.a * kept, b=trajectory.b * kept)
 
@@ -284,13 +284,13 @@ def _proven(search: Search, motion: tuple[Tried, str | None]) -> Proven:
     trajectory = filled(search.room, trial.trajectory)
     less = 0.2 * (1.0 - SHRINK)
     for attempt in range(MOST_SHRINKS):
-        told = prove(Promise(search.nominal, search.room, trajectory, load))
-        if isinstance(told, Unproven):
-            given_way.append(told)
+        proof = prove(Promise(search.nominal, search.room, trajectory, load))
+        if isinstance(proof, Unproven):
+            given_way.append(proof)
         else:
-            found = search.tried(trajectory, load)
-            if found is not None and keeps_joints(search.room, trajectory):
-                return Proven(found, told, tuple(given_way))
+            kept = search.tried(trajectory, load)
+            if kept is not None and keeps_joints(search.room, trajectory):
+                return Proven(kept, proof, tuple(given_way))
         less = less if attempt < SMALL_STEPS else min(2.0 * less, 1.0 - SHRINK)
         trajectory = scaled(trajectory, 1.0 - less)
     robot = search.nominal.model.geometry.robot.name

@@ -21,16 +21,16 @@ from bench.identification.wording import and_list, in_percent
 MOST_NAMED = 3
 
 
-def sentences(plan: ExperimentPlan, told: Forecast) -> list[str]:
+def sentences(plan: ExperimentPlan, forecast: Forecast) -> list[str]:
     """What is to be expected, the best first."""
-    lines = [_gains(told), _parameters(plan, told)]
-    lines += _compared(plan, told)
-    lines.append(_sizes(plan, told))
-    for note in told.notes:
+    lines = [_gains(forecast), _parameters(plan, forecast)]
+    lines += _compared(plan, forecast)
+    lines.append(_sizes(plan, forecast))
+    for note in forecast.notes:
         why = plan.nominal.scale if note.code is ForecastCode.NO_SCALE else None
         lines.append(note_sentence(note) if why is None else scale_sentence(why))
-    if told.enough is not None:
-        lines += enough(told.enough)
+    if forecast.enough is not None:
+        lines += enough(forecast.enough)
     if plan.room.assumed:
         lines.append(
             f"Assumed, because not given: {'; '.join(plan.room.assumed)}. Check them against the machine."
@@ -44,14 +44,14 @@ def sentences(plan: ExperimentPlan, told: Forecast) -> list[str]:
     return [line for line in lines if line]
 
 
-def _compared(plan: ExperimentPlan, told: Forecast) -> list[str]:
-    """What was asked for, beside motions at random and beside the recordings that are there.
+def _compared(plan: ExperimentPlan, forecast: Forecast) -> list[str]:
+    """What was asked for, next to motions at random and to the recordings that are there.
 
     These are compared by all of their samples, the forecast goes by the rows that a fit will take.
     """
     lines = []
     worst = plan.aim.criterion == "worst"
-    expected = max(told.unknowns[i].relative for i in plan.targets) if worst else plan.value
+    expected = max(forecast.unknowns[i].relative for i in plan.targets) if worst else plan.value
     if not np.isfinite(expected):
         return ["Some of the requested unknowns cannot be determined: motions are compared by the others."]
     if plan.random:
@@ -118,14 +118,14 @@ def _proven(plan: ExperimentPlan) -> str:
     if np.isfinite(room.torque).any():
         parts.append("the limits of currents and torques")
     kept = and_list(parts)
-    told = (
+    sentence = (
         f"{kept[0].upper()}{kept[1:]} are proven to be kept at all times, also between the rows of the table."
     )
     for recording in plan.recordings:
         name, given_way = recording.name, recording.proven.given_way
         if given_way:
-            told += f" {made_smaller(name, given_way[0])}"
-    return told
+            sentence += f" {made_smaller(name, given_way[0])}"
+    return sentence
 
 
 def _noise(plan: ExperimentPlan) -> str:
@@ -139,16 +139,16 @@ def _noise(plan: ExperimentPlan) -> str:
     return f"{current}, {steps}, {noise.rate:g} samples per second"
 
 
-def _gains(told: Forecast) -> str:
-    gains = [expected for expected in told.unknowns if expected.kind == "gain"]
+def _gains(forecast: Forecast) -> str:
+    gains = [expected for expected in forecast.unknowns if expected.kind == "gain"]
     if not gains:
         return ""
     listed = ", ".join(f"{gain.name} ± {in_percent(gain.relative, 2)}" for gain in gains)
     return f"Expected standard errors of the drive gains: {listed}."
 
 
-def _parameters(plan: ExperimentPlan, told: Forecast) -> str:
-    parameters = [told.unknowns[i] for i in plan.targets if told.unknowns[i].kind != "gain"]
+def _parameters(plan: ExperimentPlan, forecast: Forecast) -> str:
+    parameters = [forecast.unknowns[i] for i in plan.targets if forecast.unknowns[i].kind != "gain"]
     known = sorted(
         (parameter for parameter in parameters if parameter.std is not None),
         key=lambda parameter: -parameter.relative,
@@ -161,9 +161,9 @@ def _parameters(plan: ExperimentPlan, told: Forecast) -> str:
     return f"Of {len(parameters)} parameters the least certain: {listed}."
 
 
-def _sizes(plan: ExperimentPlan, told: Forecast) -> str:
+def _sizes(plan: ExperimentPlan, forecast: Forecast) -> str:
     """What the relative standard errors of effects are relative to."""
-    if all(told.unknowns[i].kind != "effect" for i in plan.targets):
+    if all(forecast.unknowns[i].kind != "effect" for i in plan.targets):
         return ""
     return (
         "The unknown size of an effect's parameter is assumed to produce "
@@ -176,26 +176,26 @@ def named(expected: Expected) -> str:
     return f"{expected.name} ± {expected.std:.2g} {expected.unit}"
 
 
-def enough(found: Enough) -> list[str]:
+def enough(needed: Enough) -> list[str]:
     """What gives the accuracy of the gains that was asked for."""
-    goal = in_percent(found.accuracy, 2)
+    goal = in_percent(needed.accuracy, 2)
     lines = []
-    if found.expected is not None:
-        if found.expected <= found.accuracy:
+    if needed.expected is not None:
+        if needed.expected <= needed.accuracy:
             lines.append(
                 f"The planned payload and time are enough for gains within {goal} (one standard error)."
             )
-        elif found.seconds is not None:
+        elif needed.seconds is not None:
             lines.append(
-                f"With this payload the gains are within {goal} after {found.seconds:.3g} s of each motion: repeat the "
-                "motion."
+                f"With this payload the gains are within {goal} after {needed.seconds:.3g} s of each motion: repeat "
+                "the motion."
             )
         else:
             lines.append(
                 f"With this payload even {LONGEST:g} times the recording time is not enough for gains within {goal}."
             )
-    if found.mass is not None:
-        lines.append(f"At this time a payload of {found.mass:.2g} kg is enough for gains within {goal}.")
+    if needed.mass is not None:
+        lines.append(f"At this time a payload of {needed.mass:.2g} kg is enough for gains within {goal}.")
     else:
         lines.append(f"At this time no payload that the limits allow is enough for gains within {goal}.")
     return lines

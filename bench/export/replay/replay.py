@@ -184,7 +184,7 @@ def _left_out(identified: IdentifiedModel, by_twin: Sequence[str]) -> tuple[str,
 
 
 def _at_fit_rate(measured: Measured, currents: np.ndarray) -> np.ndarray:
-    """Currents (N, n), bridged where joints stand still, filtered and decimated as the measured ones are: (M, n)."""
+    """Currents (N, n), interpolated at standstill, filtered and decimated as the measured ones are: (M, n)."""
     rows = all_currents(replace(measured, current=currents))
-    own = np.arange(currents.shape[1])
-    return rows[:, own, own]
+    motors = np.arange(currents.shape[1])
+    return rows[:, motors, motors]

@@ -125,17 +125,17 @@ class _ApparentInertia:
 
     def at(self, data: mujoco.MjData) -> np.ndarray:
         """At a state."""
-        model, own = self._model, self._data
-        own.qpos[:], own.qvel[:], own.ctrl[:] = data.qpos, data.qvel, 0.0
-        mujoco.mj_forward(model, own)
-        still = own.qacc[self._dofs].copy()
+        model, scratch = self._model, self._data
+        scratch.qpos[:], scratch.qvel[:], scratch.ctrl[:] = data.qpos, data.qvel, 0.0
+        mujoco.mj_forward(model, scratch)
+        still = scratch.qacc[self._dofs].copy()
         columns = []
         for actuator, dof in zip(self._actuators, self._dofs, strict=True):
-            own.ctrl[actuator] = 1.0
-            _accelerate(model, own)
-            pushed = float(own.qfrc_actuator[dof]) - self._offset(actuator)
-            columns.append((own.qacc[self._dofs] - still) / pushed)
-            own.ctrl[actuator] = 0.0
+            scratch.ctrl[actuator] = 1.0
+            _accelerate(model, scratch)
+            pushed = float(scratch.qfrc_actuator[dof]) - self._offset(actuator)
+            columns.append((scratch.qacc[self._dofs] - still) / pushed)
+            scratch.ctrl[actuator] = 0.0
         return np.linalg.inv(np.column_stack(columns))
 
     def _offset(self, actuator: int) -> float:

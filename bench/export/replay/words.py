@@ -22,10 +22,10 @@ def replay_sentences(result: Replay) -> tuple[str, ...]:
 
 def shortcomings(result: Replay) -> tuple[str, ...]:
     """What the twin leaves out, and loops that open."""
-    found = [f"Not simulated, so its part of the current is missing: {name}." for name in result.left_out]
+    messages = [f"Not simulated, so its part of the current is missing: {name}." for name in result.left_out]
     if result.opened > OPEN:
-        found.append(
+        messages.append(
             f"Loops open by up to {1e3 * result.opened:.2g} mm or mrad: solref and solimp of the MJCF's equalities are "
             'soft; solref="0.002 1" solimp="0.9999 0.99999 0.001" keeps them closed.'
         )
-    return tuple(found)
+    return tuple(messages)

@@ -15,8 +15,8 @@ from bench.effects.display_names import spoken
 from bench.effects.effect import Effect
 from bench.identification.problem import Problem
 from bench.identification.result import Identification
+from bench.page.workbench.diagnosed_model import DiagnosedModel, diagnosed_model
 from bench.page.workbench.encode import doubles, floats, triangle
-from bench.page.workbench.found_model import FoundModel, found_model
 from bench.page.workbench.proposals import instances_of
 from bench.page.workbench.room import carried_columns, without_room
 from bench.page.workbench.sample import thinned
@@ -27,7 +27,7 @@ VERSION = 2
 
 @on_one_thread
 def page_data(problem: Problem, diagnosis: Diagnosis) -> dict[str, Any]:
-    """Everything with which the page solves for any choice of effects in the shapes found, ready for JSON.
+    """Everything with which the page solves for any choice of effects in the identified shapes, ready for JSON.
 
     diagnosis: of this problem; its filters are used. Arrays are base64 of little-endian numbers; `triangle` holds
     the upper triangle of the factor R of [columns, modelled, error], row after row. basis: how the model's parameters
@@ -35,7 +35,7 @@ def page_data(problem: Problem, diagnosis: Diagnosis) -> dict[str, Any]:
     zero where recordings are.
     """
     known = problem.catalogue
-    model = found_model(problem, diagnosis)
+    model = diagnosed_model(problem, diagnosis)
     nearby = model.nearby()
     instances = instances_of(model, _usable(model, diagnosis, known), nearby)
     system = build(model, instances, nearby)
@@ -67,33 +67,33 @@ def page_data(problem: Problem, diagnosis: Diagnosis) -> dict[str, Any]:
 
 def with_command(data: dict[str, Any], command: str, model: dict[str, Any] | None = None) -> dict[str, Any]:
     """The page's data with the command that identifies without the effects that are ticked, and the model that was
-    found as its file holds it, to be downloaded.
+    identified as its file holds it, to be downloaded.
     """
     return {**data, "command": command, "model": finite(model)}
 
 
-def _usable(model: FoundModel, diagnosis: Diagnosis, known: Mapping[str, Effect]) -> dict[str, Effect]:
-    """What may be ticked: found, or judged and not absorbed. The page changes nothing in what the model has itself."""
-    own = {
+def _usable(model: DiagnosedModel, diagnosis: Diagnosis, known: Mapping[str, Effect]) -> dict[str, Effect]:
+    """What may be ticked: identified, or judged and not absorbed. The page changes nothing in what the model has."""
+    given = {
         instance.effect.name for instance in model.plain.effects
     }  # columns of the model, as the rigid bodies' are
-    found = {instance.effect.name for instance in model.effects}
+    fitted = {instance.effect.name for instance in model.effects}
     shown = {verdict.effect for verdict in diagnosis.ranking if verdict.verdict != "absorbed"}
-    return {name: effect for name, effect in known.items() if name not in own and name in found | shown}
+    return {name: effect for name, effect in known.items() if name not in given and name in fitted | shown}
 
 
-def _ranks(model: FoundModel, diagnosis: Diagnosis) -> dict[str, int]:
-    """How early an effect must have its place; those found before all."""
+def _ranks(model: DiagnosedModel, diagnosis: Diagnosis) -> dict[str, int]:
+    """How early an effect must have its place; those identified before all."""
     ranks = {verdict.effect: i for i, verdict in enumerate(diagnosis.ranking)}
     return ranks | {instance.effect.name: -1 for instance in model.effects}
 
 
-def _motor(model: FoundModel, system: PageSystem, kept: np.ndarray, j: int) -> dict[str, Any]:
+def _motor(model: DiagnosedModel, system: PageSystem, kept: np.ndarray, j: int) -> dict[str, Any]:
     actuator = model.plain.dataset.robot.actuators[j]
     columns = np.flatnonzero(kept[j])
     rows = np.column_stack((system.columns[:, j, columns], system.modelled[:, j], system.error[:, j]))
     measured = system.measured[:, j]
-    found: dict[str, Any] = {
+    motor: dict[str, Any] = {
         "joint": actuator.joint,
         "nominal": actuator.gain,
         "unit": actuator.gain_unit,
@@ -108,17 +108,21 @@ def _motor(model: FoundModel, system: PageSystem, kept: np.ndarray, j: int) -> d
             upper = np.linalg.qr(rows[chosen], mode="r")
             factor[: len(upper)] = upper
             packed = triangle(factor)
-        found[use] = {"triangle": packed, "squares": float((measured[chosen] ** 2).sum())}
-    return found
+        motor[use] = {"triangle": packed, "squares": float((measured[chosen] ** 2).sum())}
+    return motor
 
 
 def _basis(basis: np.ndarray) -> dict[str, Any]:
-    own = len(basis)
-    others = own + np.flatnonzero(basis[:, own:].any(axis=0))
-    return {"own": doubles(basis[:, :own]), "columns": others.tolist(), "others": floats(basis[:, others].T)}
+    count = len(basis)
+    others = count + np.flatnonzero(basis[:, count:].any(axis=0))
+    return {
+        "own": doubles(basis[:, :count]),
+        "columns": others.tolist(),
+        "others": floats(basis[:, others].T),
+    }
 
 
-def _parameters(model: FoundModel, diagnosis: Diagnosis) -> list[dict[str, str]]:
+def _parameters(model: DiagnosedModel, diagnosis: Diagnosis) -> list[dict[str, str]]:
     after = diagnosis.after
     rigid = [{"name": parameter.name, "unit": parameter.unit} for parameter in after.parameters]
     effects = [
@@ -129,7 +133,7 @@ def _parameters(model: FoundModel, diagnosis: Diagnosis) -> list[dict[str, str]]
     return rigid + effects
 
 
-def _deviations(model: FoundModel, diagnosis: Diagnosis) -> list[dict[str, Any]]:
+def _deviations(model: DiagnosedModel, diagnosis: Diagnosis) -> list[dict[str, Any]]:
     """Standard deviations of the gains of the two models that the diagnosis fitted, with the effects that each has."""
 
     def of(result: Identification, effects: Sequence[tuple[str, str]]) -> dict[str, Any]:
@@ -139,12 +143,12 @@ def _deviations(model: FoundModel, diagnosis: Diagnosis) -> list[dict[str, Any]]
         ]
         return {"effects": [list(effect) for effect in effects], "gains": stds}
 
-    found = [(instance.effect.name, instance.joint) for instance in model.effects]
-    return [of(diagnosis.after, found), of(diagnosis.before, model.started)]
+    places = [(instance.effect.name, instance.joint) for instance in model.effects]
+    return [of(diagnosis.after, places), of(diagnosis.before, model.started)]
 
 
 def _effect(
-    model: FoundModel, system: PageSystem, diagnosis: Diagnosis, without: Collection[str], name: str
+    model: DiagnosedModel, system: PageSystem, diagnosis: Diagnosis, without: Collection[str], name: str
 ) -> dict[str, Any]:
     ranks = [effect_verdict.effect for effect_verdict in diagnosis.ranking]
     verdict = diagnosis.ranking[ranks.index(name)] if name in ranks else None
@@ -159,7 +163,7 @@ def _effect(
     }
 
 
-def _place(model: FoundModel, system: PageSystem, i: int, instance: EffectInstance) -> dict[str, Any]:
+def _place(model: DiagnosedModel, system: PageSystem, i: int, instance: EffectInstance) -> dict[str, Any]:
     effect = instance.effect
     robot = model.plain.dataset.robot
     names = list(robot.joints)

@@ -13,13 +13,13 @@ NUMBER = 4  # bytes
 def without_room(system: PageSystem, ranks: Mapping[str, int]) -> frozenset[str]:
     """The effects that there is no room for in a system's equations.
 
-    The last in rank go first; those found, of a rank below zero, stay.
+    The last in rank go first; those identified, of a rank below zero, stay.
     """
     names = sorted({instance.effect.name for instance in system.effects}, key=lambda name: ranks[name])
-    left: list[str] = []
-    while names and ranks[names[-1]] >= 0 and _numbers(system, left) * NUMBER > MOST_BYTES:
-        left.append(names.pop())
-    return frozenset(left)
+    dropped: list[str] = []
+    while names and ranks[names[-1]] >= 0 and _numbers(system, dropped) * NUMBER > MOST_BYTES:
+        dropped.append(names.pop())
+    return frozenset(dropped)
 
 
 def carried_columns(system: PageSystem, without: Collection[str]) -> np.ndarray:
@@ -32,7 +32,7 @@ def carried_columns(system: PageSystem, without: Collection[str]) -> np.ndarray:
 
 
 def _numbers(system: PageSystem, without: Collection[str]) -> int:
-    """In the triangles of all motors: of the fitted rows, and of the judged ones where there are any."""
+    """How many numbers the triangles of all motors have: of fitted rows, and of held-out ones if there are any."""
     uses = 1 if system.fitted.all() else 2
     counts = carried_columns(system, without).sum(axis=1) + 2
     return uses * int((counts * (counts + 1) // 2).sum())

@@ -4,15 +4,15 @@ from typing import Any
 
 import numpy as np
 
+from bench.page.workbench.diagnosed_model import DiagnosedModel
 from bench.page.workbench.encode import floats, quantised
-from bench.page.workbench.found_model import FoundModel
 from bench.page.workbench.system import PageSystem
 
 BYTES = 560_000  # of all quantised columns together, at two bytes each
 FEWEST, MOST = 60, 500  # rows of a recording
 
 
-def thinned(model: FoundModel, system: PageSystem, kept: np.ndarray) -> list[dict[str, Any]]:
+def thinned(model: DiagnosedModel, system: PageSystem, kept: np.ndarray) -> list[dict[str, Any]]:
     """Every recording at evenly spaced rows of the fit, with the columns that are kept for each motor (n, C).
 
     Of the measured current each stretch around such a row also has its smallest and largest value.
@@ -21,7 +21,7 @@ def thinned(model: FoundModel, system: PageSystem, kept: np.ndarray) -> list[dic
     lengths = [len(observation.time) for observation in model.plain.observations]
     wanted = BYTES / (2 * sum(len(values) for values in used) * len(lengths))
     step = max(1, int(np.ceil(max(lengths) / min(max(wanted, FEWEST), MOST))))
-    found, start = [], 0
+    samples, start = [], 0
     for observation in model.plain.observations:
         rows = start + np.arange(step // 2, len(observation.time), step)
         edges = np.arange(0, len(observation.time), step)
@@ -39,7 +39,7 @@ def thinned(model: FoundModel, system: PageSystem, kept: np.ndarray) -> list[dic
                     "high": floats(np.maximum.reduceat(measured, edges)[: len(rows)]),
                 }
             )
-        found.append(
+        samples.append(
             {
                 "name": observation.name,
                 "use": observation.use,
@@ -51,4 +51,4 @@ def thinned(model: FoundModel, system: PageSystem, kept: np.ndarray) -> list[dic
             }
         )
         start += len(observation.time)
-    return found
+    return samples

@@ -1,4 +1,4 @@
-"""All columns that the page can ask for, motor by motor: the model's own, and those of every effect at every place."""
+"""All columns that the page can ask for, motor by motor: the model's, and those of every effect at every place."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -13,19 +13,19 @@ from bench.identification.layout import known_rows, regressor_rows
 from bench.identification.perturbations import Nearby
 from bench.identification.prepare import Prepared
 from bench.page.workbench.decorrelated import set_apart
-from bench.page.workbench.found_model import FoundModel
+from bench.page.workbench.diagnosed_model import DiagnosedModel
 
 
 @dataclass(frozen=True)
 class PageSystem:
-    """columns (M, n, C) over all recordings, zero where a joint stands still: the model's own, then each effect's.
+    """columns (M, n, C) over all recordings, zero where a joint does not move: the model's, then each effect's.
 
-    effects: with shapes, and linearised, as found; starts: the first column of each, and C. reference (C,): how the
-    found model combines the columns; gains (n,) its drive gains; measured, modelled, error (M, n): currents, and what
-    the model leaves of them; columns, modelled and error apart from the value that suits a recording that has none of
-    what differs from run to run. moving (M, n). fitted (M,): whether a row is fitted. basis (own, C): columns are
-    combined so that they are far from each other; the model's parameters are basis @ the coordinates by these, an
-    effect's its coordinates.
+    effects: with shapes, and linearised, as identified; starts: the first column of each, and C. reference (C,): how
+    the identified model combines the columns; gains (n,) its drive gains; measured, modelled, error (M, n): currents,
+    and what the model leaves of them; columns, modelled and error apart from the value that suits a recording that has
+    none of what differs from run to run. moving (M, n). fitted (M,): whether a row is fitted. basis (starts[0], C):
+    columns are combined so that they are far from each other; the model's parameters are basis @ the coordinates by
+    these, an effect's its coordinates.
     """
 
     columns: np.ndarray
@@ -45,8 +45,8 @@ class PageSystem:
         return np.asarray(self.columns.any(axis=0))
 
 
-def build(model: FoundModel, instances: Sequence[EffectInstance], nearby: Nearby) -> PageSystem:
-    """The system of a model with the columns of these effects, those that it found among them. nearby: of `model`."""
+def build(model: DiagnosedModel, instances: Sequence[EffectInstance], nearby: Nearby) -> PageSystem:
+    """The system of a model with the columns of these effects, the identified ones among them. nearby: of `model`."""
     plain = model.plain
     moving = np.concatenate([observation.moving for observation in plain.observations])
     fitted = np.concatenate(
@@ -59,14 +59,18 @@ def build(model: FoundModel, instances: Sequence[EffectInstance], nearby: Nearby
         * moving
     )
     current = np.concatenate([observation.current for observation in plain.observations]) * moving
-    own = np.concatenate([regressor_rows(observation, plain.layout) for observation in plain.observations])
-    columns = np.concatenate((own, _added(model, instances, nearby)), axis=2) * moving[:, :, None]
-    starts = np.cumsum([own.shape[2], *(len(instance.effect.parameters) for instance in instances)])
+    base_rows = np.concatenate(
+        [regressor_rows(observation, plain.layout) for observation in plain.observations]
+    )
+    columns = np.concatenate((base_rows, _added(model, instances, nearby)), axis=2) * moving[:, :, None]
+    starts = np.cumsum([base_rows.shape[2], *(len(instance.effect.parameters) for instance in instances)])
     reference = _reference(model, instances, starts)
     modelled = (columns @ reference + known) / model.solution.gains
     error = current - modelled
     _set_apart_from_values(plain, columns, modelled, error)
-    basis = set_apart(columns, reference, columns[fitted] * model.solution.weights[:, None], own.shape[2])
+    basis = set_apart(
+        columns, reference, columns[fitted] * model.solution.weights[:, None], base_rows.shape[2]
+    )
     return PageSystem(
         columns=columns,
         effects=tuple(instances),
@@ -85,24 +89,24 @@ def build(model: FoundModel, instances: Sequence[EffectInstance], nearby: Nearby
 def _set_apart_from_values(
     plain: Prepared, columns: np.ndarray, modelled: np.ndarray, error: np.ndarray
 ) -> None:
-    """Take from columns (M, n, C), modelled currents and errors (M, n) what a value of its own accounts for in
+    """Take from columns (M, n, C), modelled currents and errors (M, n) what a separate value accounts for in
     recordings that have none: they are not judged on it.
     """
     at = 0
     for observation in plain.observations:
         rows = slice(at, at := at + len(observation.time))
-        suited = [own[0] for own in columns_without_value(plain, observation)]
+        suited = [each[0] for each in columns_without_value(plain, observation)]
         for j in range(modelled.shape[1]) if suited else ():
             ends = np.stack((modelled[rows, j], error[rows, j]), axis=1)
-            left = apart_from(motor_rows((columns[rows, j],), ends), suited)
-            columns[rows, j, left.filled] = left.values
-            modelled[rows, j], error[rows, j] = left.ends.T
+            apart = apart_from(motor_rows((columns[rows, j],), ends), suited)
+            columns[rows, j, apart.filled] = apart.values
+            modelled[rows, j], error[rows, j] = apart.ends.T
 
 
-def _added(model: FoundModel, instances: Sequence[EffectInstance], nearby: Nearby) -> np.ndarray:
-    """Columns (M, n, k) of effects about the found model; of those not found as they are seen nearby."""
-    found, decimation = model.found, model.found.settings.decimation
-    near = nearby.signals(found.present, found.signals)
+def _added(model: DiagnosedModel, instances: Sequence[EffectInstance], nearby: Nearby) -> np.ndarray:
+    """Columns (M, n, k) of effects about the identified model; of those not identified as they are seen nearby."""
+    complete, decimation = model.complete, model.complete.settings.decimation
+    near = nearby.signals(complete.present, complete.signals)
     exact = [instance for instance in instances if instance in model.effects]
     as_fitted = np.concatenate(
         [
@@ -111,19 +115,19 @@ def _added(model: FoundModel, instances: Sequence[EffectInstance], nearby: Nearb
         ]
     )
     rows = []
-    for signals, nearly in zip(found.signals, near, strict=True):
+    for signals, nearly in zip(complete.signals, near, strict=True):
         added = effect_rows(nearly, decimation, instances)
         added[:, :, as_fitted] = effect_rows(signals, decimation, exact)
         rows.append(added)
     return np.concatenate(rows)
 
 
-def _reference(model: FoundModel, instances: Sequence[EffectInstance], starts: np.ndarray) -> np.ndarray:
-    """The found model by the columns (C,)."""
+def _reference(model: DiagnosedModel, instances: Sequence[EffectInstance], starts: np.ndarray) -> np.ndarray:
+    """The identified model by the columns (C,)."""
     theta = model.solution.theta
     reference = np.zeros(starts[-1])
-    at = own = int(starts[0])
-    reference[:own] = theta[:own]
+    at = base_count = int(starts[0])
+    reference[:base_count] = theta[:base_count]
     places = [(instance.effect.name, instance.joint) for instance in instances]
     for instance in model.effects:
         count = len(instance.effect.parameters)

@@ -64,9 +64,9 @@ def plot_chart(
     series = []
     for i, (name, points) in enumerate(by_line.items()):
         # lines are side by side, or their whiskers would hide each other
-        beside = i - (len(by_line) - 1) / 2.0 if len(by_line) <= len(ROLES) else 0.0
-        place = _moved(np.array([at[value] for value, _ in points]), list(at.values()), beside, across)
-        own = {} if lines is None else {lines: point_label(name)}
+        offset = i - (len(by_line) - 1) / 2.0 if len(by_line) <= len(ROLES) else 0.0
+        place = _moved(np.array([at[value] for value, _ in points]), list(at.values()), offset, across)
+        line_pick = {} if lines is None else {lines: point_label(name)}
         series.append(
             Whiskers(
                 f"{axis_words(lines)} {_short(name)}" if lines else "",
@@ -76,7 +76,7 @@ def plot_chart(
                 np.array([spread.low for _, spread in points]),
                 np.array([spread.high for _, spread in points]),
                 joined=across.scale != "band",
-                pick=tuple({x: point_label(value), **own} for value, _ in points) if pick else (),
+                pick=tuple({x: point_label(value), **line_pick} for value, _ in points) if pick else (),
             )
         )
     marks = (Rule("95 %", "noise", "y", COVERAGE, dashed=True),) if is_share(y) else ()
@@ -106,7 +106,7 @@ def spread_chart(metric: str, values: Sequence[Any]) -> Chart:
 
 
 def _points(table: Path, x: str, y: str, lines: str | None) -> dict[Any, Points]:
-    """By the value of `lines`: values of x with the spread of y; both rising where they are numbers."""
+    """Points by the value of `lines`: values of x with the spread of y; both rising where they are numbers."""
     points: dict[Any, Points] = {}
     for line in summarise_in_parts(table, [x, *([lines] if lines else [])], [y]).lines:
         at, *names = line.values
@@ -128,12 +128,12 @@ def _across(x: str, values: Sequence[Any]) -> tuple[Axis, dict[Any, float]]:
     return Axis(words, unit, "log") if wide else Axis(words, unit, room=True), at
 
 
-def _moved(x: np.ndarray, every: Sequence[float], beside: float, across: Axis) -> np.ndarray:
+def _moved(x: np.ndarray, every: Sequence[float], offset: float, across: Axis) -> np.ndarray:
     """Places along an axis, moved a little for lines that are side by side."""
     if across.scale == "band":
-        return x + beside * STEP_OF_NAMES
+        return x + offset * STEP_OF_NAMES
     low, high = min(every), max(every)
-    moved = x * (high / low) ** (STEP * beside) if across.scale == "log" else x + STEP * beside * (high - low)
+    moved = x * (high / low) ** (STEP * offset) if across.scale == "log" else x + STEP * offset * (high - low)
     return np.asarray(moved)
 
 

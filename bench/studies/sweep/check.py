@@ -150,7 +150,7 @@ def _measured(
 
 
 def _design(plans: Sequence[tuple[Work, Plan]], pool: Pool, folder: Path) -> None:
-    """Design all trajectories at the same time; one that fails is left to its sweep, which says why."""
+    """Design all trajectories at the same time; one that fails is reported by its sweep, which says why."""
     wanted: dict[str, Task] = {}
     for work, plan in plans:
         for run in map(plan.run, range(plan.size)):
@@ -159,10 +159,10 @@ def _design(plans: Sequence[tuple[Work, Plan]], pool: Pool, folder: Path) -> Non
     names = list(wanted)
     for key, name in enumerate(names):
         pool.submit(key, wanted[name])
-    left = len(names)
-    while left:
+    remaining = len(names)
+    while remaining:
         for outcome in pool.outcomes():
-            left -= 1
+            remaining -= 1
             if outcome.fault is None:
                 keep_design(folder, names[outcome.key], outcome.value)
 

@@ -46,8 +46,8 @@ def run_command(
         return 0
 
     def resumed(kept: int) -> None:
-        left = plan.size - kept
-        console.print(f"{kept} of {plan.size} runs are there from before, {left} to go", highlight=False)
+        remaining = plan.size - kept
+        console.print(f"{kept} of {plan.size} runs are there from before, {remaining} to go", highlight=False)
 
     start = time.monotonic()
     with shown_progress(progress_console(quiet), plan.size) as report:

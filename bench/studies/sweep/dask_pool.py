@@ -73,17 +73,17 @@ class DaskPool:
 
     def outcomes(self) -> list[Outcome]:
         """Wait until a task ends, at most for a second, and return all that have ended."""
-        found = []
+        keys = []
         try:
-            found.append(self._done.get(timeout=1.0))
+            keys.append(self._done.get(timeout=1.0))
             while True:
-                found.append(self._done.get_nowait())
+                keys.append(self._done.get_nowait())
         except queue.Empty:
             pass
-        ended = {key: self._futures.pop(key) for key in found}
+        ended = {key: self._futures.pop(key) for key in keys}
         values = self._gathered({key: entry for key, entry in ended.items() if entry.status == "finished"})
         outcomes = []
-        for key in found:
+        for key in keys:
             value = values.get(key)
             outcomes.append(self._failed(key, ended[key]) if value is None else Outcome(key, *value))
         return outcomes
@@ -159,12 +159,14 @@ def _putting(done: queue.Queue[int], key: int) -> Callable[[Any], None]:
 
 def _check_versions(client: Any) -> None:
     """Every worker must run the same program: numbers of two versions do not belong in one table."""
-    own = versions()
-    for worker, found in client.run(versions).items():
-        if found != own:
+    local_versions = versions()
+    for worker, worker_versions in client.run(versions).items():
+        if worker_versions != local_versions:
             different = next(
                 f"{name} {theirs}, local {ours}"
-                for (name, ours), theirs in zip(own.columns().items(), found.columns().values(), strict=True)
+                for (name, ours), theirs in zip(
+                    local_versions.columns().items(), worker_versions.columns().values(), strict=True
+                )
                 if ours != theirs
             )
             raise BenchError(f"the worker {worker} has {different}: install the same on both")

@@ -191,9 +191,9 @@ def _level(path: str) -> int:
     head, *rest = path.split(".")
     if head == "payloads" and "declared" in rest:
         return FITTING
-    for found, heads in ((SENSING, SENSED), (FITTING, FITTED), (METHOD, SOLVED), (MOVEMENT, MOVED)):
+    for changes, heads in ((SENSING, SENSED), (FITTING, FITTED), (METHOD, SOLVED), (MOVEMENT, MOVED)):
         if head in heads:
-            return found
+            return changes
     return MACHINE
 
 

@@ -138,8 +138,8 @@ class LocalPool:
                 if worker.connection in ready or worker.process.sentinel in ready:
                     self._collect(worker)
             self._hand_out()
-        found, self._outcomes = self._outcomes, []
-        return found
+        ended, self._outcomes = self._outcomes, []
+        return ended
 
     def close(self) -> None:
         """Stop all workers at once."""

@@ -52,9 +52,9 @@ def check_plan(plan: Plan) -> None:
         )
     check_asked(plan, {joint for robot in seen.robots.values() for joint in robot.driven})
     _check_payloads(plan, seen.payloads)
-    found = list(scenarios.values())
-    for i in _spread(len(found), MOST_BUILT):
-        run, scenario = found[i]
+    pairs = list(scenarios.values())
+    for i in _spread(len(pairs), MOST_BUILT):
+        run, scenario = pairs[i]
         try:
             build_machine(scenario)
         except BenchError as error:

@@ -76,15 +76,15 @@ def _column(header: str, values: list[str]) -> _Column:
     return _Column(header, values, max(len(text) for text in (header, *values)))
 
 
-def _table(left: list[_Column], right: list[_Column]) -> Table:
+def _table(left_columns: list[_Column], right_columns: list[_Column]) -> Table:
     table = Table(
         box=box.SIMPLE_HEAD, pad_edge=False, padding=(0, GAP, 0, 0), header_style="dim", show_edge=False
     )
-    for column in left:
+    for column in left_columns:
         table.add_column(column.header, overflow="fold")
-    for column in right:
+    for column in right_columns:
         table.add_column(column.header, justify="right", overflow="fold")
-    for row in zip(*(column.values for column in (*left, *right)), strict=True):
+    for row in zip(*(column.values for column in (*left_columns, *right_columns)), strict=True):
         table.add_row(*row)
     return table
 

@@ -34,8 +34,8 @@ class _RunsLeft(ProgressColumn):
     def render(self, task: Task) -> Text:
         """Time remaining at the mean rate since the start."""
         rate = _mean_rate(task)
-        left = (task.total or 0) - task.completed
-        return Text(f"{duration_text(left / rate)} left" if rate and left else "", "cyan")
+        remaining = (task.total or 0) - task.completed
+        return Text(f"{duration_text(remaining / rate)} left" if rate and remaining else "", "cyan")
 
 
 class _Failures(ProgressColumn):
@@ -118,10 +118,10 @@ class _Spoken:
             return
         self._said = now
         rate = _rate(journal.count - self._before, now - self._start)
-        left = f", {duration_text((self._total - journal.count) / rate)} left" if rate else ""
+        remaining = f", {duration_text((self._total - journal.count) / rate)} left" if rate else ""
         failed = f", {len(journal.failed)} failed" if journal.failed else ""
         self._console.print(
-            f"{journal.count} of {self._total} runs, {rate_text(rate)}{left}{failed}", highlight=False
+            f"{journal.count} of {self._total} runs, {rate_text(rate)}{remaining}{failed}", highlight=False
         )
 
     def phase(self, name: str) -> None:

@@ -103,10 +103,10 @@ def measured_lines(plan: Plan, table: Path, metrics: Sequence[str]) -> dict[str,
     nothing = [None] * len(columns["seed"])
     return {
         label: ReferenceLine(
-            tuple(columns["seed"][i] for i in found),
-            {metric: tuple(columns.get(metric, nothing)[i] for i in found) for metric in metrics},
+            tuple(columns["seed"][i] for i in indices),
+            {metric: tuple(columns.get(metric, nothing)[i] for i in indices) for metric in metrics},
         )
-        for label, found in rows.items()
+        for label, indices in rows.items()
     }
 
 

@@ -20,7 +20,7 @@ LIMITS = {
     "identify_error": "error.identify",
     "validate_error": "error.validate",
 }
-"""Tolerances of scenarios whose metric has another name; the others have their own."""
+"""Tolerances of scenarios whose metric has another name; the others have theirs."""
 
 
 @dataclass(frozen=True)
@@ -52,7 +52,7 @@ def compare_line(
     limits: Mapping[str, float],
 ) -> list[ReferenceComparison]:
     """Every metric that has a tolerance, seed by seed; `limits`: what no run may exceed."""
-    found = []
+    comparisons = []
     for metric, tolerance in tolerances.items():
         values = _by_seed(now, metric)
         limit = limits.get(metric)
@@ -68,8 +68,10 @@ def compare_line(
             verdict = _verdict(change, tolerance)
         if limit is not None and any(value is not None and value > limit for value in values.values()):
             verdict = "over its limit"
-        found.append(ReferenceComparison(sweep, label, metric, old, mean, change, tolerance, limit, verdict))
-    return found
+        comparisons.append(
+            ReferenceComparison(sweep, label, metric, old, mean, change, tolerance, limit, verdict)
+        )
+    return comparisons
 
 
 def limits_of(tolerances: Mapping[str, float]) -> dict[str, float]:

@@ -17,9 +17,9 @@ LOOK_AHEAD = 4  # sets of equations for each worker: shared motions are simulate
 FEWEST_AHEAD = 8
 
 Report = Callable[[Journal], None]
-"""Told whenever runs are finished."""
+"""Called whenever runs are finished."""
 Phase = Callable[[str], None]
-"""Told what goes on before any run is finished."""
+"""Called with what goes on before any run is finished."""
 
 
 def silent(_: str) -> None:
@@ -79,7 +79,7 @@ class _Common:
 class _CommonJob:
     """What finds a design or a motion."""
 
-    found: dict[str, _Common]
+    results: dict[str, _Common]
     name: str
 
 
@@ -123,12 +123,12 @@ class Driver:
         self._next = 0
 
     def run(self, report: Report, phase: Phase = silent) -> None:
-        """Work until nothing remains; what a finished run costs here does not depend on how many are under way."""
-        left = True
-        while left or self._ready or self._jobs:  # no set waits where nothing is under way
-            while left and len(self._waiting) + len(self._ready) < self._limit:
+        """Work until nothing remains; what a finished run costs does not depend on how many are under way."""
+        more_to_come = True
+        while more_to_come or self._ready or self._jobs:  # no set waits where nothing is under way
+            while more_to_come and len(self._waiting) + len(self._ready) < self._limit:
                 following = next(self._sets, None)
-                left = following is not None
+                more_to_come = following is not None
                 if following is not None and not self._placed(following):
                     self._waiting.append(following)
             while self._ready and self._running <= self._pool.slots:
@@ -168,13 +168,13 @@ class Driver:
 
     def _doing(self) -> str:
         """What the runs that come next are waiting for."""
-        if any(found is self._designs for found in self._asked.values()):
+        if any(stage is self._designs for stage in self._asked.values()):
             return "designing trajectories"
         return "simulating shared motions" if self._asked and not self._running else "runs"
 
     def _ask(self, job: _CommonJob, task: Callable[[], Task]) -> None:
         if job.name not in self._asked:
-            self._asked[job.name] = job.found
+            self._asked[job.name] = job.results
             self._submit(job, task())
 
     def _submit_runs(self, job: _RunJob) -> None:
@@ -210,8 +210,8 @@ class Driver:
         Sets that share something are side by side: those that are still to come need what the last ones need.
         """
         del self._asked[job.name]
-        job.found[job.name] = _Common(outcome.value, outcome.fault)
-        if job.found is self._designs and outcome.fault is None:
+        job.results[job.name] = _Common(outcome.value, outcome.fault)
+        if job.results is self._designs and outcome.fault is None:
             keep_design(self._folder, job.name, outcome.value)
         for known, needed in (
             (self._designs, {run_set.design for run_set in self._waiting}),

@@ -21,7 +21,7 @@ TABLE, JOURNAL, RECORD, DESIGNS, FILE = "runs.parquet", "runs.jsonl", "sweep.jso
 
 @dataclass(frozen=True)
 class Finished:
-    """What a sweep has left behind."""
+    """The result of a sweep."""
 
     folder: Path
     table: Path
@@ -43,7 +43,7 @@ def run_sweep(
     phase: Phase = silent,
     resumed: Callable[[int], None] = lambda _kept: None,
 ) -> Finished:
-    """Run what is not there yet and write the table. designs: folder of trajectories; the sweep's own by default.
+    """Run what is not there yet and write the table. designs: folder of trajectories; the sweep's by default.
 
     report: called whenever runs are finished; phase: what goes on until then; resumed: called
     before anything runs how many runs are there from before.

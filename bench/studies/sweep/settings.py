@@ -60,15 +60,15 @@ def plain(value: Any) -> Any:
 def _position(elements: Sequence[Any], name: str) -> int | None:
     if name.isdecimal():
         return int(name) if int(name) < len(elements) else None
-    found = [i for i in range(len(elements)) if _element_name(elements, i) == name]
-    return found[0] if found else None
+    indices = [i for i in range(len(elements)) if _element_name(elements, i) == name]
+    return indices[0] if indices else None
 
 
 def _element_name(elements: Sequence[Any], index: int) -> str:
-    """Its `name` or `effect` where no other element has the same, otherwise its number."""
+    """The element's `name` or `effect` where no other element has the same, otherwise its number."""
     for key in NAMES:
         names = [element.get(key) if isinstance(element, Mapping) else None for element in elements]
-        own = names[index]
-        if isinstance(own, str) and names.count(own) == 1:
-            return own
+        its_name = names[index]
+        if isinstance(its_name, str) and names.count(its_name) == 1:
+            return its_name
     return str(index)

@@ -116,8 +116,8 @@ def _summary(
         places.setdefault(key, []).append(i)
     values = {metric: _numbers(table, metric, columns[metric]) for metric in metrics}
     lines = []
-    for key, found in places.items():
-        rows = np.array(found)
+    for key, indices in places.items():
+        rows = np.array(indices)
         good = rows[ok[rows]]
         spreads = {metric: spread(metric, values[metric][good]) for metric in metrics}
         lines.append(SummaryLine(key, len(rows), int((~ok[rows]).sum()), spreads))

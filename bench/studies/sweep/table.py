@@ -51,8 +51,8 @@ def read_table(path: Path, columns: Sequence[str] | None = None) -> dict[str, li
     for name in columns or ():
         if name not in known:
             raise BenchError(f"{path}: no column {name!r}{_nearest(name, known)}")
-    found: dict[str, list[Any]] = pq.read_table(path, columns=list(columns) if columns else None).to_pydict()
-    return found
+    table: dict[str, list[Any]] = pq.read_table(path, columns=list(columns) if columns else None).to_pydict()
+    return table
 
 
 def column_names(path: Path) -> list[str]:

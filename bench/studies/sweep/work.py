@@ -68,7 +68,7 @@ class RunTask:
     def __call__(self, motion: Simulation | None) -> list[Row]:
         """A row a run; a run that fails for a reason that can be named has it in its row.
 
-        motion: simulated already, because others need it too; None: it is simulated here.
+        motion: simulated already, because others need it too; None: to be simulated.
         """
         first = self.runs[0]
         try:
@@ -84,8 +84,8 @@ class RunTask:
         for run in self.runs:
             options = {key: run.identify[key] for key in ("deviations", "essential")}
             try:
-                own = with_gains(prepared, run.identify["fit_gains"])
-                result = fit(own, run.identify["method"], **options)
+                for_run = with_gains(prepared, run.identify["fit_gains"])
+                result = fit(for_run, run.identify["method"], **options)
                 metrics: dict[str, float | str] = dict(measure(simulation, prepared, result, self.record))
                 if run.identify["diagnose"]:
                     metrics |= diagnosis_metrics(simulation, prepared)

@@ -12,7 +12,7 @@ import numpy as np
 from bench.basics.errors import BenchError
 from bench.studies.trial.compatible import compatible
 from bench.studies.trial.setup import Setup, where
-from bench.studies.trial.unknown import BESIDE, FRICTIONS, LAW, drawn_law
+from bench.studies.trial.unknown import FRICTIONS, KNOWN_EFFECTS, LAW, drawn_law
 from bench.truth.hidden import HIDDEN_EFFECTS
 from bench.truth.hidden.base import HiddenEffect
 
@@ -29,7 +29,7 @@ SHARES = HiddenEffect.shares
 SHARES_OF = {
     name: effect.shares for name, effect in sorted(HIDDEN_EFFECTS.items()) if effect.shares != SHARES
 }
-"""The same of those that bring their own."""
+"""The same of those that bring one."""
 
 SETS_FROM = 0.6
 """Where the sizes in sets begin in these ranges, on the logarithmic scale: in sets only large effects count."""
@@ -132,13 +132,15 @@ def _unknown_case(setup: Setup, index: int) -> Case:
     joint = str(random.choice(setup.motors))
     numbers = drawn_law(index, len(setup.motors), random)
     law = Hide(LAW, (joint,), _even_on_log_scale(UNKNOWN_SHARES, random), tuple(numbers.items()))
-    beside = _drawn_set(
-        [name for name in FRICTIONS if name in setup.effects], BESIDE[index % len(BESIDE)], random
+    others = _drawn_set(
+        [name for name in FRICTIONS if name in setup.effects],
+        KNOWN_EFFECTS[index % len(KNOWN_EFFECTS)],
+        random,
     )
     return Case(
         kind="unknown",
         index=index,
-        hides=(law, *(_hide(setup, name, random, SETS_FROM) for name in beside)),
+        hides=(law, *(_hide(setup, name, random, SETS_FROM) for name in others)),
         noise=_even_on_log_scale(NOISE, random),
         encoder_bits=int(random.choice(ENCODER_BITS)),
         seed=int(random.integers(2**31)),
@@ -165,9 +167,9 @@ def _hide(setup: Setup, effect: str, random: np.random.Generator, begin: float) 
     joints: tuple[str, ...] = ()
     at = where(effect)
     if at != "machine":
-        here = {"actuated": setup.motors, "passive": setup.passive, "link": tuple(setup.links)}[at]
+        candidates = {"actuated": setup.motors, "passive": setup.passive, "link": tuple(setup.links)}[at]
         everywhere = at != "link" and random.random() < 0.5
-        joints = here if everywhere else (str(random.choice(here)),)
+        joints = candidates if everywhere else (str(random.choice(candidates)),)
     low, high = SHARES_OF.get(effect, SHARES)
     return Hide(effect, joints, _even_on_log_scale((low * (high / low) ** begin, high), random))
 

@@ -1,4 +1,4 @@
-"""Charts of a trial: what was named for what, misses by size, intervals, errors left."""
+"""Charts of a trial: what was named for what, misses by size, intervals, remaining errors."""
 
 from collections.abc import Sequence
 

@@ -54,7 +54,7 @@ def intervals(
         for name, value in true_values(effect, {k: v for k, v in entry.items() if k != "effect"}).items():
             key = (effect, alike.get(place, place) if where(effect) == "passive" else place, name)
             true[key] = true.get(key, 0.0) + value if where(effect) == "passive" else value
-    found: list[Mapping[str, Any]] = []
+    rows: list[Mapping[str, Any]] = []
     for effect in dict.fromkeys(effect for effect, _, _ in true):
         places = result.effect_parameters.get(effect, {})
         for place, values in places.items():
@@ -62,11 +62,11 @@ def intervals(
                 at = "" if place == ROBOT else place
                 truth = true.get((effect, alike.get(at, at) if where(effect) == "passive" else at, name))
                 if truth is not None and 0 < quantity.std < np.inf:
-                    found.append(
+                    rows.append(
                         {"effect": effect, "at": at, "parameter": name}
                         | {"truth": truth, "value": quantity.value, "std": quantity.std}
                     )
-    return found
+    return rows
 
 
 def _rms(values: np.ndarray) -> float:

@@ -37,7 +37,7 @@ class Judgement:
     wrong: tuple[str, ...]
 
 
-def judged(
+def judgement_of(
     drawn: Collection[str],
     expected: Collection[str],
     missing: Sequence[Named],

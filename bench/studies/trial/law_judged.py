@@ -15,7 +15,7 @@ from bench.effects import CATALOGUE, EffectInstance, places_in, select_effects
 from bench.effects.select import ROBOT
 from bench.identification.nonlinear import converged
 from bench.identification.prepare import Prepared, with_effects
-from bench.identification.standstill import bridged
+from bench.identification.standstill import interpolated
 from bench.signals.decimation import decimate
 from bench.studies.sweep.journal import Row
 from bench.studies.trial.unknown import LAW, TORQUES, named_parts
@@ -38,14 +38,14 @@ VARIABLES = {
 def law_columns(simulation: Simulation, diagnosis: Diagnosis, prepared: Prepared) -> Row:
     """How near a discovered law is to the hidden one: in torque, on recordings not fitted, and in structure.
 
-    law.error: RMS, over that of the hidden law's torque, of the difference between all that was found and all that was
-    hidden at its motor, where that moves; so a law counts whole of which a part was found under its name, and what
-    is wrong with known effects there counts, too. law.alone: the same without the known effects that are found there
-    by their names, whose own errors may be many times a small law; one of which the law is a part stays. law.elsewhere:
-    laws at motors that have none.
+    law.error: RMS, over that of the hidden law's torque, of the difference between all that was identified and all that
+    was hidden at its motor, where that moves; so a law counts whole of which a part was identified under its name, and
+    what is wrong with known effects there counts, too. law.alone: the same without the known effects that are
+    identified there by their names, whose errors may be many times a small law; one of which the law is a part stays.
+    law.elsewhere: laws at motors that have none.
     """
     joint, numbers = _hidden_law(simulation)
-    here = [law for law in diagnosis.discovered if law.place == joint]
+    laws = [law for law in diagnosis.discovered if law.place == joint]
     known = {
         hidden_effect.effect
         for hidden_effect in simulation.scenario.settings.hidden
@@ -54,7 +54,7 @@ def law_columns(simulation: Simulation, diagnosis: Diagnosis, prepared: Prepared
     } - named_parts(numbers)
 
     def error(but: Collection[str]) -> float:
-        return _torque_error(simulation, diagnosis, prepared, joint, but) if here else 1.0
+        return _torque_error(simulation, diagnosis, prepared, joint, but) if laws else 1.0
 
     return {
         "law": json.dumps(numbers),
@@ -62,7 +62,7 @@ def law_columns(simulation: Simulation, diagnosis: Diagnosis, prepared: Prepared
         "law.elsewhere": sum(law.place != joint for law in diagnosis.discovered),
         "law.error": error(()),
         "law.alone": error(known),
-        "law.structure": bool(here) and _alike(numbers, here),
+        "law.structure": bool(laws) and _alike(numbers, laws),
     }
 
 
@@ -83,27 +83,27 @@ def _torque_error(
 ) -> float:
     """Over the law's torque, what is wrong with all at its motor but the known effects of these names.
 
-    What was hidden is bridged where the motor reverses and decimated, like the estimate.
+    What was hidden is interpolated where the motor reverses and decimated, like the estimate.
     """
     motor = simulation.robot.joints.index(joint)
-    model, values = _found_model(diagnosis, prepared, but)
+    model, values = _identified_model(diagnosis, prepared, but)
     difference = squares = 0.0
     for seen, rows in zip(model.measured, model.observations, strict=True):
         if rows.use != "validate":
             continue
-        found = rows.effects[:, motor] @ values
+        modelled = rows.effects[:, motor] @ values
         law, known, time = _true_torques(simulation, rows.name, motor, but)
         wanted, alone = (
-            decimate(bridged(entry[:, None], [seen.gaps[motor]]), model.settings.decimation)[:, 0]
+            decimate(interpolated(entry[:, None], [seen.gaps[motor]]), model.settings.decimation)[:, 0]
             for entry in (np.interp(seen.time, time, torque) for torque in (law + known, law))
         )
         moving = rows.moving[:, motor]
-        difference += float(((found - wanted)[moving] ** 2).sum())
+        difference += float(((modelled - wanted)[moving] ** 2).sum())
         squares += float((alone[moving] ** 2).sum())
     return float(np.sqrt(difference / squares)) if squares else float("nan")
 
 
-def _found_model(
+def _identified_model(
     diagnosis: Diagnosis, prepared: Prepared, but: Collection[str]
 ) -> tuple[Prepared, np.ndarray]:
     """The model that was identified, and the values of its effects' columns in their order, zero for some of them."""

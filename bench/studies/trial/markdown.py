@@ -81,7 +81,7 @@ class MarkdownPart:
 
 def parts(summary: TrialSummary) -> list[MarkdownPart]:
     """What there are cases of, as tables; what was not tried is omitted."""
-    found = [
+    rendered = [
         MarkdownPart("Figures, and what they must reach", targets_table(summary)),
         MarkdownPart("Named first, one effect hidden or none", confusion_table(summary)),
         MarkdownPart(
@@ -91,7 +91,7 @@ def parts(summary: TrialSummary) -> list[MarkdownPart]:
         MarkdownPart("Parameters of the identified effects", coverage_table(summary)),
         MarkdownPart("Failed cases", failures_table(summary)),
     ]
-    return [part for part in found if part.table.columns[0].cells]
+    return [part for part in rendered if part.table.columns[0].cells]
 
 
 def targets_table(summary: TrialSummary) -> Table:
@@ -110,10 +110,10 @@ def confusion_table(summary: TrialSummary) -> Table:
     """Hidden effect, cases, share that is named first, what is named instead, cases openly undecided."""
     rows = []
     for hidden, named in summary.confusion.items():
-        own = Share(named.get(hidden, 0), sum(named.values()))
-        first = f"nothing named: {percent(own)}" if hidden == NOTHING else percent(own)
+        unnamed = Share(named.get(hidden, 0), sum(named.values()))
+        first = f"nothing named: {percent(unnamed)}" if hidden == NOTHING else percent(unnamed)
         others = ", ".join(f"{spoken(name)} {n}" for name, n in named.items() if name != hidden)
-        rows.append((hidden, own.of, first, others, summary.undecided.get(hidden) or ""))
+        rows.append((hidden, unnamed.of, first, others, summary.undecided.get(hidden) or ""))
     effects, cases, named_first, instead, undecided = zip(*rows, strict=True) if rows else ((),) * 5
     return Table(
         (

@@ -1,4 +1,4 @@
-"""Names in one cell of a trial's table: written and read here alone."""
+"""Names in one cell of a trial's table: written and read by this module alone."""
 
 from collections.abc import Iterable
 

@@ -78,15 +78,17 @@ def entries(hide: Hide, reference: Reference) -> list[Entry]:
     """The effect in each of its joints with the size asked for, and what it requires."""
     if where(hide.effect) == "passive" and len(hide.joints) > 1:
         return [_entry(hide.effect, None, typical(hide.effect, reference, hide.share))]
-    found: list[Entry] = []
+    all_entries: list[Entry] = []
     for joint in hide.joints or (None,):
         if hide.numbers and joint is not None:
             sizes = sized(dict(hide.numbers), reference, joint, hide.share)
         else:
             sizes = typical(hide.effect, reference, hide.share, joint)
-        found.append(_entry(hide.effect, joint, sizes))
-        found += [_entry(name, joint, size(sizes)) for name, size in COMPANIONS.get(hide.effect, {}).items()]
-    return found
+        all_entries.append(_entry(hide.effect, joint, sizes))
+        all_entries += [
+            _entry(name, joint, size(sizes)) for name, size in COMPANIONS.get(hide.effect, {}).items()
+        ]
+    return all_entries
 
 
 def _entry(effect: str, joint: str | None, sizes: Mapping[str, float]) -> Entry:
@@ -98,7 +100,7 @@ def hidden_places(setup: Setup, hidden: Sequence[Entry]) -> list[tuple[str, str,
 
     An effect that has another as a part of it counts for both.
     """
-    found = []
+    triples = []
     for entry in hidden:
         effect, joint = entry["effect"], entry.get("joint")
         if effect not in setup.catalogued:
@@ -113,5 +115,5 @@ def hidden_places(setup: Setup, hidden: Sequence[Entry]) -> list[tuple[str, str,
             everywhere = setup.passive if where(effect) == "passive" else setup.motors
             places = (str(joint),) if joint is not None else everywhere
         for place in places:
-            found += [(name, place, entry) for name in (effect, *PARTS.get(effect, ()))]
-    return found
+            triples += [(name, place, entry) for name in (effect, *PARTS.get(effect, ()))]
+    return triples

@@ -32,10 +32,9 @@ PAYLOAD_SHARE = 0.25  # of all that moves
 class Setup:
     """Everything that the cases of a trial have in common.
 
-    name: of the robot. content: of a scenario file, nothing hidden. motors: actuated joints. passive: joints
-    without a motor. links: joint -> body that it moves, of those with a length. effects: what can be hidden in
-    this robot, by name, those outside the catalogue included. discover: whether laws are searched where nothing is
-    left, too.
+    name: of the robot. content: of a scenario file, nothing hidden. motors: actuated joints. passive: joints without a
+    motor. links: joint -> body that it moves, of those with a length. effects: what can be hidden in this robot, by
+    name, those outside the catalogue included. discover: whether laws are searched where nothing remains, too.
     """
 
     name: str
@@ -65,10 +64,10 @@ def make_setup(robot: str, scenario: str | None = None, duration: float | None =
     pose. duration: of each movement, s; as the scenario says, if omitted.
     Raises BenchError if the robot or the scenario cannot be used.
     """
-    found = load_robot(robot)
+    description = load_robot(robot)
     if scenario is None and robot in built_in_scenarios():
         scenario = robot
-    content = _plain_content(found) if scenario is None else read_with_bases(find_scenario(scenario))
+    content = _plain_content(description) if scenario is None else read_with_bases(find_scenario(scenario))
     content = {key: value for key, value in content.items() if key not in ("hidden", "tolerances")}
     content["robot"] = robot
     if duration is not None:
@@ -78,20 +77,21 @@ def make_setup(robot: str, scenario: str | None = None, duration: float | None =
         for name, payload in content.get("payloads", {}).items()
         if "mass" in payload.get("declared", payload)
     ]
-    geometry = read_geometry(found)
+    geometry = read_geometry(description)
     places = places_in(geometry, weighed)
     links = {
         joint.name: joint.body
         for joint in geometry.joints
         if joint.body in places.body and joint.kind in ("hinge", "slide")
     }
-    setup = Setup(found.name, content, found.joints, places.passive, links, places.payload, ())
+    setup = Setup(description.name, content, description.joints, places.passive, links, places.payload, ())
     names = tuple(
         name
         for name in HIDDEN_EFFECTS
-        if _possible(setup, name, found) and (name not in CATALOGUE or _everywhere(places, CATALOGUE[name]))
+        if _possible(setup, name, description)
+        and (name not in CATALOGUE or _everywhere(places, CATALOGUE[name]))
     )
-    return Setup(found.name, content, found.joints, places.passive, links, places.payload, names)
+    return Setup(description.name, content, description.joints, places.passive, links, places.payload, names)
 
 
 def _everywhere(places: Places, effect: Effect) -> bool:
@@ -122,12 +122,12 @@ def _possible(setup: Setup, effect: str, robot: Robot) -> bool:
     }
     if needs is not None:
         return there[needs]
-    here: Sequence[str] = {
+    candidates: Sequence[str] = {
         "passive": setup.passive,
         "link": tuple(setup.links),
         "actuated": setup.motors,
     }.get(where(effect), ("",))
-    return bool(here)
+    return bool(candidates)
 
 
 def _plain_content(robot: Robot) -> dict[str, Any]:

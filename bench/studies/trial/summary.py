@@ -105,9 +105,9 @@ def summarised(robot: str, rows: Sequence[Row]) -> TrialSummary:
 def first_named(row: Row) -> str:
     """The effect that a diagnosis names first, companions of the hidden one aside; a law where it names none."""
     drawn = names_in(row["hidden"])
-    beside = {name for effect in drawn for name in COMPANIONS.get(effect, ())} | optional(drawn)
-    beside -= set(drawn)
-    names = [name for name in names_in(row["missing"]) if name not in beside]
+    companions = {name for effect in drawn for name in COMPANIONS.get(effect, ())} | optional(drawn)
+    companions -= set(drawn)
+    names = [name for name in names_in(row["missing"]) if name not in companions]
     if names:
         return names[0]
     return A_LAW if _laws(row) else SOMETHING if row["unexplained"] else NOTHING
@@ -160,7 +160,7 @@ def _targets(done: Sequence[Row], large: Sequence[Row]) -> tuple[Target, ...]:
 
 
 def _gain_targets(rows: Sequence[Row]) -> list[Target]:
-    after, told, before = (
+    after, informed, before = (
         _rms([row[f"gain_error.{name}"] for row in rows]) for name in ("after", "told", "before")
     )
     median = _median([row["gain_error.after"] for row in rows]) / _median(
@@ -176,11 +176,11 @@ def _gain_targets(rows: Sequence[Row]) -> list[Target]:
             None,
             GAIN_FACTOR,
         ),
-        Target(TargetFigure.GAIN_ERROR_RMS, after / told if told else float("nan"), None, None),
+        Target(TargetFigure.GAIN_ERROR_RMS, after / informed if informed else float("nan"), None, None),
         Target(TargetFigure.GAIN_ERROR_WITHIN, near.value, None, None, near),
         Target(TargetFigure.GAIN_ERROR_BEFORE, before, None, None),
         Target(TargetFigure.GAIN_ERROR_AFTER, after, None, None),
-        Target(TargetFigure.GAIN_ERROR_TOLD, told, None, None),
+        Target(TargetFigure.GAIN_ERROR_TOLD, informed, None, None),
     ]
 
 
@@ -203,7 +203,7 @@ def _searched(row: Row) -> bool:
 
 
 def _laws(row: Row) -> int:
-    """How many laws were found."""
+    """How many laws were identified."""
     return int(row.get("laws") or 0)
 
 
@@ -217,20 +217,20 @@ def _confusion(alone: Sequence[Row], done: Sequence[Row]) -> dict[str, dict[str,
 
 
 def _named_absorbed(name: str, rows: Sequence[Row]) -> tuple[int, int]:
-    own = [row for row in rows if row["hidden"] == name]
-    return sum(not row["missing"] for row in own), len(own)
+    of_effect = [row for row in rows if row["hidden"] == name]
+    return sum(not row["missing"] for row in of_effect), len(of_effect)
 
 
 def _misses(rows: Sequence[Row]) -> tuple[Miss, ...]:
     misses = []
     for above, below in pairwise(SIZES):
-        here = [row for row in rows if above <= row["least_own_error_over_floor"] < below]
+        within = [row for row in rows if above <= row["least_own_error_over_floor"] < below]
         misses.append(
             Miss(
                 above,
                 below,
-                Share(sum(row["first"] for row in here), len(here)),
-                Share(sum(row["first_undecided"] for row in here), len(here)),
+                Share(sum(row["first"] for row in within), len(within)),
+                Share(sum(row["first_undecided"] for row in within), len(within)),
             )
         )
     return tuple(misses)

@@ -81,7 +81,7 @@ class Target:
 
     @property
     def reached(self) -> bool | None:
-        """None where nothing was tried."""
+        """Whether it was reached; None where nothing was tried."""
         if not np.isfinite(self.value):
             return None
         return (self.least is None or self.value >= self.least) and (

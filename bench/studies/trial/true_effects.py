@@ -64,20 +64,20 @@ def true_values(effect: str, hidden: True_, *, slide: bool = False) -> dict[str,
     """The model's parameters of an effect, as they truly are; empty for an effect that no model knows."""
     if effect not in CATALOGUE or effect not in HIDDEN_EFFECTS:
         return {}
-    own = {
+    parameters = {
         field.name: field.default for field in fields(HIDDEN_EFFECTS[effect]) if field.default is not MISSING
     } | {**hidden}
     known = CATALOGUE[effect]
     names = [*(parameter.name for parameter in known.parameters), *(shape.name for shape in known.shape)]
-    values = {name: float(own[name]) for name in names if name in own}
-    values |= {name: float(rule(own)) for name, rule in OTHERWISE.get(effect, {}).items()}
+    values = {name: float(parameters[name]) for name in names if name in parameters}
+    values |= {name: float(rule(parameters)) for name, rule in OTHERWISE.get(effect, {}).items()}
     if slide and "periods" in values:
         values["periods"] /= 2 * np.pi
     return {name: value for name, value in values.items() if np.isfinite(value)}
 
 
 def as_logged(hidden: Sequence[Mapping[str, Any]]) -> list[dict[str, Any]]:
-    """Hidden effects told in the positions that are logged, which a hidden encoder offset shifts.
+    """Hidden effects in terms of the positions that are logged, which a hidden encoder offset shifts.
 
     With the logged position p = q + offset, a cos(w q) + b sin(w q) and k (q - q0) have other a, b and q0 in p.
     """

@@ -12,7 +12,7 @@ from bench.truth.hidden.product_law import unit_torque
 from bench.truth.hidden.reference import Reference
 
 LAW = "product_law"
-BESIDE = (0, 1, 2)
+KNOWN_EFFECTS = (0, 1, 2)
 """How many known effects accompany a law, in turn."""
 
 Along = Callable[[Mapping[str, float], np.ndarray, np.ndarray], np.ndarray]
@@ -123,7 +123,7 @@ def named_parts(numbers: Mapping[str, float]) -> frozenset[str]:
         "load_dependent_friction": {"tau": 1.0},
         "quadratic_drag": {"v": 2.0},
     }
-    return frozenset(name for name, own in named.items() if own == powers)
+    return frozenset(name for name, exponents in named.items() if exponents == powers)
 
 
 def law_along(numbers: Mapping[str, float], reference: Reference, joint: str) -> np.ndarray:

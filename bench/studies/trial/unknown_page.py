@@ -25,16 +25,16 @@ def unknown_table(rows: Sequence[Row], nothing: Sequence[Row] = ()) -> Table:
     """Shares of the cases that count, and what they must reach; nothing: cases with nothing hidden."""
     done = [row for row in rows if row["status"] == "ok" and row["least_own_error_over_floor"] >= LARGE]
     alone = [row for row in done if len(names_in(row["hidden"])) == 1]
-    beside = [row for row in done if len(names_in(row["hidden"])) > 1]
+    with_known = [row for row in done if len(names_in(row["hidden"])) > 1]
     figures: list[tuple[str, Sequence[Row], Callable[[Row], bool], str]] = [
         (f"one law alone: error not fitted at most {FLOOR:g} × the noise floor", alone, _at_floor, "80 %"),
         ("its torque within 10 % (RMS) of the truth's on recordings not fitted", alone, _near, "75 %"),
         ("its structure: the same variables, the same symmetry", alone, _structure, "70 %"),
-        ("with one or two known effects: error at the floor", beside, _at_floor, ""),
-        ("its torque within 10 %", beside, _near, ""),
-        ("with that of the known effects at its motor", beside, _near_together, ""),
-        ("its structure", beside, _structure, ""),
-        ("the law's torque within 10 %, and the known effects exactly", beside, _both, "60 %"),
+        ("with one or two known effects: error at the floor", with_known, _at_floor, ""),
+        ("its torque within 10 %", with_known, _near, ""),
+        ("with that of the known effects at its motor", with_known, _near_together, ""),
+        ("its structure", with_known, _structure, ""),
+        ("the law's torque within 10 %, and the known effects exactly", with_known, _both, "60 %"),
         (
             "a wrong effect of the catalogue with certainty",
             done,
@@ -42,7 +42,7 @@ def unknown_table(rows: Sequence[Row], nothing: Sequence[Row] = ()) -> Table:
             "at most 3 %",
         ),
         ("a law at a motor that has none", done, lambda row: bool(row.get("law.elsewhere")), ""),
-        ("nothing hidden: a law claimed", _told(nothing), lambda row: row["laws"] > 0, "at most 1 %"),
+        ("nothing hidden: a law claimed", _with_known(nothing), lambda row: row["laws"] > 0, "at most 1 %"),
     ]
     shares = [Share(sum(rule(row) for row in some), len(some)) for _, some, rule, _ in figures]
     return Table(
@@ -56,7 +56,7 @@ def unknown_table(rows: Sequence[Row], nothing: Sequence[Row] = ()) -> Table:
     )
 
 
-def _told(nothing: Sequence[Row]) -> list[Row]:
+def _with_known(nothing: Sequence[Row]) -> list[Row]:
     """Those of which it is known whether a law was claimed."""
     return [row for row in nothing if row["status"] == "ok" and row.get("laws") is not None]
 
@@ -77,9 +77,9 @@ def cases_table(rows: Sequence[Row]) -> Table:
     )
 
 
-def _formula(found: str | None) -> str:
+def _formula(formulas: str | None) -> str:
     """A law as code, so that no star or bar of it is taken for markup."""
-    return "–" if not found else ", ".join(f"`{entry}`" for entry in found.split(" | "))
+    return "–" if not formulas else ", ".join(f"`{entry}`" for entry in formulas.split(" | "))
 
 
 def write_unknown(robot: str, rows: Sequence[Row], folder: Path, nothing: Sequence[Row] = ()) -> list[Path]:
@@ -104,7 +104,7 @@ def write_unknown(robot: str, rows: Sequence[Row], folder: Path, nothing: Sequen
         markdown(cases_table([row for row in rows if row["status"] == "ok"])),
     ]
     write_text_atomically(page, "\n\n".join(text) + "\n")
-    rows = [*rows, *_told(nothing)]
+    rows = [*rows, *_with_known(nothing)]
     names = list(dict.fromkeys(name for row in rows for name in row))
     with atomic_path(table) as partial:
         pq.write_table(
@@ -147,5 +147,5 @@ def _interval(share: Share) -> str:
 
 
 def _numbers(row: Row) -> str:
-    found = json.loads(row.get("law") or "{}")
-    return ", ".join(f"{name} {value:g}" for name, value in found.items())
+    values = json.loads(row.get("law") or "{}")
+    return ", ".join(f"{name} {value:g}" for name, value in values.items())

@@ -27,7 +27,7 @@ from bench.studies.sweep.work import FAILED, OK, Trajectories
 from bench.studies.trial.cases import Case
 from bench.studies.trial.compatible import PARTS, expected
 from bench.studies.trial.intervals import intervals, moving_alike
-from bench.studies.trial.judge import judged, named_from
+from bench.studies.trial.judge import judgement_of, named_from
 from bench.studies.trial.law_judged import law_columns
 from bench.studies.trial.name_list import cell_of
 from bench.studies.trial.plan import TrialPlan
@@ -75,7 +75,7 @@ class CaseTask:
     trajectories: Trajectories
 
     def __call__(self, reference: Simulation | None) -> list[Row]:
-        """One row. reference: simulated already, because other cases need it too; None: it is simulated here."""
+        """One row. reference: simulated already, because other cases need it too; None: to be simulated."""
         without = reference or ReferenceTask(self.setup, self.trajectories)(None)
         try:
             case, simulation = realised(self.setup, self.case, Reference(without), self.trajectories)
@@ -119,22 +119,22 @@ def diagnosed_row(setup: Setup, case: Case, number: int, simulation: Simulation)
     diagnosis = find_missing_effects(problem_of(dataset), discover=setup.discover or None)
     hidden = [_plain_entry(hidden_effect) for hidden_effect in simulation.scenario.settings.hidden]
     known = [name for name in case.effects if name != LAW]
-    told, alone = _told(setup, dataset, hidden, known)
-    floor = _floor(simulation, told)
-    own = {effect: _error(result) / floor for effect, result in alone.items()}
+    informed, alone = _informed_fits(setup, dataset, hidden, known)
+    floor = _floor(simulation, informed)
+    error_ratios = {effect: _error(result) / floor for effect, result in alone.items()}
     if case.kind in UNNAMED:
-        own[case.effects[0]] = _error(told) / floor
+        error_ratios[case.effects[0]] = _error(informed) / floor
     row = _case_columns(setup, case, number) | {"parameters": json.dumps(hidden)}
-    row |= {f"own_error_over_floor.{i + 1}": own[effect] for i, effect in enumerate(case.effects)}
-    row["least_own_error_over_floor"] = min((own[effect] for effect in case.effects), default=0.0)
+    row |= {f"own_error_over_floor.{i + 1}": error_ratios[effect] for i, effect in enumerate(case.effects)}
+    row["least_own_error_over_floor"] = min((error_ratios[effect] for effect in case.effects), default=0.0)
     row |= _answer(case, diagnosis)
-    row |= _accuracy(simulation, diagnosis, told, floor)
+    row |= _accuracy(simulation, diagnosis, informed, floor)
     row["laws"] = len(diagnosis.discovered)
     if case.kind == "unknown":
         row |= law_columns(simulation, diagnosis, prepare(problem_of(dataset)))
     alike = moving_alike(simulation, setup.passive)
     row["intervals"] = json.dumps(intervals(setup, hidden, diagnosis.after, alike))
-    row["intervals_told"] = json.dumps(intervals(setup, hidden, told, alike))
+    row["intervals_told"] = json.dumps(intervals(setup, hidden, informed, alike))
     return row | versions().columns()
 
 
@@ -159,7 +159,7 @@ def _plain_entry(effect: Any) -> Entry:
     return {"effect": effect.effect, **({"joint": effect.joint} if effect.joint else {}), **effect.parameters}
 
 
-def _told(
+def _informed_fits(
     setup: Setup, dataset: Dataset, hidden: Sequence[Entry], effects: Sequence[str]
 ) -> tuple[Identification, dict[str, Identification]]:
     """The fit of a model with the true effects at their places, and its fits without each of them."""
@@ -169,16 +169,16 @@ def _told(
             f"{effect}:{place}" if place else effect for effect, place, _ in hidden_places(setup, hidden)
         )
     )
-    told = _fitted(prepared, wanted)
+    informed = _fitted(prepared, wanted)
     if not wanted:
-        return told, {}
+        return informed, {}
     alone = {}
     for name in effects:
         gone = {name, *PARTS.get(name, ())}
         alone[name] = _fitted(
             prepared, [request for request in wanted if request.partition(":")[0] not in gone]
         )
-    return told, alone
+    return informed, alone
 
 
 def _fitted(prepared: Prepared, wanted: Sequence[str]) -> Identification:
@@ -215,7 +215,7 @@ def _answer(case: Case, diagnosis: Diagnosis) -> Row:
     named = named_from(verdicts[: len(diagnosis.missing)])
     drawn = case.effects[1:] if case.kind in UNNAMED else case.effects
     parts = [part for hide in case.hides for part in named_parts(dict(hide.numbers))]
-    judgement = judged(drawn, wanted, named, parts)
+    judgement = judgement_of(drawn, wanted, named, parts)
     absorbed = bool(case.effects) and all(
         by_name[name].verdict == "absorbed" for name in case.effects if name in by_name
     )
@@ -233,9 +233,9 @@ def _answer(case: Case, diagnosis: Diagnosis) -> Row:
     }
 
 
-def _accuracy(simulation: Simulation, diagnosis: Diagnosis, told: Identification, floor: float) -> Row:
+def _accuracy(simulation: Simulation, diagnosis: Diagnosis, informed: Identification, floor: float) -> Row:
     row: Row = {"noise_floor": floor, "noise_floor_estimated": diagnosis.unexplained.noise_floor}
-    for name, result in (("before", diagnosis.before), ("after", diagnosis.after), ("told", told)):
+    for name, result in (("before", diagnosis.before), ("after", diagnosis.after), ("told", informed)):
         row[f"error.{name}"] = _error(result)
         row[f"error_over_floor.{name}"] = _error(result) / _floor(simulation, result)
         row[f"gain_error.{name}"] = accuracy(simulation, result)["gain_error"]

@@ -39,7 +39,7 @@ class CurrentDelay(JointEffect):
 
     @staticmethod
     def sized(j: JointMovement, share: float) -> Sizes:
-        """In the drive, or where the controller would not stand it, in the log."""
+        """Size of the delay: in the drive, or where the controller would not stand it, in the log."""
         late = share * rms(j.current) / rms(j.current_rate)
         if late > LONGEST_DELAY:
             raise too_large("current_delay", j, share, f"it would take {1e3 * late:.0f} ms")

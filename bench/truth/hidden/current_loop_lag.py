@@ -30,7 +30,7 @@ class CurrentLoopLag(JointEffect):
     @staticmethod
     def current(p: Parameters, s: Signals) -> Law:
         passed = s.step / p["T"]
-        left = np.exp(-passed)
+        decayed = np.exp(-passed)
         mean = -np.expm1(-passed) / passed  # of what remains, over a step
         flowing: list[Array] = []
 
@@ -38,7 +38,7 @@ class CurrentLoopLag(JointEffect):
             if not flowing:
                 flowing.extend((s.current.copy(), s.current.copy()))
             now, before = flowing
-            now += (1.0 - mean) * s.current + (mean - left) * before - (1.0 - left) * now
+            now += (1.0 - mean) * s.current + (mean - decayed) * before - (1.0 - decayed) * now
             before[:] = s.current
             return now
 

@@ -20,8 +20,8 @@ NO_MASS = 1e-12  # kg and kg·m²: a body must have some; the rotor's inertia is
 class DriveTrain(JointEffect):
     """The motor's rotor, and a spring and a damper from it to the joint; the encoder is on the rotor.
 
-    The armature that the joint has in the MJCF is the rotor's. The rotor is in the world as a body of its
-    own with its axis through its centre of mass, so that it feels nothing but its motor and its spring.
+    The armature that the joint has in the MJCF is the rotor's. The rotor is a separate body in the
+    world, with its axis through its centre of mass, so that it feels only its motor and its spring.
     """
 
     positive: ClassVar[tuple[str, ...]] = ("stiffness",)

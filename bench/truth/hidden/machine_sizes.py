@@ -60,10 +60,10 @@ def encoder_offset_size(reference: Reference, _effect: str, joint: str | None, s
             reference, movement, [np.full(len(movement.time), -x), *(np.zeros(len(movement.time)),) * 2]
         )
 
-    found = _solved(felt, offset, share, 1)
-    if abs(found) > movement.span:
+    solution = _solved(felt, offset, share, 1)
+    if abs(solution) > movement.span:
         raise BenchError(f"the torque of joint {movement.joint} hardly depends on its zero")
-    return {"offset": found}
+    return {"offset": solution}
 
 
 def drive_flexibility_size(reference: Reference, _effect: str, joint: str | None, share: float) -> Sizes:
@@ -215,19 +215,19 @@ def _scaled(
 
 def _solved(felt: Callable[[float], float], start: float, share: float, exponent: float) -> float:
     """x with felt(x) within some percent of `share`; felt goes about with x^exponent, found out on the way."""
-    x, found = start, felt(start)
+    x, level = start, felt(start)
     for _ in range(4):
-        if not found > 0:
+        if not level > 0:
             raise BenchError("the effect changes no motor torque in this motion")
-        if abs(found / share - 1) < CLOSE:
+        if abs(level / share - 1) < CLOSE:
             break
         before, x = (
-            (x, found),
-            x * float(np.exp(np.clip(np.log(share / found) / exponent, -FURTHEST, FURTHEST))),
+            (x, level),
+            x * float(np.exp(np.clip(np.log(share / level) / exponent, -FURTHEST, FURTHEST))),
         )
-        found = felt(x)
-        if found > 0 and found != before[1]:
-            slope = np.log(found / before[1]) / np.log(x / before[0])
+        level = felt(x)
+        if level > 0 and level != before[1]:
+            slope = np.log(level / before[1]) / np.log(x / before[0])
             exponent = float(np.clip(slope / exponent, 0.3, 3.0)) * exponent
     return x
 

@@ -50,7 +50,7 @@ class Reference:
         """Some of every recording: what effects change is compared with them."""
         machine = self.simulation.machine
         m = machine.leading
-        found, first = [], 0
+        collected, first = [], 0
         for recording in self.simulation.recordings:
             motion, payload = recording.motion, recording.table.payload
             rows = np.linspace(0, len(motion.time) - 1, SAMPLES + 2).astype(int)[1:-1]
@@ -58,9 +58,9 @@ class Reference:
             q = pose[:, machine.addresses[:m]]
             qd, qdd = motion.qvel[rows][:, machine.dofs[:m]], motion.qacc[rows][:, machine.dofs[:m]]
             torque = motor_torque(machine, payload, pose, q, qd, qdd)
-            found.append(ReferenceSamples(payload, rows, first, pose, q, qd, qdd, torque))
+            collected.append(ReferenceSamples(payload, rows, first, pose, q, qd, qdd, torque))
             first += len(motion.time)
-        return tuple(found)
+        return tuple(collected)
 
     def torque(self) -> Array:
         """(N, n) of the motors, all recordings one after the other."""

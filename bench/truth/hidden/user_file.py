@@ -32,14 +32,14 @@ def _hidden_of(source: str, path: Path) -> dict[str, type[HiddenEffect]]:
         for member in vars(module).values()
         if isinstance(member, type) and issubclass(member, HiddenEffect) and member.__module__ == name
     ]
-    found = {
+    by_name = {
         kind.name: kind for kind in classes if isinstance(inspect.getattr_static(kind, "name", None), str)
     }
-    if not found:
+    if not by_name:
         raise BenchError(f"{path}: no subclass of HiddenEffect or JointEffect that has a name")
-    for kind in found.values():
+    for kind in by_name.values():
         kind.__reduce__ = _reducer(source, path)  # type: ignore[assignment, method-assign]
-    return found
+    return by_name
 
 
 def _reducer(source: str, path: Path) -> Callable[[Any], tuple[Any, ...]]:

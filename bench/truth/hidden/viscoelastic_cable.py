@@ -31,12 +31,12 @@ class ViscoelasticCable(JointEffect):
 
     @staticmethod
     def torque(p: Parameters, s: Signals) -> Law:
-        left = np.exp(-s.step / p["T"])  # of z after a step
-        share = (1 - left) * p["T"] / s.step
+        decay = np.exp(-s.step / p["T"])  # of z after a step
+        share = (1 - decay) * p["T"] / s.step
         z, before = np.zeros_like(s.position), s.position.copy()
 
         def law() -> np.ndarray:
-            z[:] = left * z + share * (s.position - before)
+            z[:] = decay * z + share * (s.position - before)
             before[:] = s.position
             return p["k"] * z
 
@@ -47,6 +47,6 @@ class ViscoelasticCable(JointEffect):
         from scipy.signal import lfilter  # noqa: PLC0415 - slow to import, and seldom needed
 
         relaxation = 0.5
-        left = np.exp(-j.period / relaxation)
-        z = lfilter([(1 - left) * relaxation], [1.0, -left], j.velocity)
+        decay = np.exp(-j.period / relaxation)
+        z = lfilter([(1 - decay) * relaxation], [1.0, -decay], j.velocity)
         return {"k": share * rms(j.torque) / rms(z), "T": relaxation}

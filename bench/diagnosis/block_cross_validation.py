@@ -5,8 +5,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from bench.identification.autocorrelation_time import autocorrelation_time
 from bench.identification.compressed import Stack
-from bench.identification.memory import memory_in_rows
 from bench.identification.solution import Solution
 
 BLOCKS = 10  # of every recording, alternately fitted and judged: then the motion is about the same in both
@@ -14,32 +14,32 @@ DEPENDENT = 1e-12  # share of the largest eigenvalue of scaled normal equations
 
 
 @dataclass(frozen=True)
-class Halves:
-    """Normal equations of the linearised model: for either half of the blocks and every motor the inner products
-    (2, n, S, S) of all columns, weighted, the error last. own: how many are the model's; samples (n,): independent ones
-    of each motor; measured (n,): weighted squares of the currents.
+class BlockCrossValidation:
+    """Normal equations of the linearised model: for either half of the blocks and every motor the inner products (2, n,
+    S, S) of all columns, weighted, the error last. model_columns: how many are the model's; samples (n,): independent
+    ones of each motor; measured (n,): weighted squares of the currents.
     """
 
     inner: np.ndarray
-    own: int
+    model_columns: int
     samples: np.ndarray
     measured: np.ndarray
 
-    def judged(self, columns: Sequence[int]) -> np.ndarray:
-        """Squares (n,) left on each half by a fit to the other one, with some of the further columns."""
-        used = np.array([*range(self.own), *(self.own + i for i in columns)])
-        left = np.zeros(self.inner.shape[1])
-        for fitted, judged in ((0, 1), (1, 0)):
+    def held_out_squares(self, columns: Sequence[int]) -> np.ndarray:
+        """Residual squares (n,) on each half after a fit to the other one, with some of the further columns."""
+        used = np.array([*range(self.model_columns), *(self.model_columns + i for i in columns)])
+        squares = np.zeros(self.inner.shape[1])
+        for fitted, held_out in ((0, 1), (1, 0)):
             values = _solution(self.inner[fitted].sum(axis=0), used)
-            left += np.einsum("i,nij,j->n", values, self.inner[judged], values)
-        return np.maximum(left, np.finfo(float).tiny)
+            squares += np.einsum("i,nij,j->n", values, self.inner[held_out], values)
+        return np.maximum(squares, np.finfo(float).tiny)
 
     def evidence(self, before: np.ndarray, after: np.ndarray) -> float:
         """Log-likelihood ratio, nats, of what two models leave (n,), each motor with its noise."""
         return 0.5 * float(self.samples @ np.log(before / after))
 
 
-def halves_of(stack: Stack, solution: Solution, further: np.ndarray) -> Halves:
+def block_cross_validation(stack: Stack, solution: Solution, further: np.ndarray) -> BlockCrossValidation:
     """The equations about a model's solution, with further columns (M, n, k) of torque."""
     modelled = (stack.phi @ solution.theta + stack.kappa) / solution.gains * stack.moving
     error = stack.current - modelled
@@ -48,14 +48,14 @@ def halves_of(stack: Stack, solution: Solution, further: np.ndarray) -> Halves:
     weights = np.divide(1.0, size, out=np.zeros_like(size), where=size > 0.0)  # nothing, of one without rows
     samples, n, p = stack.phi.shape
     fitted = np.broadcast_to(solution.gains_fitted, (n,))
-    own = p + (n if fitted.any() else 0)
+    model_columns = p + (n if fitted.any() else 0)
     further = further * stack.moving[:, :, None]
-    rows = np.zeros((n, samples, own + further.shape[2] + 1))
+    rows = np.zeros((n, samples, model_columns + further.shape[2] + 1))
     for j in range(n):
         rows[j, :, :p] = stack.phi[:, j] / solution.gains[j]
         if fitted[j]:
             rows[j, :, p + j] = -modelled[:, j] / solution.gains[j]
-        rows[j, :, own:-1] = further[:, j] / solution.gains[j]
+        rows[j, :, model_columns:-1] = further[:, j] / solution.gains[j]
         rows[j, :, -1] = error[:, j]
     rows *= weights[:, None, None]
     ends = [*stack.starts[1:], samples]
@@ -66,15 +66,17 @@ def halves_of(stack: Stack, solution: Solution, further: np.ndarray) -> Halves:
         ]
     )
     inner = np.array([[row[half == k].T @ row[half == k] for row in rows] for k in (0, 1)])
-    left = rows @ _solution(inner.sum(axis=(0, 1)), np.arange(rows.shape[2] - 1))
-    parts = [np.split(entry[:, None], stack.starts[1:]) for entry in left]
-    memory = np.array([memory_in_rows(part, stack.returns) for part in parts])
+    residuals = rows @ _solution(inner.sum(axis=(0, 1)), np.arange(rows.shape[2] - 1))
+    parts = [np.split(entry[:, None], stack.starts[1:]) for entry in residuals]
+    times = np.array([autocorrelation_time(part, stack.returns) for part in parts])
     measured = ((stack.current * weights) ** 2).sum(axis=0)
-    return Halves(inner, own, count / memory, np.maximum(measured, np.finfo(float).tiny))
+    return BlockCrossValidation(
+        inner, model_columns, count / times, np.maximum(measured, np.finfo(float).tiny)
+    )
 
 
 def _solution(inner: np.ndarray, used: np.ndarray) -> np.ndarray:
-    """How columns (S,) are combined to the error that is left: the used ones by least squares."""
+    """How columns (S,) are combined to the error that remains: the used ones by least squares."""
     normal, right = inner[np.ix_(used, used)], inner[used, -1]
     lengths = np.sqrt(np.diag(normal))
     lengths[lengths == 0.0] = 1.0

@@ -9,15 +9,15 @@ from bench.identification.repeated_errors import Returns, times_repeated
 LONGEST_MEMORY = 60  # rows over which errors may be alike
 
 
-def memory_in_rows(errors: Sequence[np.ndarray], returns: Returns = ()) -> float:
+def autocorrelation_time(errors: Sequence[np.ndarray], returns: Returns = ()) -> float:
     """Integrated autocorrelation time of the errors (M, n) of all recordings, in rows, at least one.
 
-    Lags are summed until the correlation is lost in its own noise (Geyer 1992, initial positive pairs), and likewise
+    Lags are summed until the correlation is lost in its noise (Geyer 1992, initial positive pairs), and likewise
     about whole periods of a motion that returns. returns: after how many rows it does, for every recording; none: rows
     of different periods count as different.
     """
-    own, reach = _local(errors)
-    return own * (times_repeated(errors, returns, reach) if returns else 1.0)
+    rows, reach = _local(errors)
+    return rows * (times_repeated(errors, returns, reach) if returns else 1.0)
 
 
 def repeats_of(errors: Sequence[np.ndarray], returns: Returns) -> float:

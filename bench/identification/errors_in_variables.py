@@ -3,7 +3,7 @@
 Differentiated twice, the noise of a position grows with the fourth power of the frequency. In the observation matrix it
 biases every estimate that takes that matrix for exact. Whether it does is seen as Hausman does ("Specification tests in
 econometrics", 1978): by the distance to an estimate that holds with errors in the variables, too, though it is less
-exact without them. Here that is instrumental variables, see `bench.identification.instrumental`.
+exact without them. That estimate is by instrumental variables, see `bench.identification.instrumental`.
 """
 
 from collections.abc import Callable
@@ -12,13 +12,13 @@ from dataclasses import replace
 import numpy as np
 
 from bench.identification.finding import Code, Finding
+from bench.identification.model_averaged import all_model_averaged
 from bench.identification.prepare import Prepared
 from bench.identification.result import Identification
-from bench.identification.widened import all_widened
 from bench.signals.settings import FIT_NOISE, signal_bands
 
 HEARD = 1e-4  # share of an acceleration's power: ten times what filters that were chosen let through
-LOUD = 0.1  # of an acceleration's power: noise that is told of in any case
+LOUD = 0.1  # of an acceleration's power: noise that is reported in any case
 MOVES = 2.0  # standard errors by which the two estimates differ where noise is seen to move the answer
 DECIDES = 0.1  # of a drive gain: an answer that noise moves by so much is not to be believed
 CONSISTENT = ("iv", "oe")  # that do not take the observation matrix of the measured motion for exact
@@ -43,7 +43,9 @@ def noise_share(prepared: Prepared) -> float:
     return float(FIT_NOISE * (band / bands.fit_limit) ** 5)
 
 
-def with_noise_heard(prepared: Prepared, result: Identification, fitted: Fit) -> Identification:
+def with_errors_in_variables_checked(
+    prepared: Prepared, result: Identification, fitted: Fit
+) -> Identification:
     """The answer with standard errors that hold what instrumental variables make of the same equations, where the
     filters let noise through; with a finding, where that moves a drive gain. fitted: makes an answer by a method.
     """
@@ -56,7 +58,7 @@ def with_noise_heard(prepared: Prepared, result: Identification, fitted: Fit) ->
     gains, others = result.drive_gains, other.drive_gains
     moved = {joint: abs(others[joint].value - gain.value) for joint, gain in gains.items()}
     seen = any(moved[joint] > MOVES * np.hypot(gain.std, others[joint].std) for joint, gain in gains.items())
-    answer = all_widened(result, other, "instruments")
+    answer = all_model_averaged(result, other, "instruments")
     if not seen and share < LOUD:
         return answer
     worst = max(gains, key=lambda joint: moved[joint] / abs(others[joint].value))

@@ -7,7 +7,7 @@ import numpy as np
 from bench.effects import EffectInstance
 from bench.identification.finding import Code, Finding, Unknown
 
-WIDER = 10.0  # times: by how much others beside it may widen a parameter's deviation before it is said
+WIDER = 10.0  # times: by how much others may widen a parameter's deviation before it is said
 TAKES_PART = 0.2  # of the largest part in a combination
 ELSEWHERE, SHARE = (
     3.0,
@@ -15,7 +15,7 @@ ELSEWHERE, SHARE = (
 )  # deviations, and share of a value, by which it may miss what it was linearised about
 
 
-def hardly_apart(
+def collinear(
     effects: Sequence[EffectInstance], covariance: np.ndarray, rows: Sequence[Unknown]
 ) -> list[Finding]:
     """A finding for each combination of effects that are changes of the model itself, such as zeros of encoders, a tilt
@@ -27,25 +27,25 @@ def hardly_apart(
     changing = {
         (instance.effect.name, instance.place) for instance in effects if instance.effect.depends_on_model
     }
-    own = [
+    indices = [
         i
         for i, row in enumerate(rows)
         if row.kind == "effect" and (row.effect, row.place) in changing and covariance[i, i] > 0.0
     ]
-    if len(own) < 2:
+    if len(indices) < 2:
         return []
-    std = np.sqrt(np.diag(covariance)[own])
-    values, vectors = np.linalg.eigh(covariance[np.ix_(own, own)] / np.outer(std, std))
-    found = []
+    std = np.sqrt(np.diag(covariance)[indices])
+    values, vectors = np.linalg.eigh(covariance[np.ix_(indices, indices)] / np.outer(std, std))
+    findings = []
     for value, vector in zip(values, vectors.T, strict=True):
         if value * WIDER**2 >= 1.0:
             break
         part = np.flatnonzero(np.abs(vector) >= TAKES_PART * np.abs(vector).max())
-        together = tuple(rows[own[i]] for i in part)
+        together = tuple(rows[indices[i]] for i in part)
         if len({(unknown.effect, unknown.place) for unknown in together}) > 1:
             wider = float(1.0 / np.sqrt(max(value, np.finfo(float).eps)))
-            found.append(Finding(Code.HARDLY_APART, of=together, numbers={"wider": wider}))
-    return found
+            findings.append(Finding(Code.HARDLY_APART, of=together, numbers={"wider": wider}))
+    return findings
 
 
 def unsettled(
@@ -55,15 +55,15 @@ def unsettled(
 
     values, std (k,): of all parameters of all effects, one effect after the other.
     """
-    found, at = [], 0
+    findings, at = [], 0
     for instance in effects:
         about = instance.effect.about_values()
         for k, parameter in enumerate(instance.effect.parameters):
             value, place = float(values[at + k]), about.get(parameter.name, 0.0)
             off = abs(value - place)
             if place and off > ELSEWHERE * std[at + k] and off > SHARE * max(abs(value), abs(place)):
-                found.append(
+                findings.append(
                     (at + k, Unknown("effect", parameter.name, instance.place, instance.effect.name))
                 )
         at += len(instance.effect.parameters)
-    return found
+    return findings

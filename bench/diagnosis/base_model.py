@@ -28,7 +28,7 @@ SEARCHED = 1  # rounds as a model is, after it has settled nearby, as long as th
 
 
 @dataclass(frozen=True)
-class Origin:
+class BaseModel:
     """What a search starts from: the model at its solution, and what is computed once for all models near it.
 
     known: added effects that were converged before, by what they began as, and the model that they belong to.
@@ -43,7 +43,7 @@ class Origin:
     deadline: Deadline = NEVER
 
     @cached_property
-    def at_leisure(self) -> "Origin":
+    def at_leisure(self) -> "BaseModel":
         """The same without a deadline: what was begun is brought to its end."""
         return self if self.deadline is NEVER else replace(self, deadline=NEVER)
 
@@ -63,12 +63,12 @@ class Origin:
     def nearly(self, proposals: Sequence[Proposal], chosen: Sequence[int]) -> Prepared:
         """The same as it is known nearby, for a first look."""
         instances = _instances(proposals, chosen)
-        found = self._found_before(instances)
-        return at_its_solution(self._settled_nearby(instances)) if found is None else found
+        earlier = self._converged_before(instances)
+        return at_its_solution(self._settled_nearby(instances)) if earlier is None else earlier
 
     def in_search(self, system: System, proposals: Sequence[Proposal], chosen: Sequence[int]) -> Prepared:
         """The same as a search goes by it: as it is known nearby, if that is less work and all that a model can be
-        asked for, as it leaves only noise. system: in which the set was found.
+        asked for, as it leaves only noise. system: in which the set was selected.
         """
         instances = _instances(proposals, chosen)
         if not _less_nearby(instances):
@@ -88,24 +88,24 @@ class Origin:
         """The starting model with these effects, converged; first as it is known nearby, if that is less work."""
         if _less_nearby(instances):
             return self.exactly(self._settled_nearby(instances))
-        found = self._found_before(instances)
-        if found is None:
-            found = self._converged(self.start, (*self.start.effects, *instances))
-            if found.converged and _hashable(found.effects):
-                self.known[tuple(instances)] = found.effects, found.present
-        return at_its_solution(found)
+        prepared = self._converged_before(instances)
+        if prepared is None:
+            prepared = self._converged(self.start, (*self.start.effects, *instances))
+            if prepared.converged and _hashable(prepared.effects):
+                self.known[tuple(instances)] = prepared.effects, prepared.present
+        return at_its_solution(prepared)
 
-    def _found_before(self, instances: Sequence[EffectInstance]) -> Prepared | None:
+    def _converged_before(self, instances: Sequence[EffectInstance]) -> Prepared | None:
         """The starting model with these effects, if they were converged from the same beginning before."""
-        found = self.known.get(tuple(instances)) if _hashable(instances) else None
-        return None if found is None else replace(with_effects(self.start, *found), converged=True)
+        entry = self.known.get(tuple(instances)) if _hashable(instances) else None
+        return None if entry is None else replace(with_effects(self.start, *entry), converged=True)
 
-    def beside(self, model: Prepared, instances: Sequence[EffectInstance]) -> Prepared:
+    def warm_started(self, model: Prepared, instances: Sequence[EffectInstance]) -> Prepared:
         """The starting model with these effects, converged from a converged model that is much like it and has the
-        shapes that they begin with, or with which they were found.
+        shapes that they begin with, or with which they were identified.
         """
-        if (found := self._found_before(instances)) is not None:
-            return at_its_solution(found)
+        if (earlier := self._converged_before(instances)) is not None:
+            return at_its_solution(earlier)
         start = seen_nearby(self.start, self.nearby) if _less_nearby(instances) else self.start
         every = *self.start.effects, *instances
         return self.exactly(self._settled(start, every, model.present, nearly=True))
@@ -173,10 +173,10 @@ def _less_nearby(instances: Sequence[EffectInstance]) -> bool:
     return any(changes_torque(instance.effect) for instance in instances)
 
 
-def origin_of(start: Prepared, deadline: Deadline = NEVER) -> Origin:
+def base_model_of(start: Prepared, deadline: Deadline = NEVER) -> BaseModel:
     """The search for what a converged starting model lacks."""
     start = at_its_solution(start)
-    return Origin(start, Nearby(start.model, start.measured), deadline=deadline)
+    return BaseModel(start, Nearby(start.model, start.measured), deadline=deadline)
 
 
 def at_its_solution(model: Prepared) -> Prepared:

@@ -5,8 +5,8 @@ from dataclasses import replace
 
 import numpy as np
 
+from bench.diagnosis.block_cross_validation import BlockCrossValidation, block_cross_validation
 from bench.diagnosis.decision import RULE
-from bench.diagnosis.halves import Halves, halves_of
 from bench.diagnosis.result import Differing
 from bench.effects import Effect, EffectInstance
 from bench.effects.select import TAG
@@ -24,11 +24,15 @@ def places_of(differs: Sequence[Differing]) -> frozenset[Place]:
 
 
 def leading(differs: Sequence[Differing]) -> bool:
-    """Whether values for each recording take most of a motor's error away: effects found without them may be theirs."""
+    """Whether values for each recording take most of a motor's error away: effects identified without them may be
+    theirs.
+    """
     return any(differing.error_after**2 < RULE.most * differing.error_before**2 for differing in differs)
 
 
-def with_own_values(start: Prepared, places: Collection[Place], catalogue: Mapping[str, Effect]) -> Prepared:
+def with_values_by_log(
+    start: Prepared, places: Collection[Place], catalogue: Mapping[str, Effect]
+) -> Prepared:
     """A starting model with a value for each recording of what differs, in place of one for all; converged."""
     names = {name for name, _ in places}
     kept = [
@@ -47,7 +51,7 @@ def with_own_values(start: Prepared, places: Collection[Place], catalogue: Mappi
     return converged(with_effects(start, (*kept, *added)))
 
 
-def own_values(model: Prepared, given: Sequence[EffectInstance]) -> tuple[EffectInstance, ...]:
+def values_by_log(model: Prepared, given: Sequence[EffectInstance]) -> tuple[EffectInstance, ...]:
     """The instances of a model with a value for one recording that the starting model (`given`) has not as such."""
     there = {(instance.effect.name, instance.place) for instance in given}
     return tuple(
@@ -59,15 +63,15 @@ def own_values(model: Prepared, given: Sequence[EffectInstance]) -> tuple[Effect
 
 def with_common_values(model: Prepared, given: Sequence[EffectInstance]) -> Prepared:
     """The converged model with one value for all recordings in the place of those; itself where it has none."""
-    own = own_values(model, given)
-    if not own:
+    per_recording = values_by_log(model, given)
+    if not per_recording:
         return model
-    kept = [instance for instance in model.effects if instance not in own]
+    kept = [instance for instance in model.effects if instance not in per_recording]
     common = {
         (instance.effect.name, instance.joint): replace(
             instance.everywhere(), request=f"{instance.effect.name}:{instance.joint}"
         )
-        for instance in own
+        for instance in per_recording
     }
     return converged(with_effects(model, (*kept, *common.values())))
 
@@ -76,12 +80,14 @@ def explains_more(model: Prepared, other: Prepared) -> bool:
     """Whether a converged model clearly explains more of the fitted recordings than another: each is fitted to every
     other part of each recording and judged on the rest, where values for one recording hold, too.
     """
-    here, there = _by_halves(model), _by_halves(other)
-    samples = np.minimum(here.samples, there.samples)
-    ratio = (there.judged(()) / there.measured) / (here.judged(()) / here.measured)
+    of_model, of_other = _cross_validated(model), _cross_validated(other)
+    samples = np.minimum(of_model.samples, of_other.samples)
+    ratio = (of_other.held_out_squares(()) / of_other.measured) / (
+        of_model.held_out_squares(()) / of_model.measured
+    )
     return 0.5 * float(samples @ np.log(ratio)) > RULE.prior
 
 
-def _by_halves(model: Prepared) -> Halves:
+def _cross_validated(model: Prepared) -> BlockCrossValidation:
     stack, solution = solved_quickly(model)
-    return halves_of(stack, solution, np.zeros((*stack.current.shape, 0)))
+    return block_cross_validation(stack, solution, np.zeros((*stack.current.shape, 0)))

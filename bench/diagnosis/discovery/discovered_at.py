@@ -7,7 +7,7 @@ from bench.diagnosis.discovery.term import Term
 from bench.diagnosis.discovery.variables import Place
 from bench.diagnosis.normal_equations import solve_set
 from bench.diagnosis.result import Discovered, LawTerm, LooksAt
-from bench.diagnosis.search import judged_error
+from bench.diagnosis.search import held_out_error
 
 HELPS = 0.9  # of the error without a law: what an effect in its place must reach to be reported as near
 
@@ -55,16 +55,16 @@ def _looks_at(term: Term, place: Place) -> tuple[LooksAt, ...]:
 def _nearest(finding: SearchResult, law: str, without: float | None) -> tuple[str, float] | None:
     """The effect of the catalogue that does best in the place of a law, and the error with it."""
     system, proposals = finding.last.system, finding.last.proposals
-    chosen = finding.last.found.best.fit.chosen
+    chosen = finding.last.selection.selected.fit.chosen
     others = tuple(i for i in chosen if proposals[i].name != law)
-    here = judged_error(system, finding.last.found.best.fit)
+    selected_error = held_out_error(system, finding.last.selection.selected.fit)
     error = finding.after.error.validate
-    if not here or error is None or without is None:
+    if not selected_error or error is None or without is None:
         return None
-    scale = error / here
+    scale = error / selected_error
     tried = [
-        (judged_error(system, solve_set(system, (*others, i))) * scale, proposals[i].name)
-        for i in finding.last.found.singles
+        (held_out_error(system, solve_set(system, (*others, i))) * scale, proposals[i].name)
+        for i in finding.last.selection.singles
         if i not in chosen
     ]
     best = min(tried, default=None)

@@ -1,4 +1,4 @@
-"""Whether a found effect shows at a joint."""
+"""Whether an identified effect shows at a joint."""
 
 from collections.abc import Sequence
 from math import log, prod
@@ -12,7 +12,7 @@ from bench.identification.finding import Unknown
 from bench.identification.result import Identification
 
 
-def shows(result: Identification, instance: EffectInstance) -> bool:
+def is_significant(result: Identification, instance: EffectInstance) -> bool:
     """Whether an effect has a parameter there that is not zero, and none of an impossible sign; several parameters
     together, too, as a wave is no larger where its phase happens to be that of one of them.
 
@@ -26,9 +26,9 @@ def shows(result: Identification, instance: EffectInstance) -> bool:
     parameters = instance.effect.parameters
     if wrong_sign(result, instance):
         return False
-    found = np.array([values[parameter.name].value for parameter in parameters])
+    estimates = np.array([values[parameter.name].value for parameter in parameters])
     covariance = _at_its_shape(result, instance)
-    if not np.any(np.abs(found) > RULE.shows * np.sqrt(np.diag(covariance))):
+    if not np.any(np.abs(estimates) > RULE.shows * np.sqrt(np.diag(covariance))):
         return False
     known = np.isfinite(np.diag(covariance)) & (np.diag(covariance) > 0.0)
     if known.sum() < 2:
@@ -36,7 +36,7 @@ def shows(result: Identification, instance: EffectInstance) -> bool:
     tried = prod(parameter.unlike for parameter in instance.effect.shape)
     needed = 2.0 * (RULE.prior + log(tried)) if tried > 1 else exceeded_with(RULE.by_chance, int(known.sum()))
     inverse = np.linalg.pinv(covariance[np.ix_(known, known)], hermitian=True)
-    return bool(found[known] @ inverse @ found[known] > needed)
+    return bool(estimates[known] @ inverse @ estimates[known] > needed)
 
 
 def wrong_sign(result: Identification, instance: EffectInstance) -> bool:
@@ -61,12 +61,12 @@ def _at_its_shape(result: Identification, instance: EffectInstance) -> np.ndarra
     shape = [i for i in shape if result.covariance[i, i] > 0.0]
     stds = np.array([values[parameter.name].std for parameter in instance.effect.parameters])
     covariance = np.diag(stds**2)
-    own = rows_of([parameter.name for parameter in instance.effect.parameters])
-    there = [(k, i) for k, i in enumerate(own) if i is not None and np.isfinite(stds[k])]
+    of_parameters = rows_of([parameter.name for parameter in instance.effect.parameters])
+    there = [(k, i) for k, i in enumerate(of_parameters) if i is not None and np.isfinite(stds[k])]
     places, at = [k for k, _ in there], [i for _, i in there]
     within = np.linalg.pinv(result.covariance[np.ix_(shape, shape)], hermitian=True)
     along = result.covariance[np.ix_(at, shape)]
-    own_covariance = result.covariance[np.ix_(at, at)] - along @ within @ along.T
-    np.fill_diagonal(own_covariance, np.maximum(stds[places] ** 2 - np.diag(along @ within @ along.T), 0.0))
-    covariance[np.ix_(places, places)] = own_covariance
+    conditional = result.covariance[np.ix_(at, at)] - along @ within @ along.T
+    np.fill_diagonal(conditional, np.maximum(stds[places] ** 2 - np.diag(along @ within @ along.T), 0.0))
+    covariance[np.ix_(places, places)] = conditional
     return covariance

@@ -13,7 +13,7 @@ from bench.identification.standard_errors import StdFrom
 AWAY = 5.0  # times the nominal gain, or that part of it: an answer that says so tells nothing of the gain
 
 
-def widened(result: Identification, apart: Mapping[Unknown, float], by: StdFrom) -> Identification:
+def model_averaged(result: Identification, apart: Mapping[Unknown, float], by: StdFrom) -> Identification:
     """The answer with standard errors at least as large as how far other answers are apart from it, by unknown.
 
     by: what the others are. The covariance grows with them, correlations stay; an unknown without a standard error
@@ -34,11 +34,11 @@ def widened(result: Identification, apart: Mapping[Unknown, float], by: StdFrom)
     return replace(wider, covariance=covariance, std_from=by)
 
 
-def gains_widened(
+def gains_model_averaged(
     result: Identification, others: Sequence[Identification], by: StdFrom = "models"
 ) -> Identification:
-    """As `widened`, for the gains that were fitted, by the farthest of other answers, but those in which they alone
-    have run away.
+    """As `model_averaged`, for the gains that were fitted, by the farthest of other answers, but those in which they
+    alone have run away.
     """
     apart = {
         Unknown("gain", "gain", joint): max(
@@ -52,19 +52,19 @@ def gains_widened(
         for joint, gain in result.drive_gains.items()
         if gain.std > 0.0
     }
-    return widened(result, apart, by)
+    return model_averaged(result, apart, by)
 
 
 def _away(gain: DriveGain) -> bool:
     return not 1.0 / AWAY < gain.value / gain.nominal < AWAY
 
 
-def all_widened(result: Identification, other: Identification, by: StdFrom) -> Identification:
-    """As `widened`, for gains and parameters, by another answer to the same equations."""
+def all_model_averaged(result: Identification, other: Identification, by: StdFrom) -> Identification:
+    """As `model_averaged`, for gains and parameters, by another answer to the same equations."""
     there = estimates(other)
     apart = {
         unknown: abs(there[unknown].value - estimate.value)
         for unknown, estimate in estimates(result).items()
         if unknown.kind != "effect" and unknown in there
     }
-    return widened(result, apart, by)
+    return model_averaged(result, apart, by)

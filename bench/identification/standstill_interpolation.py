@@ -1,4 +1,4 @@
-"""Straight lines over stretches of samples: what replaces the equations of a joint while it stands still.
+"""Straight lines over stretches of samples: what replaces the equations of a joint while it does not move.
 
 The line goes through the means of the samples on either side, those in the middle of a side weighing most (a Hann
 window); it is level where there is one side only. All of it is linear in the samples and worked out once.
@@ -9,53 +9,55 @@ from functools import lru_cache
 
 import numpy as np
 
-KEPT = 256  # bridges: of every joint of every recording that is looked at, at all its samples and at few
+KEPT = (
+    256  # interpolations: of every joint of every recording that is looked at, at all its samples and at few
+)
 
 
 @dataclass(frozen=True)
-class Bridge:
+class StandstillInterpolation:
     """The lines over the stretches of one joint.
 
-    inside (K,): rows that are replaced; beside (L,): those that tell of the surroundings, side after side, with their
-    weights (L,), which add up to one in each side; starts: where in these a side begins. left, right (K,): between
+    inside (K,): rows that are replaced; near (L,): rows on either side, side after side, with their
+    weights (L,), which add up to one in each side; starts: where in these a side begins. before, after (K,): between
     which sides a row lies, and `share` (K,) of the way.
     """
 
     inside: np.ndarray
-    beside: np.ndarray
+    near: np.ndarray
     weights: np.ndarray
     starts: np.ndarray
-    left: np.ndarray
-    right: np.ndarray
+    before: np.ndarray
+    after: np.ndarray
     share: np.ndarray
 
     def lines(self, rows: np.ndarray) -> np.ndarray:
-        """What stands in the place of the rows (N, p) inside, (K, p)."""
-        return self._between(rows[self.beside])
+        """The interpolated values (K, p) of the rows (N, p) inside."""
+        return self._between(rows[self.near])
 
     def put(self, rows: np.ndarray, columns: np.ndarray) -> None:
         """Put it there, in some columns (indices) of the rows (N, p)."""
         if len(self.inside):
-            rows[self.inside[:, None], columns] = self._between(rows[self.beside[:, None], columns])
+            rows[self.inside[:, None], columns] = self._between(rows[self.near[:, None], columns])
 
     def put_partly(self, rows: np.ndarray, columns: np.ndarray, share: np.ndarray) -> None:
         """The same by the `share` (N,) that it has of each row."""
         if len(self.inside):
             inside = rows[self.inside[:, None], columns]
-            lines = self._between(rows[self.beside[:, None], columns])
+            lines = self._between(rows[self.near[:, None], columns])
             inside += share[self.inside, None] * (lines - inside)
             rows[self.inside[:, None], columns] = inside
 
-    def _between(self, beside: np.ndarray) -> np.ndarray:
-        """The lines (K, p) from what stands beside (L, p), which is changed."""
+    def _between(self, near: np.ndarray) -> np.ndarray:
+        """The lines (K, p) from the rows near (L, p), which are changed."""
         if not len(self.inside):
-            return beside[:0]
-        beside *= self.weights[:, None]
-        means = np.add.reduceat(beside, self.starts)
-        found: np.ndarray = means[self.right] - means[self.left]
-        found *= self.share[:, None]
-        found += means[self.left]
-        return found
+            return near[:0]
+        near *= self.weights[:, None]
+        means = np.add.reduceat(near, self.starts)
+        interpolated: np.ndarray = means[self.after] - means[self.before]
+        interpolated *= self.share[:, None]
+        interpolated += means[self.before]
+        return interpolated
 
 
 def within(stretches: np.ndarray, part: slice) -> slice:
@@ -67,11 +69,11 @@ def within(stretches: np.ndarray, part: slice) -> slice:
 def sides(
     chosen: slice, stretches: np.ndarray, length: int
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-    """Of the chosen stretches start and stop, and where their surroundings begin before and end after, (k,) each."""
-    start, stop, beside = stretches[chosen].T
+    """For the chosen stretches, start and stop, and where their surroundings begin before and end after, (k,) each."""
+    start, stop, margin = stretches[chosen].T
     last = stretches[chosen.start - 1, 1] if chosen.start else 0
-    before = np.maximum(start - beside, np.concatenate(([last], stop))[: len(stop)])
-    return start, stop, before, np.minimum(stop + beside, length)
+    before = np.maximum(start - margin, np.concatenate(([last], stop))[: len(stop)])
+    return start, stop, before, np.minimum(stop + margin, length)
 
 
 def ranges(start: np.ndarray, stop: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -81,7 +83,9 @@ def ranges(start: np.ndarray, stop: np.ndarray) -> tuple[np.ndarray, np.ndarray]
     return np.arange(len(of)) + (start - np.cumsum(length) + length)[of], of
 
 
-def bridge_over(stretches: np.ndarray, samples: np.ndarray, length: int, part: slice) -> Bridge:
+def interpolation_over(
+    stretches: np.ndarray, samples: np.ndarray, length: int, part: slice
+) -> StandstillInterpolation:
     """The lines over a joint's stretches (k, 3) in a part of a recording of so many samples, for its rows at the
     samples (K,), in order; these hold the part's stretches and their surroundings.
     """
@@ -89,37 +93,37 @@ def bridge_over(stretches: np.ndarray, samples: np.ndarray, length: int, part: s
     first, last = np.concatenate((before, stop)), np.concatenate((start, after))
     there = last > first
     side = np.cumsum(there) - 1
-    beside, of_side = ranges(first[there], last[there])
+    near, of_side = ranges(first[there], last[there])
     begin, end = first[there][of_side], last[there][of_side]
-    weights = np.sin(np.pi * (beside - begin + 0.5) / (end - begin)) ** 2
+    weights = np.sin(np.pi * (near - begin + 0.5) / (end - begin)) ** 2
     starts = np.searchsorted(of_side, np.arange(int(there.sum())))
     if len(starts):
         weights /= np.add.reduceat(weights, starts)[of_side]
 
     has_first, has_second = np.split(there, 2)
-    own, other = np.split(side, 2)
-    left, right = np.where(has_first, own, other), np.where(has_second, other, own)
+    same, other = np.split(side, 2)
+    before_gap, after_gap = np.where(has_first, same, other), np.where(has_second, other, same)
     middle, further = 0.5 * (before + start - 1), 0.5 * (stop + after - 1)
     inside, of = ranges(np.maximum(start, part.start), np.minimum(stop, part.stop))
     some = (has_first | has_second)[of]
     inside, of = inside[some], of[some]
-    return Bridge(
+    return StandstillInterpolation(
         inside=np.searchsorted(samples, inside),
-        beside=np.searchsorted(samples, beside),
+        near=np.searchsorted(samples, near),
         weights=weights,
         starts=starts,
-        left=left[of],
-        right=right[of],
+        before=before_gap[of],
+        after=after_gap[of],
         share=(inside - middle[of]) / (further - middle)[of],
     )
 
 
-def whole_bridge(stretches: np.ndarray, length: int) -> Bridge:
+def whole_interpolation(stretches: np.ndarray, length: int) -> StandstillInterpolation:
     """The lines over a joint's stretches (k, 3) in all so many samples of a recording."""
-    return _whole_bridge(stretches.tobytes(), length)
+    return _whole_interpolation(stretches.tobytes(), length)
 
 
 @lru_cache(maxsize=KEPT)
-def _whole_bridge(stretches: bytes, length: int) -> Bridge:
+def _whole_interpolation(stretches: bytes, length: int) -> StandstillInterpolation:
     given = np.frombuffer(stretches, dtype=int).reshape(-1, 3)
-    return bridge_over(given, np.arange(length), length, slice(0, length))
+    return interpolation_over(given, np.arange(length), length, slice(0, length))

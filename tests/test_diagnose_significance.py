@@ -6,7 +6,7 @@ from typing import cast
 import numpy as np
 import pytest
 
-from bench.diagnosis.showing import shows
+from bench.diagnosis.significance import is_significant
 from bench.effects import CATALOGUE, EffectInstance
 from bench.identification.finding import Unknown
 from bench.identification.result import Identification, Quantity
@@ -44,7 +44,7 @@ def found(value: float, std: float, correlation: float, of_shape: float = 0.4) -
 def test_an_effect_shows(value: float, std: float, correlation: float, of_shape: float, there: bool) -> None:
     with np.errstate(invalid="ignore"):
         result = found(value, std, correlation, of_shape)
-    assert shows(result, THINNING) is there
+    assert is_significant(result, THINNING) is there
 
 
 @pytest.mark.parametrize(("chi_squared", "there"), [(28.0, False), (36.0, True)])
@@ -65,4 +65,4 @@ def test_a_wave_shows_where_it_is_more_than_the_best_of_all_periods_is_by_chance
         covariance=np.diag([std**2, std**2, 2.6**2]),
         covariance_rows=rows,
     )
-    assert shows(cast("Identification", result), cogging) is there
+    assert is_significant(cast("Identification", result), cogging) is there

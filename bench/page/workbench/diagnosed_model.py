@@ -1,4 +1,4 @@
-"""The model that a diagnosis found, made ready again: the one about which the workbench's columns are taken."""
+"""The model that a diagnosis identified, prepared again: the one about which the workbench's columns are taken."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -21,14 +21,15 @@ from bench.identification.summary import ROBOT
 
 
 @dataclass(frozen=True)
-class FoundModel:
+class DiagnosedModel:
     """plain: the equations without any effect but those with a value for each recording, which the page does not
-    change; found: with those that the diagnosis found behind them, linearised about the answer; solution: the answer,
-    theta in the order of `found`. started: effects that the model had before the diagnosis, as (effect, place).
+    change; complete: with those that the diagnosis identified behind them, linearised about the answer; solution: the
+    answer, theta in the order of `complete`. started: effects that the model had before the diagnosis, as (effect,
+    place).
     """
 
     plain: Prepared
-    found: Prepared
+    complete: Prepared
     solution: Solution
     started: tuple[tuple[str, str], ...]
 
@@ -39,15 +40,15 @@ class FoundModel:
 
     @property
     def effects(self) -> tuple[EffectInstance, ...]:
-        """The found effects, those aside that the page does not change."""
-        return self.found.effects[len(self.plain.effects) :]
+        """The identified effects, those aside that the page does not change."""
+        return self.complete.effects[len(self.plain.effects) :]
 
     def nearby(self) -> Nearby:
         """Where small changes of the torque are computed once for all effects."""
-        return Nearby(self.found.model, self.found.measured)
+        return Nearby(self.complete.model, self.complete.measured)
 
 
-def found_model(problem: Problem, diagnosis: Diagnosis) -> FoundModel:
+def diagnosed_model(problem: Problem, diagnosis: Diagnosis) -> DiagnosedModel:
     """Prepare the equations of a diagnosis of a problem again: its filters, and its parts to judge on where the user
     kept no recording for that.
     """
@@ -57,26 +58,28 @@ def found_model(problem: Problem, diagnosis: Diagnosis) -> FoundModel:
     plain = prepare(replace(problem, effects=()))
     places = places_in(plain.model.geometry, problem.dataset.weighed)
     each = [effect for effect in after.effects if effect.endswith(TAG)]
-    own = select_effects(each, places, catalogue, plain.logs)
-    instances = select_effects(_requests(after, own), places, catalogue)
-    own, instances = (tuple(_as_found(after, instance) for instance in some) for some in (own, instances))
+    given = select_effects(each, places, catalogue, plain.logs)
+    instances = select_effects(_requests(after, given), places, catalogue)
+    given, instances = (
+        tuple(_with_values(after, instance) for instance in some) for some in (given, instances)
+    )
     present = _present(plain, after)
-    plain = with_effects(plain, own, present)
-    found = with_effects(plain, (*own, *instances), present)
-    _, solution = solved_quickly(found)
+    plain = with_effects(plain, given, present)
+    complete = with_effects(plain, (*given, *instances), present)
+    _, solution = solved_quickly(complete)
     # the solution is about itself once more, as identify does it
-    found = with_effects(plain, (*own, *instances), present_model(found, solution))
-    _, solution = solved_quickly(found)
+    complete = with_effects(plain, (*given, *instances), present_model(complete, solution))
+    _, solution = solved_quickly(complete)
     kept = [effect for effect in before.effects if not effect.endswith(TAG)]
     started = tuple(
         (instance.effect.name, instance.joint) for instance in select_effects(kept, places, catalogue)
     )
-    return FoundModel(plain, found, solution, started)
+    return DiagnosedModel(plain, complete, solution, started)
 
 
-def _requests(result: Identification, own: Sequence[EffectInstance]) -> list[str]:
-    """The effects with one value for all recordings; own: the others."""
-    each = {(instance.effect.name, instance.place) for instance in own}
+def _requests(result: Identification, given: Sequence[EffectInstance]) -> list[str]:
+    """The effects with one value for all recordings; given: the others."""
+    each = {(instance.effect.name, instance.place) for instance in given}
     return [
         name if place == ROBOT else f"{name}:{place}"
         for name, values in result.effect_parameters.items()
@@ -85,7 +88,7 @@ def _requests(result: Identification, own: Sequence[EffectInstance]) -> list[str
     ]
 
 
-def _as_found(result: Identification, instance: EffectInstance) -> EffectInstance:
+def _with_values(result: Identification, instance: EffectInstance) -> EffectInstance:
     values = result.effect_parameters[instance.effect.name][instance.place]
     shapes = {shape.name: values[shape.name].value for shape in instance.effect.shape}
     effect = replace(instance.effect, **shapes) if shapes else instance.effect
@@ -94,7 +97,7 @@ def _as_found(result: Identification, instance: EffectInstance) -> EffectInstanc
 
 
 def _present(plain: Prepared, result: Identification) -> PresentModel:
-    """The found model as effects see it."""
+    """The identified model as effects see it."""
     gains = np.array([result.drive_gains[joint].value for joint in result.joints])
     extra = plain.dataset.robot.redundant[: plain.layout.redundant]
     changes = [result.drive_gains[actuator.joint].value - actuator.gain for actuator in extra]

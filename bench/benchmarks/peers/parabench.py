@@ -1,4 +1,4 @@
-"""The own answer to a problem: everything identified, then with all but two masses taken as known."""
+"""The answer of this program to a problem: everything identified, then with all but two masses taken as known."""
 
 from __future__ import annotations
 
