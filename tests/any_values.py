@@ -73,6 +73,7 @@ effects = st.sampled_from(sorted(CATALOGUE)) | st.sampled_from(
 )
 errors = st.none() | sizes
 nominal = st.sampled_from([1e-9, 3.0, 1e9])  # a robot's file has no gain that is not positive
+shares = st.floats(0.0, 1.0)
 quantities = st.builds(Quantity, numbers, sizes, units)
 
 
@@ -200,6 +201,8 @@ def verdicts_at(joints, why=reasons):
         alternatives=some(effects, 0, 6),
         size=at.flatmap(lambda joints: st.fixed_dictionaries(dict.fromkeys(joints, sizes))),
         why=why,
+        probability=st.none() | shares,
+        places=st.fixed_dictionaries(dict.fromkeys(joints, shares)),
     )
 
 
@@ -314,6 +317,7 @@ def diagnoses(example):
             superfluous=st.lists(st.builds(Superfluous, effects, st.none() | effects), max_size=2).map(tuple),
             discovered=st.lists(laws, max_size=2).map(tuple),
             unfinished=some(st.sampled_from(list(Unfinished)), most=5),
+            something_else=shares,
         )
 
     ranking = st.lists(verdicts_at(joints), max_size=3, unique_by=lambda verdict: verdict.effect).map(tuple)

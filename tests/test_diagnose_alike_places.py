@@ -34,6 +34,10 @@ def test_a_friction_in_a_joint_that_moves_like_others_may_be_in_these(parallelog
     assert any({"elbow", "crank_rod"} <= every for every in possible.values())
     entries = {entry["effect"]: entry for entry in diagnosis_json(parallelogram)["ranking"]}
     assert entries[EFFECT]["alike_places"] == {place: list(others) for place, others in verdict.alike.items()}
+    for place, others in verdict.alike.items():
+        shares = [verdict.places[each] for each in (place, *others)]
+        assert sum(shares) == pytest.approx(1.0)
+        assert min(shares) == max(shares)
     assert any("could equally be at" in sentence for sentence in summary_sentences(parallelogram))
 
 

@@ -3,13 +3,15 @@
 from dataclasses import replace
 
 import numpy as np
+import pytest
 
 from bench.api.diagnose import diagnose
 from bench.diagnosis import posterior
 from bench.diagnosis.as_json import diagnosis_json
-from bench.diagnosis.posterior import shares_of, with_probability
+from bench.diagnosis.evidence import Samples
+from bench.diagnosis.posterior import Posterior, shares_of, something_else, with_probability
 from bench.diagnosis.reason import Because, Reason
-from bench.diagnosis.result import EffectVerdict, ProbableSet
+from bench.diagnosis.result import EffectVerdict, ProbableSet, Remainder, Unexplained
 from bench.scenario.scenario import load_scenario
 from bench.truth.dataset import as_dataset
 from bench.truth.simulate import simulate
@@ -31,7 +33,26 @@ def test_what_is_there_is_probable_and_nothing_else() -> None:
     assert len(others) > 10
     assert max(others) < 0.05
     assert answer.sets[0].effects == ("viscous_friction",)
-    assert diagnosis_json(answer)["sets"][0]["probability"] == answer.sets[0].probability
+    written = diagnosis_json(answer)
+    assert written["sets"][0]["probability"] == answer.sets[0].probability
+    (friction,) = (entry for entry in written["ranking"] if entry["effect"] == "viscous_friction")
+    assert friction["places"]["elbow"] > 0.95
+    assert friction["places"]["shoulder"] < 0.5
+    assert written["something_else"] == answer.something_else < 0.01
+
+
+def test_what_no_model_has_is_something_else() -> None:
+    """Crosstalk between the drives' currents is in no catalogue."""
+    answer = diagnosed({"effect": "current_crosstalk", "c": 0.2})
+    assert answer.unexplained.much
+    assert answer.something_else > 0.99
+
+
+@pytest.mark.parametrize(("excess", "low", "high"), [(0.0, 0.0, 1e-6), (0.5, 0.99, 1.0), (np.inf, 1.0, 1.0)])
+def test_something_else_is_as_probable_as_what_is_left(excess: float, low: float, high: float) -> None:
+    left = Unexplained(Remainder.PATTERN, 0.01 * np.exp(excess), 0.0 if np.isinf(excess) else 0.01, ())
+    many = Samples(np.full(2, 500.0), np.full(2, 300.0))
+    assert low <= something_else(Posterior(np.zeros(0), (), 0.9), many, left) <= high
 
 
 def test_where_nothing_is_hidden_nothing_is_probable() -> None:

@@ -53,6 +53,7 @@ def diagnosis_json(diagnosis: Diagnosis, *, words: bool = True) -> dict[str, Any
             for step in diagnosis.ladder
         ],
         "ranking": [_verdict(diagnosis, verdict, words) for verdict in diagnosis.ranking],
+        "something_else": diagnosis.something_else,
         "sets": [asdict(probable) for probable in diagnosis.sets],
         "decision_rule": asdict(RULE),
         "without_logs": [asdict(without) for without in diagnosis.without_logs],
@@ -85,6 +86,7 @@ def _verdict(diagnosis: Diagnosis, verdict: EffectVerdict, words: bool) -> dict[
         "error_after": verdict.error_after,
         "evidence": verdict.evidence,
         "probability": verdict.probability,
+        "places": dict(verdict.places),
         "verdict": verdict.verdict,
         "actuators": list(verdict.actuators),
         "alternatives": list(verdict.alternatives),

@@ -27,7 +27,8 @@ from bench.diagnosis.ladder import (
 )
 from bench.diagnosis.mounting import mounted_otherwise
 from bench.diagnosis.normal_equations import System
-from bench.diagnosis.posterior import posterior_of, with_probability
+from bench.diagnosis.place_shares import place_shares
+from bench.diagnosis.posterior import posterior_of, something_else, with_probability
 from bench.diagnosis.pruning import (
     gain_like_effect,
     refused,
@@ -335,12 +336,16 @@ def answered(case: SplitProblem, finding: SearchResult, progress: Progress = SIL
         if verdict.effect not in known and not (Unfinished.SETS in unfinished and undecided(verdict))
     )
     alike = alike_places(model, finding.new, system.samples)
+    shares = place_shares(system, best.selected.fit.chosen, finding.new, alike)
     posterior = posterior_of(system, best, proposals, scale)
     probability = {proposals[i].name: float(posterior.probability[i]) for i in best.singles}
     ranking = tuple(
         with_probability(
             replace(
-                verdict, size=sizes_of(model, after, verdict.effect), alike=alike.get(verdict.effect, {})
+                verdict,
+                size=sizes_of(model, after, verdict.effect),
+                alike=alike.get(verdict.effect, {}),
+                places=shares.get(verdict.effect, {}),
             ),
             probability.get(verdict.effect),
             posterior.sets,
@@ -363,6 +368,7 @@ def answered(case: SplitProblem, finding: SearchResult, progress: Progress = SIL
         unfinished=tuple(unfinished),
         sets=posterior.sets,
         without_logs=without_logs(model, system, best, proposals),
+        something_else=something_else(posterior, system.samples, remaining),
     )
 
 

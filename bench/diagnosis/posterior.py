@@ -2,28 +2,34 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from math import exp, isinf, log
 
 import numpy as np
+from scipy.special import expit
 
 from bench.diagnosis.candidates import Proposal
+from bench.diagnosis.decision import RULE
+from bench.diagnosis.evidence import Samples
 from bench.diagnosis.normal_equations import System
-from bench.diagnosis.result import EffectVerdict, ProbableSet
+from bench.diagnosis.result import EffectVerdict, ProbableSet, Unexplained
 from bench.diagnosis.search import Selection, held_out_error, possible, score
 
 LEADING = 8  # sets that an answer lists
 EVEN = 0.5  # probability
 DECIDED = ("missing", "resembles")
 LIKELY = 0.01  # probability of such a set
+SMOOTH = 3  # unknowns of a smooth function, at the least
 
 
 @dataclass(frozen=True)
 class Posterior:
     """probability (K,) of each candidate; sets: the leading ones, the most probable first. Both are of sets of the
-    catalogue's effects: what is in no catalogue has no probability.
+    catalogue's effects, given that one of these is right. leading: probability of the best set, given the same.
     """
 
     probability: np.ndarray
     sets: tuple[ProbableSet, ...]
+    leading: float
 
 
 def posterior_of(
@@ -56,7 +62,24 @@ def posterior_of(
         for fit, weight in zip(fits[:LEADING], weights, strict=False)
         if weight > LIKELY
     )
-    return Posterior(np.minimum(probability, 1.0), sets)
+    return Posterior(np.minimum(probability, 1.0), sets, float(weights[0]))
+
+
+def something_else(posterior: Posterior, samples: Samples, unexplained: Unexplained) -> float:
+    """Probability that something acts which no set has: a law with SMOOTH unknowns more at each motor, with which no
+    more than noise remains, against all sets.
+
+    samples: independent samples (n,) of the motors. unexplained: what the answer leaves. Its prior is that of an
+    effect: see `DecisionRule.prior`.
+    """
+    falls = max(unexplained.excess - log(RULE.beyond_noise), 0.0)
+    if isinf(falls):
+        return 1.0
+    motors = len(samples.fitted)
+    gained = samples.log_posterior(
+        np.full((2, motors), exp(-2.0 * falls)), SMOOTH * motors, RULE.prior
+    ) - samples.log_posterior(np.ones((2, motors)), 0, 0.0)
+    return float(expit(gained + log(posterior.leading)))
 
 
 def with_probability(

@@ -64,7 +64,8 @@ class EffectVerdict:
     log-likelihood ratio on those recordings, nats. actuators: where it shows. alternatives: effects that the data
     cannot tell from it. size: RMS of its torque at each actuator, N*m or N. probability: that it is there, given that
     the catalogue holds what is there; None where these data cannot show it, or nothing was asked. alike: of its places
-    those that have others, from which the data cannot tell them.
+    those that have others, from which the data cannot tell them. places: probability of each place, for an effect of
+    the answer.
     """
 
     effect: str
@@ -78,6 +79,7 @@ class EffectVerdict:
     why: Reason
     probability: float | None = None
     alike: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
+    places: Mapping[str, float] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -238,7 +240,8 @@ class Diagnosis:
     superfluous: effects of the starting model that `after` does without.
     discovered: laws that are in no catalogue, motor by motor; `after` and the ladder have them, too. unfinished: what
     was not looked at, since the time was up. sets: of effects, the most probable first.
-    without_logs: what hangs on one log, where there are several.
+    without_logs: what hangs on one log, where there are several. something_else: probability that something acts that
+    no model of the search has.
     """
 
     robot: str
@@ -255,6 +258,7 @@ class Diagnosis:
     unfinished: tuple[Unfinished, ...] = ()
     sets: tuple[ProbableSet, ...] = ()
     without_logs: tuple[WithoutLog, ...] = ()
+    something_else: float = 0.0
 
     @property
     def finished(self) -> bool:

@@ -11,6 +11,7 @@ from bench.effects.select import TAG
 from bench.identification.result import Identification, Quantity
 
 FEW = 4  # alternatives named in a cell
+CERTAIN = 0.95  # probability from which a place is named without it
 PROBABLE = 0.01  # nearer to 0 or 1 than that no digits are shown
 ROUNDING = 1e-6  # of an evidence in nats, of a share
 
@@ -87,12 +88,19 @@ def ranking_table(diagnosis: Diagnosis, verdicts: Sequence[EffectVerdict] | None
 
 
 def _probability(verdict: EffectVerdict) -> str:
+    return "" if verdict.probability is None else probability_text(verdict.probability)
+
+
+def probability_text(probability: float) -> str:
     """Two digits, without saying 0 or 1 of what is not certain."""
-    if verdict.probability is None:
-        return ""
-    if verdict.probability < PROBABLE:
+    if probability < PROBABLE:
         return f"< {PROBABLE:g}"
-    return f"> {1.0 - PROBABLE:g}" if verdict.probability > 1.0 - PROBABLE else f"{verdict.probability:.2f}"
+    return f"> {1.0 - PROBABLE:g}" if probability > 1.0 - PROBABLE else f"{probability:.2f}"
+
+
+def something_else_words(diagnosis: Diagnosis) -> str:
+    """How probable it is that something acts that no model of the search has."""
+    return f"something else, of which no model here knows: probability {probability_text(diagnosis.something_else)}"
 
 
 def sets_table(diagnosis: Diagnosis) -> Table:
@@ -177,7 +185,14 @@ def _before_after(header: str, rows: Sequence[tuple[str, Quantity, Quantity]]) -
         Column(header, [name for name, *_ in rows]),
         Column("before ± std", [before for _, before, _ in rows], "quantity"),
         Column("after ± std", [after for *_, after in rows], "quantity"),
-        Column("change", [(before.value, after.value) for _, before, after in rows], "moved"),
+        Column(
+            "change",
+            [
+                (before.value, after.value) if before.determined and after.determined else ""
+                for _, before, after in rows
+            ],
+            "moved",
+        ),
         Column("unit", [after.unit for *_, after in rows], "unit", 1),
     ]
 
@@ -187,11 +202,22 @@ def _unless(absent: Sequence[bool], cells: Sequence[float | None]) -> list[float
 
 
 def _places(diagnosis: Diagnosis, verdict: EffectVerdict) -> str:
-    """Where an effect shows, in few words: the adjacent sentence has them all."""
+    """Where an effect shows, in few words: the adjacent sentence has them all. With the probability of a place that is
+    not certain.
+    """
     motors = list(diagnosis.after.drive_gains)
+    uncertain = [
+        f"{place} ({verdict.places[place]:.2f})"
+        for place in verdict.actuators
+        if verdict.places.get(place, 1.0) < CERTAIN
+    ]
     if list(verdict.actuators) == motors and len(motors) > 1:
-        return "all motors"
-    return f"{len(verdict.actuators)} joints" if len(verdict.actuators) > 3 else ", ".join(verdict.actuators)
+        return ", ".join(("all motors", *uncertain))
+    if len(verdict.actuators) > 3:
+        return ", ".join((f"{len(verdict.actuators)} joints", *uncertain))
+    named = dict(zip(verdict.actuators, verdict.actuators, strict=True))
+    named.update({text.partition(" (")[0]: text for text in uncertain})
+    return ", ".join(named.values())
 
 
 def _few(alternatives: Sequence[str]) -> str:

@@ -146,14 +146,17 @@ def path_of(
 
 def _middle_level(geometry: Geometry, closures: Closures, track: Track) -> Motion:
     """The motion at the nodes of the middle level, from few followed ones; where what lies between those is bent too
-    much to be interpolated, all of them are followed. Raises BenchError naming the time of one that cannot be closed.
+    much to be interpolated, all of them are followed. Where nodes would be most of the samples, every sample is one.
+    Raises BenchError naming the time of one that cannot be closed.
     """
     travel = travel_of(geometry, track.logged)
     nodes = nodes_along(travel, TRAVEL, len(track.time))
     reached = followed(geometry, track, nodes).T
     coarse = _solved(geometry, closures, track.at(nodes), lambda block: reached[:, block], NODE_CLOSED)
     guess = _between(geometry, coarse)
-    nodes = nodes_along(travel, MIDDLE_TRAVEL, STRIDE)
+    nodes, enough = nodes_along(travel, MIDDLE_TRAVEL, STRIDE), NODE_CLOSED
+    if 2 * len(nodes) > len(track.time):
+        nodes, enough = np.arange(len(track.time)), CLOSED
     finer = track.at(nodes)
     try:
         return _solved(
@@ -161,11 +164,11 @@ def _middle_level(geometry: Geometry, closures: Closures, track: Track) -> Motio
             closures,
             finer,
             lambda block: guess(finer.time[block], finer.position(block)),
-            NODE_CLOSED,
+            enough,
         )
     except BenchError:  # too far between, as where passive joints turn fast for a slide's travel; or singular
         reached = followed(geometry, track, nodes).T
-        return _solved(geometry, closures, finer, lambda block: reached[:, block], NODE_CLOSED)
+        return _solved(geometry, closures, finer, lambda block: reached[:, block], enough)
 
 
 @dataclass(frozen=True)
@@ -202,6 +205,8 @@ class Path:
 
     def motion(self, samples: Samples) -> Motion:
         """The motion at these samples. Raises BenchError where the loops cannot be closed."""
+        if self.nodes is not None and len(self.nodes.time) == len(self.track.time):
+            return self.nodes.at(samples)
         track = self.track.at(samples)
         return _solved(
             self.geometry,

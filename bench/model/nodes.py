@@ -57,7 +57,8 @@ def robot_length(geometry: Geometry) -> float:
 
 
 def travel_of(geometry: Geometry, active: np.ndarray) -> np.ndarray:
-    """How far the active joints (N, n) have travelled at every sample, all together: (N,) rad or robot lengths.
+    """How far the active joints (N, n) have travelled at every sample: (N,), the length of their common path, in rad or
+    robot lengths.
 
     Behind a gear, the travel of what the motor drives.
     """
@@ -65,7 +66,7 @@ def travel_of(geometry: Geometry, active: np.ndarray) -> np.ndarray:
     scale = [1.0 / robot_length(geometry) if int(i) in slides else 1.0 for i in geometry.active]
     scale = np.array(scale) / make_follower(geometry).units
     steps = np.abs(np.diff(np.ascontiguousarray(active.T), axis=1))
-    return np.append(0.0, np.cumsum(scale @ steps))
+    return np.append(0.0, np.cumsum(np.linalg.norm(scale[:, None] * steps, axis=0)))
 
 
 def nodes_along(travel: np.ndarray, furthest: float, stride: int) -> np.ndarray:

@@ -135,6 +135,7 @@ def _diagnosis_content(diagnosis: Diagnosis) -> dict[str, Any]:
         "unexplained": asdict(diagnosis.unexplained),
         "differs": [asdict(differing) for differing in diagnosis.differs],
         "sets": [asdict(probable) for probable in diagnosis.sets],
+        "something_else": diagnosis.something_else,
         "without_logs": [asdict(without) for without in diagnosis.without_logs],
         "superfluous": [asdict(effect) for effect in diagnosis.superfluous],
         "discovered": [asdict(law) for law in diagnosis.discovered],
@@ -269,6 +270,7 @@ def _diagnosis(
                 WithoutLog(entry["log"], tuple(entry["gone"]), dict(entry["gains"]))
                 for entry in content.get("without_logs", ())
             ),
+            something_else=float(content.get("something_else", 0.0)),
             superfluous=tuple(Superfluous(**effect) for effect in content.get("superfluous", ())),
             discovered=_discovered(content),
             unfinished=tuple(Unfinished(code) for code in content.get("unfinished", ())),
@@ -312,6 +314,7 @@ def _verdict(entry: dict[str, Any]) -> EffectVerdict:
     known = {
         "probability": None if probability is None else float(probability),
         "alike": {place: tuple(others) for place, others in entry.get("alike", {}).items()},
+        "places": dict(entry.get("places", {})),
     }
     return EffectVerdict(**{**entry, **numbers, **lists, **known, "why": _reason(entry["why"])})
 

@@ -10,7 +10,13 @@ from bench.diagnosis.summary import reason
 from bench.document import table as document
 from bench.document.charts.chart import Role
 from bench.document.charts.models import gains_chart
-from bench.document.diagnosis import gains_before_after, ranking_table, sets_table, without_logs_table
+from bench.document.diagnosis import (
+    gains_before_after,
+    ranking_table,
+    sets_table,
+    something_else_words,
+    without_logs_table,
+)
 from bench.document.identification import effects_table, gains_table
 from bench.document.typeset import effect_name, typeset
 from bench.effects import Effect
@@ -53,7 +59,9 @@ def ranking_section(diagnosis: Diagnosis, catalogue: Mapping[str, Effect]) -> Se
     if shown:
         parts.append(on_page(ranking_table(diagnosis, shown), "Effects that count", VERDICTS_AID))
         if len(diagnosis.sets) > 1:
-            parts.append(on_page(sets_table(diagnosis), "Sets of effects", SETS_AID))
+            words = something_else_words(diagnosis)
+            aid = f"{SETS_AID} {words[0].upper()}{words[1:]}."
+            parts.append(on_page(sets_table(diagnosis), "Sets of effects", aid))
         if diagnosis.without_logs:
             parts.append(on_page(without_logs_table(diagnosis), "With each log omitted", LOGS_AID))
         if diagnosis.after.effect_parameters:

@@ -42,6 +42,8 @@ class PooledMapper:
         self._shared = Shared("0", None)
 
     def __enter__(self) -> PooledMapper:
+        if self._workers.count > 1:
+            self._workers.warm_up()
         return self
 
     def __exit__(

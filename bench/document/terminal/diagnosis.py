@@ -14,6 +14,7 @@ from bench.document.diagnosis import (
     parameters_before_after,
     ranking_table,
     sets_table,
+    something_else_words,
     without_logs_table,
 )
 from bench.document.identification import effects_table
@@ -49,6 +50,7 @@ def diagnosis_report(diagnosis: Diagnosis, console: Console | None = None, *, ve
     console.print(
         Text("probability: that the effect is there, given that the catalogue holds what is there", "dim")
     )
+    console.print(Text(something_else_words(diagnosis), "dim"))
     if diagnosis.missing:
         console.print(Text("size: RMS torque of the effect, in brackets as a share of the motor's", "dim"))
     if left_out:

@@ -200,8 +200,7 @@ class _Start:
 
 def _start(geometry: Geometry, closures: Closures, motion: Motion) -> _Start:
     samples, passive = len(motion.time), geometry.passive
-    q = balls(motion.q.T, np.zeros_like(motion.q.T))
-    residual, middle, _ = _rows(closures, q, samples)
+    residual, middle, _ = _rows(closures, [row if row.any() else 0.0 for row in motion.q.T], samples)
     matrix = middle[:, :, passive]
     turned = matrix.transpose(0, 2, 1)
     with np.errstate(all="ignore"):

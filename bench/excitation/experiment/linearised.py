@@ -185,7 +185,7 @@ def _error_slopes(
     scale = recording.samples / len(probe.shown.current)
     of_normal, of_score = scale * weight[:, None], scale * (weight**2 * recording.variance)[:, None]
     sides = np.hstack((gradient.left_factor, gradient.by_normal, gradient.by_score))
-    by_left, by_normal, by_score = np.split(probe.shown.jacobian @ sides, 3, axis=2)  # (N, n, m) each
+    by_left, by_normal, by_score = np.split(_times(probe.shown.jacobian, sides), 3, axis=2)  # (N, n, m) each
     of_mean = 2.0 * (
         of_normal * (probe.shown.jacobian @ gradient.mean_by_normal)
         + of_score * (probe.shown.jacobian @ gradient.mean_by_score)
@@ -195,7 +195,7 @@ def _error_slopes(
     for order in range(3):
         for j in range(n):
             change = (probe.showing[order][j].jacobian - probe.shown.jacobian) / probe.steps[order, j]
-            to_left, to_normal, to_score = np.split(change @ sides, 3, axis=2)
+            to_left, to_normal, to_score = np.split(_times(change, sides), 3, axis=2)
             at_samples = (
                 of_normal * (by_left * to_normal + to_left * by_normal)
                 + of_score * (by_left * to_score + to_left * by_score)
@@ -204,6 +204,11 @@ def _error_slopes(
             slopes[:, :, j] += np.einsum("tm,twk->mwk", of_all, basis[order]) * sizes[:, j]
     slopes += np.tensordot(_by_variances(gradient, recordings, number, weight), variances, axes=1)
     return slopes.reshape(len(slopes), sizes.size)
+
+
+def _times(rows: np.ndarray, matrix: np.ndarray) -> np.ndarray:
+    """Rows (N, n, P) times a matrix (P, m), as one product instead of N small ones."""
+    return (rows.reshape(-1, rows.shape[2]) @ matrix).reshape(*rows.shape[:2], -1)
 
 
 def _variance_slopes(noise: Noise, probe: _Perturbed, basis: np.ndarray, sizes: np.ndarray) -> np.ndarray:

@@ -23,6 +23,7 @@ from bench.scenario.trajectory import FourierTrajectory
 RATE = 1000.0  # intervals a second, before any is cut
 SHORTEST = 2.0**-10  # of such an interval: none is cut any more
 MOST_PARTS = 16  # into which one is cut at once
+SHORTER = 1.15  # times as many parts as proportion asks for: it is nearly one, and a second cut costs more
 TOGETHER = 4096  # intervals
 LOOPS: Limit = (Kept.LOOPS, "")
 
@@ -146,7 +147,7 @@ def _parts(enclosure: Enclosure) -> np.ndarray:
     """Into how many an interval is cut so that its loops are held: how far I - C A_p strays is nearly in proportion to
     the interval; in two where that is not why it stays open.
     """
-    ratio = np.nan_to_num(enclosure.turned / MOST_TURNED, nan=MOST_PARTS, posinf=MOST_PARTS)
+    ratio = np.nan_to_num(SHORTER * enclosure.turned / MOST_TURNED, nan=MOST_PARTS, posinf=MOST_PARTS)
     parts = np.clip(np.ceil(ratio), 2, MOST_PARTS)
     return np.where(enclosure.held, 2, parts).astype(int)
 
