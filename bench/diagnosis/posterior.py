@@ -65,14 +65,14 @@ def posterior_of(
     return Posterior(np.minimum(probability, 1.0), sets, float(weights[0]))
 
 
-def something_else(posterior: Posterior, samples: Samples, left: Unexplained) -> float:
+def something_else(posterior: Posterior, samples: Samples, unexplained: Unexplained) -> float:
     """Probability that something acts which no set has: a law with SMOOTH unknowns more at each motor, with which no
-    more than noise is left, against all sets.
+    more than noise remains, against all sets.
 
-    samples: independent samples (n,) of the motors. left: what the answer leaves. Its prior is that of an effect: see
-    `DecisionRule.prior`.
+    samples: independent samples (n,) of the motors. unexplained: what the answer leaves. Its prior is that of an
+    effect: see `DecisionRule.prior`.
     """
-    falls = max(left.excess - log(RULE.beyond_noise), 0.0)
+    falls = max(unexplained.excess - log(RULE.beyond_noise), 0.0)
     if isinf(falls):
         return 1.0
     motors = len(samples.fitted)
