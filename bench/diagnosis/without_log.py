@@ -51,8 +51,8 @@ def _without(system: System, log: str) -> System:
 
 
 def _scaled(model: Prepared, log: str) -> bool:
-    """Whether gains are fitted and the other fitted logs carry different loads, one of known mass: the parameters of the
-    bodies absorb a load that is always there, and leave the scale open.
+    """Whether gains are fitted and the other fitted logs carry different loads, one of known mass: the parameters of
+    the bodies absorb a load that is always there, and leave the scale open.
     """
     weighed = model.dataset.weighed
     carried = {
