@@ -67,7 +67,7 @@ measured: $(INSTALLED)
 	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m bench.benchmarks.measured
 
 trust: $(INSTALLED)
-	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m bench.benchmarks.trust
+	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m bench.benchmarks.trust --readme README.md
 
 peers: $(PEERS)/.installed
 	OPENBLAS_NUM_THREADS=1 $(PEERS)/bin/python -W ignore -m bench.benchmarks.peers

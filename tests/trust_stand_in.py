@@ -3,7 +3,8 @@
 import json
 import os
 import signal
-from dataclasses import dataclass, field
+import time
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -19,8 +20,10 @@ SECONDS = 10.0
 class Shortcut:
     """Stands for a design or a motion."""
 
+    value: object
+
     def __call__(self, _):
-        return {}
+        return self.value
 
 
 @dataclass(frozen=True)
@@ -29,8 +32,10 @@ class RowTask:
 
     row: dict
     mark: Path | None
+    pause: float
 
     def __call__(self, _):
+        time.sleep(self.pause)
         if self.mark is not None and not self.mark.exists():
             self.mark.touch()
             os.kill(os.getpid(), signal.SIGKILL)
@@ -44,18 +49,18 @@ class TrustStandIn:
     cells: TrustCells
     killed_once: tuple[int, ...] = ()
     marks: Path | None = None
-    pause: float = field(default=0.0)
+    pause: float = 0.0
 
     def design(self, run):
-        return Shortcut()
+        return Shortcut({})
 
     def motion(self, run, trajectories):
-        return Shortcut()
+        return Shortcut(run.motion)
 
     def runs(self, runs, trajectories):
         (run,) = runs
         mark = self.marks / f"{run.number}" if run.number in self.killed_once else None
-        return RowTask(self.row(self.cells.case_of_row(run.number)), mark)
+        return RowTask(self.row(self.cells.case_of_row(run.number)), mark, self.pause)
 
     def failed(self, run, reason):
         raise AssertionError(reason)

@@ -3,7 +3,8 @@
     python -m bench.benchmarks.trust [ROBOT ...] [--hours H] [--workers N | --scheduler ADDRESS] [-o DIR]
     python -m bench.benchmarks.trust --case ROBOT/QUESTION/NUMBER
 
-Started again, it goes on with the cases that are not finished. `--page` only writes the page of the table anew.
+Started again, it goes on with the cases that are not finished. `--page` only writes the page of the table anew;
+`--readme README.md` also the table in that file.
 """
 
 from __future__ import annotations
@@ -17,9 +18,11 @@ from rich.console import Console
 
 from bench.basics.errors import BenchError
 from bench.benchmarks.trust.changelog_number import changelog_number
+from bench.benchmarks.trust.evaluation import read_evaluation
 from bench.benchmarks.trust.one_case import case_lines
 from bench.benchmarks.trust.page import write_page
 from bench.benchmarks.trust.progress import TrustProgress
+from bench.benchmarks.trust.readme import write_readme
 from bench.benchmarks.trust.run import ROBOTS, TABLE, TrustRequest, run_trust, setups_of
 from bench.studies.sweep.workers import Workers
 
@@ -41,6 +44,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
             _run(given, console)
         for path in write_page(given.output / TABLE):
             console.print(f"wrote {path}", markup=False, highlight=False, soft_wrap=True)
+        if given.readme is not None:
+            write_readme(read_evaluation(given.output / TABLE), given.readme)
     except BenchError as error:
         console.print(f"bench: {error}", markup=False, highlight=False, soft_wrap=True)
         return 2
@@ -59,6 +64,7 @@ def _parser() -> argparse.ArgumentParser:
     where.add_argument("--scheduler", metavar="ADDRESS", help="of a Dask cluster")
     add("--case", metavar="ROBOT/QUESTION/NUMBER", help="only run this case, and print its result")
     add("--page", action="store_true", help="only write the page of the table that is there")
+    add("--readme", type=Path, metavar="FILE", help="write the table between the marks of this file, too")
     add("-o", "--output", type=Path, default=RESULT, metavar="DIR", help="[default: %(default)s]")
     return parser
 

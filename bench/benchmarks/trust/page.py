@@ -26,6 +26,10 @@ from bench.studies.sweep.work import OK
 from bench.studies.trial.target import Target, TargetFigure
 
 PAGE = "trust.md"
+ELSEWHERE = (
+    "Measured machines, and logs of one machine compared with each other: [measured machines]"
+    "(../measured/measured.md). Forecasts of planned motions against results: [planned motions](../excite/excite.md)."
+)
 COMMAND = "python -m bench.benchmarks.trust --case"
 
 
@@ -57,6 +61,7 @@ def page_text(evaluation: Evaluation, figures: Sequence[str]) -> str:
         "## The frozen set",
         "These cases are the same for every version.",
         overview(evaluation, frozen=True),
+        ELSEWHERE,
     ]
     return "\n\n".join(block for block in blocks if block) + "\n"
 
