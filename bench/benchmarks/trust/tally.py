@@ -113,7 +113,7 @@ class Tally:
             ]
             if not open_cells:
                 break
-            cell = min(open_cells, key=lambda cell: (self._progress(cell), cell.index))
+            cell = min(open_cells, key=lambda cell: (self._progress(cell), cell.frozen, cell.index))
             position = next(i for i in range(len(cell.numbers)) if i not in self[cell].given)
             block.append(TrustCase(cell, position))
             self.give(block[-1])
