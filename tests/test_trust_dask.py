@@ -1,4 +1,4 @@
-"""The evaluation on a Dask scheduler with 64 workers in this process, one of which is closed in the middle."""
+"""The evaluation on a Dask scheduler with eight workers in this process, one of which is closed in the middle."""
 
 from logging import CRITICAL
 from pathlib import Path
@@ -11,26 +11,14 @@ from bench.benchmarks.trust.run import TrustRequest, run_trust, setups_of
 from tests.sweep_stand_in import Inline
 from tests.trust_stand_in import TrustStandIn
 
-WORKERS = 64
+WORKERS = 8
 HOURS = 1e6
 PAUSE = 0.02  # s for each case
 
 
-@pytest.fixture
-def cluster():
-    distributed = pytest.importorskip("distributed")
-    with distributed.LocalCluster(
-        n_workers=WORKERS,
-        processes=False,
-        threads_per_worker=1,
-        dashboard_address=None,
-        silence_logs=CRITICAL,
-    ) as cluster:
-        yield cluster
-
-
 @pytest.mark.filterwarnings("ignore")
-def test_a_worker_that_goes_away_changes_no_row(tmp_path: Path, cluster) -> None:
+def test_a_worker_that_goes_away_changes_no_row(tmp_path: Path) -> None:
+    distributed = pytest.importorskip("distributed")
     from bench.studies.sweep.dask_pool import DaskPool
 
     cells = TrustCells(setups_of(["two_link"]), 5000)
@@ -55,7 +43,14 @@ def test_a_worker_that_goes_away_changes_no_row(tmp_path: Path, cluster) -> None
         path = run_trust(request, folder, make_pool, report, work=TrustStandIn(cells, pause=pause))
         return read_evaluation(path).rows
 
-    there = rows(tmp_path / "there", pool, close_one, PAUSE)
+    with distributed.LocalCluster(
+        n_workers=WORKERS,
+        processes=False,
+        threads_per_worker=1,
+        dashboard_address=None,
+        silence_logs=CRITICAL,
+    ) as cluster:
+        there = rows(tmp_path / "there", pool, close_one, PAUSE)
     here = rows(tmp_path / "here", Inline, lambda *_: lambda _: None, 0.0)
     assert closed
     assert len(there) == sum(len(cell.numbers) for cell in cells.all)
