@@ -5,9 +5,12 @@ from functools import partial
 from itertools import count
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from bench.basics.errors import BenchError
+from bench.benchmarks.trust.__main__ import main
+from bench.benchmarks.trust.again import MORE_NOISE, with_more_noise
 from bench.benchmarks.trust.budget import Budget
 from bench.benchmarks.trust.cells import AGAIN_EVERY, TrustCase, TrustCells
 from bench.benchmarks.trust.changelog_number import APART, changelog_number
@@ -15,11 +18,16 @@ from bench.benchmarks.trust.evaluation import Evaluation, read_evaluation
 from bench.benchmarks.trust.overview import overview
 from bench.benchmarks.trust.page import page_text, write_page
 from bench.benchmarks.trust.questions import QUESTIONS
+from bench.benchmarks.trust.readme import BEGIN, END, readme_block, with_block
 from bench.benchmarks.trust.run import TABLE, TrustRequest, run_trust, setups_of
 from bench.benchmarks.trust.tally import Tally
 from bench.benchmarks.trust.work import FRESH, FROZEN
+from bench.excitation.scenario import designer
+from bench.scenario.scenario import load_scenario, resolve_trajectories
 from bench.studies.sweep.pool import LocalPool
 from bench.studies.trial.cases import draw_case
+from bench.truth.simulate import simulate
+from tests.hidden_kit import STEP
 from tests.sweep_stand_in import Inline
 from tests.trust_stand_in import TrustStandIn
 
@@ -169,3 +177,33 @@ def test_the_frozen_set_is_shown_apart(whole: Evaluation) -> None:
     fresh = replace(whole, rows=tuple(row for row in whole.rows if row["set"] != FROZEN))
     assert overview(fresh) == overview(whole)
     assert overview(fresh, frozen=True) != overview(whole, frozen=True)
+
+
+def test_the_table_of_the_readme_has_no_blank_and_replaces_the_one_before(whole: Evaluation) -> None:
+    block = readme_block(whole)
+    table = [line.strip("| ").split(" | ") for line in block.splitlines() if line.startswith("| ")]
+    assert len(table) == 3 + len(QUESTIONS)
+    assert all(cell.strip() for line in table[2:] for cell in line)
+    text = with_block(f"before\n{BEGIN}\nold\n{END}\nafter\n", block)
+    assert text == f"before\n{BEGIN}\n{block}\n{END}\nafter\n"
+    assert with_block(text, block) == text
+    with pytest.raises(BenchError, match="no <!-- evaluation -->"):
+        with_block("nothing", block)
+
+
+def test_more_noise_is_a_quarter_of_the_noise_and_always_the_same() -> None:
+    scenario = load_scenario("two_link", {"design": {"duration": 4.0, "optimise": False}, "step": STEP})
+    simulation = simulate(scenario, resolve_trajectories(scenario, designer))
+    noisy, again = with_more_noise(simulation), with_more_noise(simulation)
+    for before, after, same in zip(simulation.recordings, noisy.recordings, again.recordings, strict=True):
+        added = after.log.current - before.log.current
+        noise = before.log.current - before.current
+        assert np.std(added, axis=0) == pytest.approx(MORE_NOISE * np.std(noise, axis=0), rel=0.1)
+        assert (after.log.current == same.log.current).all()
+        assert (after.log.position == before.log.position).all()
+
+
+@pytest.mark.parametrize("name", ["five_bar", "five_bar/one", "five_bar/four/3", "five_bar/one/first"])
+def test_a_case_without_a_number_is_refused(name: str, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["--case", name]) == 2
+    assert "give ROBOT/QUESTION/NUMBER" in " ".join(capsys.readouterr())

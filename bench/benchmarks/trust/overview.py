@@ -17,10 +17,11 @@ from bench.studies.trial.target import Attained, Target
 MARKS = {Attained.YES: "✓", Attained.NO: "✗", Attained.TOO_FEW: "?", None: ""}
 NO_CASE = "–"
 ALL = "all"
+DASH = "\u2060–\u2060"  # between word joiners: no line ends there
 FEWEST = 5  # cases of which a share is said to miss its goal
 NARROW = 10.0  # %
 KEY = (
-    "✓: reaches its goal; ✗: misses it for certain; ?: too few cases to say. In brackets: 95 % interval. A case counts "
+    "✓: reaches its goal; ✗: certainly misses it; ?: too few cases to say. In brackets: 95 % interval. A case counts "
     "if leaving out any one hidden effect raises the error of recordings that were not fitted to at least three times "
     "the noise floor."
 )
@@ -70,7 +71,7 @@ def target_text(target: Target) -> str:
         return NO_CASE
     kept = target.kept if share.of >= FEWEST else Attained.TOO_FEW
     counted = f"{MARKS[kept]} {share.count} of {share.of}".strip().replace(" ", "&nbsp;")
-    text = f"{counted} ({interval_text(target)})"
+    text = f"{counted}<br>({interval_text(target)})"
     return f"**{text}**" if kept is Attained.NO else text
 
 
@@ -80,7 +81,7 @@ def interval_text(target: Target) -> str:
         return NO_CASE
     low, high = (100.0 * bound for bound in target.share.interval)
     digits = 0 if high - low >= NARROW else 1
-    return f"{low:.{digits}f}–{high:.{digits}f}&nbsp;%"
+    return f"{low:.{digits}f}{DASH}{high:.{digits}f}&nbsp;%"
 
 
 def goal_text(target: Target) -> str:

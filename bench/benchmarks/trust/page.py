@@ -28,7 +28,8 @@ from bench.studies.trial.target import Target, TargetFigure
 PAGE = "trust.md"
 ELSEWHERE = (
     "Measured machines, and logs of one machine compared with each other: [measured machines]"
-    "(../measured/measured.md). Forecasts of planned motions against results: [planned motions](../excite/excite.md)."
+    "(../measured/measured.md). Forecasts of planned motions against results: [planned motions](../excite/excite.md). "
+    "Time of a diagnosis against samples, motors and catalogue: [growth](../speed/growth.png)."
 )
 COMMAND = "python -m bench.benchmarks.trust --case"
 
