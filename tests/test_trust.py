@@ -120,19 +120,24 @@ def test_the_budget_is_of_all_workers_and_counts_earlier_starts() -> None:
 
 
 def test_all_is_run_once_and_the_page_has_all_of_it(cells: TrustCells, whole: Evaluation) -> None:
-    found = whole
+    evaluation = whole
     planned = sum(len(cell.numbers) for cell in cells.all)
-    assert len(found.rows) == planned == sum(cell.planned for cell in found.cells)
-    assert len({(row["robot"], row["question"], row["set"], row["number"]) for row in found.rows}) == planned
-    again = [row for row in found.rows if row["sure.noise"] is not None]
+    assert len(evaluation.rows) == planned == sum(cell.planned for cell in evaluation.cells)
+    assert (
+        len({(row["robot"], row["question"], row["set"], row["number"]) for row in evaluation.rows})
+        == planned
+    )
+    again = [row for row in evaluation.rows if row["sure.noise"] is not None]
     assert {row["set"] for row in again} == {FRESH}
     assert {row["run"] % AGAIN_EVERY for row in again} == {0}
-    page = page_text(found, [])
-    assert "0 left" not in page
+    page = page_text(evaluation, [])
+    assert ", interval" not in page.partition("## Cost")[2].partition("## The frozen")[0]
     for question in QUESTIONS.values():
         assert question.title in page
     wrong = [
-        row for row in found.rows if not row["first"] and row["question"] == "one" and row["set"] == FRESH
+        row
+        for row in evaluation.rows
+        if not row["first"] and row["question"] == "one" and row["set"] == FRESH
     ]
     assert wrong
     for row in wrong:
@@ -140,15 +145,15 @@ def test_all_is_run_once_and_the_page_has_all_of_it(cells: TrustCells, whole: Ev
 
 
 def test_a_small_budget_leaves_cases_out_and_the_page_says_so(cells: TrustCells, tmp_path: Path) -> None:
-    found = run(cells, tmp_path, hours=100.0 / HOUR)
-    assert 10 <= len(found.rows) < 300
-    assert "interval" in page_text(found, []).partition("## Cost")[2].partition("## The frozen")[0]
+    evaluation = run(cells, tmp_path, hours=100.0 / HOUR)
+    assert 10 <= len(evaluation.rows) < 300
+    assert "interval" in page_text(evaluation, []).partition("## Cost")[2].partition("## The frozen")[0]
     more = run(
-        cells, tmp_path, hours=(100.0 + 10.0 * len(found.rows)) / HOUR
+        cells, tmp_path, hours=(100.0 + 10.0 * len(evaluation.rows)) / HOUR
     )  # each took ten seconds, it says
     rows = {row["run"]: row for row in more.rows}
-    assert all(rows[row["run"]] == row for row in found.rows)  # kept, not run again
-    assert len(more.rows) > len(found.rows)
+    assert all(rows[row["run"]] == row for row in evaluation.rows)  # kept, not run again
+    assert len(more.rows) > len(evaluation.rows)
     written = write_page(tmp_path / TABLE)
     assert all(path.is_file() for path in written)
     assert {path.name for path in written} == {TABLE, "trust.md", "reliability.png", "coverage.png"}

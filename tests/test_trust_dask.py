@@ -51,7 +51,7 @@ def test_a_worker_that_goes_away_changes_no_row(tmp_path: Path) -> None:
         silence_logs=CRITICAL,
     ) as cluster:
         there = rows(tmp_path / "there", pool, close_one, PAUSE)
-    here = rows(tmp_path / "here", Inline, lambda *_: lambda _: None, 0.0)
+    alone = rows(tmp_path / "alone", Inline, lambda *_: lambda _: None, 0.0)
     assert closed
     assert len(there) == sum(len(cell.numbers) for cell in cells.all)
-    assert there == here
+    assert there == alone

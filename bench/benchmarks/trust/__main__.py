@@ -59,6 +59,7 @@ def _parser() -> argparse.ArgumentParser:
     add = parser.add_argument
     add("robots", nargs="*", metavar="ROBOT", help=f"names or folders; by default {', '.join(ROBOTS)}")
     add("--hours", type=float, default=HOURS, help="of all workers at the same time [default: %(default)s]")
+    add("--also", action="append", default=[], metavar="ROBOT", help="a further robot, may be repeated")
     where = parser.add_mutually_exclusive_group()
     where.add_argument("--workers", type=int, metavar="N", help="processes; by default one for each core")
     where.add_argument("--scheduler", metavar="ADDRESS", help="of a Dask cluster")
@@ -74,7 +75,9 @@ def _run(given: argparse.Namespace, console: Console) -> None:
     workers.warm_up()
     number = changelog_number()
     version = f"{number.version}, entry {number.entries}"
-    request = TrustRequest(setups_of(given.robots or ROBOTS), version, number.first, given.hours)
+    request = TrustRequest(
+        setups_of([*(given.robots or ROBOTS), *given.also]), version, number.first, given.hours
+    )
     console.print(f"{version}: cases from number {number.first} on, {given.hours:g} h", highlight=False)
     run_trust(
         request, given.output, workers.pool, lambda tally, budget: TrustProgress(console, tally, budget)

@@ -27,10 +27,10 @@ SURE = "missing"
 
 def again_columns(simulation: Simulation, row: Row) -> Row:
     """Names of the effects that are certain at first, with more noise, and without the last log."""
-    found: Row = {"sure": cell_of(sure_in(row)), "sure.noise": _sure(with_more_noise(simulation))}
+    columns: Row = {"sure": cell_of(sure_in(row)), "sure.noise": _sure(with_more_noise(simulation))}
     if len(simulation.recordings) >= FEWEST_LOGS:
-        found["sure.without_log"] = _sure(replace(simulation, recordings=simulation.recordings[:-1]))
-    return found
+        columns["sure.without_log"] = _sure(replace(simulation, recordings=simulation.recordings[:-1]))
+    return columns
 
 
 def with_more_noise(simulation: Simulation) -> Simulation:

@@ -78,15 +78,15 @@ class TrustCells:
     @cached_property
     def all(self) -> tuple[TrustCell, ...]:
         """By robot, question, and whether the cases are fresh or frozen."""
-        found: list[TrustCell] = []
+        cells: list[TrustCell] = []
         for robot, setup in self.setups.items():
             for question in QUESTIONS.values():
                 for frozen in (False, True):
                     numbers = _numbers(robot, setup, question, 0 if frozen else self.first)
                     kept = numbers[: max(len(numbers) // FROZEN_SHARE, 1)] if frozen else numbers
                     asked = replace(question, planned=len(kept))
-                    found.append(TrustCell(len(found), robot, asked, frozen, kept if numbers else ()))
-        return tuple(found)
+                    cells.append(TrustCell(len(cells), robot, asked, frozen, kept if numbers else ()))
+        return tuple(cells)
 
     def case_of_row(self, row: int) -> TrustCase:
         """The case that a row is of."""

@@ -12,7 +12,7 @@ from bench.studies.sweep.progress import duration_text
 
 
 def cost_table(evaluation: Evaluation) -> str:
-    """Robots × questions: cases run of those planned, mean cost, and the interval where cases were left out."""
+    """Robots × questions: cases run of those planned, mean cost, and the interval where cases were not run."""
     lines = []
     for robot in evaluation.robots:
         cells = [cell for cell in evaluation.cells if cell.robot == robot and not cell.frozen]

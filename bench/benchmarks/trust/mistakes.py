@@ -27,13 +27,13 @@ def mistakes_of(row: Row) -> list[Mistake]:
         {LAW} if row["question"] == "unknown" else set(hidden) if row["question"] == "outside" else set()
     )
     there = set(expected(hidden)) - uncatalogued
-    found = [(MISSED, name) for name in sorted(there - set(named))]
-    found += [(ADDED, name) for name in named if name not in there | optional(hidden)]
+    mistakes = [(MISSED, name) for name in sorted(there - set(named))]
+    mistakes += [(ADDED, name) for name in named if name not in there | optional(hidden)]
     if row["question"] == "outside" and not (row["laws"] or row["unexplained"]):
-        found.append((SILENT, hidden[0]))
-    if row["question"] == "unknown" and not found:
-        found.append((NOT_MODELLED, ""))
-    return found
+        mistakes.append((SILENT, hidden[0]))
+    if row["question"] == "unknown" and not mistakes:
+        mistakes.append((NOT_MODELLED, ""))
+    return mistakes
 
 
 def sentences(rows: Sequence[Row]) -> list[str]:

@@ -16,8 +16,8 @@ from bench.studies.trial.work import TrialDesignTask
 
 def case_lines(name: str) -> Iterator[str]:
     """What is hidden in the case ROBOT/QUESTION/NUMBER, and what the diagnosis says. Raises BenchError for no case."""
-    robot, _, rest = name.rpartition("/")[0].rpartition("/")
-    kind, number = rest, name.rpartition("/")[2]
+    robot, _, kind = name.rpartition("/")[0].rpartition("/")
+    number = name.rpartition("/")[2]
     if not robot or kind not in KINDS or not number.isdecimal():
         raise BenchError(f"--case {name}: give ROBOT/QUESTION/NUMBER; questions are {', '.join(KINDS)}")
     (setup,) = setups_of([robot]).values()
@@ -33,6 +33,6 @@ def case_lines(name: str) -> Iterator[str]:
     yield f"error over the noise floor: {before:.3g} before, {after:.3g} after"
     for verdict in json.loads(row["verdicts"]):
         probability = verdict["probability"]
-        told = "" if probability is None else f", probability {probability:.3f}"
-        yield f"{verdict['effect']}: {verdict['verdict']} at {', '.join(verdict['actuators'])}{told}"
+        stated = "" if probability is None else f", probability {probability:.3f}"
+        yield f"{verdict['effect']}: {verdict['verdict']} at {', '.join(verdict['actuators'])}{stated}"
     yield f"certain: {row['sure']}; with more noise: {row['sure.noise']}; without a log: {row.get('sure.without_log')}"

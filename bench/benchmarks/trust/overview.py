@@ -38,18 +38,18 @@ class OverviewColumn:
 
 def columns() -> list[OverviewColumn]:
     """All questions: of each kind, of gains, and of stability."""
-    found = [
+    shown = [
         OverviewColumn(question.title, (question.kind,), question.target) for question in QUESTIONS.values()
     ]
-    found.append(OverviewColumn("95 % intervals of gains contain the truth", MODELLED, coverage))
+    shown.append(OverviewColumn("95 % intervals of gains contain the truth", MODELLED, coverage))
     for change, title in (
         (NOISE, "certain verdicts stay with more noise"),
         (WITHOUT_LOG, "certain verdicts stay without a log"),
     ):
-        found.append(
+        shown.append(
             OverviewColumn(title, tuple(QUESTIONS), lambda rows, change=change: stability(rows, change))  # type: ignore[misc]
         )
-    return found
+    return shown
 
 
 def overview(evaluation: Evaluation, *, frozen: bool = False) -> str:

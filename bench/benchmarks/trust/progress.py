@@ -1,4 +1,4 @@
-"""How far an evaluation is: cases, cost, time left."""
+"""How far an evaluation is: cases, cost, time remaining."""
 
 from __future__ import annotations
 
@@ -28,11 +28,11 @@ class TrustProgress:
         self._said = now
         cases = plural(self._tally.finished, "case")
         failed = f", {len(journal.failed)} failed" if journal.failed else ""
-        left = duration_text(seconds_left(self._tally, self._budget))
-        self._console.print(f"{cases}{failed}, {left} left", highlight=False)
+        remaining = duration_text(seconds_remaining(self._tally, self._budget))
+        self._console.print(f"{cases}{failed}, {remaining} remaining", highlight=False)
 
 
-def seconds_left(tally: Tally, budget: Budget) -> float:
+def seconds_remaining(tally: Tally, budget: Budget) -> float:
     """Until the budget is spent, or all cases are finished."""
     work = (tally.open_seconds + tally.pending_seconds) / budget.slots()
     return max(min(budget.seconds, work), 0.0)

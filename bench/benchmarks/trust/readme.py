@@ -29,7 +29,7 @@ SPOKEN: Mapping[str, str] = {
 
 
 def readme_block(evaluation: Evaluation) -> str:
-    """What stands between the marks: how the figures are made, and the table questions × robots."""
+    """The text between the marks: how the figures are made, and the table questions × robots."""
     robots = evaluation.robots
     lines = [["largest gain error, median", *(_gain_error(evaluation, robot) for robot in robots), ""]]
     for kind, question in QUESTIONS.items():

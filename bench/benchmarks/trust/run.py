@@ -66,9 +66,8 @@ class CaseJournal(Journal):
 
 
 def setups_of(robots: Sequence[str], duration: float = DURATION) -> dict[str, Setup]:
-    """The trials of robots, by name."""
-    setups = [make_setup(robot, duration=duration) for robot in robots]
-    return {setup.name: setup for setup in setups}
+    """The trials of robots, by name or folder."""
+    return {robot: make_setup(robot, duration=duration) for robot in robots}
 
 
 def run_trust(

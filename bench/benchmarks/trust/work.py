@@ -38,7 +38,7 @@ class TrustTask:
     trajectories: Trajectories
 
     def __call__(self, reference: Simulation | None) -> list[Row]:
-        """One row. reference: the movements with nothing hidden; None: they are simulated here."""
+        """One row. reference: the movements with nothing hidden; None: the task simulates them."""
         begun = _clocks()
         case = _case(self.setup, self.place)
         try:
