@@ -1,5 +1,6 @@
 """The evaluation at one commit: which cases, in which order, at what cost, and the page that is made from them."""
 
+import json
 from dataclasses import replace
 from functools import partial
 from itertools import count
@@ -12,7 +13,7 @@ from bench.basics.errors import BenchError
 from bench.benchmarks.trust.__main__ import main
 from bench.benchmarks.trust.again import MORE_NOISE, with_more_noise
 from bench.benchmarks.trust.budget import Budget
-from bench.benchmarks.trust.cells import AGAIN_EVERY, TrustCase, TrustCells
+from bench.benchmarks.trust.cells import AGAIN, AGAIN_EVERY, TrustCase, TrustCells
 from bench.benchmarks.trust.changelog_number import APART, changelog_number
 from bench.benchmarks.trust.evaluation import Evaluation, read_evaluation
 from bench.benchmarks.trust.overview import overview
@@ -212,3 +213,22 @@ def test_more_noise_is_a_quarter_of_the_noise_and_always_the_same() -> None:
 def test_a_case_without_a_number_is_refused(name: str, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["--case", name]) == 2
     assert "give ROBOT/QUESTION/NUMBER" in " ".join(capsys.readouterr())
+
+
+@pytest.mark.slow
+def test_real_machines_are_simulated_diagnosed_and_shown(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A case with nothing hidden and one with an effect, which the budget allows; with workers of this machine."""
+    monkeypatch.setattr("bench.benchmarks.trust.tally.BLOCK", 2)
+    request = TrustRequest(setups_of(["two_link"], duration=6.0), "0.0, entry 5", FIRST, 10.0 / HOUR)
+    table = run_trust(request, tmp_path, lambda: LocalPool(2), silent, now=partial(next, count()))
+    evaluation = read_evaluation(table)
+    assert [row["question"] for row in evaluation.rows] == ["nothing", "one"]
+    for row in evaluation.rows:
+        assert row["status"] == "ok"
+        assert row["seconds"] > 0.0
+        assert json.loads(row["gains"])[0].keys() == {"joint", "truth", "value", "std"}
+        assert all(0.0 <= p <= 1.0 for p in json.loads(row["probabilities"]).values())
+        assert (row["sure.noise"] is not None) is (row["question"] in AGAIN)
+    assert all(path.is_file() for path in write_page(table))

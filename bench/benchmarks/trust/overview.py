@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import partial
 from math import isfinite
 
 from bench.benchmarks.trust.evaluation import Evaluation
@@ -46,9 +47,7 @@ def columns() -> list[OverviewColumn]:
         (NOISE, "certain verdicts stay with more noise"),
         (WITHOUT_LOG, "certain verdicts stay without a log"),
     ):
-        shown.append(
-            OverviewColumn(title, tuple(QUESTIONS), lambda rows, change=change: stability(rows, change))  # type: ignore[misc]
-        )
+        shown.append(OverviewColumn(title, tuple(QUESTIONS), partial(stability, change=change)))
     return shown
 
 
