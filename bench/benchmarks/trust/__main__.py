@@ -28,10 +28,11 @@ from bench.studies.sweep.workers import Workers
 
 RESULT = Path("results/trust")
 HOURS = 3.0
+STOPPED = 130  # exit code after an interrupt
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Run, keep, write the page; 2 with one line where something is not there."""
+    """Run, keep, write the page; 2 with one line where something is not there, 130 after an interrupt."""
     given = _parser().parse_args(arguments)
     console = Console(stderr=True)
     try:
@@ -46,6 +47,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
             console.print(f"wrote {path}", markup=False, highlight=False, soft_wrap=True)
         if given.readme is not None:
             write_readme(read_evaluation(given.output / TABLE), given.readme)
+    except KeyboardInterrupt:
+        console.print("Stopped. Finished cases are kept: the same command goes on with the others.")
+        return STOPPED
     except BenchError as error:
         console.print(f"bench: {error}", markup=False, highlight=False, soft_wrap=True)
         return 2
