@@ -18,7 +18,8 @@ PAUSE = 0.02  # s for each case
 
 @pytest.mark.filterwarnings("ignore")
 def test_a_worker_that_goes_away_changes_no_row(tmp_path: Path) -> None:
-    distributed = pytest.importorskip("distributed")
+    import distributed
+
     from bench.studies.sweep.dask_pool import DaskPool
 
     cells = TrustCells(setups_of(["two_link"]), 5000)
