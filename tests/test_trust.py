@@ -187,8 +187,9 @@ def test_the_frozen_set_is_shown_apart(whole: Evaluation) -> None:
 
 def test_the_table_of_the_readme_has_no_blank_and_replaces_the_one_before(whole: Evaluation) -> None:
     block = readme_block(whole)
-    table = [line.strip("| ").split(" | ") for line in block.splitlines() if line.startswith("| ")]
+    table = [line.split("|")[1:-1] for line in block.splitlines() if line.startswith("|")]
     assert len(table) == 3 + len(QUESTIONS)
+    assert {len(line) for line in table} == {2 + len(whole.robots)}
     assert all(cell.strip() for line in table[2:] for cell in line)
     text = with_block(f"before\n{BEGIN}\nold\n{END}\nafter\n", block)
     assert text == f"before\n{BEGIN}\n{block}\n{END}\nafter\n"

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -31,13 +31,16 @@ SPOKEN: Mapping[str, str] = {
 def readme_block(evaluation: Evaluation) -> str:
     """The text between the marks: how the figures are made, and the table questions × robots."""
     robots = evaluation.robots
-    lines = [["largest gain error, median", *(_gain_error(evaluation, robot) for robot in robots), ""]]
+    groups = [*([robot] for robot in robots), list(robots)]
+    lines = [["largest gain error, median", *(_gain_error(evaluation, group) for group in groups)]]
     for kind, question in QUESTIONS.items():
-        targets = [question.target(evaluation.of([robot], [kind])) for robot in robots]
-        shares = [f"{t.share.count} of {t.share.of}" for t in targets if t.share is not None]
-        lines.append([question.title, *shares, interval_text(question.target(evaluation.of(robots, [kind])))])
+        targets = [question.target(evaluation.of(group, [kind])) for group in groups]
+        shares = [
+            f"{target.share.count} of {target.share.of}" for target in targets if target.share is not None
+        ]
+        lines.append([question.title, *shares[:-1], f"{shares[-1]} ({interval_text(targets[-1])})"])
     table = rows_in_markdown(
-        ["", *(SPOKEN.get(robot, robot) for robot in robots), "95 % interval, all"], lines
+        ["", *(SPOKEN.get(robot, robot) for robot in robots), "all, 95 % interval"], lines
     )
     said = (
         "[Simulated machines](results/trust/trust.md) with 18 to 22-bit encoders and 0.2 to 2 % current noise, gains "
@@ -61,6 +64,6 @@ def write_readme(evaluation: Evaluation, path: Path) -> None:
     write_text_atomically(path, with_block(path.read_text(encoding="utf-8"), readme_block(evaluation)))
 
 
-def _gain_error(evaluation: Evaluation, robot: str) -> str:
-    errors = [row["gain_error.after"] for row in evaluation.of([robot], MODELLED) if row["status"] == OK]
+def _gain_error(evaluation: Evaluation, robots: Sequence[str]) -> str:
+    errors = [row["gain_error.after"] for row in evaluation.of(robots, MODELLED) if row["status"] == OK]
     return f"{100.0 * float(np.median(errors)):.3f} %" if errors else "no case"
