@@ -52,6 +52,9 @@ ROBOT_SWITCHES = sum(
     )
 )
 RIGID = (0.9999, 0.99999, 0.001, 0.5, 2.0)  # solimp: next to no compliance
+SOFTEST = 1e3  # over the mass of the whole machine: what a loop may give way by, as MuJoCo counts it
+SOFTEST_TURN = 10.0  # over that mass times the square of its longest link
+LIGHTEST, SMALLEST = 1e-6, 1e-3  # kg, m: of a machine
 
 
 @dataclass(frozen=True, eq=False)
@@ -160,6 +163,7 @@ def _built(scenario: Scenario) -> Machine:
         models[name] = _compiled(draft.spec, robot)
         for effect in hidden:
             effect.adjust(models[name], draft)
+        _harden_loops(models[name])
         refuse_too_light(models[name], np.append(home, np.zeros(models[name].nq - len(home))))
     model = models[None]
     ends = [draft.motor_side(joint).name for joint in robot.driven]
@@ -266,6 +270,24 @@ def _own_options(spec: mujoco.MjSpec) -> None:
             joint.damping = np.zeros(len(joint.damping))
         if off & int(mujoco.mjtDisableBit.mjDSBL_FRICTIONLOSS):
             joint.frictionloss = 0.0
+
+
+def _harden_loops(model: mujoco.MjModel) -> None:
+    """Let loops hold as hard as the machine is heavy.
+
+    MuJoCo makes a closure as soft as its bodies are light. A light frame or pin that takes the forces of the machine to
+    the ground would give way by millimetres and hundredths of a radian.
+    """
+    weight = max(float(model.body_mass[1:].sum()), LIGHTEST)
+    size = max(float(np.linalg.norm(model.body_pos[1:], axis=1).max()), SMALLEST)
+    softest = np.array([SOFTEST / weight, SOFTEST_TURN / (weight * size**2)])  # 1/kg, 1/(kg·m²)
+    for loop in range(model.neq):
+        if mujoco.mjtEq(int(model.eq_type[loop])) not in (mujoco.mjtEq.mjEQ_CONNECT, mujoco.mjtEq.mjEQ_WELD):
+            continue
+        by_site = int(model.eq_objtype[loop]) == int(mujoco.mjtObj.mjOBJ_SITE)
+        for end in (int(model.eq_obj1id[loop]), int(model.eq_obj2id[loop])):
+            body = int(model.site_bodyid[end]) if by_site else end
+            model.body_invweight0[body] = np.minimum(model.body_invweight0[body], softest)
 
 
 def _compiled(spec: mujoco.MjSpec, robot: Robot) -> mujoco.MjModel:
