@@ -11,7 +11,8 @@ from bench.truth.simulate import simulate
 
 # a four-bar whose last pin carries a ground link, welded to the world at a point far from the pin
 GROUNDED = """<mujoco><worldbody>
-  <body name="crank"><joint name="motor" axis="0 1 0"/><inertial pos="0.05 0.01 0" mass="0.5" diaginertia="1e-3 1e-3 1e-3"/>
+  <body name="crank"><joint name="motor" axis="0 1 0"/>
+    <inertial pos="0.05 0.01 0" mass="0.5" diaginertia="1e-3 1e-3 1e-3"/>
     <body name="coupler" pos="0.1 0 0"><joint name="a" axis="0 1 0"/>
       <inertial pos="0.1 0.01 0.02" mass="0.5" diaginertia="1e-3 1e-3 1e-3"/><site name="tool" pos="0.1 0 0.05"/>
       <body name="rocker" pos="0.2 0 0.1"><joint name="b" axis="0 1 0"/>
@@ -59,3 +60,26 @@ def largest_turn(folder, mass, inertia):
 def test_a_ground_link_holds_however_light_it_is(mass, inertia, tmp_path):
     """It turned by 0.01 rad at 1e-8 kg m2, which the motor felt as 4 % of its torque."""
     assert largest_turn(tmp_path, mass, inertia) < LARGEST_TURN
+
+
+# two jaws with heavy rotors that one motor drives by a fixed tendon; the rotor that is added for it is light
+BELT = """<mujoco><worldbody>
+  <body name="left" pos="0 0.1 0"><joint name="a" axis="0 1 0" armature="0.1"/>
+    <inertial pos="0.05 0.01 0" mass="0.1" diaginertia="1e-4 1e-4 1e-4"/><site name="tool" pos="0.1 0 0"/></body>
+  <body name="right" pos="0 -0.1 0"><joint name="b" axis="0 1 0" armature="0.1"/>
+    <inertial pos="0.05 0.01 0" mass="0.1" diaginertia="1e-4 1e-4 1e-4"/></body></worldbody>
+  <tendon><fixed name="belt"><joint joint="a" coef="0.5"/><joint joint="b" coef="0.5"/></fixed></tendon>
+  <equality><joint joint1="a" joint2="b"/></equality></mujoco>"""
+
+
+def test_a_motor_on_a_tendon_moves_heavy_joints(tmp_path):
+    """The simulation diverged: the coupling gave way like the light rotor, which the controller then moved alone."""
+    (tmp_path / "robot").mkdir()
+    mjcf = tmp_path / "robot" / "robot.xml"
+    mjcf.write_text(BELT)
+    write_robot_toml(mjcf, [("belt", 2.0)], tool="tool")
+    (tmp_path / "scenario.toml").write_text(SCENARIO)
+    (recording,) = simulate(load_scenario(tmp_path / "scenario.toml")).recordings
+    a, b, rotor = recording.motion.qpos.T
+    assert np.ptp(rotor) > 0.1
+    assert np.abs(rotor - 0.5 * (a + b)).max() < 1e-5

@@ -54,6 +54,7 @@ ROBOT_SWITCHES = sum(
 RIGID = (0.9999, 0.99999, 0.001, 0.5, 2.0)  # solimp: next to no compliance
 SOFTEST = 1e3  # over the mass of the whole machine: what a loop may give way by, as MuJoCo counts it
 SOFTEST_TURN = 10.0  # over that mass times the square of its longest link
+SOFTEST_SIDE = 100.0  # of a coupling, over what its heavier side would hold
 LIGHTEST, SMALLEST = 1e-6, 1e-3  # kg, m: of a machine
 
 
@@ -273,21 +274,32 @@ def _own_options(spec: mujoco.MjSpec) -> None:
 
 
 def _harden_loops(model: mujoco.MjModel) -> None:
-    """Let loops hold as hard as the machine is heavy.
+    """Let loops hold as hard as the machine is heavy, and couplings as the heavier of their sides.
 
     MuJoCo makes a closure as soft as its bodies are light. A light frame or pin that takes the forces of the machine to
-    the ground would give way by millimetres and hundredths of a radian.
+    the ground would give way by millimetres and hundredths of a radian, the rotor of a belt as well.
     """
     weight = max(float(model.body_mass[1:].sum()), LIGHTEST)
     size = max(float(np.linalg.norm(model.body_pos[1:], axis=1).max()), SMALLEST)
     softest = np.array([SOFTEST / weight, SOFTEST_TURN / (weight * size**2)])  # 1/kg, 1/(kg·m²)
     for loop in range(model.neq):
-        if mujoco.mjtEq(int(model.eq_type[loop])) not in (mujoco.mjtEq.mjEQ_CONNECT, mujoco.mjtEq.mjEQ_WELD):
-            continue
-        by_site = int(model.eq_objtype[loop]) == int(mujoco.mjtObj.mjOBJ_SITE)
-        for end in (int(model.eq_obj1id[loop]), int(model.eq_obj2id[loop])):
-            body = int(model.site_bodyid[end]) if by_site else end
-            model.body_invweight0[body] = np.minimum(model.body_invweight0[body], softest)
+        kind = mujoco.mjtEq(int(model.eq_type[loop]))
+        ends = np.array([model.eq_obj1id[loop], model.eq_obj2id[loop]])
+        if kind == mujoco.mjtEq.mjEQ_TENDON:
+            _harden_coupling(model.tendon_invweight0, ends[ends >= 0])
+        elif kind == mujoco.mjtEq.mjEQ_JOINT:
+            dofs = model.jnt_dofadr[ends[ends >= 0]]
+            if not model.dof_frictionloss[dofs].any():  # whose constraint counts by the same number
+                _harden_coupling(model.dof_invweight0, dofs)
+        else:
+            by_site = int(model.eq_objtype[loop]) == int(mujoco.mjtObj.mjOBJ_SITE)
+            for body in model.site_bodyid[ends] if by_site else ends:
+                model.body_invweight0[body] = np.minimum(model.body_invweight0[body], softest)
+
+
+def _harden_coupling(mobility: Array, sides: Indices) -> None:
+    """Limit the mobility (k,) of the lighter side of a coupling to SOFTEST_SIDE times that of the heavier one."""
+    mobility[sides] = np.minimum(mobility[sides], SOFTEST_SIDE * mobility[sides].min())
 
 
 def _compiled(spec: mujoco.MjSpec, robot: Robot) -> mujoco.MjModel:
