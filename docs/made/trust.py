@@ -14,10 +14,7 @@ from bench.benchmarks.trust.evaluation import read_evaluation
 from bench.benchmarks.trust.page import front
 from bench.document.markdown.tables import rows_in_markdown
 from bench.identification.estimators import ESTIMATORS
-from bench.studies.trial.markdown import MAIN, target_cells
-from bench.studies.trial.summary import TrialSummary, summarised
 from bench.studies.trial.target import Attained, Share, Target, TargetFigure
-from bench.studies.trial.unknown_page import unknown_table
 
 SEEDS = ("five_bar", "delta", "robots", "dualv")
 METRICS = ("gain_error", "validate_error_over_noise_floor", "gain_within")
@@ -28,98 +25,7 @@ COVERAGE = (0.90, 0.98)
 ENCODER_BITS = 20
 CLEAN = {"five_bar": 0.0002, "delta": 0.001}
 """Scenarios without noise, and what `tests/test_identify.py` allows them."""
-SHOWN = MAIN | {
-    TargetFigure.ONE_UNDECIDED,
-    TargetFigure.TWO_UNDECIDED,
-    TargetFigure.THREE_UNDECIDED,
-    TargetFigure.OUTSIDE_LAW,
-}
-UNKNOWN = "_unknown"  # behind the robot of a trial of laws that no catalogue has
-APART = "apart"  # the folder of cases that were looked at for their figures alone
-NOTHING = "nothing"  # the folder of machines with nothing hidden, in each of which laws were searched
-NO_CASE = "–"
 RESULTS = Path(__file__).resolve().parents[2] / "results"
-
-
-def trials(folder: Path = RESULTS / "trial") -> str:
-    """The table of every robot with cases."""
-    rows = {
-        path.stem: pq.read_table(path).to_pylist()
-        for path in sorted(folder.glob("*.parquet"))
-        if not path.stem.endswith(UNKNOWN)
-    }
-    return trial_table(
-        {robot: summarised(robot, of) for robot, of in rows.items()},
-        {robot: commits_of(of) for robot, of in rows.items()},
-        linked=folder.name != APART,
-    )
-
-
-def unknown_laws() -> str:
-    """What was found of laws that no catalogue has, robot by robot, and in the sets that were kept apart."""
-    found, commits = {}, {}
-    for folder in (RESULTS / "trial", RESULTS / "trial" / APART):
-        for path in sorted(folder.glob(f"*{UNKNOWN}.parquet")):
-            rows = pq.read_table(path).to_pylist()
-            laws = [row for row in rows if row["kind"] == "unknown"]
-            table = unknown_table(laws, [row for row in rows if row["kind"] == "nothing"])
-            robot = path.stem.removesuffix(UNKNOWN)
-            head = (
-                f"{robot}, {APART}" if folder.name == APART else f"[{robot}](trust/trial_{robot}{UNKNOWN}.md)"
-            )
-            found[head] = {column.header: column.cells for column in table.columns}
-            commits[head] = commits_of(rows)
-    first = next(iter(found.values()))
-    heads = ["", *found, "goal"]
-    lines = [
-        [
-            figure,
-            *(
-                f"{of['reached'][i]} {of['cases'][i]}".replace(" of ", "&nbsp;of&nbsp;")
-                if of["reached"][i] != NO_CASE
-                else ""
-                for of in found.values()
-            ),
-            first["goal"][i],
-        ]
-        for i, figure in enumerate(first["figure"])
-        if any(of["reached"][i] != NO_CASE for of in found.values())
-    ]
-    lines.append(["commits of the cases", *commits.values(), ""])
-    return rows_in_markdown(heads, lines)
-
-
-def trial_table(
-    summaries: Mapping[str, TrialSummary], commits: Mapping[str, str], *, linked: bool = True
-) -> str:
-    """The figures of all trials side by side, with what they must be, and the commits of their cases.
-
-    linked: each robot to the page of its trial.
-    """
-    targets = {
-        robot: {one.figure: one for one in of.targets if one.reached is not None}
-        for robot, of in summaries.items()
-    }
-    rows = []
-    for figure in (one for one in TargetFigure if one in SHOWN):
-        of = [targets[robot].get(figure) for robot in targets]
-        first = next((one for one in of if one is not None), None)
-        if first is not None:
-            rows.append([target_cells(first)[0], *map(_reached, of), _bound(first)])
-    rows.append(["commits of the cases", *(commits[robot] for robot in summaries), ""])
-    names = [f"[{robot}](trust/trial_{robot}.md)" if linked else robot for robot in summaries]
-    return rows_in_markdown(["", *names, "must be"], rows)
-
-
-def _reached(target: Target | None) -> str:
-    """What was reached, of how many; marked where it is not what it must be."""
-    if target is None:
-        return ""
-    _, shown, *_ = target_cells(target)
-    mark = {Attained.NO: "✗ ", Attained.TOO_FEW: "? "}.get(target.kept, "") if target.reached is False else ""
-    text = f"{mark}{shown}".replace(" ", "&nbsp;")
-    text = f"**{text}**" if mark else text
-    return text if target.share is None else f"{text} {target.share.count}&nbsp;of&nbsp;{target.share.of}"
 
 
 def _bound(target: Target) -> str:
@@ -283,21 +189,6 @@ def percent(share: float) -> str:
     return f"{100 * float(share):.3g}&nbsp;%"
 
 
-def laws_of_nothing() -> str:
-    """How often a law or an effect was claimed where nothing is hidden, and laws were searched all the same."""
-    said = []
-    for path in sorted((RESULTS / "trial" / NOTHING).glob("*.parquet")):
-        rows = [row for row in pq.read_table(path).to_pylist() if row["kind"] == "nothing"]
-        laws, named = (Share(sum(bool(row[name]) for row in rows), len(rows)) for name in ("laws", "missing"))
-        said.append(
-            f"On {len(rows)} machines `{path.stem}` with nothing hidden and a search for laws in each, a law was "
-            f"named {laws.count} times and an effect {named.count} times (95 % interval up to "
-            f"{100.0 * laws.interval[1]:.1f} %): "
-            f"`bench trial {path.stem} --kinds nothing --seeds {len(rows) // 10} --discover`."
-        )
-    return "\n".join(said)
-
-
 def speed_table() -> str:
     """Every figure of speed as it was last measured, with its commit."""
     last: dict[str, tuple[str, str]] = {}
@@ -322,10 +213,6 @@ def page(text: str) -> str:
     """The text with its tables in their places."""
     for place, table in (
         ("evaluation", evaluation()),
-        ("trials", trials()),
-        ("trials apart", trials(RESULTS / "trial" / APART)),
-        ("unknown laws", unknown_laws()),
-        ("laws of nothing", laws_of_nothing()),
         ("gains", gains_table()),
         ("clean", clean_table()),
         ("peers", peers_table()),
