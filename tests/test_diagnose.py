@@ -5,8 +5,8 @@ from dataclasses import replace
 import pytest
 
 from bench.dataset.dataset import Dataset
-from bench.diagnosis.catalogue_search import diagnose_with_catalogue
 from bench.diagnosis.result import Diagnosis
+from bench.diagnosis.with_catalogue import diagnose_with_catalogue
 from bench.effects import CATALOGUE, EffectInstance
 from bench.excitation.scenario import designer
 from bench.identification.identify import fit

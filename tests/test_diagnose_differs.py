@@ -8,10 +8,10 @@ import pytest
 
 from bench.dataset.dataset import Dataset, load_dataset
 from bench.diagnosis.as_json import diagnosis_json
-from bench.diagnosis.catalogue_search import diagnose_with_catalogue
 from bench.diagnosis.differs import differing
 from bench.diagnosis.result import Diagnosis
 from bench.diagnosis.summary import summary_sentences
+from bench.diagnosis.with_catalogue import diagnose_with_catalogue
 from bench.effects import CATALOGUE
 from bench.identification.finding import Code
 from bench.identification.finding_words import sentence

@@ -11,8 +11,8 @@ import pytest
 from bench.basics.deadline import NEVER
 from bench.dataset.dataset import load_dataset
 from bench.diagnosis import rounds
-from bench.diagnosis.catalogue_search import diagnose_with_catalogue
 from bench.diagnosis.evidence import ResidualSumOfSquares, Samples
+from bench.diagnosis.with_catalogue import diagnose_with_catalogue
 from bench.identification.bilinear import AWAY, run_away
 from bench.identification.problem import problem_of
 

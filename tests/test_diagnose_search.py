@@ -8,7 +8,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from bench.diagnosis import catalogue_search, noise, rounds
+from bench.diagnosis import noise, rounds
+from bench.diagnosis import search_from as from_rounds
 from bench.diagnosis.decision import RULE
 from bench.diagnosis.evidence import Samples
 from bench.diagnosis.normal_equations import SetFit
@@ -132,14 +133,14 @@ def test_no_effect_goes_because_of_what_is_only_nearly_so(
             model="near", cut=False, system=SimpleNamespace(samples=Samples(np.ones(2), np.ones(2)))
         )
 
-    monkeypatch.setattr(catalogue_search, "searched", searched)
-    monkeypatch.setattr(catalogue_search, "where_possible", where_possible)
-    monkeypatch.setattr(catalogue_search, "leaving", lambda _, model, after, __, ___: (model, after, ()))
-    monkeypatch.setattr(catalogue_search, "fits_of", lambda *_: None)
-    monkeypatch.setattr(catalogue_search, "ladder_of", lambda *_: ())
+    monkeypatch.setattr(from_rounds, "searched", searched)
+    monkeypatch.setattr(from_rounds, "where_possible", where_possible)
+    monkeypatch.setattr(from_rounds, "leaving", lambda _, model, after, __, ___: (model, after, ()))
+    monkeypatch.setattr(from_rounds, "fits_of", lambda *_: None)
+    monkeypatch.setattr(from_rounds, "ladder_of", lambda *_: ())
     for name in ("superfluous_effect", "gain_like_effect"):
-        monkeypatch.setattr(catalogue_search, name, lambda *_: {})
-    monkeypatch.setattr(catalogue_search, "excess", lambda *_: 0.0)
+        monkeypatch.setattr(from_rounds, name, lambda *_: {})
+    monkeypatch.setattr(from_rounds, "excess", lambda *_: 0.0)
     base_model: Any = SimpleNamespace(
         start=SimpleNamespace(effects=()), exactly=lambda _: "exact", in_search=None, with_instances=None
     )
@@ -147,9 +148,9 @@ def test_no_effect_goes_because_of_what_is_only_nearly_so(
     problem = SimpleNamespace(dataset=SimpleNamespace(recordings=()))
     case: Any = SimpleNamespace(start=SimpleNamespace(effects=()), before=None, problem=problem)
     if possible:
-        assert catalogue_search.search_from(case, base_model, None).after == "exact"  # type: ignore[arg-type, comparison-overlap]
+        assert from_rounds.search_from(case, base_model, None).after == "exact"  # type: ignore[arg-type, comparison-overlap]
     else:
         with pytest.raises(StopIteration) as ended:
-            catalogue_search.search_from(case, base_model, None)  # type: ignore[arg-type]
+            from_rounds.search_from(case, base_model, None)  # type: ignore[arg-type]
         assert ended.value.args[1] == {"found": "of an impossible sign"}
     assert asked == ["near", "exact"]

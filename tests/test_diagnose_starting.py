@@ -7,9 +7,9 @@ import pytest
 from bench.cli import main
 from bench.dataset.dataset import Dataset, load_dataset
 from bench.diagnosis.as_json import diagnosis_json
-from bench.diagnosis.catalogue_search import diagnose_with_catalogue
 from bench.diagnosis.result import Diagnosis, Superfluous
 from bench.diagnosis.summary import summary_sentences
+from bench.diagnosis.with_catalogue import diagnose_with_catalogue
 from bench.identification.problem import problem_of
 from tests.workbench_kit import RECORDINGS, write_dataset
 

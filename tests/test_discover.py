@@ -13,13 +13,13 @@ from bench.api.compare import compare
 from bench.cli.diagnose import diagnose as diagnose_command
 from bench.dataset.dataset import Dataset
 from bench.diagnosis.as_json import diagnosis_json
-from bench.diagnosis.catalogue_search import diagnose_with_catalogue
 from bench.diagnosis.discovery import find
 from bench.diagnosis.discovery.find import find_missing_effects, something_remains
 from bench.diagnosis.discovery.written import write_laws
 from bench.diagnosis.law_words import law_sentences, symbols
 from bench.diagnosis.result import Diagnosis, Remainder, Unexplained
 from bench.diagnosis.summary import summary_sentences
+from bench.diagnosis.with_catalogue import diagnose_with_catalogue
 from bench.effects import catalogue_for
 from bench.identification.identify import identify
 from bench.identification.prepare import prepare

@@ -42,7 +42,7 @@ def test_one_law_is_tried_for_several_frictions(
     )
     monkeypatch.setattr(find, "_with_one_for_several", lambda *_: ONE)
     monkeypatch.setattr(find, "_with_tables", lambda _, answer, __: answer)
-    monkeypatch.setattr(find, "band_checked", lambda _, diagnosis: diagnosis)
+    monkeypatch.setattr(find, "completed", lambda _, diagnosis: diagnosis)
     case: Any = None
     found = find._diagnosis(case, discover, True, find.SILENT)
     assert ("frictions" if found is plain else found) == told
@@ -63,7 +63,7 @@ def test_an_effect_that_was_not_needed_may_be_found_beside_a_law(monkeypatch: py
     monkeypatch.setattr(find, "search_laws", lambda _, __, never, ___: asked.append(never))
     monkeypatch.setattr(find, "_with_one_for_several", lambda *_: ONE)
     monkeypatch.setattr(find, "_with_tables", lambda _, answer, __: answer)
-    monkeypatch.setattr(find, "band_checked", lambda _, diagnosis: diagnosis)
+    monkeypatch.setattr(find, "completed", lambda _, diagnosis: diagnosis)
     case: Any = None
     find._diagnosis(case, None, True, find.SILENT)
     assert [list(never) for never in asked] == [["stribeck_friction"]]

@@ -10,7 +10,7 @@ import pytest
 
 from bench.basics.errors import BenchError
 from bench.cli import main
-from bench.diagnosis.catalogue_search import diagnose_with_catalogue
+from bench.diagnosis.with_catalogue import diagnose_with_catalogue
 from bench.effects import CATALOGUE
 from bench.excitation.discrimination.discriminate import discriminate
 from bench.excitation.discrimination.figure import discrimination_figure, write_discrimination_figure

@@ -9,7 +9,7 @@ import tomllib
 
 import pytest
 
-LEFT = re.compile(r"<!-- (trials|gains|speed|estimators|clean|peers|seen|outside|names) -->")
+LEFT = re.compile(r"<!-- (evaluation|trials|gains|speed|estimators|clean|peers|seen|outside|names) -->")
 ASKED = re.compile(
     r'<(?:script|img|iframe)[^>]*src="(https?:)?//|<link[^>]*rel="?stylesheet[^>]*href="(https?:)?//'
 )

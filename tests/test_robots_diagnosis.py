@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import pytest
 
-from bench.diagnosis.catalogue_search import diagnose_with_catalogue
+from bench.diagnosis.with_catalogue import diagnose_with_catalogue
 from bench.identification.problem import problem_of
 from bench.scenario.scenario import load_scenario
 from bench.truth.dataset import as_dataset

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from bench.dataset.dataset import load_dataset
-from bench.diagnosis.catalogue_search import diagnose_with_catalogue
+from bench.diagnosis.with_catalogue import diagnose_with_catalogue
 from bench.effects import CATALOGUE
 from bench.identification.identify import identify
 from bench.identification.partial_regression import PartialRegression

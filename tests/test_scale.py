@@ -12,8 +12,8 @@ from bench.cli import main
 from bench.dataset.dataset import Dataset
 from bench.dataset.payload import Payload
 from bench.dataset.robot import Robot, load_robot
-from bench.diagnosis.catalogue_search import diagnose_with_catalogue
 from bench.diagnosis.summary import summary_of
+from bench.diagnosis.with_catalogue import diagnose_with_catalogue
 from bench.document.diagnosis import gains_before_after
 from bench.document.identification import gains_table
 from bench.document.markdown.tables import markdown

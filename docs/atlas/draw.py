@@ -21,7 +21,7 @@ from bench.basics.figure_style import STYLE
 from bench.basics.files.atomic import atomic_path, write_text_atomically
 from bench.basics.versions import versions
 from bench.dataset.catalogue import built_in_robots, built_in_scenarios
-from bench.diagnosis.catalogue_search import diagnose_with_catalogue
+from bench.diagnosis.with_catalogue import diagnose_with_catalogue
 from bench.document.charts.motor import motor_charts
 from bench.document.figures.draw import draw
 from bench.effects import CATALOGUE, places_in, select_effects

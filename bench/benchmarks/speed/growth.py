@@ -22,8 +22,8 @@ from bench.basics.files.atomic import atomic_path
 from bench.basics.versions import versions
 from bench.benchmarks.speed.long_log import write_long_dataset
 from bench.dataset.dataset import Dataset, load_dataset
-from bench.diagnosis.catalogue_search import diagnose_with_catalogue
 from bench.diagnosis.result import Diagnosis
+from bench.diagnosis.with_catalogue import diagnose_with_catalogue
 from bench.effects import CATALOGUE
 from bench.identification.identify import identify
 from bench.identification.prepare import prepare

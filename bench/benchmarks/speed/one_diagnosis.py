@@ -17,7 +17,7 @@ from time import perf_counter, process_time
 
 from bench.benchmarks.speed.memory import peak_bytes
 from bench.dataset.dataset import Dataset
-from bench.diagnosis.catalogue_search import diagnose_with_catalogue
+from bench.diagnosis.with_catalogue import diagnose_with_catalogue
 from bench.identification.identify import identify
 from bench.identification.prepare import prepare
 from bench.identification.problem import problem_of

@@ -1,6 +1,5 @@
 """The record of a discovered law at one motor."""
 
-from bench.diagnosis.catalogue_search import SearchResult
 from bench.diagnosis.discovery.laws import Law
 from bench.diagnosis.discovery.named import name_of
 from bench.diagnosis.discovery.term import Term
@@ -8,6 +7,7 @@ from bench.diagnosis.discovery.variables import Place
 from bench.diagnosis.normal_equations import solve_set
 from bench.diagnosis.result import Discovered, LawTerm, LooksAt
 from bench.diagnosis.search import held_out_error
+from bench.diagnosis.search_result import SearchResult
 
 HELPS = 0.9  # of the error without a law: what an effect in its place must reach to be reported as near
 

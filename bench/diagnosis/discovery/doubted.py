@@ -4,10 +4,10 @@ from collections.abc import Collection, Sequence
 from dataclasses import replace
 from math import hypot
 
-from bench.diagnosis.catalogue_search import SearchResult
 from bench.diagnosis.discovery.laws import Law
 from bench.diagnosis.reason import Doubt, Reason
 from bench.diagnosis.result import EffectVerdict, LadderStep, Unexplained
+from bench.diagnosis.search_result import SearchResult
 from bench.identification.result import ErrorSummary
 
 CLEARLY = 1.5  # times what noise leaves

@@ -9,17 +9,11 @@ import numpy as np
 from bench.basics.deadline import NEVER, Deadline, TimeUpError
 from bench.basics.progress import SILENT, Progress
 from bench.basics.threads import on_one_thread
+from bench.diagnosis.answer import answered
 from bench.diagnosis.base_model import BaseModel
 from bench.diagnosis.candidates import Proposal
-from bench.diagnosis.catalogue_search import (
-    SearchResult,
-    SplitProblem,
-    answered,
-    band_checked,
-    search_catalogue,
-    search_from,
-    split_and_fitted,
-)
+from bench.diagnosis.catalogue_search import search_catalogue
+from bench.diagnosis.completed import completed
 from bench.diagnosis.decision import RULE
 from bench.diagnosis.discovery.called import stood_for
 from bench.diagnosis.discovery.discovered_at import discovered_at
@@ -40,6 +34,9 @@ from bench.diagnosis.result import (
 )
 from bench.diagnosis.rounds import Round, round_about, usable
 from bench.diagnosis.search import best_set
+from bench.diagnosis.search_from import search_from
+from bench.diagnosis.search_result import SearchResult
+from bench.diagnosis.split_problem import SplitProblem, split_and_fitted
 from bench.effects import EffectInstance
 from bench.identification.finding import Finding
 from bench.identification.identify import fit
@@ -111,7 +108,7 @@ def _diagnosis(case: SplitProblem, discover: bool | None, believed: bool, progre
     except TimeUpError:
         return _without_laws(best.diagnosis, discover)
     progress.phase("looking at half of the band")
-    return band_checked(best.finding, best.diagnosis)
+    return completed(best.finding, best.diagnosis)
 
 
 def _without_laws(diagnosis: Diagnosis, discover: bool | None) -> Diagnosis:

@@ -5,7 +5,6 @@ from dataclasses import replace
 from itertools import groupby, product
 
 from bench.diagnosis.base_model import BaseModel
-from bench.diagnosis.catalogue_search import SearchResult
 from bench.diagnosis.discovery.factors import Power
 from bench.diagnosis.discovery.grammar import V
 from bench.diagnosis.discovery.laws import Law
@@ -15,6 +14,7 @@ from bench.diagnosis.discovery.screen import Screened
 from bench.diagnosis.discovery.seen import places_of
 from bench.diagnosis.discovery.term import Term
 from bench.diagnosis.discovery.variables import Place
+from bench.diagnosis.search_result import SearchResult
 from bench.effects import Effect
 from bench.identification.prepare import Prepared, with_effects
 

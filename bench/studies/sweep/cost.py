@@ -10,7 +10,7 @@ from typing import Any
 from bench.basics.errors import BenchError
 from bench.dataset.dataset import Dataset
 from bench.dataset.recording import Recording
-from bench.diagnosis.catalogue_search import diagnose_with_catalogue
+from bench.diagnosis.with_catalogue import diagnose_with_catalogue
 from bench.identification.identify import fit
 from bench.identification.prepare import prepare
 from bench.identification.problem import problem_of

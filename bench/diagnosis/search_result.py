@@ -1,0 +1,59 @@
+"""The result of a search for missing effects."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import partial
+
+from bench.diagnosis.base_model import BaseModel
+from bench.diagnosis.encoder_noise import encoder_error
+from bench.diagnosis.evidence import Samples, answer_squares
+from bench.diagnosis.ladder import Fits
+from bench.diagnosis.reason import Reason
+from bench.diagnosis.result import Differing, LadderStep, Superfluous, Unfinished
+from bench.diagnosis.rounds import Round
+from bench.diagnosis.split_problem import SplitProblem
+from bench.diagnosis.unexplained import excess
+from bench.effects import EffectInstance
+from bench.identification.prepare import Prepared
+from bench.identification.result import Identification
+
+
+@dataclass(frozen=True)
+class SearchResult:
+    """The result of a search. new: beyond what the starting model has; names: of their effects; fits: see `fits_of`;
+    barred: effects that may not be selected, and why. differs: what differs from run to run, and differently: the
+    answer with a value of it for each; compared: whether they are known. unfinished: what the deadline kept from being
+    looked at.
+    """
+
+    base_model: BaseModel
+    last: Round
+    model: Prepared
+    after: Identification
+    new: tuple[EffectInstance, ...]
+    names: tuple[str, ...]
+    fits: Fits
+    ladder: tuple[LadderStep, ...]
+    superfluous: tuple[Superfluous, ...]
+    barred: Mapping[str, Reason]
+    compared: bool = False
+    differs: tuple[Differing, ...] = ()
+    differently: Identification | None = None
+    unfinished: tuple[Unfinished, ...] = ()
+
+    def weight_by(self, samples: Samples) -> float:
+        """Log weight of the identified model, its laws as improbable as proposed: see `Samples.log_posterior`."""
+        effects = self.model.effects
+        return answer_squares(effects, self.after.recordings, self.last.prior_of(effects)).weight(samples)
+
+    def excess(self, case: SplitProblem) -> float:
+        """Excess of the identified model: see `unexplained.excess`."""
+        recordings = case.problem.dataset.recordings
+        return excess(self.after, recordings, partial(encoder_error, self.model))
+
+    def more_probable_than(self, other: "SearchResult", excess: float) -> bool:
+        """Whether the identified model is more probable than that of another search, which leaves so much more than
+        noise, as a logarithm.
+        """
+        samples = self.last.system.samples.beyond(excess)
+        return self.weight_by(samples) > other.weight_by(samples)

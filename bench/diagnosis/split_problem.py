@@ -1,0 +1,43 @@
+"""A problem that is diagnosed, in parts to fit and to judge on, with the fit of its starting model."""
+
+from dataclasses import dataclass, replace
+
+from bench.basics.deadline import NEVER, Deadline
+from bench.basics.progress import SILENT, Progress
+from bench.diagnosis.extrapolated import without_extrapolation
+from bench.diagnosis.split import with_held_out_parts
+from bench.identification.chosen_band import prepare_checked
+from bench.identification.finding import Finding
+from bench.identification.identify import fit
+from bench.identification.nonlinear import converged
+from bench.identification.prepare import Prepared
+from bench.identification.problem import Problem
+from bench.identification.result import Identification
+
+
+@dataclass(frozen=True)
+class SplitProblem:
+    """A problem that is diagnosed: in parts to fit and to judge on, its starting model, and that model's fit.
+
+    deadline: after which the best answer so far is given. extrapolated: of rows that are not judged.
+    """
+
+    problem: Problem
+    held_out: float
+    start: Prepared
+    before: Identification
+    deadline: Deadline = NEVER
+    extrapolated: tuple[Finding, ...] = ()
+
+
+def split_and_fitted(
+    problem: Problem, progress: Progress = SILENT, deadline: Deadline = NEVER
+) -> SplitProblem:
+    """Set parts aside to judge on, prepare the problem and fit the model as it is, however long that takes."""
+    progress.phase("preparing the recordings")
+    dataset, held_out = with_held_out_parts(problem.dataset)
+    problem = replace(problem, dataset=dataset)
+    start = prepare_checked(problem)
+    progress.phase("fitting the model as it is")
+    start, extrapolated = without_extrapolation(converged(start))
+    return SplitProblem(problem, held_out, start, fit(start), deadline, extrapolated)
