@@ -19,7 +19,7 @@ from bench.model.configuration import displacements
 from bench.model.geometry import Geometry
 from bench.model.kinematics import frames_of
 from bench.model.mobility import column_scales
-from bench.model.motion import Motion, motion_of
+from bench.model.motion import Motion, blocks_of, motion_of
 from bench.model.scalars import Scalar
 from bench.model.spin import idle_spins
 
@@ -27,6 +27,7 @@ WIDER = 4.0  # times what is passed through: the set of poses, so that the next 
 LEAST = 0.5  # of the largest radius of a pose's set: a joint that hardly moves has that
 STARTS = 1e-12  # rad, or of the robot's length: what a closed pose may be off, in addition to its residual
 MOST_TURNED = 0.75  # of I - C A_p, below 1: with less, sets are smaller, with more, speeds in them stray more
+CACHED = 250_000  # bytes of matrices that are worked on together
 MOST_MOVED = (
     0.1  # rad, or of the robot's length: of a ball or free joint in its set, whose rates turn with it
 )
@@ -79,13 +80,13 @@ class _Linear:
     def jacobian(self, motion: Motion, middle: np.ndarray) -> np.ndarray:
         """How far J strays from the motion's, (K, passive, n)."""
         active, passive = list(self.closures.active), list(self.closures.passive)
-        passive_jacobian = motion.jacobian[:, passive]
-        off = middle[:, :, active] + middle[:, :, passive] @ passive_jacobian
-        return self.bounded(
-            np.abs(self.inverse @ off)
-            + np.abs(self.inverse)
-            @ (self.radius[:, :, active] + self.radius[:, :, passive] @ np.abs(passive_jacobian))
-        )
+        sizes = np.empty((len(middle), len(passive), len(active)))
+        for part in _cached(middle):
+            jacobian, radius = motion.jacobian[part][:, passive], self.radius[part]
+            off = middle[part][:, :, active] + middle[part][:, :, passive] @ jacobian
+            strays = radius[:, :, active] + radius[:, :, passive] @ np.abs(jacobian)
+            sizes[part] = np.abs(self.inverse[part] @ off) + np.abs(self.inverse[part]) @ strays
+        return self.bounded(sizes)
 
 
 def enclosed(
@@ -241,8 +242,11 @@ def _linear(
     _, middle, radius = _rows(closures, q, len(motion.time))
     passive = geometry.passive
     weights = weights[:, passive]
-    off = np.abs(np.eye(len(passive)) - inverse @ middle[:, :, passive])
-    turned = _by(off, weights) + _by(np.abs(inverse), _by(radius[:, :, passive], weights))
+    turned = np.empty_like(weights)
+    for part in _cached(middle):
+        off = np.abs(np.eye(len(passive)) - inverse[part] @ middle[part][:, :, passive])
+        strays = _by(radius[part][:, :, passive], weights[part])
+        turned[part] = _by(off, weights[part]) + _by(np.abs(inverse[part]), strays)
     largest = (turned / weights).max(axis=1, initial=0.0)
     return _Linear(closures, inverse, radius, turned, weights, largest), middle
 
@@ -263,6 +267,11 @@ def _bias(
     off = np.abs(_by(linear.inverse, values.T + _by(middle[:, :, passive], rest)))
     sizes = sizes.T + _by(linear.radius[:, :, passive], np.abs(rest))
     return linear.bounded((off + _by(np.abs(linear.inverse), sizes))[:, :, None])[:, :, 0]
+
+
+def _cached(matrices: np.ndarray) -> list[slice]:
+    """Parts of matrices (K, r, c) that the processor's cache holds with what is computed of them."""
+    return blocks_of(len(matrices), max(CACHED // max(matrices[0].nbytes, 1), 1)) if len(matrices) else []
 
 
 def _by(matrices: np.ndarray, vectors: np.ndarray) -> np.ndarray:
