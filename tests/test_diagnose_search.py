@@ -10,10 +10,10 @@ import pytest
 
 from bench.diagnosis import noise, rounds
 from bench.diagnosis import search_from as from_rounds
-from bench.diagnosis.decision import RULE
 from bench.diagnosis.evidence import Samples
 from bench.diagnosis.normal_equations import SetFit
 from bench.diagnosis.search import score
+from bench.identification.decision import RULE
 
 
 def system_of(rows: list[float], judged: list[float] | None = None) -> SimpleNamespace:

@@ -4,11 +4,11 @@ from collections.abc import Iterator, Sequence
 
 from bench.diagnosis.base_model import BaseModel
 from bench.diagnosis.candidates import Proposal
-from bench.diagnosis.decision import RULE
 from bench.diagnosis.evidence import answer_weight
 from bench.diagnosis.rounds import Round
 from bench.diagnosis.search import Scored, close, scored
 from bench.effects import EffectInstance
+from bench.identification.decision import RULE
 from bench.identification.findings import runaway
 from bench.identification.identify import fit
 from bench.identification.model_averaged import gains_model_averaged

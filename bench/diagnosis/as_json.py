@@ -5,10 +5,10 @@ from typing import Any
 
 from bench.basics.plain_data import finite
 from bench.dataset.robot_locked import locked_as_data
-from bench.diagnosis.decision import RULE
 from bench.diagnosis.reason_words import unexplained_words, validated_on
 from bench.diagnosis.result import Diagnosis, Discovered, EffectVerdict, Unfinished
 from bench.diagnosis.summary import error_share, reason, summary_sentences
+from bench.identification.decision import RULE
 from bench.identification.model_json import to_json
 from bench.identification.result import Identification
 

@@ -2,9 +2,9 @@
 
 import numpy as np
 
-from bench.diagnosis.decision import RULE
 from bench.diagnosis.normal_equations import System
 from bench.identification.current_noise import current_noise
+from bench.identification.decision import RULE
 from bench.identification.prepare import Prepared
 from bench.identification.solve_only import solved_quickly, spread
 

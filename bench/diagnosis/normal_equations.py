@@ -13,7 +13,6 @@ from functools import cached_property
 import numpy as np
 
 from bench.basics.deadline import NEVER, Deadline
-from bench.diagnosis.decision import RULE
 from bench.diagnosis.evidence import Samples
 from bench.diagnosis.motor_products import MotorProducts, summed
 from bench.diagnosis.motor_rows import MotorRows, apart_from, combined, folded, motor_rows, products
@@ -30,6 +29,7 @@ from bench.identification.bilinear import (
     squares_of,
 )
 from bench.identification.by_recording import columns_without_value
+from bench.identification.decision import RULE
 from bench.identification.effect_rows import effect_rows
 from bench.identification.filtered import forget_motions
 from bench.identification.layout import known_rows, regressor_rows

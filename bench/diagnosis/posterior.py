@@ -8,11 +8,11 @@ import numpy as np
 from scipy.special import expit
 
 from bench.diagnosis.candidates import Proposal
-from bench.diagnosis.decision import RULE
 from bench.diagnosis.evidence import Samples
 from bench.diagnosis.normal_equations import System
 from bench.diagnosis.result import EffectVerdict, ProbableSet, Unexplained
 from bench.diagnosis.search import Selection, held_out_error, possible, score
+from bench.identification.decision import RULE
 
 LEADING = 8  # sets that an answer lists
 EVEN = 0.5  # probability

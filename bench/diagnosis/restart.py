@@ -5,9 +5,8 @@ from dataclasses import replace
 import numpy as np
 
 from bench.identification.compressed import Stack
+from bench.identification.decision import RULE
 from bench.identification.solution import Solution, scaled_lstsq, torque_system, weighted
-
-FAR = 5.0  # times the nominal gain, or that part of it
 
 
 def restarted(stack: Stack, solution: Solution, nominal: np.ndarray) -> Solution:
@@ -19,8 +18,8 @@ def restarted(stack: Stack, solution: Solution, nominal: np.ndarray) -> Solution
     absorbed get the least values.
     """
     ratio = solution.gains / nominal
-    away = (ratio < 1.0 / FAR) | (ratio > FAR)
-    together = bool(np.all(ratio > 0.0)) and ratio.max() < FAR * ratio.min()
+    away = (ratio < 1.0 / RULE.gain_lost) | (ratio > RULE.gain_lost)
+    together = bool(np.all(ratio > 0.0)) and ratio.max() < RULE.gain_lost * ratio.min()
     if not (np.any(solution.gains_fitted) and away.any()) or (away.all() and together):
         return solution
     gains = np.where(away, nominal, solution.gains)

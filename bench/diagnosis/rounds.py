@@ -11,7 +11,6 @@ from bench.basics.progress import SILENT, Progress
 from bench.diagnosis.base_model import BaseModel
 from bench.diagnosis.batched_sets import solve_sets, swapped
 from bench.diagnosis.candidates import Context, Proposal, propose, shaped
-from bench.diagnosis.decision import RULE
 from bench.diagnosis.evidence import ResidualSumOfSquares, effects_prior, residual_squares
 from bench.diagnosis.noise import leaves_only_noise
 from bench.diagnosis.normal_equations import System, build_system, solve_set
@@ -20,6 +19,7 @@ from bench.diagnosis.revealed import in_their_shape, partners
 from bench.diagnosis.search import Selection, contains, neighbours, score, search
 from bench.diagnosis.special_case import explaining_most, explains, with_shapes_of
 from bench.effects import Effect, EffectInstance
+from bench.identification.decision import RULE
 from bench.identification.nonlinear import settles
 from bench.identification.prepare import Prepared, with_effects
 from bench.identification.solution import Solution

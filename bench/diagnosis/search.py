@@ -8,8 +8,8 @@ import numpy as np
 
 from bench.basics.deadline import NEVER, Deadline
 from bench.diagnosis.batched_sets import enlarged, reduced, solve_sets, swapped
-from bench.diagnosis.decision import RULE
 from bench.diagnosis.normal_equations import Candidate, SetFit, System, solve_set, squared_errors
+from bench.identification.decision import RULE
 
 EXHAUSTIVE = 3  # up to this size all sets of the shortlist compete; larger ones grow by one effect at a time
 LARGEST_SET = 6

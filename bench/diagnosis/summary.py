@@ -14,9 +14,10 @@ from bench.diagnosis.reason_words import reason_sentence, unexplained_words, val
 from bench.diagnosis.result import Diagnosis, EffectVerdict, Remainder, Unfinished
 from bench.diagnosis.unfinished_words import unfinished_sentence
 from bench.effects.display_names import spoken
+from bench.identification.decision import RULE
 from bench.identification.finding import CAUSES
 from bench.identification.finding_words import sentence
-from bench.identification.findings import LOOSE, runaway, unlike
+from bench.identification.findings import runaway, unlike
 from bench.identification.result import Identification, Quantity
 from bench.identification.scale_words import cure, nominal_gains, why_nominal
 from bench.identification.scale_words import reason as why_in_words
@@ -328,7 +329,7 @@ def moved_gain(diagnosis: Diagnosis) -> str | None:
         return None
     changes = {joint: gain_moved(before[joint], after[joint]) for joint in after}
     joint = max(changes, key=lambda name: abs(changes[name]))
-    if abs(changes[joint]) < TELLING or after[joint].std > LOOSE * abs(after[joint].value):
+    if abs(changes[joint]) < TELLING or after[joint].std > RULE.loose * abs(after[joint].value):
         return None
     return joint
 

@@ -6,10 +6,10 @@ import numpy as np
 
 from bench.basics.chi_squared import exceeded_with
 from bench.dataset.recording import Recording
-from bench.diagnosis.decision import RULE
 from bench.diagnosis.repeats import not_repeated
 from bench.diagnosis.result import Remainder, Unexplained, excess_of
 from bench.identification.current_noise import current_noise
+from bench.identification.decision import RULE
 from bench.identification.result import CurrentSeries, Identification, relative_error
 from bench.signals.settings import FilterSettings
 
@@ -19,8 +19,7 @@ SEED = 20120606
 FIRST_LAG, LAGS = 6, 12  # rows: beyond the memory of the fit's low-pass
 ALMOST = 1.0  # strength given to time where errors merely follow each other
 BLOCK = 12  # rows that are shuffled together, since neighbouring errors are alike
-FEW = 0.05  # of the blocks: impacts, where they hold ...
-MOST = 0.5  # ... that much of the squared error; of noise they hold a sixth
+FEW = 0.05  # of the blocks: impacts where they have most of the squared error; of noise they have a sixth
 
 
 def relative_noise_floor(
@@ -156,7 +155,7 @@ def _in_impacts(errors: np.ndarray) -> bool:
     blocks = len(errors) // BLOCK
     energy = np.sort((errors[: blocks * BLOCK].reshape(blocks, BLOCK) ** 2).sum(axis=1))
     few = round(FEW * blocks)
-    return few > 0 and float(energy[-few:].sum()) > MOST * float(energy.sum())
+    return few > 0 and float(energy[-few:].sum()) > RULE.most * float(energy.sum())
 
 
 def _lasting(series: Sequence[CurrentSeries]) -> bool:

@@ -12,8 +12,9 @@ from math import hypot
 import numpy as np
 
 from bench.basics.chi_squared import exceeded_with
-from bench.identification.blocks import SHORTEST, SURPRISING
+from bench.identification.blocks import SHORTEST
 from bench.identification.by_unknown import estimates, in_both
+from bench.identification.decision import RULE
 from bench.identification.estimators import DEFAULT_METHOD
 from bench.identification.finding import Code, Finding, Unknown
 from bench.identification.model_averaged import model_averaged
@@ -91,7 +92,7 @@ def _with_settings(prepared: Prepared, settings: FilterSettings) -> Prepared:
 def moved(first: Identification, second: Identification) -> bool:
     """Whether values move by more than their errors, all together, than chance would make them."""
     squares = [(a.value - b.value) ** 2 / (a.std**2 + b.std**2) for a, b in in_both(first, second).values()]
-    return bool(squares) and sum(squares) > exceeded_with(SURPRISING, len(squares))
+    return bool(squares) and sum(squares) > exceeded_with(RULE.surprising, len(squares))
 
 
 def sharper(first: Identification, second: Identification) -> bool:

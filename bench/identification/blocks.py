@@ -13,11 +13,11 @@ import numpy as np
 from scipy.special import stdtrit
 
 from bench.basics.chi_squared import WITHIN_95, exceeded_with
+from bench.identification.decision import RULE
 
 BLOCKS = 8  # of every recording
 SHORTEST = 32  # rows of a block: many times the reach of the fit's low-pass
 FEWEST = 6  # blocks that say anything of a scatter
-SURPRISING = 1e-4  # probability of so much scatter by noise alone
 ALL_OF_IT = 1e-9  # share of what the data say of a combination that the other blocks must say
 
 
@@ -50,7 +50,7 @@ class Scatter:
         seen = values > 1e-12 * values[-1]
         turned = vectors[:, seen].T @ self.covariance @ vectors[:, seen]
         ratio = float((np.diag(turned) / values[seen]).mean())
-        return ratio > exceeded_with(SURPRISING, self.freedom) / self.freedom
+        return ratio > exceeded_with(RULE.surprising, self.freedom) / self.freedom
 
 
 def blocks_in(starts: tuple[int, ...], rows: int) -> Iterator[slice]:

@@ -18,6 +18,7 @@ from bench.basics.errors import BenchError
 from bench.dataset.controller import ControlLaw, references
 from bench.identification.compressed import Stack, compress
 from bench.identification.current_error import current_error, current_floor, squared_errors
+from bench.identification.decision import RULE
 from bench.identification.filtered import Measured
 from bench.identification.instrumental import instrumental_variables
 from bench.identification.prepare import Prepared
@@ -28,8 +29,8 @@ from bench.signals.processing import estimate_motion
 from bench.signals.settings import HIGHEST_CUTOFF, WIDEST
 
 TERMS = ("kp", "kv", "ka")
+NEGLIGIBLE = 1e-4  # share of a current by which the control law may differ
 PARTS = 16  # of all rows, in each of which both readings are compared
-UNLIKE, NEGLIGIBLE = 5.0, 1e-4  # deviations, and share of a current, by which they may differ on the whole
 
 
 def output_error(
@@ -79,7 +80,7 @@ def _check_law(logged: np.ndarray, terms: np.ndarray, joints: Sequence[str]) -> 
         inverse = np.linalg.pinv(law.T @ law, rcond=1e-18, hermitian=True)
         deviations = np.sqrt(np.diag(inverse @ scores.T @ scores @ inverse))
         for k, factor, deviation in zip(present, factors, deviations, strict=True):
-            if abs(factor - 1.0) > UNLIKE * deviation + NEGLIGIBLE:
+            if abs(factor - 1.0) > RULE.certain * deviation + NEGLIGIBLE:
                 raise BenchError(
                     f"controller of joint {joint}: the logged current has {factor:.4g} ± {deviation:.2g} times the "
                     f"law's term with {TERMS[k]}: another law, another unit, or noise that the filter lets through?"

@@ -7,14 +7,13 @@ import numpy as np
 
 from bench.dataset.robot_locked import LockedJoint
 from bench.effects import EffectInstance
+from bench.identification.decision import RULE
 from bench.identification.finding import Code, Finding, Unknown
 from bench.identification.periods_not_whole import periods_not_whole
 from bench.identification.result import DriveGain, Identification
 
-LOOSE = 0.3  # relative deviation above which a parameter says little
 ILL_CONDITIONED = 1e3
 HOPELESS_CONDITION = 1e7  # beyond it, digits of the data that are rounding decide
-FAR = 2.0  # times the nominal gain, or its half: makers are wrong by a tenth
 UNLIKE = 3.0  # times the fitted error: recordings that were not fitted are another machine, load or unit
 NEAR = 3.0  # times a thousand, or a thousandth: a gain as far off has a wrong unit behind it
 BETTER = 0.5  # relative error of a current with its sign reversed, from which on that is likely
@@ -72,9 +71,9 @@ def with_findings(
             findings.append(Finding(Code.STANDS_STILL, (joint,)))
         elif not reverses:
             findings.append(Finding(Code.NEVER_REVERSES, (joint,)))
-    loose = sum(parameter.relative_std > LOOSE for parameter in result.parameters)
+    loose = sum(parameter.relative_std > RULE.loose for parameter in result.parameters)
     if loose:
-        numbers = {"count": loose, "of": len(result.parameters), "limit": LOOSE}
+        numbers = {"count": loose, "of": len(result.parameters), "limit": RULE.loose}
         findings.append(Finding(Code.POORLY_DETERMINED, numbers=numbers))
     return replace(result, findings=(*findings, *more))
 
@@ -158,7 +157,7 @@ def _doubtful_gain(result: Identification) -> Finding | None:
     if open_:
         return Finding(Code.GAIN_NOT_DETERMINED, of=tuple(Unknown("gain", "gain", joint) for joint in open_))
     for joint, gain in result.drive_gains.items() if result.gains_fitted else ():
-        if not 1.0 / FAR <= gain.value / gain.nominal <= FAR:
+        if not 1.0 / RULE.gain_far <= gain.value / gain.nominal <= RULE.gain_far:
             return _gain(Code.GAIN_RUNAWAY, joint, gain)
     return None
 

@@ -6,6 +6,7 @@ import numpy as np
 
 from bench.basics.joint_units import joint_units
 from bench.dataset.recording import position_column
+from bench.identification.decision import RULE
 from bench.identification.filtered import Measured
 from bench.identification.finding import Code, Finding
 from bench.model.geometry import Geometry, Joint
@@ -14,7 +15,6 @@ from bench.signals.processing import trim
 from bench.signals.settings import signal_bands
 
 SLACK = 1e-3  # of a joint's travel: tolerances of a machine's lengths, which shift its parameters as little
-CLEAR = 5.0  # times the noise of the encoders
 TURN = 2.0 * np.pi
 
 
@@ -48,7 +48,7 @@ def _contradiction(joint: Joint, measured: Measured) -> Finding | None:
     if joint.kind != "slide":
         difference = difference - TURN * np.round(np.median(difference) / TURN)
     size, travel = float(np.sqrt((difference**2).mean())), float(np.ptp(closed))
-    if size <= max(SLACK * travel, CLEAR * _noise(joint, measured, logged)):
+    if size <= max(SLACK * travel, RULE.certain * _noise(joint, measured, logged)):
         return None
     return Finding(
         Code.CLOSURE_CONTRADICTED,

@@ -8,13 +8,8 @@ from numpy.lib.stride_tricks import sliding_window_view
 
 from bench.identification.blocks import Block, block_scatter, blocks_in
 from bench.identification.compressed import Stack
-from bench.identification.repeated_errors import (
-    ALIKE,
-    Returns,
-    repeated_covariances,
-    repeated_score,
-    times_repeated,
-)
+from bench.identification.decision import RULE
+from bench.identification.repeated_errors import Returns, repeated_covariances, repeated_score, times_repeated
 from bench.identification.solution import Solution
 from bench.signals.returning import lagged_products
 
@@ -215,7 +210,7 @@ def _covariances(residual: np.ndarray, moving: np.ndarray, starts: tuple[int, ..
     pairs, counts = np.asarray(products).T
     counts = np.maximum(counts, 1.0)
     values = pairs / counts
-    alike = np.abs(values) > ALIKE * values[0] / np.sqrt(counts)
+    alike = np.abs(values) > RULE.shows * values[0] / np.sqrt(counts)
     lags = min(FEWEST_LAGS, most)
     while lags < most and alike[lags + 1 : lags + 4].any():
         lags += 1

@@ -14,7 +14,6 @@ from bench.diagnosis.base_model import BaseModel
 from bench.diagnosis.candidates import Proposal
 from bench.diagnosis.catalogue_search import search_catalogue
 from bench.diagnosis.completed import completed
-from bench.diagnosis.decision import RULE
 from bench.diagnosis.discovery.called import stood_for
 from bench.diagnosis.discovery.discovered_at import discovered_at
 from bench.diagnosis.discovery.doubted import doubted
@@ -38,6 +37,7 @@ from bench.diagnosis.search_from import search_from
 from bench.diagnosis.search_result import SearchResult
 from bench.diagnosis.split_problem import SplitProblem, split_and_fitted
 from bench.effects import EffectInstance
+from bench.identification.decision import RULE
 from bench.identification.finding import Finding
 from bench.identification.identify import fit
 from bench.identification.mistaken import mistaken

@@ -6,7 +6,6 @@ from functools import partial
 from itertools import islice
 
 from bench.diagnosis.base_model import BaseModel, at_its_solution
-from bench.diagnosis.decision import RULE
 from bench.diagnosis.discovery.grammar import LOAD
 from bench.diagnosis.discovery.named import name_of
 from bench.diagnosis.discovery.screen import Screened, at_place
@@ -15,6 +14,7 @@ from bench.diagnosis.discovery.term import Term, about_its_mean, at_other_harmon
 from bench.diagnosis.discovery.variables import Place
 from bench.diagnosis.evidence import Samples, effects_prior, residual_squares
 from bench.effects import EffectInstance
+from bench.identification.decision import RULE
 from bench.identification.nonlinear import converged
 from bench.identification.prepare import Prepared, with_effects
 from bench.identification.solve_only import solved_quickly

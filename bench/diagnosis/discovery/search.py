@@ -8,7 +8,6 @@ import numpy as np
 from bench.basics.progress import SILENT, Progress
 from bench.diagnosis.base_model import BaseModel
 from bench.diagnosis.candidates import Proposal
-from bench.diagnosis.decision import RULE
 from bench.diagnosis.discovery.grammar import grammar
 from bench.diagnosis.discovery.named import BASICS, name_of
 from bench.diagnosis.discovery.refine import Judge, Refined, instances_of, refined
@@ -19,6 +18,7 @@ from bench.diagnosis.discovery.term import Term
 from bench.diagnosis.normal_equations import solve_set
 from bench.diagnosis.rounds import Round, reshaped, system_about
 from bench.diagnosis.search import Selection, best_set, score
+from bench.identification.decision import RULE
 from bench.identification.partial_regression import partial_regression
 from bench.identification.prepare import Prepared
 from bench.identification.solve_only import solved_quickly

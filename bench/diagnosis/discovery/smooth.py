@@ -5,7 +5,6 @@ from collections.abc import Collection, Sequence
 
 import numpy as np
 
-from bench.diagnosis.decision import RULE
 from bench.diagnosis.discovery.factors import Factor, Power
 from bench.diagnosis.discovery.grammar import TOOL, A, Q, T, V
 from bench.diagnosis.discovery.laws import Law
@@ -17,6 +16,7 @@ from bench.diagnosis.discovery.term import Term
 from bench.diagnosis.discovery.variables import Kind, Place, Seen, Variable
 from bench.diagnosis.search_result import SearchResult
 from bench.effects import EffectInstance
+from bench.identification.decision import RULE
 from bench.identification.partial_regression import partial_regression
 from bench.identification.prepare import Prepared
 from bench.identification.solve_only import solved_quickly

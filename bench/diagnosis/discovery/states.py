@@ -7,9 +7,9 @@ from itertools import zip_longest
 import numpy as np
 
 from bench.basics.deadline import NEVER, Deadline
-from bench.diagnosis.decision import RULE
 from bench.diagnosis.discovery.screen import Residual, Screened, screened
 from bench.diagnosis.discovery.term import Term
+from bench.identification.decision import RULE
 
 WIDTH = 6  # sets that are kept
 WIDER = 5  # terms that each of them is tried with

@@ -11,7 +11,6 @@ from bench.basics.threads import on_one_thread
 from bench.dataset.dataset import Dataset
 from bench.dataset.payload import Payload
 from bench.dataset.robot import refuse_redundant
-from bench.diagnosis.decision import RULE
 from bench.diagnosis.split import HELD_OUT
 from bench.excitation.discrimination.evidence import error_over_noise, estimate_of_rival, shown_nats
 from bench.excitation.discrimination.limits import Envelope, envelope
@@ -22,6 +21,7 @@ from bench.excitation.discrimination.rival_models import Rival, fit_rivals, nois
 from bench.excitation.discrimination.search import DesignedMotion, band_of, best_loaded, best_motion, starts
 from bench.excitation.discrimination.separation import Question, question, residual_share, separation
 from bench.excitation.limits import feasible_motion
+from bench.identification.decision import RULE
 from bench.identification.problem import Problem
 
 LONGEST, SHORTEST = 30.0, 5.0  # s: of a motion whose duration is not given

@@ -5,10 +5,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from bench.diagnosis.decision import RULE
 from bench.excitation.discrimination.limits import Envelope
 from bench.excitation.discrimination.search import DesignedMotion
 from bench.excitation.discrimination.separation import Question
+from bench.identification.decision import RULE
 
 LOUD = 3.0  # times the noise of the currents: an error that no right model makes
 

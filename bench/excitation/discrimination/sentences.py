@@ -4,10 +4,10 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from bench.basics.joint_units import units_of_gain
-from bench.diagnosis.decision import RULE
 from bench.diagnosis.motions import telling_motions
 from bench.effects.display_names import begun, spoken
 from bench.excitation.discrimination.result import Discrimination, MotionFacts
+from bench.identification.decision import RULE
 from bench.identification.wording import and_list, in_percent, motor_words, or_list
 
 NATS = "one nat is odds of e, 2.7, to 1; ten are 22,000 to 1, which is certain"
