@@ -8,9 +8,9 @@ import numpy as np
 from bench.identification.autocorrelation_time import autocorrelation_time
 from bench.identification.compressed import Stack
 from bench.identification.solution import Solution
+from bench.identification.tolerances import TOLERANCES
 
 BLOCKS = 10  # of every recording, alternately fitted and judged: then the motion is about the same in both
-DEPENDENT = 1e-12  # share of the largest eigenvalue of scaled normal equations
 
 
 @dataclass(frozen=True)
@@ -82,6 +82,6 @@ def _solution(inner: np.ndarray, used: np.ndarray) -> np.ndarray:
     lengths[lengths == 0.0] = 1.0
     values = np.zeros(len(inner))
     scaled = normal / np.outer(lengths, lengths)
-    values[used] = -np.linalg.lstsq(scaled, right / lengths, rcond=DEPENDENT)[0] / lengths
+    values[used] = -np.linalg.lstsq(scaled, right / lengths, rcond=TOLERANCES.rank.products)[0] / lengths
     values[-1] = 1.0
     return values

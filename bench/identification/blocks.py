@@ -14,11 +14,11 @@ from scipy.special import stdtrit
 
 from bench.basics.chi_squared import WITHIN_95, exceeded_with
 from bench.identification.decision import RULE
+from bench.identification.tolerances import TOLERANCES
 
 BLOCKS = 8  # of every recording
 SHORTEST = 32  # rows of a block: many times the reach of the fit's low-pass
 FEWEST = 6  # blocks that say anything of a scatter
-ALL_OF_IT = 1e-9  # share of what the data say of a combination that the other blocks must say
 
 
 @dataclass(frozen=True)
@@ -47,7 +47,7 @@ class Scatter:
     def beyond(self, noise: np.ndarray) -> bool:
         """Whether the estimate scatters more than errors of this covariance (P, P) make it, all unknowns together."""
         values, vectors = np.linalg.eigh(noise)
-        seen = values > 1e-12 * values[-1]
+        seen = values > TOLERANCES.rank.products * values[-1]
         turned = vectors[:, seen].T @ self.covariance @ vectors[:, seen]
         ratio = float((np.diag(turned) / values[seen]).mean())
         return ratio > exceeded_with(RULE.surprising, self.freedom) / self.freedom
@@ -71,12 +71,12 @@ def block_scatter(blocks: list[Block]) -> Scatter | None:
     if len(blocks) < FEWEST:
         return None
     values, vectors = np.linalg.eigh(sum(block.normal for block in blocks))
-    seen = values > 1e-12 * values[-1]
+    seen = values > TOLERANCES.rank.products * values[-1]
     root = vectors[:, seen] / np.sqrt(values[seen])
     moved, squares = [], 0.0
     for block in blocks:
         share, turned = np.linalg.eigh(root.T @ block.normal @ root)
-        remaining = np.maximum(1.0 - share, ALL_OF_IT)
+        remaining = np.maximum(1.0 - share, TOLERANCES.rank.combination)
         moved.append(root @ turned @ ((turned.T @ root.T @ block.score) / np.sqrt(remaining)))
         squares += float((share**2).sum())
     shifts = np.array(moved)

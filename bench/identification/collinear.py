@@ -7,9 +7,9 @@ import numpy as np
 from bench.effects import EffectInstance
 from bench.identification.decision import RULE
 from bench.identification.finding import Code, Finding, Unknown
+from bench.identification.tolerances import TOLERANCES
 
 WIDER = 10.0  # times: by how much others may widen a parameter's deviation before it is said
-SHARE = 0.1  # of a value by which it may differ from where its effect is linearised
 TAKES_PART = 0.2  # of the largest part in a combination
 
 
@@ -59,7 +59,11 @@ def unsettled(
         for k, parameter in enumerate(instance.effect.parameters):
             value, place = float(values[at + k]), about.get(parameter.name, 0.0)
             off = abs(value - place)
-            if place and off > RULE.shows * std[at + k] and off > SHARE * max(abs(value), abs(place)):
+            if (
+                place
+                and off > RULE.shows * std[at + k]
+                and off > TOLERANCES.steps.linearisation_reached * max(abs(value), abs(place))
+            ):
                 findings.append(
                     (at + k, Unknown("effect", parameter.name, instance.place, instance.effect.name))
                 )
