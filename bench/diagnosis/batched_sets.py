@@ -12,7 +12,6 @@ from bench.identification.bilinear import errors_by, moved_gains, share_within_r
 from bench.identification.solution import Solution
 from bench.identification.tolerances import TOLERANCES
 
-TOGETHER = 4_000_000  # bytes of inner products
 FEWEST = 2  # sets: fewer are solved one by one
 WIDER = 1.2  # times the unknowns of the smallest set: the largest set that is solved with it has as many
 
@@ -68,7 +67,9 @@ def _alike(system: System, sized: Sequence[tuple[int, tuple[int, ...]]]) -> Iter
     fewest = 0
     for size, key in sized:
         added = size - system.base + 2
-        room = TOGETHER // (8 * (len(system.start.gains) * (size + 2) * added + (size + 2) ** 2))
+        room = TOLERANCES.memory.set_bytes // (
+            8 * (len(system.start.gains) * (size + 2) * added + (size + 2) ** 2)
+        )
         if chunk and (size > WIDER * fewest or len(chunk) >= room):
             yield chunk
             chunk = []

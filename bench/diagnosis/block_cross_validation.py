@@ -10,8 +10,6 @@ from bench.identification.compressed import Stack
 from bench.identification.solution import Solution
 from bench.identification.tolerances import TOLERANCES
 
-BLOCKS = 10  # of every recording, alternately fitted and judged: then the motion is about the same in both
-
 
 @dataclass(frozen=True)
 class BlockCrossValidation:
@@ -61,7 +59,7 @@ def block_cross_validation(stack: Stack, solution: Solution, further: np.ndarray
     ends = [*stack.starts[1:], samples]
     half = np.concatenate(
         [
-            (BLOCKS * np.arange(end - start) // (end - start)) % 2
+            (TOLERANCES.statistics.validated_blocks * np.arange(end - start) // (end - start)) % 2
             for start, end in zip(stack.starts, ends, strict=True)
         ]
     )

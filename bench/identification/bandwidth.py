@@ -12,7 +12,6 @@ from math import hypot
 import numpy as np
 
 from bench.basics.chi_squared import exceeded_with
-from bench.identification.blocks import SHORTEST
 from bench.identification.by_unknown import estimates, in_both
 from bench.identification.decision import RULE
 from bench.identification.estimators import DEFAULT_METHOD
@@ -21,6 +20,7 @@ from bench.identification.model_averaged import model_averaged
 from bench.identification.prepare import Prepared, prepare, with_effects
 from bench.identification.problem import Problem
 from bench.identification.result import BandPoint, Identification
+from bench.identification.tolerances import TOLERANCES
 from bench.signals.settings import FEWEST_SAMPLES, FilterSettings, settled_border
 
 SHARPER = 0.8
@@ -75,7 +75,7 @@ def narrower(prepared: Prepared) -> Prepared | None:
     )
     rows = np.sum([observation.moving.sum(axis=0) for observation in half.fitted], axis=0)
     unknowns = half.layout.size + int(half.gains.is_fitted.sum())
-    if np.any((rows > 0) & (rows < SHORTEST)) or rows.sum() < 2 * unknowns:
+    if np.any((rows > 0) & (rows < TOLERANCES.statistics.block_rows)) or rows.sum() < 2 * unknowns:
         return None
     return half
 

@@ -16,10 +16,6 @@ from bench.basics.chi_squared import WITHIN_95, exceeded_with
 from bench.identification.decision import RULE
 from bench.identification.tolerances import TOLERANCES
 
-BLOCKS = 8  # of every recording
-SHORTEST = 32  # rows of a block: many times the reach of the fit's low-pass
-FEWEST = 6  # blocks that say anything of a scatter
-
 
 @dataclass(frozen=True)
 class Block:
@@ -56,7 +52,7 @@ class Scatter:
 def blocks_in(starts: tuple[int, ...], rows: int) -> Iterator[slice]:
     """The rows of every block, of all recordings."""
     for a, b in zip(starts, (*starts[1:], rows), strict=True):
-        count = min(BLOCKS, max((b - a) // SHORTEST, 1))
+        count = min(TOLERANCES.statistics.blocks, max((b - a) // TOLERANCES.statistics.block_rows, 1))
         edges = np.linspace(a, b, count + 1).astype(int)
         yield from (slice(int(x), int(y)) for x, y in pairwise(edges))
 
@@ -68,7 +64,7 @@ def block_scatter(blocks: list[Block]) -> Scatter | None:
     z_b = (1 - R' J_b' J_b R)^(-1/2) R' J_b' e_b: the root makes up for what the fit has taken of the block's error,
     so that the sum of squares is right on average where the errors are noise (Bell and McCaffrey 2002).
     """
-    if len(blocks) < FEWEST:
+    if len(blocks) < TOLERANCES.statistics.fewest_blocks:
         return None
     values, vectors = np.linalg.eigh(sum(block.normal for block in blocks))
     seen = values > TOLERANCES.rank.products * values[-1]

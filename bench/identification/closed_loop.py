@@ -24,13 +24,12 @@ from bench.identification.instrumental import instrumental_variables
 from bench.identification.prepare import Prepared
 from bench.identification.solution import Solution
 from bench.identification.standstill import interpolated
+from bench.identification.tolerances import TOLERANCES
 from bench.signals.decimation import decimate
 from bench.signals.processing import estimate_motion
 from bench.signals.settings import HIGHEST_CUTOFF, WIDEST
 
 TERMS = ("kp", "kv", "ka")
-NEGLIGIBLE = 1e-4  # share of a current by which the control law may differ
-PARTS = 16  # of all rows, in each of which both readings are compared
 
 
 def output_error(
@@ -70,7 +69,7 @@ def output_error(
 
 def _check_law(logged: np.ndarray, terms: np.ndarray, joints: Sequence[str]) -> None:
     """Compare logged currents (M, n) with the law's terms (M, n, 3): each must be in them with a factor of one."""
-    parts = np.array_split(np.arange(len(logged)), PARTS)
+    parts = np.array_split(np.arange(len(logged)), TOLERANCES.statistics.compared_parts)
     for joint, measured, every in zip(joints, logged.T, terms.swapaxes(0, 1), strict=True):
         present = np.flatnonzero(every.any(axis=0))
         law = every[:, present]
@@ -80,7 +79,7 @@ def _check_law(logged: np.ndarray, terms: np.ndarray, joints: Sequence[str]) -> 
         inverse = np.linalg.pinv(law.T @ law, rcond=1e-18, hermitian=True)
         deviations = np.sqrt(np.diag(inverse @ scores.T @ scores @ inverse))
         for k, factor, deviation in zip(present, factors, deviations, strict=True):
-            if abs(factor - 1.0) > RULE.certain * deviation + NEGLIGIBLE:
+            if abs(factor - 1.0) > RULE.certain * deviation + TOLERANCES.statistics.law_current:
                 raise BenchError(
                     f"controller of joint {joint}: the logged current has {factor:.4g} ± {deviation:.2g} times the "
                     f"law's term with {TERMS[k]}: another law, another unit, or noise that the filter lets through?"

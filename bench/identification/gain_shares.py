@@ -9,17 +9,16 @@ from bench.dataset.payload import Payload
 from bench.identification.layout import parameter_layout
 from bench.identification.observation import Observation
 from bench.identification.payload_parameters import payload_columns
+from bench.identification.tolerances import TOLERANCES
 from bench.model.geometry import Geometry
 from bench.model.guess import MASS, SHORTEST
 from bench.model.independent import SLACK
 from bench.model.model import IdentificationModel
 
 SEED = 20120604  # of the currents of redundant motors at the random states
-ROWS = 1000  # of a recording, evenly spread: more say no more about rank
 ASIDE = np.array(
     [0.6, -0.48, 0.64]
 )  # unit length, along no axis of a tool: where a body of unknown centre has it
-CENTER, RADIUS = 0.3, 0.1  # shares of the robot's length: that centre's distance, and a radius of gyration
 
 
 @dataclass(frozen=True)
@@ -115,7 +114,7 @@ def recorded_states(observations: Sequence[Observation]) -> list[LoadedStates]:
     """Some rows of every recording, where the joints move."""
     states = []
     for observation in observations:
-        some = slice(None, None, 1 + len(observation.time) // ROWS)
+        some = slice(None, None, 1 + len(observation.time) // TOLERANCES.memory.rank_rows)
         moving = observation.moving[some, :, None]
         loads = None if observation.payload is None else observation.payload[some] * moving
         parts = observation.rigid[some] * moving, loads, observation.redundant[some] * moving
@@ -145,6 +144,10 @@ def _as_heavy_as_a_body(payload: Payload) -> Payload:
 def assumed(payload: Payload, length: float) -> Payload:
     """The payload with values for what is not declared: a ball off the tool; length: the robot's, m."""
     mass = MASS if payload.mass is None else payload.mass
-    ball = mass * (RADIUS * length) ** 2 * np.array([1.0, 1.0, 1.0, 0.0, 0.0, 0.0])
-    center = CENTER * length * ASIDE if payload.center_of_mass is None else payload.center_of_mass
+    ball = mass * (TOLERANCES.motion.gyration * length) ** 2 * np.array([1.0, 1.0, 1.0, 0.0, 0.0, 0.0])
+    center = (
+        TOLERANCES.motion.centre * length * ASIDE
+        if payload.center_of_mass is None
+        else payload.center_of_mass
+    )
     return Payload(payload.name, mass, center, ball if payload.inertia is None else payload.inertia)

@@ -1,6 +1,7 @@
 """Encoders of redundant motors: each measures what the loop closures make of the other joints' positions."""
 
 from collections.abc import Sequence
+from math import tau
 
 import numpy as np
 
@@ -15,7 +16,6 @@ from bench.signals.processing import trim
 from bench.signals.settings import signal_bands
 
 SLACK = 1e-3  # of a joint's travel: tolerances of a machine's lengths, which shift its parameters as little
-TURN = 2.0 * np.pi
 
 
 def contradicted_closures(geometry: Geometry, measured: Sequence[Measured]) -> tuple[Finding, ...]:
@@ -46,7 +46,7 @@ def _contradiction(joint: Joint, measured: Measured) -> Finding | None:
     closed = measured.tree.q[:, joint.q.start] + joint.offset
     difference = trim(filtered, settings) - closed
     if joint.kind != "slide":
-        difference = difference - TURN * np.round(np.median(difference) / TURN)
+        difference = difference - tau * np.round(np.median(difference) / tau)
     size, travel = float(np.sqrt((difference**2).mean())), float(np.ptp(closed))
     if size <= max(SLACK * travel, RULE.certain * _noise(joint, measured, logged)):
         return None

@@ -101,6 +101,82 @@ class RobustBounds:
 
 
 @dataclass(frozen=True)
+class StatisticsBounds:
+    """Standard errors, noise and patterns of the errors. Rows are those of the fit."""
+
+    low_pass_lags: int = 6  # rows over which the low-pass of the fit correlates white noise
+    most_lags: int = 64  # rows: 25 periods of the fit's highest frequency, and more than one of the motion
+    longest_memory: int = 60  # rows over which errors can be correlated
+    pattern_lags: int = 12  # lags of the test for errors that follow each other
+    blocks: int = 8  # of a recording, between which an estimate scatters
+    block_rows: int = 32  # fewest rows of such a block: many times the reach of the fit's low-pass
+    fewest_blocks: int = 6  # that determine a scatter
+    # of a recording, alternately fitted and validated, so that both have about the same motion
+    validated_blocks: int = 10
+    # of all rows, in each of which the logged current is compared with the control law
+    compared_parts: int = 16
+    law_current: float = 1e-4  # share of a current by which the control law may differ
+    held_out: float = 0.3  # share of a recording, at its end, for validation
+    leverage: float = 1.0  # largest that a fitted row can have; a larger one extrapolates
+    bins: int = 12  # of a variable in which errors are averaged
+    shuffles: int = 400  # of the errors, for the variation between bins by chance
+    shuffled_rows: int = 12  # rows that stay together, since neighbouring errors are alike
+    follows: float = 1.0  # strength of time as a variable where errors only follow each other
+    # share of these blocks: impacts where they have most of the squared error; of noise they have a sixth
+    impacts: float = 0.05
+    # share of the noise's squares: where a fit has less, the noise is not white, and its floor unknown
+    white: float = 0.8
+
+
+@dataclass(frozen=True)
+class MotionBounds:
+    """Standstill, filters and what the motion of a recording shows."""
+
+    slow: float = 0.01  # share of the RMS speed: a slower joint stands still
+    slow_start: float = 0.3  # share of the RMS speed: with a slower first sample a joint starts from rest
+    first_way: float = 0.03  # share of the travel: before it, friction depends on how the joint came to rest
+    # cut-off periods over which the position filter spreads a jump of acceleration, either way
+    smeared: float = 0.5
+    # cut-off periods around it that are compared; the noise in them is averaged as by the low-pass
+    surroundings: float = 4.0
+    stuck: float = 0.5  # share of the spread that a joint without a motor has to be slow, to count as stuck
+    still_rows: float = 0.2  # share of a decimated row from standstill, above which it is excluded
+    # share of a velocity's power inside the band of the motion; the rest is noise or negligible
+    band_power: float = 0.999
+    samples_in_period: float = 10.0  # of the highest frequency of the motion
+    # times the band of the motion that the twin follows; an instrument may lack the rest
+    twin_band: float = 2.0
+    turn: float = 1e-2  # rad, change of a hinge for a difference quotient
+    slide: float = 1e-3  # m, change of a slide for a difference quotient
+    rate_share: float = 0.1  # share of the RMS velocity or acceleration, for the same
+    sparse_samples: int = 100  # fewest that remain; a shorter recording is not thinned
+    centre: float = 0.3  # share of the robot's length: assumed distance of a payload's centre of mass
+    gyration: float = 0.1  # share of the robot's length: assumed radius of gyration of a payload
+
+
+@dataclass(frozen=True)
+class MemoryBounds:
+    """What is computed together or kept, and rows that are enough for a choice."""
+
+    compressed_rows: int = 65_536  # rows that are compressed together
+    samples: int = 5_120  # for which columns are formed together: they stay in the cache of the processor
+    filtered_bytes: int = 2_000_000  # of columns that are filtered together
+    motion_numbers: int = 8_000_000  # of a motion of all joints that is kept: 64 MB
+    lasting_numbers: int = 2_000_000  # of a motion that is kept to the end: 16 MB
+    # of forces in joints that are kept; more would be discarded before their next use
+    force_bytes: int = 5_000_000
+    fixed_bytes: int = 100_000_000  # of orthogonalised columns that are kept
+    perturbation_bytes: int = 80_000_000  # of small changes that are kept
+    # that are kept: of every joint of every recording, at all its samples and at few
+    interpolations: int = 256
+    set_bytes: int = 4_000_000  # of inner products of sets that are solved together
+    rank_rows: int = 1_000  # of a recording, evenly spread: more do not change the rank
+    screened_rows: int = 4_000  # for a first choice of terms: more do not change it
+    screened_columns: int = 256  # of terms that are formed together
+    screened_bytes: int = 20_000_000  # of the columns of terms at a motor that are kept
+
+
+@dataclass(frozen=True)
 class Tolerances:
     """All bounds, by topic."""
 
@@ -108,6 +184,9 @@ class Tolerances:
     steps: StepBounds = field(default_factory=StepBounds)
     shapes: ShapeBounds = field(default_factory=ShapeBounds)
     robust: RobustBounds = field(default_factory=RobustBounds)
+    statistics: StatisticsBounds = field(default_factory=StatisticsBounds)
+    motion: MotionBounds = field(default_factory=MotionBounds)
+    memory: MemoryBounds = field(default_factory=MemoryBounds)
 
 
 TOLERANCES = Tolerances()

@@ -13,10 +13,6 @@ from bench.identification.bounded import minimum_between
 from bench.identification.partial_regression import PartialRegression
 from bench.identification.tolerances import TOLERANCES
 
-MOST_ROWS = 4000  # that are looked at: more add nothing to a first choice
-TOGETHER = 256  # columns at a time
-MOST_BYTES = 20_000_000  # of a motor's columns that are kept
-
 
 @dataclass(frozen=True)
 class Screened:
@@ -37,7 +33,7 @@ class Known:
         self._seen, self._rows = seen, rows
         self.groups = _groups(terms)
         self._terms, self._kept = terms, dict[int, np.ndarray]()
-        self._may_keep = 8 * len(rows) * sum(term.parts for term in terms) <= MOST_BYTES
+        self._may_keep = 8 * len(rows) * sum(term.parts for term in terms) <= TOLERANCES.memory.screened_bytes
         every = {factor for term in terms for factor in term.factors}
         self._values = {factor: factor.values(seen)[rows] for factor in every}
 
@@ -76,7 +72,7 @@ def _groups(terms: Sequence[Term]) -> list[list[int]]:
     groups = []
     for parts in sorted({term.parts for term in terms}):
         chosen = [i for i, term in enumerate(terms) if term.parts == parts]
-        size = max(1, TOGETHER // parts)
+        size = max(1, TOLERANCES.memory.screened_columns // parts)
         groups += [chosen[at : at + size] for at in range(0, len(chosen), size)]
     return groups
 
@@ -277,7 +273,7 @@ def _orthonormal(columns: np.ndarray) -> np.ndarray:
 
 def few_rows(samples: int) -> np.ndarray:
     """The rows of each motor that are looked at."""
-    return np.arange(0, samples, -(-samples // MOST_ROWS))
+    return np.arange(0, samples, -(-samples // TOLERANCES.memory.screened_rows))
 
 
 def screened(

@@ -11,7 +11,6 @@ from bench.basics.threads import on_one_thread
 from bench.dataset.dataset import Dataset
 from bench.dataset.payload import Payload
 from bench.dataset.robot import refuse_redundant
-from bench.diagnosis.split import HELD_OUT
 from bench.excitation.discrimination.evidence import error_over_noise, estimate_of_rival, shown_nats
 from bench.excitation.discrimination.limits import Envelope, envelope
 from bench.excitation.discrimination.motion_figures import planned_facts, recorded_facts
@@ -23,6 +22,7 @@ from bench.excitation.discrimination.separation import Question, question, resid
 from bench.excitation.limits import feasible_motion
 from bench.identification.decision import RULE
 from bench.identification.problem import Problem
+from bench.identification.tolerances import TOLERANCES
 
 LONGEST, SHORTEST = 30.0, 5.0  # s: of a motion whose duration is not given
 ALIKE = 3e-4  # of what an effect does: the other one does it all if it leaves less
@@ -109,7 +109,7 @@ def _judged_rows(dataset: Dataset, rival: Rival) -> int:
     kept = {recording.name for recording in dataset.recordings if recording.use == "validate"}
     rows = {observation.name: int(observation.moving.sum()) for observation in rival.prepared.observations}
     if not kept:
-        return round(HELD_OUT * sum(rows.values()))
+        return round(TOLERANCES.statistics.held_out * sum(rows.values()))
     return sum(count for name, count in rows.items() if name in kept)
 
 
