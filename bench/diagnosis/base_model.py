@@ -19,8 +19,6 @@ from bench.identification.prepare import Prepared, seen_nearby, with_effects
 from bench.identification.solve_only import solved_quickly
 from bench.identification.tolerances import TOLERANCES
 
-SEARCHED = 1  # rounds as a model is, after it has settled nearby, as long as the search goes on
-
 
 @dataclass(frozen=True)
 class BaseModel:
@@ -71,7 +69,7 @@ class BaseModel:
         near = self._settled_nearby(instances)
         if leaves_only_noise(system, near, self.noise):
             return at_its_solution(near)
-        return self._seen_by(self.start, near, SEARCHED)
+        return self._seen_by(self.start, near, TOLERANCES.search.settling_rounds)
 
     def exactly(self, model: Prepared) -> Prepared:
         """A model that is converged as it is known nearby, converged as it is."""

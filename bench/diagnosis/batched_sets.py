@@ -12,16 +12,13 @@ from bench.identification.bilinear import errors_by, moved_gains, share_within_r
 from bench.identification.solution import Solution
 from bench.identification.tolerances import TOLERANCES
 
-FEWEST = 2  # sets: fewer are solved one by one
-WIDER = 1.2  # times the unknowns of the smallest set: the largest set that is solved with it has as many
-
 
 def solve_sets(system: System, sets: Iterable[Sequence[int]]) -> list[SetFit]:
     """As `solve_set` for each, in their order."""
     keys = [tuple(sorted(members)) for members in sets]
     unknown = dict.fromkeys(key for key in keys if key not in system.solved)
     for chunk in _alike(system, sorted((len(system.independent(key)), key) for key in unknown)):
-        if len(chunk) >= FEWEST:
+        if len(chunk) >= TOLERANCES.search.together:
             system.solved.update(_together(system, chunk))
     return [solve_set(system, key) for key in keys]
 
@@ -70,7 +67,7 @@ def _alike(system: System, sized: Sequence[tuple[int, tuple[int, ...]]]) -> Iter
         room = TOLERANCES.memory.set_bytes // (
             8 * (len(system.start.gains) * (size + 2) * added + (size + 2) ** 2)
         )
-        if chunk and (size > WIDER * fewest or len(chunk) >= room):
+        if chunk and (size > TOLERANCES.search.together_unknowns * fewest or len(chunk) >= room):
             yield chunk
             chunk = []
         if not chunk:

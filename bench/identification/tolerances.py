@@ -177,6 +177,64 @@ class MemoryBounds:
 
 
 @dataclass(frozen=True)
+class SearchBounds:
+    """The search for effects of the catalogue. Numbers of sets, unless stated."""
+
+    rounds: int = 6  # of proposals, choice and fit
+    alike: int = 2  # like the present one, which are fitted where the best of the search is no better
+    settling_rounds: int = 1  # of shape parameters, of a model that has settled nearby, during the search
+    alone: int = 9  # effects on the shortlist for what they explain alone
+    with_best: int = 7  # effects on the shortlist for what they explain with the best set
+    # effects: up to this size all sets are compared; larger ones grow by one effect at a time
+    exhaustive: int = 3
+    largest: int = 6  # effects in a set
+    changes: int = 6  # of a set
+    starts: int = 4  # from which the search starts, apart from the empty one
+    together: int = 2  # fewest that are solved together
+    together_unknowns: float = 1.2  # ratio of the unknowns of sets that are solved together
+    one_more: int = 2  # with one effect more than the answer that are fitted, the best supported first
+    by_recording: int = 3  # of values by recording with which the search is repeated
+    revealed: int = 2  # effects that are tried after others have changed their columns
+    revealed_share: float = 0.1  # of the squared error, above which such an effect is tried
+    smooth_unknowns: int = 3  # of a smooth function at a motor, at the least
+
+
+@dataclass(frozen=True)
+class LawBounds:
+    """The search for laws outside the catalogue: numbers that are tried, and limits of the search."""
+
+    exponents: tuple[float, ...] = (0.5, 1.0, 1.5, 2.0, 3.0)  # of a power
+    # of a power that replaces several effects, at the start
+    merged_exponents: tuple[float, ...] = (0.5, 1.5, 2.5)
+    exponent_range: float = 0.5  # by which an exponent is adapted, either way
+    durations: tuple[float, ...] = (0.03, 0.1, 0.3, 1.0, 3.0, 10.0)  # s, time constants of what has a memory
+    duration_factor: float = 2.0  # by which a time constant is adapted, either way
+    # shares of a recording's duration: time constants of a decay
+    decays: tuple[float, ...] = (0.05, 0.1, 0.2, 0.4, 0.8)
+    # shares of the travel or of a recording: where a step is
+    onsets: tuple[float, ...] = (0.2, 0.35, 0.5, 0.65, 0.8)
+    harmonics: tuple[float, ...] = (1.0, 2.0, 3.0, 4.0, 6.0, 8.0)  # periods of a turn of a hinge
+    waves: tuple[float, ...] = (0.5, 1.0, 1.5, 2.0, 3.0, 4.0)  # periods in the travel of a slide
+    pulses: int = 2  # frequencies over time that are tried at every motor
+    pulse_steps: int = 8  # of the search for them, for each period more in a recording
+    power_unknowns: int = 2  # of a power
+    knots: int = 8  # of a smooth function
+    functions: int = 2  # smooth functions of a motor, added
+    rounds: int = 4  # of proposals, choice and fit
+    terms: int = 16  # that are added to the effects of the catalogue in a round
+    starts: int = 12  # sets of terms from which the search starts
+    kept: int = 6  # sets of terms that a step of the beam search keeps
+    added: int = 5  # terms that are added to each of them
+    depth: int = 3  # terms in a set
+    models: int = 18  # that are tried to refine an answer
+    # share of `DecisionRule.prior` by which a model may seem less probable before it is converged
+    nearby: float = 0.5
+    # times the best squared error: a model with more at its start is not converged
+    start_error: float = 1.5**2
+    merged_laws: int = 1000  # that could replace several effects: their number enters the prior
+
+
+@dataclass(frozen=True)
 class Tolerances:
     """All bounds, by topic."""
 
@@ -187,6 +245,8 @@ class Tolerances:
     statistics: StatisticsBounds = field(default_factory=StatisticsBounds)
     motion: MotionBounds = field(default_factory=MotionBounds)
     memory: MemoryBounds = field(default_factory=MemoryBounds)
+    search: SearchBounds = field(default_factory=SearchBounds)
+    laws: LawBounds = field(default_factory=LawBounds)
 
 
 TOLERANCES = Tolerances()

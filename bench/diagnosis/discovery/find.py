@@ -44,8 +44,8 @@ from bench.identification.mistaken import mistaken
 from bench.identification.model_averaged import gains_model_averaged
 from bench.identification.prepare import Prepared
 from bench.identification.problem import Problem
+from bench.identification.tolerances import TOLERANCES
 
-TRIED = 1000  # laws that might represent several effects, as many as a search looks at
 UNIT = 10.0  # times the nominal gain, or a tenth: as far off, a unit or a load is wrong
 
 
@@ -250,7 +250,7 @@ def _with_one_for_several(case: SplitProblem, plain: _Answer, progress: Progress
     progress.phase("trying one law for several frictions")
     finding, unexplained = plain.finding, plain.diagnosis.unexplained
     much = (1.0 - RULE.material) * unexplained.error > hypot(unexplained.noise_floor, unexplained.encoders)
-    prior = RULE.prior + float(np.log(TRIED))
+    prior = RULE.prior + float(np.log(TOLERANCES.laws.merged_laws))
     searched = Laws(finding.last, {law.name: law.terms[0] for law in plain.laws})
     judge = Judge(finding.last.system.samples, prior)
     for single in merged(finding, plain.laws, case.problem.catalogue, judge, much=much):
