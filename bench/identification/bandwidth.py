@@ -23,10 +23,6 @@ from bench.identification.result import BandPoint, Identification
 from bench.identification.tolerances import TOLERANCES
 from bench.signals.settings import FEWEST_SAMPLES, FilterSettings, settled_border
 
-SHARPER = 0.8
-"""Of a standard error in half of the band, over that in all of it: of 76 simulated five-bars with up to three hidden
-effects none is below 0.94."""
-
 Fit = Callable[[Prepared], Identification]
 
 
@@ -98,7 +94,7 @@ def moved(first: Identification, second: Identification) -> bool:
 def sharper(first: Identification, second: Identification) -> bool:
     """Whether standard errors are clearly smaller there, in the median: then more rows say less, and hold noise."""
     ratios = [b.std / a.std for a, b in in_both(first, second).values()]
-    return bool(ratios) and float(np.median(ratios)) < SHARPER
+    return bool(ratios) and float(np.median(ratios)) < TOLERANCES.findings.half_band
 
 
 def _apart(

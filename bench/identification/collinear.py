@@ -9,9 +9,6 @@ from bench.identification.decision import RULE
 from bench.identification.finding import Code, Finding, Unknown
 from bench.identification.tolerances import TOLERANCES
 
-WIDER = 10.0  # times: by how much others may widen a parameter's deviation before it is said
-TAKES_PART = 0.2  # of the largest part in a combination
-
 
 def collinear(
     effects: Sequence[EffectInstance], covariance: np.ndarray, rows: Sequence[Unknown]
@@ -36,9 +33,9 @@ def collinear(
     values, vectors = np.linalg.eigh(covariance[np.ix_(indices, indices)] / np.outer(std, std))
     findings = []
     for value, vector in zip(values, vectors.T, strict=True):
-        if value * WIDER**2 >= 1.0:
+        if value * TOLERANCES.findings.widened**2 >= 1.0:
             break
-        part = np.flatnonzero(np.abs(vector) >= TAKES_PART * np.abs(vector).max())
+        part = np.flatnonzero(np.abs(vector) >= TOLERANCES.findings.takes_part * np.abs(vector).max())
         together = tuple(rows[indices[i]] for i in part)
         if len({(unknown.effect, unknown.place) for unknown in together}) > 1:
             wider = float(1.0 / np.sqrt(max(value, np.finfo(float).eps)))

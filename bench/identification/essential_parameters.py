@@ -9,8 +9,7 @@ from bench.identification.compressed import Stack, triangular_factors
 from bench.identification.decision import RULE
 from bench.identification.solution import Solution
 from bench.identification.standard_errors import Deviations, Uncertainty, uncertainty
-
-WORSE = 1.01  # growth of the error at which leaving out stops
+from bench.identification.tolerances import TOLERANCES
 
 Solve = Callable[[Stack, np.ndarray], Solution]
 
@@ -43,7 +42,7 @@ def essential_columns(stack: Stack, candidates: int, solve: Solve, deviations: D
         fewer = np.delete(kept, worst)
         smaller = reduced(stack, fewer)
         candidate = solve(smaller, fewer)
-        if _current_error(smaller, candidate) > WORSE * reference:
+        if _current_error(smaller, candidate) > TOLERANCES.findings.omitted_growth * reference:
             return kept
         kept, current, solution = fewer, smaller, candidate
 

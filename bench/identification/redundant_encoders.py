@@ -10,12 +10,11 @@ from bench.dataset.recording import position_column
 from bench.identification.decision import RULE
 from bench.identification.filtered import Measured
 from bench.identification.finding import Code, Finding
+from bench.identification.tolerances import TOLERANCES
 from bench.model.geometry import Geometry, Joint
 from bench.signals.filtering import low_pass
 from bench.signals.processing import trim
 from bench.signals.settings import signal_bands
-
-SLACK = 1e-3  # of a joint's travel: tolerances of a machine's lengths, which shift its parameters as little
 
 
 def contradicted_closures(geometry: Geometry, measured: Sequence[Measured]) -> tuple[Finding, ...]:
@@ -48,7 +47,9 @@ def _contradiction(joint: Joint, measured: Measured) -> Finding | None:
     if joint.kind != "slide":
         difference = difference - tau * np.round(np.median(difference) / tau)
     size, travel = float(np.sqrt((difference**2).mean())), float(np.ptp(closed))
-    if size <= max(SLACK * travel, RULE.certain * _noise(joint, measured, logged)):
+    if size <= max(
+        TOLERANCES.findings.closure_error * travel, RULE.certain * _noise(joint, measured, logged)
+    ):
         return None
     return Finding(
         Code.CLOSURE_CONTRADICTED,

@@ -6,9 +6,8 @@ import numpy as np
 
 from bench.dataset.recording import Recording
 from bench.identification.finding import Code, Finding
+from bench.identification.tolerances import TOLERANCES
 from bench.signals.settings import SETTLING, FilterSettings
-
-DISTURBED = 0.05  # of a recording: more at either end is much, and no more is dropped unasked
 
 
 def short_recordings(recordings: Sequence[Recording], settings: FilterSettings) -> list[Finding]:
@@ -17,7 +16,8 @@ def short_recordings(recordings: Sequence[Recording], settings: FilterSettings) 
     short = {
         recording.name: float(np.ptp(recording.time))
         for recording in recordings
-        if recording.use == "identify" and settling > DISTURBED * float(np.ptp(recording.time))
+        if recording.use == "identify"
+        and settling > TOLERANCES.findings.disturbed * float(np.ptp(recording.time))
     }
     if not short:
         return []
@@ -25,6 +25,6 @@ def short_recordings(recordings: Sequence[Recording], settings: FilterSettings) 
         "shortest": min(short.values()),
         "cutoff": settings.position_cutoff,
         "settling": SETTLING,
-        "needed": settling / DISTURBED,
+        "needed": settling / TOLERANCES.findings.disturbed,
     }
     return [Finding(Code.SHORT, tuple(short), numbers=numbers)]

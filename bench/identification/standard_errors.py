@@ -14,8 +14,6 @@ from bench.identification.solution import Solution
 from bench.identification.tolerances import TOLERANCES
 from bench.signals.returning import lagged_products
 
-MATERIAL = 1.2  # rows of different periods that count as one: more are worth a word
-
 Deviations = Literal["autocorrelated", "independent"]
 StdFrom = Literal["noise", "blocks", "periods", "models", "instruments", "payload", "bandwidth"]
 """What standard errors stand for: the error as a noise, the scatter of the estimate between parts of the recordings,
@@ -104,7 +102,7 @@ def uncertainty(stack: Stack, solution: Solution, deviations: Deviations) -> Unc
         parts = np.split(residual, stack.starts[1:])
         returns = stack.returns
         repeated = times_repeated(parts, returns, reach=0)
-        std_from = "periods" if repeated > MATERIAL else "noise"
+        std_from = "periods" if repeated > TOLERANCES.findings.repeated_rows else "noise"
         equations = int(stack.moving.sum()) / repeated
         freedom = equations / max(equations - size, 1)
         middle = inverse @ _score(stack, solution, residual, returns, seen, lengths) @ inverse * freedom

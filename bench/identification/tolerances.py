@@ -235,6 +235,64 @@ class LawBounds:
 
 
 @dataclass(frozen=True)
+class FindingBounds:
+    """From when an answer says that data, units, columns or names are in doubt."""
+
+    far_gain: float = 0.5  # share of the nominal gain: makers state gains within a tenth
+    # factor to the nominal gain: a unit or a load is wrong, and laws are not sought
+    unit_of_gain: float = 10.0
+    near_thousand: float = 3.0  # factor to a thousand or a thousandth of the nominal gain: a unit is wrong
+    thousand: float = 3.0  # decades between the currents of recordings in unlike units
+    # from these, a factor of five: loads and speeds change the currents of all motors by less
+    near_decades: float = 0.7
+    explained: float = 0.5  # relative error: with a larger one a model does not explain the current
+    large_error: float = 0.05  # relative error, above which swapped columns and other loads are tried
+    swapped_error: float = 0.5  # share of that error that may remain with other columns or another load
+    other_motors: float = 1.05  # growth of the errors of the other motors that another load may cause
+    # times the fitted error: recordings for validation have another machine, load or unit
+    unlike: float = 3.0
+    condition: float = 1e3  # of the scaled system: ill-conditioned
+    rounding_condition: float = 1e7  # of the scaled system: digits of the data that are rounding decide
+    parameter_std: float = 1e6  # SI units: no standard error of a parameter of a robot is as large
+    widened: float = 10.0  # factor by which other effects increase a standard error
+    # share of the largest part in a combination, above which a parameter belongs to it
+    takes_part: float = 0.2
+    repeated_rows: float = 1.2  # rows of different periods that count as one
+    noise_power: float = 1e-4  # share of an acceleration's power: ten times what chosen filters pass
+    loud_noise: float = 0.1  # share of an acceleration's power: noise that is always reported
+    noise_moves: float = 2.0  # standard errors between two estimates, above which noise biases the answer
+    noise_decides: float = 0.1  # share of a drive gain by which noise biases it: the answer is not credible
+    # standard error in half of the band over that in all; none of 76 simulated five-bars is below 0.94
+    half_band: float = 0.8
+    # periods a turn, from a whole number: only more than fifty turns resolve less
+    whole_periods: float = 0.02
+    # share of a joint's travel: tolerances of lengths, which change its parameters as little
+    closure_error: float = 1e-3
+    disturbed: float = 0.05  # share of a recording at either end: more is not dropped without a request
+    omitted_growth: float = 1.01  # growth of the error at which the essential parameters are reached
+    bad_weight: float = 0.1  # weight of a row, below which it does not fit
+    bad_rows: int = 5  # fewest of a stretch that does not fit
+    bridged_rows: int = 3  # between two such stretches that count as one
+    # times the noise floor: with a larger error the names of effects may be wrong
+    remaining_noise: float = 10.0
+    best_error: float = 0.01  # relative error of the best models of real machines, however low the noise
+    gain_change: float = 0.005  # share of a drive gain that is reported as a change
+
+
+@dataclass(frozen=True)
+class ReportBounds:
+    """How much an answer lists."""
+
+    stretches: int = 8  # that do not fit, the longest
+    sets: int = 8  # of effects, the most probable
+    set_probability: float = 0.01  # of such a set
+    motions: int = 3  # that are advised: those of an effect and of its nearest alternatives
+    places: int = 3  # in a headline, besides the first
+    width: int = 100  # letters in a line of generated code
+    largest: float = 1e15  # number that is written out; a larger one has more digits than a float
+
+
+@dataclass(frozen=True)
 class Tolerances:
     """All bounds, by topic."""
 
@@ -247,6 +305,8 @@ class Tolerances:
     memory: MemoryBounds = field(default_factory=MemoryBounds)
     search: SearchBounds = field(default_factory=SearchBounds)
     laws: LawBounds = field(default_factory=LawBounds)
+    findings: FindingBounds = field(default_factory=FindingBounds)
+    report: ReportBounds = field(default_factory=ReportBounds)
 
 
 TOLERANCES = Tolerances()

@@ -46,8 +46,6 @@ from bench.identification.prepare import Prepared
 from bench.identification.problem import Problem
 from bench.identification.tolerances import TOLERANCES
 
-UNIT = 10.0  # times the nominal gain, or a tenth: as far off, a unit or a load is wrong
-
 
 @on_one_thread
 def find_missing_effects(
@@ -123,7 +121,8 @@ def _with_more(
     """Answers that are better, one after the other: with laws, with one for several, with tables."""
     finding, answer = plain.finding, plain
     gains = plain.diagnosis.after.drive_gains.values()
-    believed = believed and all(1.0 / UNIT <= gain.value / gain.nominal <= UNIT for gain in gains)
+    factor = TOLERANCES.findings.unit_of_gain
+    believed = believed and all(1.0 / factor <= gain.value / gain.nominal <= factor for gain in gains)
     wanted = something_remains(plain.diagnosis.unexplained)
     if discover is None and not believed:
         return
