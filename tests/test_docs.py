@@ -115,11 +115,19 @@ def test_the_formats_name_every_field_of_the_decision_rule(project_root):
     from bench.identification.decision import DecisionRule
 
     page = (project_root / "docs" / "pages" / "reference" / "formats.md").read_text(encoding="utf-8")
-    (row,) = (line for line in page.splitlines() if line.startswith("| `decision_rule`"))
+    (row,) = (line for line in page.splitlines() if line.startswith("| `decision_rule` |"))
     names = [field.name for field in fields(DecisionRule)]
     assert len(names) <= MOST_DECISIONS
     assert re.findall(r"`(\w+)`", row.partition(";")[0])[1:] == names
     assert all(re.search(rf"\b{name}:\s", DecisionRule.__doc__) for name in names)
+
+
+def test_the_formats_name_every_topic_of_the_tolerances(project_root):
+    from bench.identification.tolerances import Tolerances
+
+    page = (project_root / "docs" / "pages" / "reference" / "formats.md").read_text(encoding="utf-8")
+    (row,) = (line for line in page.splitlines() if line.startswith("| `tolerances` |"))
+    assert re.findall(r"`(\w+)`", row.partition(";")[0])[1:] == [field.name for field in fields(Tolerances)]
 
 
 def test_a_notebook_holds_the_cells_of_its_script_and_what_they_print(site, project_root):
