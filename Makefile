@@ -5,6 +5,7 @@
 #   make check   the quick reference scenarios beside results/reference (make check-full: all seeds)
 #   make speed   what things cost, beside the last time; history in results/speed
 #   make measured  identify and diagnose measured logs, beside what is known of their machines
+#   make trust  every robot and question on simulated machines with known truth, in three hours, into results/trust
 #   make peers   mujoco.sysid and FIGAROH on the same problems, in an environment of their own
 #   make docs    the documentation as a site, in site/; open site/index.html
 #   make pictures  the pictures of the README and the tutorials, by the commands that they show, in results/pictures
@@ -22,7 +23,7 @@ SCRIPTS := $(wildcard bench/*/assets/*.js bench/*/*/assets/*.js docs/pages/*.js)
 PIP_INSTALL := $(BIN)/python -m pip install --quiet --disable-pip-version-check --constraint .ci/constraints.txt
 
 .DELETE_ON_ERROR:
-.PHONY: demo test lint types imports tests test-kernels check check-full speed measured peers docs pictures atlas format constraints clean
+.PHONY: demo test lint types imports tests test-kernels check check-full speed measured trust peers docs pictures atlas format constraints clean
 
 demo: $(INSTALLED)
 	@$(BIN)/bench demo
@@ -64,6 +65,9 @@ speed: $(INSTALLED)
 
 measured: $(INSTALLED)
 	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m bench.benchmarks.measured
+
+trust: $(INSTALLED)
+	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m bench.benchmarks.trust --readme README.md
 
 peers: $(PEERS)/.installed
 	OPENBLAS_NUM_THREADS=1 $(PEERS)/bin/python -W ignore -m bench.benchmarks.peers

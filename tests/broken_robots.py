@@ -232,7 +232,11 @@ def rod_without_weight(folder: Path) -> None:
 
 @broken("'target'", "mocap")
 def mocap_body(folder: Path) -> None:
-    edit_mjcf(folder, ("</worldbody>", '<body name="target" mocap="true"/></worldbody>'))
+    edit_mjcf(
+        folder,
+        ("</worldbody>", '<body name="target" mocap="true"/></worldbody>'),
+        ("</equality>", '<weld body1="target" body2="left_rod"/></equality>'),
+    )
 
 
 @broken("flex 'cloth'", "deformable")

@@ -146,3 +146,13 @@ def test_a_rank_that_no_gap_decides_is_refused():
     right, _ = np.linalg.qr(random.normal(size=(12, 12)))
     with pytest.raises(UndecidedRankError):
         independent_columns(left * np.logspace(0, -15, 12) @ right.T)
+
+
+def test_nearly_dependent_columns_make_no_large_coefficients():
+    """Rounded axes: a column that is independent of those before it by 1e-4 is no base parameter where others are."""
+    random = np.random.default_rng(4)
+    rows = random.normal(size=(60, 4))
+    rows = np.hstack((rows[:, :1], rows[:, :1] + 1e-4 * rows[:, 1:2], rows[:, 1:]))
+    independent = independent_columns(rows)
+    assert independent.kept.tolist() == [0, 2, 3, 4]
+    assert np.abs(independent.dependence).max() < 10.0

@@ -33,14 +33,25 @@ def test_a_friction_that_is_always_there_hangs_on_no_log(everywhere: Dataset) ->
     fitted = [recording for recording in everywhere.recordings if recording.use == "identify"]
     assert [row.log for row in answer.without_logs] == [recording.name for recording in fitted]
     assert all(row.gone == () for row in answer.without_logs)
-    loaded = {recording.name for recording in fitted if recording.payload}
-    for row in answer.without_logs:
-        if row.log in loaded:
-            assert row.gains == {}, "without it, no payload gives the gains their scale"
-        else:
-            for joint, gain in answer.after.drive_gains.items():
-                assert row.gains[joint] == pytest.approx(gain.value, rel=0.05)
+    assert all(row.gains == {} for row in answer.without_logs), "one load is always there, or never"
     assert diagnosis_json(answer)["without_logs"][0]["gone"] == []
+
+
+def test_gains_are_given_where_the_other_logs_fix_their_scale(everywhere: Dataset) -> None:
+    """The unloaded log in two parts: with either omitted, the loaded one and the other part remain."""
+    unloaded, *others = everywhere.recordings
+    assert unloaded.use == "identify"
+    assert unloaded.payload is None
+    half = len(unloaded.time) // 2
+    parts = tuple(
+        replace(unloaded.part(rows), name=name, part_of="")
+        for name, rows in (("first.csv", slice(0, half)), ("second.csv", slice(half, None)))
+    )
+    answer = diagnose(replace(everywhere, recordings=(*parts, *others)), discover=False)
+    gains = {row.log: row.gains for row in answer.without_logs}
+    for part in parts:
+        for joint, gain in answer.after.drive_gains.items():
+            assert gains[part.log][joint] == pytest.approx(gain.value, rel=0.05)
     assert "\N{EN DASH}" in without_logs_table(answer).columns[2].texts
 
 

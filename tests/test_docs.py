@@ -10,7 +10,7 @@ from dataclasses import fields
 
 import pytest
 
-LEFT = re.compile(r"<!-- (trials|gains|speed|estimators|clean|peers|seen|outside|names) -->")
+LEFT = re.compile(r"<!-- (evaluation|trials|gains|speed|estimators|clean|peers|seen|outside|names) -->")
 MOST_DECISIONS = 20
 ASKED = re.compile(
     r'<(?:script|img|iframe)[^>]*src="(https?:)?//|<link[^>]*rel="?stylesheet[^>]*href="(https?:)?//'

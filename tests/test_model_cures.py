@@ -94,7 +94,7 @@ def test_a_loose_body_without_motors_is_no_base(tmp_path):
             ("arm",),
             "its spring is not in the model, lock it: [locked] leaf = 0.1 in",
         ),
-        (LEAF.format(gripper=GRIPPER), ("arm",), "'leaf' and 'jaw' and 'other' has no motor"),
+        (LEAF.format(gripper=GRIPPER), ("arm",), "joints 'leaf', 'jaw' and 'other' have no motor"),
         (
             LEAF.format(gripper=GRIPPER),
             ("arm", "leaf"),

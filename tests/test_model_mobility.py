@@ -78,7 +78,7 @@ def test_joint_without_a_motor_and_without_a_loop(tmp_path):
 
 def test_too_few_motors(tmp_path):
     message = refusal(tmp_path, TILTED, ("left",))
-    assert "'left_elbow' and 'right' and 'right_elbow' can move" in message
+    assert "'left_elbow', 'right' and 'right_elbow' can move" in message
 
 
 @pytest.mark.parametrize(
@@ -105,7 +105,7 @@ def test_locked_mechanism(tmp_path):
 
 def test_singular_home(tmp_path):
     message = refusal(tmp_path, STRETCHED, ("left", "right"))
-    assert "home is a singular pose: joint 'left_elbow' and 'right_elbow' can move" in message
+    assert "home is a singular pose: joints 'left_elbow' and 'right_elbow' can move" in message
 
 
 def test_open_home(tmp_path):
@@ -138,7 +138,7 @@ def test_cables_are_refused(tmp_path):
 def test_coupling_that_is_open_at_home(tmp_path):
     equality = '<equality><joint name="gear" joint1="a" joint2="b" polycoef="0.1 1 0 0 0"/></equality>'
     said = refusal(tmp_path, COUPLED + equality, ("a",))
-    assert "equality 'gear' of joint 'a' and 'b' is open by 0.1 rad in" in said
+    assert "equality 'gear' of joints 'a' and 'b' is open by 0.1 rad in" in said
 
 
 def test_equality_that_is_switched_off_is_none(tmp_path):

@@ -448,7 +448,8 @@ def test_a_broken_robot_is_told_in_values(linkage):
     (found,) = check_robot(load_robot(linkage)).failures
     assert found.code is CheckCode.HOME_OUTSIDE_RANGE
     limits = {"lower": -1.5, "upper": 1.5}
-    assert found.values == {"joint": "left", "home": -2.35, "unit": "rad", **limits}
+    values = {key: value for key, value in found.values.items() if key != "closed_qpos"}
+    assert values == {"joint": "left", "home": -2.35, "unit": "rad", **limits}
 
 
 def test_command_lists_the_base_parameters(capsys):

@@ -19,7 +19,7 @@ GAIN_ERROR = 0.003
 CURRENT_NOISE = 0.01  # of the RMS current
 OVER_NOISE = 1.1  # error on recordings that were not fitted, over that of the noise
 STEPS = dict.fromkeys(("palletiser", "three_rrr"), 0.00025)  # s, whose loops ask for less
-ROBOTS = ("dualv", "palletiser", "stewart", "three_rrr", "wrist")
+ROBOTS = ("dualv", "orthoglide", "palletiser", "stewart", "three_rrr", "wrist")
 
 
 @pytest.mark.slow

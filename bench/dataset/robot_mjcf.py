@@ -16,6 +16,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
 from bench.basics.errors import BenchError
+from bench.dataset.mjcf_files import names_a_file, read_spec
 from bench.dataset.mjcf_neutral import keep_masses, neutral
 from bench.dataset.robot_drawing import take_up_rounding
 from bench.dataset.robot_locked import LockedJoint, lock_joints
@@ -74,13 +75,23 @@ def _of_content(
 def _compiled(
     path: Path, transmissions: Sequence[Transmission], locked: Sequence[LockedJoint]
 ) -> mujoco.MjModel:
-    import mujoco  # noqa: PLC0415 - slow to import: only once a robot is really read
-
-    model = mujoco.MjModel.from_xml_path(str(path))  # its messages name the line
+    model = read_model(path)
     if transmissions or locked or model.neq:
         model = robot_spec(path, transmissions, locked).compile()
     model.opt.enableflags = 0  # bodies that sleep, other contacts: of no concern, and not for every equality
     return model
+
+
+def read_model(path: Path) -> mujoco.MjModel:
+    """The compiled file as it is, without what other files that cannot be read draw. Raises as `robot_model` does."""
+    import mujoco  # noqa: PLC0415 - slow to import: only once a robot is really read
+
+    try:
+        return mujoco.MjModel.from_xml_path(str(path))  # its messages name the line
+    except ValueError as error:
+        if not names_a_file(str(error)):
+            raise
+    return read_spec(path).compile()
 
 
 def robot_spec(
@@ -94,9 +105,7 @@ def drawn_spec(
     path: Path, transmissions: Sequence[Transmission] = (), locked: Sequence[LockedJoint] = ()
 ) -> mujoco.MjSpec:
     """The same as it is drawn."""
-    import mujoco  # noqa: PLC0415 - slow to import: only once a robot is really read
-
-    spec = mujoco.MjSpec.from_file(str(path))
+    spec = read_spec(path)
     of_locked = lock_joints(spec, locked) if locked else {}
     if not transmissions:
         return spec

@@ -16,6 +16,8 @@ DEPENDENT = (
     1e-4  # of the largest singular value, equalities of unit length: smaller ones are the slack of drawings
 )
 
+OF_MOTORS = "rotor:"  # what the names of equalities begin with that hold motors to what they drive
+
 
 def independent_motors(model: mujoco.MjModel, joints: Sequence[str]) -> tuple[str, ...]:
     """Those of these joints with a motor that move independently in the home pose, the first ones where there is a
@@ -32,9 +34,8 @@ def independent_motors(model: mujoco.MjModel, joints: Sequence[str]) -> tuple[st
     for joint in joints:
         place = int(model.joint(joint).dofadr[0])
         if still[place]:
-            welds = welds_to_connect(model, joints)
-            cure = f"; {use_connect(welds)}" if welds else ""
-            raise BenchError(f"joint {joint!r} cannot move in the home pose: the loop closures lock it{cure}")
+            why = f"the loop closures lock it{_unlocking(model, joints, joint)}"
+            raise BenchError(f"joint {joint!r} cannot move in the home pose: {why}")
         if _rank(free[:, [*places, place]]) > len(places):
             chosen.append(joint)
             places.append(place)
@@ -60,14 +61,71 @@ def welds_to_connect(model: mujoco.MjModel, joints: Sequence[str]) -> tuple[str,
         turning = [row for weld in changed for row in np.flatnonzero(owners == weld)[3:]]
         other = _motions(np.delete(rows, turning, axis=0))
         if _rank(other[:, places]) == len(joints) and len(other) - len(joints) == len(free) - moving:
-            return tuple(model.equality(weld).name or f"equality_{weld}" for weld in changed)
+            return tuple(_equality(model, weld) for weld in changed)
     return ()
 
 
 def use_connect(welds: Sequence[str]) -> str:
     """The cure where welds hold too much."""
-    names = " and ".join(map(repr, welds))
-    return f"use <connect> instead of weld {names}, which holds the orientation of its bodies, too"
+    return f"use <connect> instead of weld {listed(welds)}, which holds the orientation of its bodies, too"
+
+
+def listed(names: Sequence[str]) -> str:
+    """'a', 'b' and 'c'."""
+    quoted = [repr(name) for name in names]
+    return " and ".join([", ".join(quoted[:-1]), quoted[-1]] if len(quoted) > 1 else quoted)
+
+
+def _unlocking(model: mujoco.MjModel, joints: Sequence[str], joint: str) -> str:
+    """What follows a joint with a motor that closures lock: the cure, or those without any of which it could move."""
+    welds = welds_to_connect(model, joints)
+    if welds:
+        return f"; {use_connect(welds)}"
+    rows, owners = _closures(model)
+    place = int(model.joint(joint).dofadr[0])
+    locking = [
+        int(owner)
+        for owner in np.unique(owners)
+        if np.abs(_motions(rows[owners != owner])[:, place]).max(initial=0.0) >= DEPENDENT
+    ]
+    still = _still_ends(model, locking)
+    names = [name for owner in locking if not (name := _equality(model, owner)).startswith(OF_MOTORS)]
+    said = f" ({listed(names)})" if names else ""
+    if still:
+        cure = f"no joint moves body {still[0]!r}, to which they tie it: if it should move, give it a <freejoint/>"
+        return f"{said}; {cure}"
+    return f"{said}; a closure is one too many, a joint is missing, or home is a singular pose"
+
+
+def _equality(model: mujoco.MjModel, index: int) -> str:
+    return model.equality(index).name or f"equality_{index}"
+
+
+def _still_ends(model: mujoco.MjModel, equalities: Sequence[int]) -> list[str]:
+    """Bodies that these closures hold, and that neither move nor carry anything that does: platforms without a
+    joint.
+    """
+    import mujoco  # noqa: PLC0415 - slow to import: only once a robot is really read
+
+    moving = [body for body in range(1, model.nbody) if model.body_weldid[body]]
+    carrying = {above for body in moving for above in _above(model, body)}
+    bodies = []
+    for index in equalities:
+        if int(model.eq_type[index]) not in (int(mujoco.mjtEq.mjEQ_CONNECT), int(mujoco.mjtEq.mjEQ_WELD)):
+            continue
+        for end in (int(model.eq_obj1id[index]), int(model.eq_obj2id[index])):
+            by_site = int(model.eq_objtype[index]) == int(mujoco.mjtObj.mjOBJ_SITE)
+            body = int(model.site_bodyid[end]) if by_site else end
+            if body and not model.body_weldid[body] and body not in carrying:
+                bodies.append(model.body(body).name)
+    return bodies
+
+
+def _above(model: mujoco.MjModel, body: int) -> list[int]:
+    chain = [body]
+    while chain[-1]:
+        chain.append(int(model.body_parentid[chain[-1]]))
+    return chain
 
 
 def _motions(closures: np.ndarray) -> np.ndarray:

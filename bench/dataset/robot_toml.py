@@ -13,6 +13,7 @@ from bench.basics.files.atomic import atomic_path
 from bench.basics.files.toml_output import toml_line
 from bench.dataset.names import ROBOT_FILE, Unit
 from bench.dataset.robot import compiler_message, load_robot
+from bench.dataset.robot_mjcf import read_model
 
 if TYPE_CHECKING:
     import mujoco
@@ -53,7 +54,7 @@ def mjcf_parts(path: str | Path) -> MjcfParts:
     if not path.is_file():
         raise BenchError(f"{path}: there is no such file")
     try:
-        model = mujoco.MjModel.from_xml_path(str(path))
+        model = read_model(path)
         motors = tuple(part for part in _motors(model) if part.name)
         sites = (model.site(i).name for i in range(model.nsite))
         return MjcfParts(path, motors, tuple(name for name in sites if name))

@@ -91,7 +91,7 @@ class ProbableSet:
 @dataclass(frozen=True)
 class WithoutLog:
     """What the answer is with one log omitted: `gone`, the effects that the other logs do not support. gains: by joint;
-    empty where only that log has the payload which gives the gains their scale.
+    empty where the other logs all carry the same load, which leaves the gains' scale open.
     """
 
     log: str

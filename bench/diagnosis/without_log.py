@@ -51,11 +51,13 @@ def _without(system: System, log: str) -> System:
 
 
 def _scaled(model: Prepared, log: str) -> bool:
-    """Whether gains are fitted and another log that is fitted carries a payload of known mass."""
+    """Whether gains are fitted and the other fitted logs carry different loads, one of known mass: the parameters of
+    the bodies absorb a load that is always there, and leave the scale open.
+    """
     weighed = model.dataset.weighed
-    carried = [
+    carried = {
         measured.recording.payload
         for measured in model.measured
         if measured.recording.use == "identify" and measured.recording.log != log
-    ]
-    return model.fit_gains and any(payload in weighed for payload in carried)
+    }
+    return model.fit_gains and len(carried) > 1 and any(payload in weighed for payload in carried)

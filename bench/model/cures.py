@@ -24,6 +24,8 @@ class CureCode(StrEnum):
     """What to do."""
 
     FIX_BASE = auto()
+    REMOVE_BODY = auto()
+    CLOSE_MORE = auto()
     LOCK = auto()
     LOCK_SPRINGS = auto()
     CONNECT = auto()
@@ -31,7 +33,8 @@ class CureCode(StrEnum):
 
 @dataclass(frozen=True)
 class Cure:
-    """names: of a body to be fixed, of joints to be locked, of welds; positions: of the joints at home, rad or m.
+    """names: of a body to be fixed or removed, of joints to be locked, of welds; positions: of the joints at home, rad
+    or m.
 
     others: joints that could be locked in place of these.
     """
@@ -58,6 +61,30 @@ def floating_base(geometry: Geometry) -> Cure | None:
         if root not in grounded and joint.name in driven:
             body = geometry.joints[root].body
             return None if body is None else Cure(CureCode.FIX_BASE, (body,))
+    return None
+
+
+def what_to_do(geometry: Geometry, loose: Sequence[str], jacobian: np.ndarray, rank: int) -> Cure:
+    """The cure where these joints can move while the motors are held; jacobian and rank as in `joints_to_lock`."""
+    object_of_scene = _untied(geometry, loose)
+    if object_of_scene is not None:
+        return Cure(CureCode.REMOVE_BODY, (object_of_scene,))
+    return joints_to_lock(geometry, jacobian, rank) or Cure(CureCode.CLOSE_MORE, ())
+
+
+def _untied(geometry: Geometry, loose: Sequence[str]) -> str | None:
+    """A body with one of these joints, a free one, that nothing ties to what a motor moves: an object of the scene."""
+    joints = geometry.joints
+    group = [_root(joints, index) for index in range(len(joints))]
+    ties = [(loop.first.joint, loop.second.joint) for loop in geometry.loops]
+    ties += [(coupling.first[0][0], other) for coupling in geometry.couplings for other, _ in coupling.second]
+    for first, second in ties:
+        if first >= 0 and second >= 0:
+            group = [group[first] if of == group[second] else of for of in group]
+    moved = {of for of, joint in zip(group, joints, strict=True) if joint.name in geometry.robot.driven}
+    for of, joint in zip(group, joints, strict=True):
+        if joint.kind == "free" and joint.name in loose and of not in moved:
+            return joint.body
     return None
 
 

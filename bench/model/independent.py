@@ -9,6 +9,9 @@ from bench.basics.errors import BenchError
 SLACK = 1e-5  # of the largest: what is smaller may be the slack of a drawing, where a gap sets it apart
 GAP = 100.0  # from one singular value to the next: the smaller ones count as zero
 ROUNDING = 1e-9  # of the largest: a singular value as small as this one cannot be distinguished from rounding
+CLEAR = (
+    1e-3  # of a column, independent of those before it: with less, rounded axes make coefficients of millions
+)
 NEGLIGIBLE = 1e-10  # a coefficient that counts as zero
 
 
@@ -52,7 +55,7 @@ def independent_columns(rows: np.ndarray) -> IndependentColumns:
         raise UndecidedRankError(present[np.abs(directions[rank - 1]) > NEGLIGIBLE])
     slack = float((values[rank:] / values[rank - 1 : rank]).max(initial=0.0))
     directions = directions[:rank]
-    kept = _first_independent(directions, max(SLACK, GAP * slack))
+    kept = _first_independent(directions, max(CLEAR, GAP * slack))
     coefficients = np.linalg.solve(directions[:, kept], directions)
     coefficients[np.abs(coefficients) < NEGLIGIBLE] = 0.0
     dependence = np.zeros((rank, rows.shape[1]))

@@ -4,10 +4,11 @@ import numpy as np
 
 from bench.basics.errors import BenchError
 from bench.basics.joint_units import joint_units
+from bench.dataset.robot_redundancy import listed
 from bench.model.closure import loop_jacobian, loop_residual
 from bench.model.configuration import integrate, normalised
-from bench.model.cures import joints_to_lock, welds_as_connects
-from bench.model.cures_words import cure_in_words
+from bench.model.cures import welds_as_connects, what_to_do
+from bench.model.cures_words import cure_in_words, joints_in_words
 from bench.model.follow import SLACK
 from bench.model.geometry import Coupling, Geometry
 from bench.model.nodes import robot_length
@@ -51,8 +52,8 @@ def check_assembled(geometry: Geometry) -> None:
 
 def _named(geometry: Geometry, coupling: Coupling) -> str:
     """An equality with the joints that it couples or holds."""
-    joints = tuple(geometry.joints[joint].name for joint, _ in (*coupling.first, *coupling.second))
-    return f"equality {coupling.name!r} of joint {_quoted(joints)}"
+    joints = [geometry.joints[joint] for joint, _ in (*coupling.first, *coupling.second)]
+    return f"equality {coupling.name!r} of {joints_in_words(joints)}"
 
 
 def _unit(geometry: Geometry, coupling: Coupling) -> str:
@@ -75,25 +76,34 @@ def check_mobility(geometry: Geometry) -> None:
     general = _closed_nearby(geometry)
     undetermined = loose if general is None else loose_joints(geometry, general)
     if undetermined:
-        closures = scaled_jacobian(geometry, geometry.home if general is None else general)[
-            :, geometry.passive
-        ]
-        cure = cure_in_words(joints_to_lock(geometry, closures, _rank(closures)))
+        jacobian = scaled_jacobian(geometry, geometry.home if general is None else general)
+        if geometry.nv - _rank(jacobian) <= len(geometry.active):
+            raise BenchError(
+                f"robot {name}: {_in_words(geometry, undetermined)} can move with all motors held, although there are "
+                "as many motors as degrees of freedom: the arrangement is singular in all poses near home, as legs are "
+                "in a regular hexagon; change it, or drive other joints"
+            )
+        closures = jacobian[:, geometry.passive]
+        cure = cure_in_words(what_to_do(geometry, undetermined, closures, _rank(closures)))
+        said = "it has no motor, and no loop closure determines it"
+        if len(undetermined) > 1:
+            said = "they have no motor, and no loop closure determines them"
         raise BenchError(
-            f"robot {name}: joint {_quoted(undetermined)} can move with all motors held: it has no motor, "
-            f"and no loop closure determines it{cure}"
+            f"robot {name}: {_in_words(geometry, undetermined)} can move with all motors held: {said}{cure}"
         )
     if loose:
         raise BenchError(
-            f"robot {name}: home is a singular pose: joint {_quoted(loose)} can move there, all motors held"
+            f"robot {name}: home is a singular pose: {_in_words(geometry, loose)} can move there, all motors held; "
+            "write a keyframe home away from it"
         )
     jacobian = scaled_jacobian(geometry, geometry.home if general is None else general)
     freedom = geometry.nv - _rank(jacobian)
     if freedom < len(geometry.active):
+        bound = listed(_bound_motors(geometry, jacobian))
         raise BenchError(
-            f"robot {name}: the loop closures leave {freedom} degrees of freedom for {len(geometry.active)} "
-            f"motors; those of joint {_quoted(_bound_motors(geometry, jacobian))} are not independent "
-            "near the home pose, although they are at home"
+            f"robot {name}: the loop closures leave {freedom} degree{'s' if freedom != 1 else ''} of freedom for "
+            f"{len(geometry.active)} motors: {bound} cannot move independently near the home pose, although they "
+            "can at home; a closure is one too many, or a joint is missing"
         )
 
 
@@ -217,5 +227,5 @@ def _closed_nearby(geometry: Geometry) -> np.ndarray | None:
     return None
 
 
-def _quoted(names: tuple[str, ...]) -> str:
-    return " and ".join(repr(name) for name in names)
+def _in_words(geometry: Geometry, names: tuple[str, ...]) -> str:
+    return joints_in_words([joint for joint in geometry.joints if joint.name in names])

@@ -12,6 +12,7 @@ SUPPORTED = (
     mujoco.mjtEq.mjEQ_TENDON,
 )
 COUPLING = ("stiffness", "damping", "frictionloss", "armature", "limited")
+CLOSURES = int(mujoco.mjtEq.mjEQ_CONNECT), int(mujoco.mjtEq.mjEQ_WELD)
 SWITCHES = {
     mujoco.mjtDisableBit.mjDSBL_GRAVITY: "gravity",
     mujoco.mjtDisableBit.mjDSBL_EQUALITY: "equality",
@@ -23,14 +24,18 @@ def unsupported_features(compiled: mujoco.MjModel) -> Iterator[str]:
     """What would bend the answer unseen, one line each: switches, equalities, mocap bodies, flexes, tendons."""
     for flag, what in SWITCHES.items():
         if compiled.opt.disableflags & flag:
-            yield f'<flag {what}="disable"/>: the model always counts on {what}'
+            yield f'<flag {what}="disable"/>: the model always counts on {what}; remove it'
     yield from _equalities(compiled)
+    held = _held_bodies(compiled)
     for body in range(1, compiled.nbody):
         label = repr(label_of(compiled, mujoco.mjtObj.mjOBJ_BODY, body))
-        if compiled.body_mocapid[body] >= 0:
-            yield f"body {label} is a mocap body, which no joint moves; fix it to its parent"
+        if compiled.body_mocapid[body] >= 0 and body in held:
+            yield f'body {label} is a mocap body, which no joint moves, but an equality holds it: remove mocap="true"'
         if compiled.body_gravcomp[body]:
-            yield f"body {label} has gravcomp {compiled.body_gravcomp[body]:g}: the model gives bodies weight"
+            yield (
+                f"body {label} has gravcomp {compiled.body_gravcomp[body]:g}: the model gives bodies weight; "
+                "remove gravcomp"
+            )
     for flex in range(compiled.nflex):
         label = label_of(compiled, mujoco.mjtObj.mjOBJ_FLEX, flex)
         yield f"flex {label!r}: deformable bodies are not supported"
@@ -46,7 +51,21 @@ def unsupported_features(compiled: mujoco.MjModel) -> Iterator[str]:
                 )
         acting = [what for what in COUPLING if np.any(getattr(compiled, f"tendon_{what}")[tendon])]
         if acting:
-            yield f"tendon {label!r} has {', '.join(acting)}: it couples joints, unknown to the model"
+            yield (
+                f"tendon {label!r} has {', '.join(acting)}: it couples joints, unknown to the model; remove "
+                f"{'it' if len(acting) == 1 else 'them'} or the tendon from the MJCF"
+            )
+
+
+def _held_bodies(compiled: mujoco.MjModel) -> set[int]:
+    """Bodies that an equality which is switched on holds."""
+    bodies: set[int] = set()
+    for index in range(compiled.neq):
+        if compiled.eq_active0[index] and int(compiled.eq_type[index]) in CLOSURES:
+            ends = int(compiled.eq_obj1id[index]), int(compiled.eq_obj2id[index])
+            by_site = int(compiled.eq_objtype[index]) == int(mujoco.mjtObj.mjOBJ_SITE)
+            bodies.update(int(compiled.site_bodyid[end]) if by_site else end for end in ends)
+    return bodies
 
 
 def _is_joint(compiled: mujoco.MjModel, name: str) -> bool:

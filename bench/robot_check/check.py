@@ -18,7 +18,7 @@ from bench.model.states import random_motion
 from bench.robot_check import agreement
 from bench.robot_check.base_torques import check_base_parameters
 from bench.robot_check.features import check_features, locked_lines, notes
-from bench.robot_check.home import check_home
+from bench.robot_check.home import check_home, home_at_range_end, with_pose_in_ranges
 from bench.robot_check.listing import check_home_ranges, home_of, joint_lines, loop_lines
 from bench.robot_check.loops import check_closed_motion, check_constraints
 from bench.robot_check.machine import CheckedMachine, make_machine, random_open_poses
@@ -27,6 +27,7 @@ from bench.robot_check.outcome import Check, CheckCode
 from bench.robot_check.report import RobotReport, Singularity
 from bench.robot_check.rotors import check_rotors
 from bench.robot_check.singularity import SingularitySweep, singularity_of, sweep
+from bench.robot_check.tilts import with_tilts
 
 POSES = 20  # random ones, open and closed, at which the libraries are compared
 SEED, FRESH = 20120601, 20120605  # FRESH: of states at which nothing was chosen
@@ -56,15 +57,18 @@ def check_robot(robot: Robot) -> RobotReport:
     machine = make_machine(geometry)
     report = replace(report, loops=loop_lines(machine))
     report = _with(report, *_same_tree(machine))
-    report = _with(
-        report,
-        *_welds_too_much(geometry),
-        _for_the_file(robot, check_home(geometry, report.loops, home_of(compiled, robot)[1])),
+    at_home, ranges = (
+        check_home(geometry, report.loops, home_of(compiled, robot)[1]),
         check_home_ranges(report.joints),
     )
-    if report.failures:
-        return report
-    return _assembled(report, machine)
+    if at_home.verdict != "failed":
+        ranges = with_pose_in_ranges(geometry, ranges)
+    checks = (_for_the_file(robot, check) for check in (at_home, ranges))
+    report = _with(report, *_welds_too_much(geometry), *checks)
+    if not report.failures:
+        report = _with(report, *(_for_the_file(robot, check) for check in home_at_range_end(geometry)))
+        report = _assembled(report, machine)
+    return with_tilts(report, geometry)
 
 
 def _welds_too_much(geometry: Geometry) -> list[Check]:

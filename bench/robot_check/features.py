@@ -6,6 +6,7 @@ from typing import Any
 import mujoco
 import numpy as np
 
+from bench.dataset.mjcf_files import read_spec, unreadable
 from bench.dataset.robot import Robot
 from bench.dataset.robot_drawing import CLOSED, ROUNDING, home_gap
 from bench.dataset.robot_locked import locked_as_data
@@ -22,6 +23,7 @@ FORCES: Mapping[MjcfTerm, tuple[str, ...]] = {  # the fields of MuJoCo's model
 }
 LARGE = 20.0  # m: no robot is so large
 HEAVY = 1e4  # kg: no link is so heavy
+NARROW = 2.0 * np.pi  # degrees: a hinge's range within it may be meant in radians
 
 
 def check_features(compiled: mujoco.MjModel) -> Check:
@@ -47,6 +49,10 @@ def notes(compiled: mujoco.MjModel, robot: Robot) -> list[Check]:
 
 
 def _notes(compiled: mujoco.MjModel, robot: Robot) -> Iterator[tuple[CheckCode, dict[str, Any]]]:
+    yield from _of_the_file(robot)
+    keys = [compiled.key(key).name for key in range(compiled.nkey)]
+    if keys and "home" not in keys and compiled.neq:
+        yield CheckCode.KEYFRAMES_UNUSED, {"keyframes": [key for key in keys if key] or ["the first one"]}
     for index in range(compiled.neq):
         if not compiled.eq_active0[index]:
             label = label_of(compiled, mujoco.mjtObj.mjOBJ_EQUALITY, index)
@@ -88,6 +94,26 @@ def _notes(compiled: mujoco.MjModel, robot: Robot) -> Iterator[tuple[CheckCode, 
     used = set(np.concatenate((compiled.eq_obj1id[held], compiled.eq_obj2id[held])).tolist())
     for tendon in set(range(compiled.ntendon)) - used:
         yield CheckCode.TENDON_UNUSED, {"tendon": label_of(compiled, mujoco.mjtObj.mjOBJ_TENDON, tendon)}
+
+
+def _of_the_file(robot: Robot) -> Iterator[tuple[CheckCode, dict[str, Any]]]:
+    if (left_out := unreadable(robot.model_path)).files:
+        yield CheckCode.FILES_LEFT_OUT, {"files": list(left_out.files), "bodies": list(left_out.bodies)}
+    if narrow := _ranges_in_degrees(robot):
+        yield CheckCode.RANGES_IN_DEGREES, {"joints": narrow}
+
+
+def _ranges_in_degrees(robot: Robot) -> list[str]:
+    """Hinges of a file in degrees whose range would be a usual one in radians, if all hinges with a range are such."""
+    spec = read_spec(robot.model_path)
+    hinges = [
+        joint
+        for joint in spec.joints
+        if joint.type == mujoco.mjtJoint.mjJNT_HINGE and joint.range[0] < joint.range[1]
+    ]
+    if not spec.compiler.degree or any(np.abs(joint.range).max() > NARROW for joint in hinges):
+        return []
+    return [joint.name for joint in hinges]
 
 
 def _of_kind(compiled: mujoco.MjModel, kind: mujoco.mjtJoint) -> list[str]:

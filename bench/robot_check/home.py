@@ -1,13 +1,15 @@
 """Is the robot assembled at home, and if not, which pose is?"""
 
-from dataclasses import asdict
+from collections.abc import Iterator
+from dataclasses import asdict, replace
 
+import mujoco
 import numpy as np
 
 from bench.model.closure import loop_jacobian, loop_residual
 from bench.model.configuration import integrate, normalised
 from bench.model.follow import SLACK
-from bench.model.geometry import Geometry
+from bench.model.geometry import Geometry, Joint, from_mujoco
 from bench.model.mobility import column_scales, smallest_singular_values
 from bench.model.passive_ranges import passive_ranges
 from bench.robot_check.machine import to_mujoco
@@ -20,6 +22,8 @@ LONGEST_STEP = 0.2  # rad or m
 ATTEMPTS = 200
 STARTS = 60  # random ones
 SEED = 20120606
+INSIDE = 0.2  # of a joint's range
+MARGIN = 0.05  # of a motor's range, which planned motions keep free at both ends
 DEPENDENT = 1e-7  # singular values below this share of the largest are omitted from a step
 
 
@@ -45,24 +49,71 @@ def check_home(geometry: Geometry, loops: tuple[LoopLine, ...], source: HomeSour
     )
 
 
-def closed_pose(geometry: Geometry) -> np.ndarray | None:
-    """An assembled pose (nq,): from home with the motors held, else with all joints free, else from random starts.
-
-    Of several the one counts that the motors hold best, those within the joint ranges first. None: no start closes.
+def with_pose_in_ranges(geometry: Geometry, ranges: Check) -> Check:
+    """The check of the ranges at a closed home, with a closed pose within all of them where home is not and one is
+    near.
     """
-    every = np.arange(geometry.nv)
-    home, random = geometry.home[:, None], _random_starts(geometry)
-    for starts, free in (
-        (home, geometry.passive),
-        (home, every),
-        (random, geometry.passive),
-        (random, every),
-    ):
-        closed = _closed(geometry, starts, free)
-        if len(closed):
-            held = smallest_singular_values(geometry, closed)
-            return np.asarray(closed[np.argmax(np.where(_within_ranges(geometry, closed), 1.0, 1e-3) * held)])
-    return None
+    if ranges.verdict != "failed" or not geometry.closed:
+        return ranges
+    closed = closed_pose(geometry)
+    if closed is None or not _within_ranges(geometry, closed[None])[0]:
+        return ranges
+    return replace(ranges, values={**ranges.values, "closed_qpos": to_mujoco(geometry, closed).tolist()})
+
+
+def home_at_range_end(geometry: Geometry) -> list[Check]:
+    """A note where a joint is at the end of its range at home, a motor within MARGIN, with a pose further inside."""
+    for joint, low, high in _ranged(geometry):
+        margin = MARGIN * (high - low) if joint.v.start in geometry.active else 0.0
+        if not low + margin < geometry.home[joint.q.start] < high - margin:
+            break
+    else:
+        return []
+    inside = _put_into_ranges(geometry, geometry.home[:, None])
+    poses = inside.T
+    for free in (geometry.passive, np.arange(geometry.nv)) if geometry.closed else ():
+        poses = _closed(geometry, inside, free)
+        poses = poses[_within_ranges(geometry, poses, MARGIN)]
+        if len(poses):
+            break
+    values = {"joint": joint.name, "lower": low + joint.offset, "upper": high + joint.offset}
+    if len(poses):
+        values["closed_qpos"] = to_mujoco(geometry, poses[0]).tolist()
+    return [Check(CheckCode.HOME_AT_RANGE_END, "note", values)]
+
+
+def closed_pose(geometry: Geometry) -> np.ndarray | None:
+    """An assembled pose (nq,) within the joint ranges: from the keyframes where none is home, else from home with the
+    motors held, else with all joints free, else with the joints put into their ranges, else from random starts. None:
+    no start closes.
+
+    Of several from one of these the one counts that the motors hold best. Where none is within the ranges, the best of
+    the first of these that closes.
+    """
+    other = None
+    for starts, free in _starts(geometry):
+        closed = _turned_into_ranges(geometry, _closed(geometry, starts, free))
+        if not len(closed):
+            continue
+        held, within = smallest_singular_values(geometry, closed), _within_ranges(geometry, closed)
+        best = np.asarray(closed[np.argmax(np.where(within, 1.0, 1e-3) * held)])
+        if within.any():
+            return best
+        other = best if other is None else other
+    return other
+
+
+def _starts(geometry: Geometry) -> Iterator[tuple[np.ndarray, np.ndarray]]:
+    """Poses (nq, S) from which the loops are closed, and the velocities that do."""
+    every, home = np.arange(geometry.nv), geometry.home[:, None]
+    compiled = geometry.robot.mjcf_model()
+    if compiled.nkey and mujoco.mj_name2id(compiled, mujoco.mjtObj.mjOBJ_KEY, "home") < 0:
+        yield from_mujoco(geometry.joints, compiled.key_qpos).T, geometry.passive
+    inside, random = _put_into_ranges(geometry, home), _random_starts(geometry)
+    for starts in (home, inside, random):
+        for free in (geometry.passive, every):
+            yield starts, free
+    yield _put_into_ranges(geometry, random), every
 
 
 def _closed(geometry: Geometry, starts: np.ndarray, free: np.ndarray) -> np.ndarray:
@@ -96,13 +147,39 @@ def _random_starts(geometry: Geometry) -> np.ndarray:
     return normalised(geometry, q)
 
 
-def _within_ranges(geometry: Geometry, q: np.ndarray) -> np.ndarray:
-    """Whether each of the poses q (N, nq) keeps the ranges of all hinges and slides: (N,)."""
-    within = np.ones(len(q), dtype=bool)
+def _ranged(geometry: Geometry) -> Iterator[tuple[Joint, float, float]]:
+    """Hinges and slides with a range, and its ends in the model's coordinate."""
     for joint in geometry.joints:
         if joint.limits is not None and joint.kind in ("hinge", "slide"):
-            at = q[:, joint.q.start] + joint.offset
-            within &= (at >= joint.limits[0]) & (at <= joint.limits[1])
+            yield joint, joint.limits[0] - joint.offset, joint.limits[1] - joint.offset
+
+
+def _put_into_ranges(geometry: Geometry, q: np.ndarray) -> np.ndarray:
+    """Poses q (nq, S) with every hinge and slide at least INSIDE of its range away from its ends."""
+    q = q.copy()
+    for joint, low, high in _ranged(geometry):
+        margin = INSIDE * (high - low)
+        q[joint.q] = np.clip(q[joint.q], low + margin, high - margin)
+    return q
+
+
+def _turned_into_ranges(geometry: Geometry, q: np.ndarray) -> np.ndarray:
+    """The same poses q (N, nq), hinges that are outside their range turned by whole turns into it where that does."""
+    q = q.copy()
+    for joint, low, high in _ranged(geometry):
+        if joint.kind == "hinge":
+            at = q[:, joint.q.start]
+            turned = at - 2.0 * np.pi * np.floor((at - low) / (2.0 * np.pi))
+            q[:, joint.q.start] = np.where(((at < low) | (at > high)) & (turned <= high), turned, at)
+    return q
+
+
+def _within_ranges(geometry: Geometry, q: np.ndarray, margin: float = 0.0) -> np.ndarray:
+    """Whether each of the poses q (N, nq) keeps the ranges of all hinges and slides: (N,); margin: share of a range."""
+    within = np.ones(len(q), dtype=bool)
+    for joint, low, high in _ranged(geometry):
+        at, room = q[:, joint.q.start], margin * (high - low)
+        within &= (at >= low + room) & (at <= high - room)
     return within
 
 

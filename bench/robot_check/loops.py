@@ -125,10 +125,32 @@ def _mujoco_rows(machine: CheckedMachine, equality: int) -> np.ndarray:
     if not len(both):  # MuJoCo leaves out a loop that nothing can move
         return np.zeros((6 if weld else 3, 1 + compiled.nv))
     if weld:
-        # half the rotation vector, times torquescale, in the frame of the second end
-        scale = compiled.eq_data[equality, 10]
+        # half the rotation vector, times torquescale, in the frame of the second end; of a turn by one whole turn more
+        # than drawn, MuJoCo's quaternion and with it these rows have the other sign
+        scale = compiled.eq_data[equality, 10] * (
+            1.0 if _weld_quaternion(machine, equality)[0] > 0.0 else -1.0
+        )
         both[3:] = _second_rotation(machine, equality) @ both[3:] * (2.0 / scale)
     return both
+
+
+def _weld_quaternion(machine: CheckedMachine, equality: int) -> np.ndarray:
+    """MuJoCo's quaternion (4,) of the first end of a weld in the frame of the second."""
+    compiled, state = machine.compiled, machine.state
+    ends = int(compiled.eq_obj1id[equality]), int(compiled.eq_obj2id[equality])
+    if compiled.eq_objtype[equality] == mujoco.mjtObj.mjOBJ_SITE:
+        turned = [
+            _product(state.xquat[compiled.site_bodyid[site]], compiled.site_quat[site]) for site in ends
+        ]
+    else:
+        turned = [_product(state.xquat[ends[0]], compiled.eq_data[equality, 6:10]), state.xquat[ends[1]]]
+    return _product(turned[1] * np.array([1.0, -1.0, -1.0, -1.0]), turned[0])
+
+
+def _product(first: np.ndarray, second: np.ndarray) -> np.ndarray:
+    product = np.zeros(4)
+    mujoco.mju_mulQuat(product, first, second)
+    return product
 
 
 def _second_rotation(machine: CheckedMachine, equality: int) -> np.ndarray:

@@ -39,12 +39,9 @@ def nearest_singularity(singularity: Singularity) -> str:
             f"above {singularity.lowest:.2g}, lowest at {_positions(singularity.lowest_at)}"
         )
     travel = {name: value for name, value in (singularity.travel or {}).items() if abs(value) > STILL}
-    loose = ", ".join(singularity.loose[:NAMED])
-    if len(singularity.loose) > NAMED:
-        loose += f" and {len(singularity.loose) - NAMED} more"
     return (
         f"{_positions(travel, '+')} from home, at {_positions(singularity.singular_at)}: in that pose "
-        f"{loose} can move while the motors are held"
+        f"{_first(singularity.loose)} can move while the motors are held"
     )
 
 
@@ -62,6 +59,38 @@ def _unsupported(features: Sequence[str]) -> str:
 
 def _fault(fault: str) -> str:
     return fault
+
+
+def _files_left_out(files: Sequence[str], bodies: Sequence[str]) -> str:
+    said = (
+        f"{count(len(files), 'file')} of meshes or textures cannot be read ({_first(files)}): read without them, as "
+        "identification needs no shapes"
+    )
+    if bodies:
+        said += (
+            f"; simulations and predicted currents depend on the masses of {_first(list(map(repr, bodies)))}, which "
+            "have no <inertial> and lack these shapes"
+        )
+    return said
+
+
+def _ranges_in_degrees(joints: Sequence[str]) -> str:
+    return (
+        f"the ranges of {_first(joints)} count as degrees, within a few degrees of zero; if they are meant in radians, "
+        'write <compiler angle="radian"/>'
+    )
+
+
+def _keyframes_unused(keyframes: Sequence[str]) -> str:
+    return (
+        f"home is qpos0, as no keyframe is named home: if {_first(list(map(repr, keyframes)))} is the assembled pose, "
+        "rename it home"
+    )
+
+
+def _first(names: Sequence[str]) -> str:
+    more = f" and {len(names) - NAMED} more" if len(names) > NAMED else ""
+    return ", ".join(names[:NAMED]) + more
 
 
 def _equality_inactive(equality: str) -> str:
@@ -213,9 +242,7 @@ def _open_home(
     positions: int,
     closed_qpos: Sequence[float],
 ) -> str:
-    qpos = " ".join(f"{value:.16g}" for value in closed_qpos)
-    said = _open(loop, gap, unit, given, positions)
-    return f'{said}; this pose closes: <key name="home" qpos="{qpos}"/>'
+    return f"{_open(loop, gap, unit, given, positions)}; this pose closes: {_key(closed_qpos)}"
 
 
 def _weld_too_much(welds: Sequence[str], motors: Sequence[str]) -> str:
@@ -223,12 +250,34 @@ def _weld_too_much(welds: Sequence[str], motors: Sequence[str]) -> str:
     return f"{use_connect(welds)}{redundant}"
 
 
+def _nearly_parallel(first: str, second: str, angle: float) -> str:
+    return (
+        f"hinges {first!r} and {second!r} are {angle:.1e} rad from parallel, as an angle such as 1.57 or 3.14 makes "
+        "them: if they are parallel in the robot, write the angle with all digits (1.5707963267948966)"
+    )
+
+
 def _within_ranges(ranged: int, joints: int) -> str:
     return f"{ranged} of {joints} joints have a range"
 
 
-def _outside_range(joint: str, home: float, unit: str, lower: float, upper: float) -> str:
-    return f"joint {joint!r} is at {home:.6g} {unit} at home, outside its range [{lower:g}, {upper:g}]"
+def _outside_range(
+    joint: str, home: float, unit: str, lower: float, upper: float, closed_qpos: Sequence[float] = ()
+) -> str:
+    said = f"joint {joint!r} is at {home:.6g} {unit} at home, outside its range [{lower:g}, {upper:g}]"
+    return f"{said}; this pose closes within all ranges: {_key(closed_qpos)}" if len(closed_qpos) else said
+
+
+def _at_range_end(joint: str, lower: float, upper: float, closed_qpos: Sequence[float] = ()) -> str:
+    said = (
+        f"home is at the end of the range of {joint!r}, {lower:.4g} to {upper:.4g}; bench excite starts its motions at "
+        "home and needs room on both sides"
+    )
+    return f"{said}; this pose closes further inside: {_key(closed_qpos)}" if len(closed_qpos) else said
+
+
+def _key(qpos: Sequence[float]) -> str:
+    return f'<key name="home" qpos="{" ".join(f"{value:.16g}" for value in qpos)}"/>'
 
 
 def _regular(singular_value: float, passive: str, amplification: float, unit: str, motor: str) -> str:
@@ -292,6 +341,9 @@ WORDS: dict[CheckCode, tuple[str, Sentence]] = {
     CheckCode.MJCF_SUPPORTED: ("supported MJCF", _supported),
     CheckCode.MJCF_UNSUPPORTED: ("supported MJCF", _unsupported),
     CheckCode.GEOMETRY_UNREADABLE: ("geometry", _fault),
+    CheckCode.FILES_LEFT_OUT: ("note", _files_left_out),
+    CheckCode.RANGES_IN_DEGREES: ("note", _ranges_in_degrees),
+    CheckCode.KEYFRAMES_UNUSED: ("note", _keyframes_unused),
     CheckCode.EQUALITY_INACTIVE: ("note", _equality_inactive),
     CheckCode.JOINT_FORCE_NOT_MODELLED: ("note", _joint_force),
     CheckCode.MEDIUM_NOT_MODELLED: ("note", _medium),
@@ -311,11 +363,13 @@ WORDS: dict[CheckCode, tuple[str, Sentence]] = {
     CheckCode.HOME_CLOSED: ("home assembled", _closed),
     CheckCode.DRAWING_ROUNDED: ("note", _rounded),
     CheckCode.WELD_TOO_MUCH: ("loop closures", _weld_too_much),
+    CheckCode.NEARLY_PARALLEL: ("axes", _nearly_parallel),
     CheckCode.HOME_OPEN: ("home assembled", _open_home),
     CheckCode.HOME_OPEN_AND_NO_CLOSED_POSE: ("home assembled", _no_closed_pose),
     CheckCode.HOME_OPEN_AS_LOOPS_DISAGREE: ("home assembled", _loops_disagree),
     CheckCode.HOME_WITHIN_RANGES: ("home within ranges", _within_ranges),
     CheckCode.HOME_OUTSIDE_RANGE: ("home within ranges", _outside_range),
+    CheckCode.HOME_AT_RANGE_END: ("note", _at_range_end),
     CheckCode.HOME_REGULAR: ("home is regular", _regular),
     CheckCode.HOME_NEAR_SINGULAR: ("home is regular", _near_singular),
     CheckCode.HOME_SINGULAR: ("home is regular", _singular),

@@ -52,6 +52,10 @@ ROBOT_SWITCHES = sum(
     )
 )
 RIGID = (0.9999, 0.99999, 0.001, 0.5, 2.0)  # solimp: next to no compliance
+SOFTEST = 1e3  # over the mass of the whole machine: what a loop may give way by, as MuJoCo counts it
+SOFTEST_TURN = 10.0  # over that mass times the square of its longest link
+SOFTEST_SIDE = 100.0  # of a coupling, over what its heavier side would hold
+LIGHTEST, SMALLEST = 1e-6, 1e-3  # kg, m: of a machine
 
 
 @dataclass(frozen=True, eq=False)
@@ -160,6 +164,7 @@ def _built(scenario: Scenario) -> Machine:
         models[name] = _compiled(draft.spec, robot)
         for effect in hidden:
             effect.adjust(models[name], draft)
+        _harden_loops(models[name])
         refuse_too_light(models[name], np.append(home, np.zeros(models[name].nq - len(home))))
     model = models[None]
     ends = [draft.motor_side(joint).name for joint in robot.driven]
@@ -266,6 +271,35 @@ def _set_options(spec: mujoco.MjSpec) -> None:
             joint.damping = np.zeros(len(joint.damping))
         if off & int(mujoco.mjtDisableBit.mjDSBL_FRICTIONLOSS):
             joint.frictionloss = 0.0
+
+
+def _harden_loops(model: mujoco.MjModel) -> None:
+    """Let loops hold as hard as the machine is heavy, and couplings as the heavier of their sides.
+
+    MuJoCo makes a closure as soft as its bodies are light. A light frame or pin that takes the forces of the machine to
+    the ground would give way by millimetres and hundredths of a radian, the rotor of a belt as well.
+    """
+    weight = max(float(model.body_mass[1:].sum()), LIGHTEST)
+    size = max(float(np.linalg.norm(model.body_pos[1:], axis=1).max()), SMALLEST)
+    softest = np.array([SOFTEST / weight, SOFTEST_TURN / (weight * size**2)])  # 1/kg, 1/(kg·m²)
+    for loop in range(model.neq):
+        kind = mujoco.mjtEq(int(model.eq_type[loop]))
+        ends = np.array([model.eq_obj1id[loop], model.eq_obj2id[loop]])
+        if kind == mujoco.mjtEq.mjEQ_TENDON:
+            _harden_coupling(model.tendon_invweight0, ends[ends >= 0])
+        elif kind == mujoco.mjtEq.mjEQ_JOINT:
+            dofs = model.jnt_dofadr[ends[ends >= 0]]
+            if not model.dof_frictionloss[dofs].any():  # whose constraint counts by the same number
+                _harden_coupling(model.dof_invweight0, dofs)
+        else:
+            by_site = int(model.eq_objtype[loop]) == int(mujoco.mjtObj.mjOBJ_SITE)
+            for body in model.site_bodyid[ends] if by_site else ends:
+                model.body_invweight0[body] = np.minimum(model.body_invweight0[body], softest)
+
+
+def _harden_coupling(mobility: Array, sides: Indices) -> None:
+    """Limit the mobility (k,) of the lighter side of a coupling to SOFTEST_SIDE times that of the heavier one."""
+    mobility[sides] = np.minimum(mobility[sides], SOFTEST_SIDE * mobility[sides].min())
 
 
 def _compiled(spec: mujoco.MjSpec, robot: Robot) -> mujoco.MjModel:

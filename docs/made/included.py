@@ -18,6 +18,9 @@ PAGES = {
     "results/measured/measured.md": "measured.md",
     "results/peers/peers.md": "trust/peers.md",
     "results/excite/excite.md": "trust/excite.md",
+    **dict.fromkeys(
+        ["results/trust/trust.md"] * (ROOT / "results/trust/trust.md").is_file(), "trust/evaluation.md"
+    ),
     **{
         f"results/{kind}/{path.name}": f"trust/{kind}_{path.name}"
         for kind in ("trial", "montecarlo")
@@ -25,7 +28,12 @@ PAGES = {
     },
 }
 WIDE = ("measured.md", "trust/")  # pages and folders whose tables need the room of the contents
-PICTURES = {"results/pictures": "pictures", "results/trial": "trust", "results/atlas": "atlas"}
+PICTURES = {
+    "results/pictures": "pictures",
+    "results/trial": "trust",
+    "results/trust": "trust",
+    "results/atlas": "atlas",
+}
 FENCED = re.compile(r"(^```.*?^```$)", re.DOTALL | re.MULTILINE)
 HEAD = re.compile(r"^\|.*\|$(?=\n\|[-:| ]+\|$)", re.MULTILINE)
 LINK = re.compile(r"(?<!!)\[([^\][]+)\]\(([^)#\s]+)(#[^)]*)?\)")

@@ -10,6 +10,8 @@ import mkdocs_gen_files
 import numpy as np
 import pyarrow.parquet as pq
 
+from bench.benchmarks.trust.evaluation import read_evaluation
+from bench.benchmarks.trust.page import front
 from bench.document.markdown.tables import rows_in_markdown
 from bench.identification.estimators import ESTIMATORS
 from bench.studies.trial.markdown import MAIN, target_cells
@@ -308,9 +310,18 @@ def speed_table() -> str:
     return rows_in_markdown(("", "measured", "commit"), rows)
 
 
+def evaluation(path: Path = RESULTS / "trust" / "trust.parquet") -> str:
+    """The table of `make trust`, and what goes wrong most often; empty before it has run."""
+    if not path.is_file():
+        return ""
+    link = "[Every case, probabilities, intervals, stability and cost](trust/evaluation.md)."
+    return "\n\n".join(block for block in (*front(read_evaluation(path)), link) if block)
+
+
 def page(text: str) -> str:
     """The text with its tables in their places."""
     for place, table in (
+        ("evaluation", evaluation()),
         ("trials", trials()),
         ("trials apart", trials(RESULTS / "trial" / APART)),
         ("unknown laws", unknown_laws()),

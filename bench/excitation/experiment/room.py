@@ -54,7 +54,8 @@ def room_of(geometry: Geometry, table: ExperimentTable) -> Room:
         if not low[j] < home[j] < high[j]:
             raise BenchError(
                 f"robot {geometry.robot.name}: home is at the end of the range of {joint!r}, {low[j]:.4g} to "
-                f"{high[j]:.4g} with a margin: motions start at home, put it further inside"
+                f"{high[j]:.4g} with a margin: motions start at home, put it further inside; bench "
+                "robot check prints such a pose"
             )
     amplification = limits.amplification if table.amplification is None else table.amplification
     limits = replace(limits, low=low, high=high, amplification=amplification)
@@ -102,7 +103,7 @@ def _check_home(geometry: Geometry, room: Room) -> None:
         if not limit.low < limit.at(at_home.q)[0] < limit.high:
             raise BenchError(
                 f"robot {geometry.robot.name}: home is at the end of the range of {limit.joint!r}, or beyond: motions "
-                "start at home, put it further inside"
+                "start at home, put it further inside; bench robot check prints such a pose"
             )
     if room.boxes:
         point = tool_positions(geometry, at_home)

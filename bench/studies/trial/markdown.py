@@ -49,6 +49,10 @@ WORDS = {
     TargetFigure.FLOOR_WITHIN: f"at most {FLOOR_FACTOR}",
     TargetFigure.FLOOR_WITHIN_TOLD: "the same for a model with the true effects",
     TargetFigure.INTERVALS: "effect parameters: 95 % intervals that contain the truth",
+    TargetFigure.UNKNOWN_LAW: "a law in no catalogue: error not fitted at the noise floor, no wrong name",
+    TargetFigure.GAINS_HELD: "drive gains: 95 % intervals that contain the truth",
+    TargetFigure.STABLE_NOISE: "certain verdicts that stay with a quarter of the noise added",
+    TargetFigure.STABLE_LOG: "certain verdicts that stay without the last log",
 }
 KEPT_WORDS = {None: "", Attained.YES: "yes", Attained.NO: "no", Attained.TOO_FEW: "too few cases"}
 MAIN = frozenset(

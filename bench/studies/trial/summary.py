@@ -133,9 +133,9 @@ def _targets(done: Sequence[Row], large: Sequence[Row]) -> tuple[Target, ...]:
         share(TargetFigure.THREE_EXACT, of("three"), lambda r: r["exact"], least=0.70),
         share(TargetFigure.THREE_UNDECIDED, of("three"), lambda r: r["exact_undecided"]),
         Target(TargetFigure.PLACES, places.value, None, None, places),
-        share(TargetFigure.ALARM, of("nothing", done), _alarm, most=0.02),
+        share(TargetFigure.ALARM, of("nothing", done), alarm, most=0.02),
         share(TargetFigure.ALARM_NAMED, of("nothing", done), lambda r: bool(r["missing"])),
-        share(TargetFigure.OUTSIDE_HONEST, of("outside"), _honest, least=0.90),
+        share(TargetFigure.OUTSIDE_HONEST, of("outside"), honest, least=0.90),
         share(TargetFigure.OUTSIDE_UNEXPLAINED, of("outside"), lambda r: r["unexplained"]),
         share(TargetFigure.OUTSIDE_LAW, [row for row in of("outside") if _searched(row)], _law_at_floor),
         share(TargetFigure.OUTSIDE_NO_WRONG_NAME, of("outside"), lambda r: not r["wrong"]),
@@ -184,11 +184,12 @@ def _gain_targets(rows: Sequence[Row]) -> list[Target]:
     ]
 
 
-def _alarm(row: Row) -> bool:
+def alarm(row: Row) -> bool:
+    """An effect, a law, or that the rest is unexplained."""
     return bool(row["missing"]) or bool(row["unexplained"]) or bool(_laws(row))
 
 
-def _honest(row: Row) -> bool:
+def honest(row: Row) -> bool:
     """No name that is wrong, and something said: a law, or that the rest is unexplained."""
     return bool(row["unexplained"] or _laws(row)) and not row["wrong"]
 

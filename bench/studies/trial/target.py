@@ -44,6 +44,10 @@ class TargetFigure(StrEnum):
     FLOOR_WITHIN = auto()
     FLOOR_WITHIN_TOLD = auto()
     INTERVALS = auto()
+    UNKNOWN_LAW = auto()
+    GAINS_HELD = auto()
+    STABLE_NOISE = auto()
+    STABLE_LOG = auto()
 
 
 @dataclass(frozen=True)

@@ -27,10 +27,10 @@ def unknown_table(rows: Sequence[Row], nothing: Sequence[Row] = ()) -> Table:
     alone = [row for row in done if len(names_in(row["hidden"])) == 1]
     with_known = [row for row in done if len(names_in(row["hidden"])) > 1]
     figures: list[tuple[str, Sequence[Row], Callable[[Row], bool], str]] = [
-        (f"one law alone: error not fitted at most {FLOOR:g} × the noise floor", alone, _at_floor, "80 %"),
+        (f"one law alone: error not fitted at most {FLOOR:g} × the noise floor", alone, at_floor, "80 %"),
         ("its torque within 10 % (RMS) of the truth's on recordings not fitted", alone, _near, "75 %"),
         ("its structure: the same variables, the same symmetry", alone, _structure, "70 %"),
-        ("with one or two known effects: error at the floor", with_known, _at_floor, ""),
+        ("with one or two known effects: error at the floor", with_known, at_floor, ""),
         ("its torque within 10 %", with_known, _near, ""),
         ("with that of the known effects at its motor", with_known, _near_together, ""),
         ("its structure", with_known, _structure, ""),
@@ -113,7 +113,8 @@ def write_unknown(robot: str, rows: Sequence[Row], folder: Path, nothing: Sequen
     return [page, table]
 
 
-def _at_floor(row: Row) -> bool:
+def at_floor(row: Row) -> bool:
+    """Whether the answer leaves little more than the noise."""
     return float(row["error_over_floor.after"]) <= FLOOR
 
 

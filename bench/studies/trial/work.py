@@ -36,6 +36,7 @@ from bench.studies.trial.setup import Setup
 from bench.studies.trial.unknown import LAW, named_parts
 from bench.truth.dataset import as_dataset
 from bench.truth.hidden.reference import Reference
+from bench.truth.machine import true_gains
 from bench.truth.simulate import Simulation, simulate
 
 UNNAMED = ("outside", "unknown")
@@ -135,6 +136,14 @@ def diagnosed_row(setup: Setup, case: Case, number: int, simulation: Simulation)
     alike = moving_alike(simulation, setup.passive)
     row["intervals"] = json.dumps(intervals(setup, hidden, diagnosis.after, alike))
     row["intervals_told"] = json.dumps(intervals(setup, hidden, informed, alike))
+    row["gains"] = json.dumps(_gains(simulation, diagnosis.after))
+    row["probabilities"] = json.dumps(
+        {
+            verdict.effect: verdict.probability
+            for verdict in diagnosis.ranking
+            if verdict.probability is not None
+        }
+    )
     return row | versions().columns()
 
 
@@ -231,6 +240,15 @@ def _answer(case: Case, diagnosis: Diagnosis) -> Row:
         "unexplained": diagnosis.unexplained.significant,
         "depends_on": ", ".join(diagnosis.unexplained.depends_on),
     }
+
+
+def _gains(simulation: Simulation, result: Identification) -> list[dict[str, Any]]:
+    """Estimate, standard deviation and truth of every drive gain."""
+    truth = true_gains(simulation.scenario)
+    return [
+        {"joint": joint, "truth": float(true), "value": gain.value, "std": gain.std}
+        for (joint, gain), true in zip(result.drive_gains.items(), truth, strict=True)
+    ]
 
 
 def _accuracy(simulation: Simulation, diagnosis: Diagnosis, informed: Identification, floor: float) -> Row:

@@ -1,0 +1,111 @@
+"""Cells of the evaluation: robot and question, each with its cases in order."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from zlib import crc32
+
+import numpy as np
+
+from bench.benchmarks.trust.questions import FROZEN_SHARE, MANY_WITH_NOTHING, QUESTIONS, TrustQuestion
+from bench.studies.trial.cases import datasets_a_seed
+from bench.studies.trial.setup import Setup
+
+STRIDE = 1000
+"""Numbers of rows for each cell."""
+
+AGAIN_EVERY = 5
+"""Of the cases of a cell: how many there are for each that is diagnosed again, with more noise and without a log."""
+
+AGAIN = frozenset({"one", "two", "three", "unknown"})
+SIZES = 2
+"""Cases of each single effect, with sizes drawn independently."""
+
+
+@dataclass(frozen=True)
+class TrustCell:
+    """index: of all cells. frozen: of the set of cases that is the same for every version. first: number of a case."""
+
+    index: int
+    robot: str
+    question: TrustQuestion
+    frozen: bool
+    numbers: tuple[int, ...]
+
+    def row(self, position: int) -> int:
+        """Number of the row of a case."""
+        return STRIDE * self.index + position
+
+
+@dataclass(frozen=True)
+class TrustCase:
+    """A case at its position in a cell. again: whether it is diagnosed again under changed conditions."""
+
+    cell: TrustCell
+    position: int
+
+    @property
+    def number(self) -> int:
+        """Of the trial's cases of that robot and kind."""
+        return self.cell.numbers[self.position]
+
+    @property
+    def row(self) -> int:
+        """Number of its row."""
+        return self.cell.row(self.position)
+
+    @property
+    def again(self) -> bool:
+        """Whether it is diagnosed again, with more noise and without a log."""
+        kind = self.cell.question.kind
+        return kind in AGAIN and not self.cell.frozen and self.position % AGAIN_EVERY == 0
+
+    @property
+    def name(self) -> str:
+        """By which the command runs it again."""
+        return f"{self.cell.robot}/{self.cell.question.kind}/{self.number}"
+
+
+@dataclass(frozen=True)
+class TrustCells:
+    """All cells, in order."""
+
+    setups: Mapping[str, Setup]
+    first: int
+
+    @cached_property
+    def all(self) -> tuple[TrustCell, ...]:
+        """By robot, question, and whether the cases are fresh or frozen."""
+        cells: list[TrustCell] = []
+        for robot, setup in self.setups.items():
+            for question in QUESTIONS.values():
+                for frozen in (False, True):
+                    numbers = _numbers(robot, setup, question, 0 if frozen else self.first)
+                    kept = numbers[: max(len(numbers) // FROZEN_SHARE, 1)] if frozen else numbers
+                    asked = replace(question, planned=len(kept))
+                    cells.append(TrustCell(len(cells), robot, asked, frozen, kept if numbers else ()))
+        return tuple(cells)
+
+    def case_of_row(self, row: int) -> TrustCase:
+        """The case that a row is of."""
+        index, position = divmod(row, STRIDE)
+        return TrustCase(self.all[index], position)
+
+    @property
+    def size(self) -> int:
+        """One more than the largest number of a row."""
+        return STRIDE * len(self.all)
+
+
+def _numbers(robot: str, setup: Setup, question: TrustQuestion, first: int) -> tuple[int, ...]:
+    """Numbers of the cases of a cell: single effects in a drawn order, each once before any comes twice."""
+    if question.kind != "one":
+        if not datasets_a_seed(setup, question.kind):
+            return ()
+        twice = question.kind == "nothing" and robot in MANY_WITH_NOTHING
+        return tuple(range(first, first + question.planned * (1 + twice)))
+    effects = datasets_a_seed(setup, "one")
+    order: Sequence[int] = np.random.default_rng(crc32(robot.encode())).permutation(effects).tolist()
+    return tuple(first + size * effects + at for size in range(SIZES) for at in order)

@@ -1,0 +1,76 @@
+"""The table of an evaluation, read again."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import pyarrow as pa
+import pyarrow.parquet as pq
+
+from bench.basics.errors import BenchError
+from bench.benchmarks.trust.questions import QUESTIONS, TrustQuestion
+from bench.benchmarks.trust.work import FRESH, FROZEN
+from bench.studies.sweep.journal import Row
+from bench.studies.trial.cases import Kind
+
+
+@dataclass(frozen=True)
+class PlannedCell:
+    """How many cases a cell has, run or not."""
+
+    robot: str
+    question: Kind
+    frozen: bool
+    planned: int
+
+
+@dataclass(frozen=True)
+class Evaluation:
+    """All rows, and what was asked for. version: of the changelog; first: number of the first fresh case."""
+
+    rows: tuple[Row, ...]
+    version: str
+    first: int
+    hours: float
+    cells: tuple[PlannedCell, ...]
+    _of: dict[tuple[str, str, str], list[Row]] = field(init=False, repr=False, compare=False)
+
+    def __post_init__(self) -> None:
+        groups: dict[tuple[str, str, str], list[Row]] = {}
+        for row in self.rows:
+            groups.setdefault((row["robot"], row["question"], row["set"]), []).append(row)
+        object.__setattr__(self, "_of", groups)
+
+    @property
+    def robots(self) -> tuple[str, ...]:
+        """All that were asked for."""
+        return tuple(dict.fromkeys(cell.robot for cell in self.cells))
+
+    @property
+    def commits(self) -> str:
+        """Of the program: one, unless the table was put together by hand."""
+        return ", ".join(sorted({str(row["commit"]) for row in self.rows if row.get("commit")}))
+
+    def of(self, robots: Sequence[str], kinds: Sequence[str], *, frozen: bool = False) -> list[Row]:
+        """Rows of these robots and questions."""
+        kept = FROZEN if frozen else FRESH
+        return [row for robot in robots for kind in kinds for row in self._of.get((robot, kind, kept), [])]
+
+    def question(self, row: Row) -> TrustQuestion:
+        """The question that a row belongs to."""
+        return QUESTIONS[row["question"]]
+
+
+def read_evaluation(path: Path) -> Evaluation:
+    """Read a table. Raises BenchError where there is none, or it is another table."""
+    try:
+        table = pq.read_table(path)
+        asked: Mapping[str, Any] = json.loads(table.schema.metadata[b"trust"])
+    except (OSError, KeyError, TypeError, pa.ArrowInvalid) as error:
+        raise BenchError(f"{path}: is no table of `make trust`: {str(error).splitlines()[0]}") from error
+    cells = tuple(PlannedCell(**cell) for cell in asked["cells"])
+    return Evaluation(tuple(table.to_pylist()), asked["version"], asked["first"], asked["hours"], cells)

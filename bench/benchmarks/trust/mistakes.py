@@ -1,0 +1,75 @@
+"""What goes wrong most often, in sentences made from the cases."""
+
+from __future__ import annotations
+
+import json
+from collections import Counter
+from collections.abc import Sequence
+
+from bench.benchmarks.trust.questions import QUESTIONS
+from bench.effects.display_names import begun, spoken
+from bench.studies.sweep.journal import Row
+from bench.studies.trial.compatible import expected, optional
+from bench.studies.trial.name_list import names_in
+from bench.studies.trial.unknown import LAW
+
+SENTENCES = 3
+Mistake = tuple[str, str]
+"""What happens, and to which effect."""
+
+MISSED, ADDED, SILENT, NOT_MODELLED = "missed", "added", "silent", "not modelled"
+
+
+def mistakes_of(row: Row) -> list[Mistake]:
+    """Effects that are not named although hidden, or named although not hidden, in a case that went wrong."""
+    hidden, named = names_in(row["hidden"]), names_in(row["missing"])
+    uncatalogued = (
+        {LAW} if row["question"] == "unknown" else set(hidden) if row["question"] == "outside" else set()
+    )
+    there = set(expected(hidden)) - uncatalogued
+    mistakes = [(MISSED, name) for name in sorted(there - set(named))]
+    mistakes += [(ADDED, name) for name in named if name not in there | optional(hidden)]
+    if row["question"] == "outside" and not (row["laws"] or row["unexplained"]):
+        mistakes.append((SILENT, hidden[0]))
+    if row["question"] == "unknown" and not mistakes:
+        mistakes.append((NOT_MODELLED, ""))
+    return mistakes
+
+
+def sentences(rows: Sequence[Row]) -> list[str]:
+    """The three most frequent mistakes, with how many cases could have them, and on which robots they occur."""
+    judged = [row for row in rows if QUESTIONS[row["question"]].counts(row)]
+    counts: Counter[Mistake] = Counter()
+    robots: dict[Mistake, Counter[str]] = {}
+    for row in judged:
+        if QUESTIONS[row["question"]].wrong(row):
+            for mistake in mistakes_of(row):
+                counts[mistake] += 1
+                robots.setdefault(mistake, Counter())[row["robot"]] += 1
+    return [
+        _sentence(mistake, count, robots[mistake], judged) for mistake, count in counts.most_common(SENTENCES)
+    ]
+
+
+def _sentence(mistake: Mistake, count: int, robots: Counter[str], judged: Sequence[Row]) -> str:
+    what, effect = mistake
+    where = ", ".join(f"{robot} {n}" for robot, n in robots.most_common())
+    hiding = sum(effect in expected(names_in(row["hidden"])) for row in judged)
+    if what == MISSED:
+        return f"{begun(effect)} is not named in {count} of {hiding} cases with it ({where})."
+    if what == ADDED:
+        without = [row for row in judged if effect not in expected(names_in(row["hidden"]))]
+        sure = sum(_certain(row, effect) for row in without)
+        return (
+            f"{begun(effect)} is named in {count} of {len(without)} cases without it, in {sure} of them with certainty "
+            f"({where})."
+        )
+    if what == SILENT:
+        return f"Nothing is said of {spoken(effect)} in {count} of {hiding} cases with it ({where})."
+    laws = sum(LAW in names_in(row["hidden"]) for row in judged)
+    return f"A law in no catalogue leaves more than the noise in {count} of {laws} cases with one ({where})."
+
+
+def _certain(row: Row, effect: str) -> bool:
+    verdicts = {verdict["effect"]: verdict["verdict"] for verdict in json.loads(row["verdicts"])}
+    return effect in names_in(row["missing"]) and verdicts.get(effect) == "missing"

@@ -1,0 +1,38 @@
+"""One case run again, for a look at what went wrong."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator
+
+from bench.basics.errors import BenchError
+from bench.benchmarks.trust.answer import answer_text, hidden_text
+from bench.benchmarks.trust.run import setups_of
+from bench.benchmarks.trust.work import TrustTask
+from bench.studies.sweep.work import OK
+from bench.studies.trial.cases import KINDS
+from bench.studies.trial.work import TrialDesignTask
+
+
+def case_lines(name: str) -> Iterator[str]:
+    """What is hidden in the case ROBOT/QUESTION/NUMBER, and what the diagnosis says. Raises BenchError for no case."""
+    robot, _, kind = name.rpartition("/")[0].rpartition("/")
+    number = name.rpartition("/")[2]
+    if not robot or kind not in KINDS or not number.isdecimal():
+        raise BenchError(f"--case {name}: give ROBOT/QUESTION/NUMBER; questions are {', '.join(KINDS)}")
+    (setup,) = setups_of([robot]).values()
+    place: dict[str, str | int] = {"robot": robot, "question": kind, "number": int(number)}
+    (row,) = TrustTask(setup, place, 0, True, TrialDesignTask(setup)(None))(None)
+    yield f"hidden: {hidden_text(row)}"
+    if row["status"] != OK:
+        yield f"failed: {row['reason']}"
+        return
+    yield f"answer: {answer_text(row)}"
+    yield f"parameters: {row['parameters']}"
+    before, after = (row[f"error_over_floor.{when}"] for when in ("before", "after"))
+    yield f"error over the noise floor: {before:.3g} before, {after:.3g} after"
+    for verdict in json.loads(row["verdicts"]):
+        probability = verdict["probability"]
+        stated = "" if probability is None else f", probability {probability:.3f}"
+        yield f"{verdict['effect']}: {verdict['verdict']} at {', '.join(verdict['actuators'])}{stated}"
+    yield f"certain: {row['sure']}; with more noise: {row['sure.noise']}; without a log: {row.get('sure.without_log')}"

@@ -1,0 +1,142 @@
+"""An evaluation from its cells to its rows, kept as they come."""
+
+from __future__ import annotations
+
+import json
+import time
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from bench.basics.errors import BenchError
+from bench.basics.files.atomic import write_json_atomically
+from bench.basics.versions import versions
+from bench.benchmarks.trust.budget import Budget
+from bench.benchmarks.trust.cells import TrustCells
+from bench.benchmarks.trust.plan import TrustPlan
+from bench.benchmarks.trust.tally import Tally
+from bench.benchmarks.trust.work import TrustWork
+from bench.studies.sweep.journal import Journal, Row
+from bench.studies.sweep.plan import digest
+from bench.studies.sweep.pool import Pool
+from bench.studies.sweep.run_plan import Driver, Phase, Report, Work, silent
+from bench.studies.sweep.table import write_table
+from bench.studies.trial.cases import RULES
+from bench.studies.trial.setup import Setup, make_setup
+
+ROBOTS = (
+    *("five_bar", "delta", "three_rrr", "stewart", "palletiser"),
+    *("wrist", "dualv", "orthoglide", "two_link"),
+)
+DURATION = 12.0
+"""Of each recording, s."""
+
+WORK = "work"
+CASES, CLAIM, DESIGNS = "cases.jsonl", "cases.json", "designs"
+TABLE = "trust.parquet"
+
+
+@dataclass(frozen=True)
+class TrustRequest:
+    """What is asked for. version: of the changelog; first: number of the first fresh case."""
+
+    setups: Mapping[str, Setup]
+    version: str
+    first: int
+    hours: float
+
+    @property
+    def cells(self) -> TrustCells:
+        """All cells."""
+        return TrustCells(self.setups, self.first)
+
+
+class CaseJournal(Journal):
+    """A journal that counts what is kept."""
+
+    def __init__(self, path: Path, cells: TrustCells) -> None:
+        super().__init__(path, cells.size)
+        self.tally = Tally(cells, self.rows())
+
+    def append(self, rows: Sequence[Row]) -> None:
+        """Keep rows, and count them."""
+        super().append(rows)
+        for row in rows:
+            self.tally.note(row)
+
+
+def setups_of(robots: Sequence[str], duration: float = DURATION) -> dict[str, Setup]:
+    """The trials of robots, by name or folder."""
+    return {robot: make_setup(robot, duration=duration) for robot in robots}
+
+
+def run_trust(
+    request: TrustRequest,
+    folder: Path,
+    make_pool: Callable[[], Pool],
+    report: Callable[[Tally, Budget], Report],
+    phase: Phase = silent,
+    work: Work | None = None,
+    now: Callable[[], float] = time.monotonic,
+) -> Path:
+    """Run cases until the budget is spent; write all rows that `folder` has into one table, and return its path.
+
+    Started again after whatever end it goes on, and gives finished cases the same rows whatever the number of workers.
+    Raises BenchError if the folder has cases of another commit or plan.
+    """
+    _claim(request, folder / WORK)
+    journal = CaseJournal(folder / WORK / CASES, request.cells)
+    pool: Pool | None = None
+    try:
+        phase("starting workers")
+        pool = started = make_pool()
+        budget = Budget(request.hours, journal.tally.seconds, lambda: started.slots, now)
+        plan = TrustPlan(journal.tally, budget)
+        driver = Driver(plan, journal, started, work or TrustWork(request.cells), folder / WORK / DESIGNS)
+        driver.run(report(journal.tally, budget), phase)
+    finally:
+        if pool is not None:
+            pool.close()
+        journal.close()
+    return write_rows(request, journal, folder)
+
+
+def write_rows(request: TrustRequest, journal: Journal, folder: Path) -> Path:
+    """The table of all rows that are kept, with what was asked for."""
+    planned = [
+        {
+            "robot": cell.robot,
+            "question": cell.question.kind,
+            "frozen": cell.frozen,
+            "planned": len(cell.numbers),
+        }
+        for cell in request.cells.all
+    ]
+    metadata = {
+        "trust": json.dumps(
+            {"version": request.version, "first": request.first, "hours": request.hours, "cells": planned}
+        )
+    }
+    write_table(journal, folder / TABLE, ("robot", "question", "set", "number"), metadata)
+    return folder / TABLE
+
+
+def _claim(request: TrustRequest, folder: Path) -> None:
+    """Mark a folder as that of these cells at this commit."""
+    record = folder / CLAIM
+    setups = [[setup.content, list(setup.effects)] for setup in request.setups.values()]
+    content = {
+        "commit": versions().commit,
+        "first": request.first,
+        "cells": digest([setups, RULES, [cell.numbers for cell in request.cells.all]]),
+    }
+    if not record.is_file():
+        write_json_atomically(record, content)
+        return
+    there = json.loads(record.read_text(encoding="utf-8"))
+    for name, value in content.items():
+        if there.get(name) != value:
+            raise BenchError(
+                f"{folder}: holds cases of another evaluation ({name} {there.get(name)}, now {value}): "
+                "delete it, or give another folder with -o DIR"
+            )
