@@ -10,7 +10,7 @@ import numpy as np
 
 from bench.excitation.bounds import DESIGN
 from bench.scenario.trajectory import FourierTrajectory
-from bench.signals.settings import CURRENT_LOSS
+from bench.signals.bounds import BANDS
 
 
 def current_above(
@@ -29,11 +29,11 @@ def current_above(
 def band_shares(current: np.ndarray, rate: float, trajectory: FourierTrajectory) -> np.ndarray:
     """How much of the RMS of each current (N, n) lies above the band, as a share of what may (n,): at most 1.
 
-    What may is what the fit lets lie above its band, `CURRENT_LOSS` of the power.
+    What may is what the fit lets lie above its band, `BANDS.current_loss` of the power.
     """
     whole, above = current_above(current, rate, trajectory)
     power = (whole**2).sum(axis=0)
-    allowed = CURRENT_LOSS * np.where(power > DESIGN.steady * (current**2).sum(axis=0), power, np.inf)
+    allowed = BANDS.current_loss * np.where(power > DESIGN.steady * (current**2).sum(axis=0), power, np.inf)
     return np.asarray(np.sqrt((above**2).sum(axis=0) / allowed))
 
 

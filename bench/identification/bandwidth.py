@@ -21,7 +21,8 @@ from bench.identification.prepare import Prepared, prepare, with_effects
 from bench.identification.problem import Problem
 from bench.identification.result import BandPoint, Identification
 from bench.identification.tolerances import TOLERANCES
-from bench.signals.settings import FEWEST_SAMPLES, FilterSettings, settled_border
+from bench.signals.bounds import BANDS
+from bench.signals.settings import FilterSettings, settled_border
 
 Fit = Callable[[Prepared], Identification]
 
@@ -61,7 +62,7 @@ def narrower(prepared: Prepared) -> Prepared | None:
     fitted = [recording for recording in prepared.dataset.recordings if recording.use == "identify"]
     shortest = min(len(recording.time) for recording in fitted)
     decimation = 2 * settings.decimation
-    if shortest // decimation < FEWEST_SAMPLES:
+    if shortest // decimation < BANDS.samples:
         return None
     cutoff = 0.5 * settings.position_cutoff
     border = settled_border(cutoff, fitted[0].rate, shortest)

@@ -25,9 +25,9 @@ from bench.identification.prepare import Prepared
 from bench.identification.solution import Solution
 from bench.identification.standstill import interpolated
 from bench.identification.tolerances import TOLERANCES
+from bench.signals.bounds import BANDS
 from bench.signals.decimation import decimate
 from bench.signals.processing import estimate_motion
-from bench.signals.settings import HIGHEST_CUTOFF, WIDEST
 
 TERMS = ("kp", "kv", "ka")
 
@@ -119,7 +119,7 @@ def law_terms(law: ControlLaw, measured: Measured, joints: Sequence[str]) -> np.
     """
     recording, settings = measured.recording, measured.settings
     band = settings.band(recording.rate)
-    cutoff = min(max(settings.position_cutoff, WIDEST * band), HIGHEST_CUTOFF * recording.rate)
+    cutoff = min(max(settings.position_cutoff, BANDS.widest * band), BANDS.highest_cutoff * recording.rate)
     wide = replace(settings, position_cutoff=cutoff)
     wanted = estimate_motion(references(recording, joints), recording.rate, wide)
     seen = estimate_motion(recording.position, recording.rate, wide)

@@ -16,7 +16,8 @@ from bench.identification.model_averaged import all_model_averaged
 from bench.identification.prepare import Prepared
 from bench.identification.result import Identification
 from bench.identification.tolerances import TOLERANCES
-from bench.signals.settings import FIT_NOISE, signal_bands
+from bench.signals.bounds import BANDS
+from bench.signals.settings import signal_bands
 
 CONSISTENT = ("iv", "oe")  # that do not take the observation matrix of the measured motion for exact
 
@@ -37,7 +38,7 @@ def noise_share(prepared: Prepared) -> float:
         rate,
     )
     band = min(settings.band(rate), settings.position_cutoff)
-    return float(FIT_NOISE * (band / bands.fit_limit) ** 5)
+    return float(BANDS.fit_noise * (band / bands.fit_limit) ** 5)
 
 
 def with_errors_in_variables_checked(

@@ -17,7 +17,8 @@ from bench.identification.standstill import interpolated, standstills
 from bench.identification.tolerances import TOLERANCES
 from bench.model.motion import Motion
 from bench.scenario.trajectory import FourierTrajectory
-from bench.signals.decimation import BAND, decimate
+from bench.signals.bounds import DECIMATING
+from bench.signals.decimation import decimate
 
 
 @dataclass(frozen=True)
@@ -35,7 +36,7 @@ class PlannedMotion:
 
 def times_of(trajectory: FourierTrajectory, band: float) -> np.ndarray:
     """Times (N,) s at which a planned motion is looked at, for a fit that sees up to `band` Hz."""
-    rate = DISCRIMINATION.decimation * 2.0 * band / BAND
+    rate = DISCRIMINATION.decimation * 2.0 * band / DECIMATING.band
     return np.arange(int(trajectory.duration * rate) + 1) / rate
 
 
