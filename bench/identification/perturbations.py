@@ -24,9 +24,10 @@ from bench.identification.perturbed_observation import geometry_key
 from bench.identification.small_change import KEPT, SmallChange, small_change
 from bench.identification.sparse_signals import sparse_gaps, sparse_joint
 from bench.identification.tolerances import TOLERANCES
+from bench.model.bounds import NODES
 from bench.model.geometry import Geometry
 from bench.model.model import IdentificationModel
-from bench.model.motion import BLOCK, Motion, motion_near
+from bench.model.motion import Motion, motion_near
 from bench.model.regressor import payload_transform, projected_regressor, redundant_columns
 from bench.signals.decimation import fit_band
 
@@ -193,7 +194,7 @@ class Nearby:
 
         Several are worked out together, since much of what it takes is the same for few samples and for many.
         """
-        most = max(1, BLOCK // len(self._tree.time))
+        most = max(1, NODES.block // len(self._tree.time))
         for at in range(0, len(moves), most):
             some = moves[at : at + most]
             try:

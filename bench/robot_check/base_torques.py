@@ -12,7 +12,7 @@ import numpy as np
 import pinocchio as pin
 
 from bench.model.base import BaseParameters
-from bench.model.independent import GAP
+from bench.model.bounds import RANKS
 from bench.model.motion import Motion
 from bench.model.regressor import projected_regressor
 from bench.robot_check.agreement import model_acceleration, motor_motions
@@ -34,7 +34,7 @@ def check_base_parameters(machine: CheckedMachine, base: BaseParameters, motion:
     """
     reference = motion_with_torques(machine, motion)
     regressor = projected_regressor(machine.geometry, motion, base.columns)
-    allowed = max(TOLERANCE, GAP * base.neglected)
+    allowed = max(TOLERANCE, RANKS.gap * base.neglected)
     worst, differing = 0.0, []
     for label, standard, rotors, theirs, in_tree in reference:
         ours = regressor @ (base.grouping @ standard + base.rotors @ rotors)

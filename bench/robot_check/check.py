@@ -8,11 +8,11 @@ from bench.basics.errors import BenchError
 from bench.dataset.robot import Robot
 from bench.dataset.robot_redundancy import welds_to_connect
 from bench.model.base import base_parameters
+from bench.model.bounds import CLOSURE
 from bench.model.closure import loop_residual
 from bench.model.cures import welds_as_connects
 from bench.model.geometry import Geometry, read_geometry
-from bench.model.mobility import ASSEMBLED, check_assembled
-from bench.model.motion import LARGEST_AMPLIFICATION
+from bench.model.mobility import check_assembled
 from bench.model.passive_ranges import passive_ranges
 from bench.model.states import random_motion
 from bench.robot_check import agreement
@@ -74,7 +74,9 @@ def check_robot(robot: Robot) -> RobotReport:
 def _welds_too_much(geometry: Geometry) -> list[Check]:
     """Welds that hold the orientation of bodies which only a pin should join: open in it, or with motors redundant."""
     motors = [actuator.joint for actuator in geometry.robot.redundant]
-    turned = welds_as_connects(geometry, loop_residual(geometry, geometry.home[:, None])[:, 0], ASSEMBLED)
+    turned = welds_as_connects(
+        geometry, loop_residual(geometry, geometry.home[:, None])[:, 0], CLOSURE.assembled
+    )
     if turned is not None:
         return [Check(CheckCode.WELD_TOO_MUCH, "failed", {"welds": list(turned.names), "motors": motors})]
     welds = welds_to_connect(geometry.robot.mjcf_model(), geometry.robot.driven) if motors else ()
@@ -150,7 +152,7 @@ def _regular_home(singularity: Singularity) -> Check:
         "unit": fastest.unit,
         "motor": fastest.motor,
     }
-    if singularity.home < WEAK or fastest.value > LARGEST_AMPLIFICATION:
+    if singularity.home < WEAK or fastest.value > CLOSURE.amplification:
         return Check(CheckCode.HOME_SINGULAR, "failed", values)
     if fastest.value > FAST:
         return Check(CheckCode.HOME_NEAR_SINGULAR, "note", values)

@@ -3,9 +3,10 @@
 import numpy as np
 
 from bench.basics.errors import BenchError
+from bench.model.bounds import RANKS
 from bench.model.geometry import Geometry
-from bench.model.mobility import DEPENDENT, column_scales, scaled_jacobians
 from bench.model.mobility import check_mobility as require_mobility
+from bench.model.mobility import column_scales, scaled_jacobians
 from bench.model.spin import idle_spins
 from bench.robot_check.outcome import Check, CheckCode
 from bench.robot_check.report import Amplification, Mobility
@@ -30,7 +31,7 @@ def mobility_of(geometry: Geometry, q: np.ndarray) -> Mobility:
     rank = 0
     if equations:
         values = np.linalg.svd(scaled_jacobians(geometry, q)[:, :equations], compute_uv=False)
-        rank = int((values > DEPENDENT * values.max(axis=1, keepdims=True)).sum(axis=1).max())
+        rank = int((values > RANKS.dependent * values.max(axis=1, keepdims=True)).sum(axis=1).max())
     return Mobility(geometry.nv, equations, rank, len(geometry.active), spins)
 
 
