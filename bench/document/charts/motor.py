@@ -19,7 +19,8 @@ from bench.document.charts.chart import (
     Spans,
     Stems,
 )
-from bench.residuals.error_breakdown import AROUND, Branch, ErrorBreakdown
+from bench.residuals.bounds import ERROR_GRID
+from bench.residuals.error_breakdown import Branch, ErrorBreakdown
 from bench.residuals.profile import Variable
 
 VARIABLES: tuple[Variable, ...] = ("velocity", "position", "acceleration", "current", "time")
@@ -62,7 +63,7 @@ def against_chart(errors: ErrorBreakdown, variable: Variable) -> Chart:
 def reversals_chart(errors: ErrorBreakdown) -> Chart:
     """Errors before and after a change of direction, apart for what the direction is afterwards."""
     branches = errors.around_reversals
-    reach = AROUND / (errors.series[0].rate or 1.0)
+    reach = ERROR_GRID.around_reversal / (errors.series[0].rate or 1.0)
     series: tuple[Series, ...] = (
         _noise_band(errors),
         Rule("", "noise", "x", 0.0, dashed=True),
