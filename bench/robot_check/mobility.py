@@ -11,7 +11,6 @@ from bench.model.spin import idle_spins
 from bench.robot_check.outcome import Check, CheckCode
 from bench.robot_check.report import Amplification, Mobility
 
-TAKES_PART = 0.05  # of the largest component: a joint moves in a motion that nothing holds
 AXES = ("x", "y", "z", "turning about x", "turning about y", "turning about z")
 
 
@@ -79,7 +78,7 @@ def weakest_joints(geometry: Geometry, q: np.ndarray) -> tuple[str, ...]:
     """Passive joints that move in the motion which the closures hold least at q (nq,), the motors held."""
     _, _, motions = np.linalg.svd(scaled_jacobians(geometry, q[None])[0][:, geometry.passive])
     weakest = np.abs(motions[-1])
-    moving = set(geometry.passive[weakest > TAKES_PART * weakest.max()].tolist())
+    moving = set(geometry.passive[weakest > RANKS.takes_part * weakest.max()].tolist())
     return tuple(joint.name for joint in geometry.joints if moving & set(range(joint.v.start, joint.v.stop)))
 
 
