@@ -73,7 +73,7 @@ def test_short_excursion_out_of_reach_is_named_with_its_time(tmp_path):
     )
     with pytest.raises(BenchError) as error:
         motion_of(geometry, *along(angle))
-    assert np.ptp(angle[2900:3101]) < motion_module.TRAVEL
+    assert np.ptp(angle[2900:3101]) < NODES.travel
     assert named_time(str(error.value)) == pytest.approx(3.0, abs=0.1)
 
 
