@@ -4,8 +4,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from bench.diagnosis.decision import RULE
 from bench.identification.compressed import Stack
+from bench.identification.decision import RULE
 from bench.identification.solution import (
     Solution,
     scaled_lstsq,
@@ -13,8 +13,6 @@ from bench.identification.solution import (
     torque_system,
     weighted,
 )
-
-FAR = 5.0  # times the nominal gain, or that part of it
 
 
 def restarted(stack: Stack, solution: Solution, nominal: np.ndarray) -> Solution:
@@ -26,8 +24,8 @@ def restarted(stack: Stack, solution: Solution, nominal: np.ndarray) -> Solution
     from there. nominal (n,): nominal drive gains. Columns that are zero or absorbed get the least values.
     """
     ratio = solution.gains / nominal
-    away = (ratio < 1.0 / FAR) | (ratio > FAR)
-    together = bool(np.all(ratio > 0.0)) and ratio.max() < FAR * ratio.min()
+    away = (ratio < 1.0 / RULE.gain_lost) | (ratio > RULE.gain_lost)
+    together = bool(np.all(ratio > 0.0)) and ratio.max() < RULE.gain_lost * ratio.min()
     if not (np.any(solution.gains_fitted) and away.any()):
         return solution
     if away.all() and together and _explained(stack, solution) >= RULE.most:

@@ -12,6 +12,7 @@ from dataclasses import dataclass, fields
 
 import numpy as np
 
+from bench.excitation.bounds import PROOF
 from bench.excitation.experiment.motor_balls import Intervals, MotorBalls
 from bench.model.balls import balls, dense_balls
 from bench.model.closure import Closures, closures_of, loop_bias, loop_jacobian, loop_rows
@@ -22,15 +23,6 @@ from bench.model.mobility import column_scales
 from bench.model.motion import Motion, blocks_of, motion_of
 from bench.model.scalars import Scalar
 from bench.model.spin import idle_spins
-
-WIDER = 4.0  # times what is passed through: the set of poses, so that the next interval's middle lies in it
-LEAST = 0.5  # of the largest radius of a pose's set: a joint that hardly moves has that
-STARTS = 1e-12  # rad, or of the robot's length: what a closed pose may be off, in addition to its residual
-MOST_TURNED = 0.75  # of I - C A_p, below 1: with less, sets are smaller, with more, speeds in them stray more
-CACHED = 250_000  # bytes of matrices that are worked on together
-MOST_MOVED = (
-    0.1  # rad, or of the robot's length: of a ball or free joint in its set, whose rates turn with it
-)
 
 
 @dataclass(frozen=True)
@@ -108,18 +100,22 @@ def enclosed(
         rates[:, passive] = half * speeds
         return _evened(geometry, rates)
 
-    reach = moved(WIDER * first)
-    least = LEAST * (reach / column_scales(geometry)).max(axis=1, keepdims=True) * column_scales(geometry)
+    reach = moved(PROOF.wider * first)
+    least = (
+        PROOF.least_radius
+        * (reach / column_scales(geometry)).max(axis=1, keepdims=True)
+        * column_scales(geometry)
+    )
     reach[:, passive] = np.maximum(reach, least)[:, passive] + 2.0 * start.bounds
     wide, middle = _linear(geometry, closures, motion, reach, reach, start.inverse)
     passed = moved(first + _by(wide.jacobian(motion, middle), fastest))
     passed[:, passive] += start.bounds
-    held = (wide.largest <= MOST_TURNED) & np.all(passed[:, passive] <= reach[:, passive], axis=1)
+    held = (wide.largest <= PROOF.turned) & np.all(passed[:, passive] <= reach[:, passive], axis=1)
     for part in _vectors(geometry):
-        held &= reach[:, part.start] <= MOST_MOVED * column_scales(geometry)[part.start]
+        held &= reach[:, part.start] <= PROOF.moved * column_scales(geometry)[part.start]
     passed = np.where(held[:, None], passed, reach)
     tight, middle = _linear(geometry, closures, motion, passed, reach, start.inverse)
-    held &= tight.largest <= MOST_TURNED
+    held &= tight.largest <= PROOF.turned
     jacobian = np.zeros_like(motion.jacobian)
     jacobian[:, passive] = tight.jacobian(motion, middle)
     again = moved(first + _by(jacobian[:, passive], fastest))
@@ -213,7 +209,9 @@ def _start(geometry: Geometry, closures: Closures, motion: Motion) -> _Start:
     scales = column_scales(geometry)[passive]
     off = np.abs(np.einsum("kpm,km->kp", inverse, residual)) / scales
     bounds = np.zeros_like(motion.v)
-    bounds[:, passive] = (2.0 / LEAST * off.max(axis=1, keepdims=True, initial=0.0) + STARTS) * scales
+    bounds[:, passive] = (
+        2.0 / PROOF.least_radius * off.max(axis=1, keepdims=True, initial=0.0) + PROOF.closed
+    ) * scales
     return _Start(inverse, _evened(geometry, bounds)[:, passive])
 
 
@@ -271,7 +269,9 @@ def _bias(
 
 def _cached(matrices: np.ndarray) -> list[slice]:
     """Parts of matrices (K, r, c) that the processor's cache holds with what is computed of them."""
-    return blocks_of(len(matrices), max(CACHED // max(matrices[0].nbytes, 1), 1)) if len(matrices) else []
+    return (
+        blocks_of(len(matrices), max(PROOF.cached // max(matrices[0].nbytes, 1), 1)) if len(matrices) else []
+    )
 
 
 def _by(matrices: np.ndarray, vectors: np.ndarray) -> np.ndarray:
