@@ -41,7 +41,7 @@ class Carried:
         known = np.append(-reference, [0.0, 0.0])
         known[: self.own] = 0.0
         inner = {}
-        for use in ("fitted", "held_out"):
+        for use in ("fitted", "judged"):
             grams = []
             for motor, gain in zip(motors, gains, strict=True):
                 change = np.eye(self.count + 2)  # the found model without its effects, and what that leaves
@@ -69,7 +69,7 @@ class Carried:
                 float(self.squares[use].sum()),
                 np.full(len(inner[use]), data["rows"] / len(inner[use])),
             )
-            for use in ("fitted", "held_out")
+            for use in ("fitted", "judged")
         ]
         self.system = System(candidates, self.own, start, *products, 1.0)
 
@@ -96,7 +96,7 @@ class Carried:
             start = replace(system.start, weights=np.sqrt(self.data["rows"] / left))
             fit = solve_set(replace(system, start=start, solved={}), chosen)
         shares = {}
-        for use, products in (("fitted", system.fitted), ("held_out", system.held_out)):
+        for use, products in (("fitted", system.fitted), ("judged", system.held_out)):
             left = squared_errors(products, fit, system.start)
             shares[use] = float(np.sqrt(left.sum() / (self.squares[use].sum() or 1.0)))
         values, at = {}, self.own
@@ -104,4 +104,4 @@ class Carried:
             names = [one["name"] for one in self.places[key]["parameters"]]
             values[key] = dict(zip(names, fit.values[at : at + len(names)], strict=True))
             at += len(names)
-        return Answer(shares["fitted"], shares["held_out"], fit.gains, values)
+        return Answer(shares["fitted"], shares["judged"], fit.gains, values)
