@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from bench.api.diagnose import diagnose
 from bench.basics.errors import BenchError
 from bench.dataset.dataset import Dataset, load_dataset
 from bench.dataset.recording import Recording
@@ -16,9 +17,10 @@ from bench.excitation.experiment.request import ExperimentTable
 from bench.export.identified import load_identified
 from bench.identification.estimators import ESTIMATORS
 from bench.identification.finding import Code, Finding
-from bench.identification.identify import identify
+from bench.identification.identify import fitted_currents, identify
 from bench.identification.model_file import apply_model, load_model, save_model
 from bench.identification.model_json import from_json, to_json
+from bench.identification.nonlinear import converged
 from bench.identification.perturbations import Nearby
 from bench.identification.prepare import prepare
 from bench.identification.problem import problem_of
@@ -147,6 +149,18 @@ def test_friction_at_a_redundant_motor_is_an_effect_like_any_other(friction: Dat
         true = 0.05 if place == "motor_4" else 0.0
         assert abs(values["Fv"].value - true) < 5 * values["Fv"].std, place
         assert values["Fv"].std < 0.005
+
+
+def test_a_diagnosis_compares_the_gains_of_every_motor() -> None:
+    """With two effects, each is asked which drive gains it moves."""
+    hidden = [{"effect": "viscous_friction", "Fv": 0.05}, {"effect": "coulomb_friction", "Fc": 0.1}]
+    changes = {"design": SHORT, "hidden": hidden, "step": STEP}
+    data = as_dataset(simulate(load_scenario("dualv", changes)))
+    answer = diagnose(data, discover=False)
+    assert {"viscous_friction", "coulomb_friction"} <= set(answer.missing)
+    effects = ["viscous_friction", "coulomb_friction"]
+    _, gains = fitted_currents(converged(prepare(problem_of(data, effects))))
+    assert gains == pytest.approx({joint: gain.value for joint, gain in answer.after.drive_gains.items()})
 
 
 def test_changes_nearby_are_those_worked_out_whole_with_redundant_motors(friction: Dataset) -> None:

@@ -236,3 +236,9 @@ def test_a_keyframe_of_another_name_is_noted_and_proposed(tmp_path):
     assert "'stand'" in note(report, CheckCode.KEYFRAMES_UNUSED)
     proposed = np.array(re.search(r'qpos="(.*?)"', failures(report)[0]).group(1).split(), dtype=float)
     assert proposed[[0, 2]] == pytest.approx(stand[[0, 2]])
+
+
+def test_a_body_without_mass_is_named(tmp_path):
+    """As of a file whose meshes somebody deleted."""
+    with pytest.raises(BenchError, match=r"body 'c1' moves and has no mass .* give it an <inertial>"):
+        robot(tmp_path / "robot", FIVE_BAR.replace(INERTIAL, "", 1))

@@ -110,6 +110,17 @@ def test_cases_go_where_the_interval_is_farthest_from_what_it_is_to_be(cells: Tr
     assert len({case.row for case in (*first, *following)}) == len(first) + len(following)
 
 
+def test_a_robot_whose_cases_cost_more_gets_fewer(cells: TrustCells) -> None:
+    tally, stand_in, cost = Tally(cells), TrustStandIn(cells), {"two_link": 1.0, "five_bar": 16.0}
+    for _ in range(40):
+        for case in tally.next_block():
+            tally.note(stand_in.row(case) | {"seconds": cost[case.cell.robot]})
+    finished = {
+        robot: sum(tally[cell].finished for cell in cells.all if cell.robot == robot) for robot in cost
+    }
+    assert 2.0 < finished["two_link"] / finished["five_bar"] < 8.0
+
+
 def test_the_budget_is_of_all_workers_and_counts_earlier_starts() -> None:
     clock = [100.0]
     budget = Budget(1.0, 1000.0, lambda: 2, lambda: clock[0])

@@ -218,6 +218,11 @@ def compiler_message(path: Path, text: str) -> str:
     if parser := re.match(r"XML parse error \d+: ?Error=XML_(?:ERROR_)?(\w+)(?:.*name=(\w+))?", text):
         said, element = parser.group(1).lower().replace("_", " "), parser.group(2)
         return f"{where}: not valid XML: {said}{f' <{element}>' if element else ''}"
+    if massless := re.search(r"mass and inertia of moving bodies.*?Element name '(.+?)'", text):
+        return (
+            f"{where}: body {massless.group(1)!r} moves and has no mass or no inertia: give it an <inertial> "
+            "(identification does not read it, simulations do)"
+        )
     if line:
         text = text[: line.start()] + text[line.end() :]
     return f"{where}: MuJoCo cannot compile it: {text.strip(' ,:')}"

@@ -27,7 +27,7 @@ from bench.identification.result import CurrentSeries, Identification
 from bench.identification.simulated import columns_at, simulated_columns
 from bench.identification.solution import Solution
 from bench.identification.standard_errors import Deviations, uncertainty
-from bench.identification.summary import modelled_series, summarise
+from bench.identification.summary import modelled_series, redundant_gains, summarise
 
 
 def identify(
@@ -84,8 +84,12 @@ def fitted_currents(prepared: Prepared) -> tuple[tuple[CurrentSeries, ...], dict
     theta = with_zeros(solved.solution.theta, solved.kept, solved.prepared.layout.size)
     solution = replace(solved.solution, theta=theta)
     series = tuple(modelled_series(solved.prepared, seen, solution) for seen in solved.prepared.observations)
-    joints = prepared.dataset.robot.joints
-    return series, dict(zip(joints, solution.gains.tolist(), strict=True))
+    robot = prepared.dataset.robot
+    gains = dict(zip(robot.joints, solution.gains.tolist(), strict=True))
+    if robot.redundant:
+        redundant = redundant_gains(solved.prepared, solution, np.zeros(len(solution.theta)))
+        gains |= {joint: gain.value for joint, gain in redundant.items()}
+    return series, gains
 
 
 @dataclass(frozen=True)

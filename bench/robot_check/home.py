@@ -1,6 +1,6 @@
 """Is the robot assembled at home, and if not, which pose is?"""
 
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from dataclasses import asdict, replace
 
 import mujoco
@@ -69,16 +69,18 @@ def home_at_range_end(geometry: Geometry) -> list[Check]:
             break
     else:
         return []
-    inside = _put_into_ranges(geometry, geometry.home[:, None])
-    poses = inside.T
-    for free in (geometry.passive, np.arange(geometry.nv)) if geometry.closed else ():
-        poses = _closed(geometry, inside, free)
-        poses = poses[_within_ranges(geometry, poses, MARGIN)]
-        if len(poses):
-            break
+    home, pose = geometry.home[:, None], None
+    motors = [joint for joint, _, _ in _ranged(geometry) if joint.v.start in geometry.active]
+    for start in (_put_into_ranges(geometry, home, motors), _put_into_ranges(geometry, home)):
+        for free in (geometry.passive, np.arange(geometry.nv)) if geometry.closed else ():
+            poses = _turned_into_ranges(geometry, _closed(geometry, start, free))
+            poses = poses[_within_ranges(geometry, poses, MARGIN)]
+            pose = poses[0] if pose is None and len(poses) else pose
+        if not geometry.closed:
+            pose = start[:, 0]
     values = {"joint": joint.name, "lower": low + joint.offset, "upper": high + joint.offset}
-    if len(poses):
-        values["closed_qpos"] = to_mujoco(geometry, poses[0]).tolist()
+    if pose is not None:
+        values["closed_qpos"] = to_mujoco(geometry, pose).tolist()
     return [Check(CheckCode.HOME_AT_RANGE_END, "note", values)]
 
 
@@ -154,10 +156,14 @@ def _ranged(geometry: Geometry) -> Iterator[tuple[Joint, float, float]]:
             yield joint, joint.limits[0] - joint.offset, joint.limits[1] - joint.offset
 
 
-def _put_into_ranges(geometry: Geometry, q: np.ndarray) -> np.ndarray:
-    """Poses q (nq, S) with every hinge and slide at least INSIDE of its range away from its ends."""
+def _put_into_ranges(
+    geometry: Geometry, q: np.ndarray, joints: Collection[Joint] | None = None
+) -> np.ndarray:
+    """Poses q (nq, S) with every hinge and slide, or these, at least INSIDE of its range away from its ends."""
     q = q.copy()
     for joint, low, high in _ranged(geometry):
+        if joints is not None and all(joint is not other for other in joints):
+            continue
         margin = INSIDE * (high - low)
         q[joint.q] = np.clip(q[joint.q], low + margin, high - margin)
     return q
@@ -175,10 +181,13 @@ def _turned_into_ranges(geometry: Geometry, q: np.ndarray) -> np.ndarray:
 
 
 def _within_ranges(geometry: Geometry, q: np.ndarray, margin: float = 0.0) -> np.ndarray:
-    """Whether each of the poses q (N, nq) keeps the ranges of all hinges and slides: (N,); margin: share of a range."""
+    """Whether each of the poses q (N, nq) keeps the ranges of all hinges and slides: (N,). margin: share of a motor's
+    range that stays free at both ends.
+    """
     within = np.ones(len(q), dtype=bool)
     for joint, low, high in _ranged(geometry):
-        at, room = q[:, joint.q.start], margin * (high - low)
+        at = q[:, joint.q.start]
+        room = margin * (high - low) if joint.v.start in geometry.active else 0.0
         within &= (at >= low + room) & (at <= high - room)
     return within
 

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
@@ -37,13 +38,14 @@ class Evaluation:
     first: int
     hours: float
     cells: tuple[PlannedCell, ...]
-    _of: dict[tuple[str, str, str], list[Row]] = field(init=False, repr=False, compare=False)
 
-    def __post_init__(self) -> None:
+    @cached_property
+    def _of(self) -> Mapping[tuple[str, str, str], Sequence[Row]]:
+        """Rows by robot, question and set."""
         groups: dict[tuple[str, str, str], list[Row]] = {}
         for row in self.rows:
             groups.setdefault((row["robot"], row["question"], row["set"]), []).append(row)
-        object.__setattr__(self, "_of", groups)
+        return groups
 
     @property
     def robots(self) -> tuple[str, ...]:

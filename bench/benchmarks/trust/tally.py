@@ -77,32 +77,31 @@ class Tally:
         """What all finished cases cost."""
         return sum(tally.seconds for tally in self._of.values())
 
-    def seconds_of_case(self, cell: TrustCell) -> float:
-        """What a case of a cell will cost: the mean of the cell, or of its robot, or of all."""
-        robots = [self[other] for other in self.cells.all if other.robot == cell.robot]
-        for group in ([self[cell]], robots, list(self._of.values())):
-            finished = sum(tally.finished for tally in group)
-            if finished:
-                return sum(tally.seconds for tally in group) / finished
-        return UNKNOWN_SECONDS
+    def seconds_of_case(self) -> dict[int, float]:
+        """What a case of each cell will cost: the mean of the cell, or of its robot, or of all."""
+        by_robot: dict[str, list[CellTally]] = {}
+        for cell in self.cells.all:
+            by_robot.setdefault(cell.robot, []).append(self[cell])
+        of_all = _mean(self._of.values(), UNKNOWN_SECONDS)
+        of_robot = {robot: _mean(group, of_all) for robot, group in by_robot.items()}
+        return {cell.index: _mean([self[cell]], of_robot[cell.robot]) for cell in self.cells.all}
 
     @property
     def pending_seconds(self) -> float:
         """What the cases that are handed out will cost."""
-        return sum(
-            self[cell].pending * self.seconds_of_case(cell) for cell in self.cells.all if self[cell].pending
-        )
+        cost = self.seconds_of_case()
+        return sum(self[cell].pending * cost[cell.index] for cell in self.cells.all)
 
     @property
     def open_seconds(self) -> float:
         """What all cases will cost that are not handed out."""
-        return sum(
-            (len(cell.numbers) - len(self[cell].given)) * self.seconds_of_case(cell)
-            for cell in self.cells.all
-        )
+        cost = self.seconds_of_case()
+        return sum((len(cell.numbers) - len(self[cell].given)) * cost[cell.index] for cell in self.cells.all)
 
     def next_block(self) -> list[TrustCase]:
         """Cases of the robot with the cell that is least far, the next of its least far cells; empty: none remains."""
+        cost = self.seconds_of_case()
+        mean = sum(cost.values()) / len(cost)
         robot: str | None = None
         block: list[TrustCase] = []
         while len(block) < BLOCK:
@@ -113,16 +112,31 @@ class Tally:
             ]
             if not open_cells:
                 break
-            cell = min(open_cells, key=lambda cell: (self._progress(cell), cell.frozen, cell.index))
+            cell = min(
+                open_cells,
+                key=lambda cell: (self._progress(cell, cost[cell.index] / mean), cell.frozen, cell.index),
+            )
             position = next(i for i in range(len(cell.numbers)) if i not in self[cell].given)
             block.append(TrustCase(cell, position))
             self.give(block[-1])
             robot = cell.robot
         return block
 
-    def _progress(self, cell: TrustCell) -> float:
-        """From 0, no case, to 1: the interval is as narrow as with all planned cases as they should be."""
-        return log(_width(self[cell].expected)) / log(_width(cell.question.ideal))
+    def _progress(self, cell: TrustCell, cost: float) -> float:
+        """From 0, no case, to 1: the interval is as narrow as with all planned cases as they should be.
+
+        cost: of a case, over the mean. An interval may be wider by its fourth root, so that numbers of cases go by the
+        inverse square root of their cost (Neyman's allocation).
+        """
+        return log(_width(self[cell].expected) / cost**0.25) / log(_width(cell.question.ideal))
+
+
+def _mean(tallies: Iterable[CellTally], otherwise: float) -> float:
+    """Mean cost of the cases that are finished in some cells; `otherwise` if none is."""
+    seconds = finished = 0.0
+    for tally in tallies:
+        seconds, finished = seconds + tally.seconds, finished + tally.finished
+    return seconds / finished if finished and seconds else otherwise
 
 
 def _width(share: Share) -> float:
