@@ -14,9 +14,10 @@ from rich.console import Console
 from bench.cli import main
 from bench.dataset.dataset import load_dataset
 from bench.document.charts.chart import Binned
-from bench.document.charts.motor import BINS, against_chart
+from bench.document.charts.motor import against_chart
 from bench.document.figures.comparison import currents_figure, errors_figure, write_comparison_figures
 from bench.document.figures.draw import draw, worth_drawing
+from bench.document.layout import SCREEN
 from bench.document.terminal.comparison import where_report
 from bench.identification.identify import identify
 from bench.identification.prepare import prepare
@@ -63,7 +64,7 @@ def test_the_means_drawn_are_those_of_all_rows(what):
     velocity = np.concatenate([values_of(one, "velocity") for one in series])
     errors = np.concatenate([one.error for one in series])
     forwards = velocity > 0
-    expected = profile(velocity[forwards], errors[forwards], BINS)
+    expected = profile(velocity[forwards], errors[forwards], SCREEN.bins)
     np.testing.assert_allclose(by_label["forwards"].get_ydata(), expected.mean)
     np.testing.assert_allclose(by_label["forwards"].get_xdata(), expected.center)
     assert [axis.get_xlabel() for axis in axes[:5]] == [
@@ -79,7 +80,7 @@ def test_no_outlier_is_left_out_or_out_of_sight():
     rows = np.random.default_rng(3).normal(size=40000)
     x = np.linspace(0.0, 1.0, len(rows))
     rows[[11, 12345, 30001]] = (9.0, -30.0, 8.0)
-    bins = profile(x, rows, BINS)
+    bins = profile(x, rows, SCREEN.bins)
     means = (bins.edges, bins.center, bins.mean, bins.spread, bins.mean, bins.mean, bins.count)
     drawn = worth_drawing(Binned("", "forwards", x, rows, *means), 2000)
     assert {11, 12345, 30001} <= set(drawn.tolist())

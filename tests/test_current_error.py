@@ -6,10 +6,11 @@ import numpy as np
 import pytest
 
 from bench.identification.compressed import Stack, compress
-from bench.identification.current_error import REWEIGHTINGS, current_error, minimised, squared_errors
+from bench.identification.current_error import current_error, minimised, squared_errors
 from bench.identification.least_squares import weighted_least_squares
 from bench.identification.solution import NominalGains
 from bench.identification.solved_from_products import solved_from_products
+from bench.identification.tolerances import TOLERANCES
 
 TRUE = np.array([3.3, 2.8, 40.0])
 NOMINAL = np.array([3.0, 3.0, 38.0])
@@ -39,7 +40,7 @@ def test_steps_on_inner_products_lead_where_steps_on_the_equations_do(noise, fit
 
     theta, gains = start.theta, start.gains
     weights = weights_of(theta, gains)
-    for _ in range(REWEIGHTINGS):
+    for _ in range(TOLERANCES.steps.reweightings):
         theta, gains = minimised(stack.factors, theta, gains, weights, fit_gains)
         weights = weights_of(theta, gains)
     quickly = solved_from_products(stack, NominalGains(NOMINAL, fit_gains), NOMINAL)

@@ -23,6 +23,7 @@ from bench.scenario.scenario import load_scenario
 from bench.truth.dataset import as_dataset
 from bench.truth.resense import sense_again
 from bench.truth.simulate import simulate
+from tests.bounds_kit import with_bounds
 from tests.workbench_kit import RECORDINGS, write_dataset
 
 FRICTION = ("viscous_friction", "coulomb_friction", "constant_offset")
@@ -131,7 +132,7 @@ def test_the_answer_has_the_values_and_the_gains_that_go_with_them(told: Diagnos
 
 
 def test_a_gain_holds_what_values_for_each_recording_make_of_it(unlike: Dataset, monkeypatch) -> None:
-    monkeypatch.setattr("bench.diagnosis.catalogue_search.OWN_VALUES_TRIED", 0)
+    monkeypatch.setattr("bench.diagnosis.catalogue_search.TOLERANCES", with_bounds("search", by_recording=0))
     told = diagnose_with_catalogue(problem_of(unlike))
     gain = told.after.drive_gains["left"]
     assert told.by_recording == ()

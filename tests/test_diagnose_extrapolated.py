@@ -7,12 +7,13 @@ import pytest
 
 from bench.api.diagnose import diagnose
 from bench.dataset.dataset import Dataset
-from bench.diagnosis.extrapolated import MOST, leverage, without_extrapolation
+from bench.diagnosis.extrapolated import leverage, without_extrapolation
 from bench.identification.compressed import stack_observations
 from bench.identification.finding import Code, Finding
 from bench.identification.prepare import Prepared, prepare
 from bench.identification.problem import problem_of
 from bench.identification.solve_only import identifiable, solved_quickly
+from bench.identification.tolerances import TOLERANCES
 from bench.scenario.scenario import load_scenario
 from bench.truth.dataset import as_dataset
 from bench.truth.simulate import simulate
@@ -59,7 +60,7 @@ def test_fitted_rows_have_no_leverage_above_one_and_together_that_of_the_unknown
         len(identifiable(prepared, stack))
         + np.broadcast_to(solution.gains_fitted, solution.gains.shape).sum()
     )
-    assert fitted.max() <= MOST + 1e-9
+    assert fitted.max() <= TOLERANCES.statistics.leverage + 1e-9
     assert fitted.sum() == pytest.approx(unknowns)
 
 
@@ -89,7 +90,7 @@ def test_where_the_held_out_motions_stay_within_the_fitted_ones_all_is_judged(wh
 
 def test_rows_beyond_what_was_fitted_are_not_judged_and_the_answer_says_so(short: Dataset) -> None:
     prepared = prepare(problem_of(short))
-    beyond = leverages(prepared, "validate") > MOST
+    beyond = leverages(prepared, "validate") > TOLERANCES.statistics.leverage
     judged, found = without_extrapolation(prepared)
     before, after = (
         np.concatenate([seen.moving for seen in each.observations if seen.use == "validate"])

@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 
 from bench.api.diagnose import diagnose
-from bench.diagnosis import posterior
 from bench.diagnosis.as_json import diagnosis_json
 from bench.diagnosis.evidence import Samples
 from bench.diagnosis.posterior import Posterior, shares_of, something_else, with_probability
 from bench.diagnosis.reason import Because, Reason
 from bench.diagnosis.result import EffectVerdict, ProbableSet, Remainder, Unexplained
+from bench.identification.decision import RULE
 from bench.scenario.scenario import load_scenario
 from bench.truth.dataset import as_dataset
 from bench.truth.simulate import simulate
@@ -75,4 +75,4 @@ def test_an_effect_less_probable_than_not_is_undecided() -> None:
         0.3,
     )
     assert with_probability(told, 0.7, sets, ("lag", "spring")) == replace(told, probability=0.7)
-    assert posterior.EVEN == 0.5
+    assert RULE.even == 0.5

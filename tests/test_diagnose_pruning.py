@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 
 from bench.dataset.robot import load_robot
-from bench.diagnosis.decision import RULE
 from bench.diagnosis.evidence import ResidualSumOfSquares, Samples
 from bench.diagnosis.pruning import gain_like_effect, superfluous_effect
 from bench.diagnosis.reason import Because, Reason
+from bench.identification.decision import RULE
 from bench.identification.result import Identification
 from tests.shown import dataset_of, identification_of
 

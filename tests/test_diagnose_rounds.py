@@ -13,8 +13,9 @@ from bench.dataset.dataset import load_dataset
 from bench.diagnosis import rounds
 from bench.diagnosis.evidence import ResidualSumOfSquares, Samples
 from bench.diagnosis.with_catalogue import diagnose_with_catalogue
-from bench.identification.bilinear import AWAY, run_away
+from bench.identification.bilinear import run_away
 from bench.identification.problem import problem_of
+from bench.identification.tolerances import TOLERANCES
 
 SYSTEM: Any = SimpleNamespace(samples=Samples(np.full(2, 400.0), np.full(2, 200.0)))
 
@@ -127,8 +128,8 @@ def test_a_model_with_a_gain_that_ran_away_does_not_take_the_place_of_one_withou
 
 
 def test_a_gain_has_run_away_at_many_times_the_nominal_one_or_little_of_it() -> None:
-    assert run_away(np.array([1.0, 1.1 * AWAY]))
-    assert run_away(np.array([1.0, 0.9 / AWAY]))
+    assert run_away(np.array([1.0, 1.1 * TOLERANCES.steps.runaway_factor]))
+    assert run_away(np.array([1.0, 0.9 / TOLERANCES.steps.runaway_factor]))
     assert not run_away(np.array([10.0, 0.1]))
 
 

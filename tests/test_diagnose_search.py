@@ -10,10 +10,11 @@ import pytest
 
 from bench.diagnosis import noise, rounds
 from bench.diagnosis import search_from as from_rounds
-from bench.diagnosis.decision import RULE
 from bench.diagnosis.evidence import Samples
 from bench.diagnosis.normal_equations import SetFit
 from bench.diagnosis.search import score
+from bench.identification.decision import RULE
+from bench.identification.tolerances import TOLERANCES
 
 
 def system_of(rows: list[float], judged: list[float] | None = None) -> SimpleNamespace:
@@ -78,7 +79,7 @@ class FakeRound:
     cut: bool = False
 
 
-@pytest.mark.parametrize(("factor", "last"), [(0.9, rounds.ROUNDS - 1), (0.99, 0)])
+@pytest.mark.parametrize(("factor", "last"), [(0.9, TOLERANCES.search.rounds - 1), (0.99, 0)])
 def test_a_search_ends_with_a_settled_set_that_leaves_clearly_less(
     factor: float, last: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:

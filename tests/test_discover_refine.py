@@ -8,9 +8,13 @@ import pytest
 
 from bench.basics.deadline import NEVER
 from bench.diagnosis.discovery import find, refine
-from bench.diagnosis.discovery.refine import NEARBY, Refined, refined
+from bench.diagnosis.discovery.refine import Refined, refined
 from bench.diagnosis.rounds import Round
 from bench.diagnosis.search import Selection
+from bench.identification.decision import RULE
+from bench.identification.tolerances import TOLERANCES
+
+NEARBY = TOLERANCES.laws.nearby * RULE.prior  # nats
 
 
 def model(weight: float, *, near: bool, values: str = "") -> Any:

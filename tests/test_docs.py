@@ -6,10 +6,12 @@ import re
 import subprocess
 import sys
 import tomllib
+from dataclasses import fields
 
 import pytest
 
 LEFT = re.compile(r"<!-- (evaluation|trials|gains|speed|estimators|clean|peers|seen|outside|names) -->")
+MOST_DECISIONS = 20
 ASKED = re.compile(
     r'<(?:script|img|iframe)[^>]*src="(https?:)?//|<link[^>]*rel="?stylesheet[^>]*href="(https?:)?//'
 )
@@ -107,6 +109,25 @@ def test_answers_have_the_keys_that_the_formats_name(project_root):
         keys = re.findall(r'^        "(\w+)":', code, flags=re.MULTILINE)
         assert len(keys) > 8
         assert [key for key in keys if f"`{key}`" not in page] == []
+
+
+def test_the_formats_name_every_field_of_the_decision_rule(project_root):
+    from bench.identification.decision import DecisionRule
+
+    page = (project_root / "docs" / "pages" / "reference" / "formats.md").read_text(encoding="utf-8")
+    (row,) = (line for line in page.splitlines() if line.startswith("| `decision_rule` |"))
+    names = [field.name for field in fields(DecisionRule)]
+    assert len(names) <= MOST_DECISIONS
+    assert re.findall(r"`(\w+)`", row.partition(";")[0])[1:] == names
+    assert all(re.search(rf"\b{name}:\s", DecisionRule.__doc__) for name in names)
+
+
+def test_the_formats_name_every_topic_of_the_tolerances(project_root):
+    from bench.identification.tolerances import Tolerances
+
+    page = (project_root / "docs" / "pages" / "reference" / "formats.md").read_text(encoding="utf-8")
+    (row,) = (line for line in page.splitlines() if line.startswith("| `tolerances` |"))
+    assert re.findall(r"`(\w+)`", row.partition(";")[0])[1:] == [field.name for field in fields(Tolerances)]
 
 
 def test_a_notebook_holds_the_cells_of_its_script_and_what_they_print(site, project_root):

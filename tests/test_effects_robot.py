@@ -19,6 +19,7 @@ from bench.model.geometry import read_geometry
 from bench.model.model import IdentificationModel
 from bench.model.motion import Motion, motion_of
 from bench.model.tree import build_tree
+from tests.bounds_kit import with_bounds
 from tests.effects_kit import PAYLOAD, moving_robot, rigid_torque
 from tests.mechanisms import NAMES, robot_named
 
@@ -371,7 +372,7 @@ def test_friction_of_a_bearing_counts_what_friction_presses_on_it(tmp_path: Path
 
 @pytest.mark.parametrize(("most", "kept"), [(10**9, {0, 1, 2}), (0, {1})])
 def test_large_rows_of_other_motions_make_no_room_for_themselves(tmp_path, monkeypatch, most, kept):
-    monkeypatch.setattr(perturbed_observation, "FEW_BYTES", most)
+    monkeypatch.setattr(perturbed_observation, "TOLERANCES", with_bounds("memory", force_bytes=most))
     robot, model, measured, _ = moving_robot("delta", tmp_path)
     shifted = robot.position + 0.01, robot.velocity, robot.acceleration
     heavier = Changed(gravity=model.geometry.gravity * 1.1)

@@ -7,6 +7,7 @@ import pytest
 
 from bench.dataset.robot import load_robot
 from bench.excitation import current_band
+from bench.excitation.bounds import DESIGN
 from bench.excitation.current_band import band_shares
 from bench.excitation.design import Movement, design_trajectories
 from bench.excitation.experiment.nominal import seen
@@ -46,7 +47,7 @@ def test_a_current_that_does_not_vary_has_no_band():
 
 def test_a_plan_refuses_a_motion_with_narrow_peaks_and_makes_it_smaller(crank_slide, monkeypatch):
     table = ExperimentTable.model_validate(FAST)
-    monkeypatch.setattr(current_band, "HIGHEST", 1e3)
+    monkeypatch.setattr(current_band, "DESIGN", replace(DESIGN, current_band=1e3))
     wide = plan_experiment(crank_slide, table, Aim(steps=0))
     monkeypatch.undo()
     search, sharp = wide.search, wide.motions[0].trajectory
@@ -86,7 +87,7 @@ def test_designed_movements_keep_the_band(crank_slide, monkeypatch):
     movements = [movement, replace(movement, name="check", fitted=False)]
     kept = {name: _share(crank_slide, one) for name, one in _designed(crank_slide, movements).items()}
     assert max(kept.values()) < 1.05
-    monkeypatch.setattr(current_band, "HIGHEST", 1e3)
+    monkeypatch.setattr(current_band, "DESIGN", replace(DESIGN, current_band=1e3))
     free = {name: _share(crank_slide, one) for name, one in _designed(crank_slide, movements).items()}
     assert max(free.values()) > 1.5
 

@@ -1,5 +1,6 @@
 """The search of `bench excite`: derivatives beside difference quotients, and steps that keep what they promise."""
 
+from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
@@ -8,6 +9,7 @@ import pytest
 from bench.basics.errors import BenchError
 from bench.dataset.robot import load_robot
 from bench.effects import CATALOGUE
+from bench.excitation.bounds import LIMITS, SEARCH
 from bench.excitation.experiment import descent
 from bench.excitation.experiment import linearised as linear
 from bench.excitation.experiment.covariance import RelativeErrors, Volume
@@ -51,7 +53,7 @@ def changed(search, candidate, number, steps):
 
 
 def test_slopes_of_errors_are_difference_quotients(either, monkeypatch):
-    monkeypatch.setattr(linear, "NEAR", -np.inf)
+    monkeypatch.setattr(linear, "SEARCH", replace(SEARCH, near=-np.inf))
     search, starts = either
     smaller = [
         search.tried(scaled(m.trajectory, 0.7), load) for m, load in zip(starts[0], search.loads, strict=True)
@@ -75,8 +77,8 @@ def test_slopes_of_errors_are_difference_quotients(either, monkeypatch):
 
 def test_slopes_of_limits_are_difference_quotients(five_bar, monkeypatch):
     """Ranges, speeds, accelerations, singular poses, amplification, box and torques, at every sample."""
-    monkeypatch.setattr(linear, "NEAR", -np.inf)
-    monkeypatch.setattr(linear, "LOOKED_AT", 10_000)
+    monkeypatch.setattr(linear, "SEARCH", replace(SEARCH, near=-np.inf))
+    monkeypatch.setattr(linear, "LIMITS", replace(LIMITS, poses=10_000))
     search, starts = five_bar
     candidate = starts[0]
     sizes = coefficient_sizes(search.room, candidate[0].trajectory)

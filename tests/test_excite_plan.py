@@ -11,6 +11,7 @@ import pytest
 from bench.basics.errors import BenchError
 from bench.cli import main
 from bench.dataset.robot import load_robot
+from bench.excitation.bounds import SEARCH
 from bench.excitation.experiment import search
 from bench.excitation.experiment.between_samples import derivative_bound, extremes
 from bench.excitation.experiment.files import scenario_text
@@ -284,8 +285,7 @@ def test_bad_limits_are_refused_in_one_line(tmp_path, capsys, text, said):
 
 
 def test_where_limits_leave_no_room_the_one_in_the_way_is_named(tmp_path, capsys, monkeypatch):
-    monkeypatch.setattr(search, "TRIES", 1)
-    monkeypatch.setattr(search, "MOST_SHRINKS", 3)
+    monkeypatch.setattr(search, "SEARCH", replace(SEARCH, tries=1, shrinks=3))
     limits = tmp_path / "limits.toml"
     limits.write_text("[[workspace]]\nlow = [0.6053, -0.046, -0.2101]\nhigh = [0.6073, -0.044, -0.208]")
     assert main(["excite", "two_link", "-o", str(tmp_path / "planned"), "--limits", str(limits), "-q"]) == 2

@@ -1,12 +1,14 @@
 """Pieces of one computation in several processes: the same results, in the same order, as in one."""
 
 import os
+from dataclasses import replace
 
 import pytest
 
 from bench.basics.errors import BenchError
 from bench.basics.mapper import IN_TURN
 from bench.dataset.robot import load_robot
+from bench.excitation.bounds import SEARCH
 from bench.excitation.experiment import plan as module
 from bench.excitation.experiment.plan import Aim, plan_experiment
 from bench.excitation.experiment.request import ExperimentTable
@@ -92,7 +94,7 @@ def bits(plan):
 
 
 def test_a_plan_is_the_same_to_the_last_bit_with_any_number_of_workers(two, monkeypatch):
-    monkeypatch.setattr(module, "RANDOM", 4)
+    monkeypatch.setattr(module, "SEARCH", replace(SEARCH, random=4))
     quick = {"duration": 3.0, "harmonics": 2, "velocity": 4.0, "acceleration": 40.0, "payload": {"mass": 0.5}}
     alone, together = (
         plan_experiment(

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
+from bench.excitation.bounds import LIMITS
 from bench.excitation.design import Movement, design_trajectories
-from bench.excitation.limits import HELD
 from bench.model.mobility import smallest_singular_values
 from bench.model.model import build_model
 from bench.model.motion import motion_of
@@ -39,4 +39,4 @@ def test_rods_are_never_in_line(rod, tmp_path):
         time = np.linspace(0.0, trajectory.duration, 10001)  # far more finely than the design looks
         motion = motion_of(geometry, time, *trajectory.evaluate(time))
         assert np.ptp(motion.q[:, geometry.active_configuration], axis=0).min() > 0.05
-        assert smallest_singular_values(geometry, motion.q).min() > 0.8 * HELD * at_home
+        assert smallest_singular_values(geometry, motion.q).min() > 0.8 * LIMITS.held * at_home

@@ -8,7 +8,7 @@ import pytest
 
 from bench.dataset.dataset import Dataset, load_dataset
 from bench.excitation.scenario import designer
-from bench.identification import impossible_payload
+from bench.identification.decision import DecisionRule
 from bench.identification.finding import Code
 from bench.identification.identify import fit, identify
 from bench.identification.prepare import prepare
@@ -63,7 +63,7 @@ def test_a_centre_too_far_away_makes_an_inertia_that_no_body_has(wrist: Dataset)
 
 
 def test_where_a_point_is_as_good_the_payload_is_one(wrist: Dataset, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(impossible_payload, "MATERIAL", np.inf)
+    monkeypatch.setattr(DecisionRule, "material", np.inf)
     center = 1.5 * TRUE
     dataset = carrying(wrist, center)
     prepared = prepare(problem_of(dataset))

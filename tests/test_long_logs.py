@@ -14,18 +14,19 @@ from bench.diagnosis.candidates import propose
 from bench.diagnosis.rounds import system_about
 from bench.identification import filtered as measured
 from bench.identification import observation
-from bench.identification import standard_errors as deviations
 from bench.identification.filtered import measure
 from bench.identification.identify import fit
 from bench.identification.observation import all_currents, observe
 from bench.identification.prepare import prepare
 from bench.identification.problem import problem_of
-from bench.identification.standard_errors import MOST_LAGS, _autocorrelated, _covariances
+from bench.identification.standard_errors import _autocorrelated, _covariances
 from bench.identification.standstill import around, interpolated, interpolated_part
+from bench.identification.tolerances import TOLERANCES
 from bench.model.model import build_model
 from bench.model.motion import LongMotion
 from bench.signals.decimation import Decimation, decimate
 from bench.signals.settings import FilterSettings
+from tests.bounds_kit import with_bounds
 from tests.workbench_kit import write_dataset
 
 SETTINGS = FilterSettings(position_cutoff=40.0, decimation=20, border=(50, 50))
@@ -63,8 +64,8 @@ def test_a_standstill_over_many_parts_is_bridged_as_in_one_piece():
 def test_a_log_in_parts_gives_the_answer_of_one_piece(tmp_path, monkeypatch):
     dataset = load_dataset(write_dataset(tmp_path / "d"))
     once = prepare(problem_of(dataset))
-    monkeypatch.setattr(measured, "MOST_NUMBERS", 0)
-    monkeypatch.setattr(observation, "PART", 700)
+    monkeypatch.setattr(measured, "TOLERANCES", with_bounds("memory", motion_numbers=0))
+    monkeypatch.setattr(observation, "TOLERANCES", with_bounds("memory", samples=700))
     parts = prepare(problem_of(dataset))
     assert all(isinstance(one.tree, LongMotion) for one in parts.measured)
     for a, b in zip(once.observations, parts.observations, strict=True):
@@ -88,7 +89,7 @@ def test_rows_in_parts_give_the_factors_of_one_piece():
 
     once = stack.compress(phi, kappa, current)
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(stack, "BLOCK", 64)
+        patch.setattr(stack, "TOLERANCES", with_bounds("memory", compressed_rows=64))
         parts = stack.compress(phi, kappa, current)
     assert parts.swapaxes(1, 2) @ parts == pytest.approx(once.swapaxes(1, 2) @ once, abs=1e-9)
 
@@ -108,8 +109,8 @@ def test_the_window_of_the_deviations_ends_however_long_the_log():
     for samples in (100_000, 400_000):
         slow = np.convolve(random.normal(size=samples), np.ones(500) / 500, mode="same")
         found = _covariances(slow, np.ones(samples, dtype=bool), (0, samples // 2))
-        assert len(found) == MOST_LAGS + 1
-    assert deviations.FEWEST_LAGS < MOST_LAGS
+        assert len(found) == TOLERANCES.statistics.most_lags + 1
+    assert TOLERANCES.statistics.most_lags > TOLERANCES.statistics.low_pass_lags
 
 
 def _long(seconds: float) -> Recording:
@@ -136,7 +137,7 @@ def _peak(seconds: float) -> tuple[int, int]:
 
 
 def test_memory_of_a_long_log_is_that_of_its_signals_not_of_its_columns(monkeypatch):
-    monkeypatch.setattr(measured, "MOST_NUMBERS", 0)
+    monkeypatch.setattr(measured, "TOLERANCES", with_bounds("memory", motion_numbers=0))
     (short, few), (long, many) = _peak(20.0), _peak(120.0)
     more = (long - short) / (many - few)
     # Signals, their derivatives and the passive joints' rates; all columns would take 8 * 2 * 11 bytes, twice.
@@ -144,7 +145,7 @@ def test_memory_of_a_long_log_is_that_of_its_signals_not_of_its_columns(monkeypa
 
 
 def test_a_motion_that_was_forgotten_is_worked_out_again_the_very_same(tmp_path, monkeypatch):
-    monkeypatch.setattr(measured, "FEW_NUMBERS", 0)
+    monkeypatch.setattr(measured, "TOLERANCES", with_bounds("memory", lasting_numbers=0))
     entries = prepare(problem_of(load_dataset(write_dataset(tmp_path / "d")))).measured
     names = ("q", "v", "a", "jacobian")
     before = [{name: getattr(entry.tree, name) for name in names} for entry in entries]
@@ -159,7 +160,7 @@ def test_a_motion_that_was_forgotten_is_worked_out_again_the_very_same(tmp_path,
 
 
 def test_what_a_long_motion_takes_is_gone_when_a_system_is_made(tmp_path, monkeypatch):
-    monkeypatch.setattr(measured, "FEW_NUMBERS", 0)
+    monkeypatch.setattr(measured, "TOLERANCES", with_bounds("memory", lasting_numbers=0))
     problem = problem_of(load_dataset(write_dataset(tmp_path / "d")))
     base_model = base_model_of(prepare(problem))
     systems = [

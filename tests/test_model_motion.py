@@ -1,6 +1,7 @@
 """Following the closures: one assembly mode throughout, the same answer however it is cut, errors with a time."""
 
 import tracemalloc
+from dataclasses import replace
 
 import numpy as np
 import pinocchio as pin
@@ -8,6 +9,7 @@ import pytest
 
 from bench.basics.errors import BenchError
 from bench.model import motion as motion_module
+from bench.model.bounds import NODES
 from bench.model.closure import loop_residual
 from bench.model.follow import advance, home_pose, make_follower
 from bench.model.geometry import read_geometry
@@ -71,7 +73,7 @@ def test_short_excursion_out_of_reach_is_named_with_its_time(tmp_path):
     )
     with pytest.raises(BenchError) as error:
         motion_of(geometry, *along(angle))
-    assert np.ptp(angle[2900:3101]) < motion_module.TRAVEL
+    assert np.ptp(angle[2900:3101]) < NODES.travel
     assert named_time(str(error.value)) == pytest.approx(3.0, abs=0.1)
 
 
@@ -176,8 +178,7 @@ def test_answer_does_not_depend_on_where_it_is_cut(name, tmp_path, monkeypatch):
     track = movement(geometry)
     whole = motion_of(geometry, *track)
     tail = motion_of(geometry, *(part[777:] for part in track))
-    monkeypatch.setattr(motion_module, "BLOCK", 100)
-    monkeypatch.setattr(motion_module, "STRIDE", 3)
+    monkeypatch.setattr(motion_module, "NODES", replace(NODES, block=100, stride=3))
     blocks = motion_of(geometry, *track)
     for field in ("q", "v", "a", "jacobian"):
         assert np.abs(getattr(whole, field)[777:] - getattr(tail, field)).max() < 2e-8
@@ -190,7 +191,7 @@ def test_a_block_finds_the_memory_of_the_one_before_free(tmp_path, monkeypatch):
     samples = len(path.track.time)
 
     def beside_the_motion(block):
-        monkeypatch.setattr(motion_module, "BLOCK", block)
+        monkeypatch.setattr(motion_module, "NODES", replace(NODES, block=block))
         path.motion(slice(None))  # what is kept from one time to the next
         tracemalloc.start()
         try:

@@ -1,5 +1,7 @@
 """The projected regressor against Pinocchio's and MuJoCo's own dynamics."""
 
+from dataclasses import replace
+
 import mujoco
 import numpy as np
 import pinocchio as pin
@@ -8,6 +10,7 @@ import pytest
 from bench.dataset.robot import load_robot
 from bench.model import regressor as regressor_module
 from bench.model.base import base_parameters
+from bench.model.bounds import MEMORY
 from bench.model.geometry import Anchor, Placement, read_geometry
 from bench.model.motion import motion_of
 from bench.model.regressor import (
@@ -122,7 +125,7 @@ def test_chosen_columns_and_blocks(robot, monkeypatch):
     every = projected_regressor(geometry, motion)
     assert every.shape == (50, len(geometry.active), 10 * len(geometry.joints))
     chosen = np.random.default_rng(6).permutation(every.shape[2])[:7]
-    monkeypatch.setattr(regressor_module, "BLOCK", 13)
+    monkeypatch.setattr(regressor_module, "MEMORY", replace(MEMORY, block=13))
     assert np.array_equal(projected_regressor(geometry, motion, chosen), every[:, :, chosen])
 
 

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from bench.model.bounds import MEMORY
 from bench.model.closing import Direct, Replayed, closing_of, closing_tape
 from bench.model.closure import closures_of
 from bench.model.geometry import read_geometry
@@ -10,7 +11,7 @@ from bench.model.motion import rates_at
 from bench.model.regressor import body_columns, projected_regressor, rotor_columns
 from bench.model.scalars import dense, dot, minus_product, plus, times
 from bench.model.states import random_motion
-from bench.model.tape import FEW_SAMPLES, USES, Reused, Tape
+from bench.model.tape import Reused, Tape
 from tests.mechanisms import NAMES, robot_named
 
 ROUNDING = {"rtol": 1e-11, "atol": 1e-13}  # sines may be rounded otherwise in other places of an array
@@ -98,13 +99,13 @@ def test_motion_and_regressor_stay_what_they_are_once_they_are_replayed(geometry
     motion = random_motion(geometry, 7, seed=2)
     columns = np.concatenate((body_columns(geometry)[3::4], rotor_columns(geometry)))
     again = motion
-    for _ in range(USES + 2):
+    for _ in range(MEMORY.tape_uses + 2):
         again = rates_at(
             geometry, motion.time, motion.q, motion.v[:, geometry.active], motion.a[:, geometry.active]
         )
         found = projected_regressor(geometry, again, columns)
     assert isinstance(closing_of(geometry, 7), Replayed)
-    assert isinstance(closing_of(geometry, FEW_SAMPLES + 1), Direct)
+    assert isinstance(closing_of(geometry, MEMORY.tape_samples + 1), Direct)
     for name in ("q", "v", "a", "jacobian"):
         np.testing.assert_allclose(getattr(again, name), getattr(motion, name), rtol=1e-9, atol=1e-10)
     pieces = [projected_regressor(geometry, again.at(slice(k, k + 1)), columns) for k in range(7)]
@@ -115,7 +116,7 @@ def test_a_tape_is_recorded_once_and_only_for_what_comes_again():
     made = []
     reused = Reused()
     assert reused.get(1, lambda: made.append(1)) is None
-    assert reused.get(FEW_SAMPLES + 1, lambda: made.append(1)) is None
-    got = [reused.get(50, lambda: made.append(1) or "tape") for _ in range(USES + 3)]
-    assert got == [None] * USES + ["tape"] * 3
+    assert reused.get(MEMORY.tape_samples + 1, lambda: made.append(1)) is None
+    got = [reused.get(50, lambda: made.append(1) or "tape") for _ in range(MEMORY.tape_uses + 3)]
+    assert got == [None] * MEMORY.tape_uses + ["tape"] * 3
     assert made == [1]

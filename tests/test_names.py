@@ -8,6 +8,8 @@ from pathlib import Path
 CLASS = re.compile(r"^class ([A-Za-z_]\w*)", re.MULTILINE)
 VAGUE = re.compile(r"\b(?:found|told|own|left|here|beside|stands)\b", re.IGNORECASE)
 MOST_VAGUE = 350  # in code and handbook: keys of JSON, columns, joints named left, plain English
+CONSTANT = re.compile(r"^_?[A-Z][A-Z0-9_]*(?:: [^=\n]*)? = \(?-?[0-9]", re.MULTILINE)
+MOST_CONSTANTS = {"identification": 10, "diagnosis": 10, "": 400}  # with a number, by room, and in all
 TWICE = {"JointLaw"}  # of a twin and of the simulated machine, which share no code
 
 
@@ -61,6 +63,12 @@ def test_names_and_docstrings_say_what_a_value_is(project_root: Path) -> None:
         word.lower() for path in paths for word in VAGUE.findall(path.read_text(encoding="utf-8"))
     )
     assert counts.total() <= MOST_VAGUE, counts
+
+
+def test_numbers_are_fields_of_values_rather_than_constants_of_modules(project_root: Path) -> None:
+    for room, most in MOST_CONSTANTS.items():
+        paths = (project_root / "bench" / room).rglob("*.py")
+        assert sum(len(CONSTANT.findall(path.read_text(encoding="utf-8"))) for path in paths) <= most, room
 
 
 def test_in_scripts_too(project_root: Path) -> None:

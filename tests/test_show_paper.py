@@ -13,8 +13,6 @@ from matplotlib import pyplot as plt
 from bench.cli import main
 from bench.document.figures.diagnosis_panels import moved
 from bench.document.figures.paper import (
-    PICTURE_DPI,
-    SCALE,
     WIDTHS,
     PaperFigure,
     PaperPanel,
@@ -25,6 +23,7 @@ from bench.document.figures.paper import (
 )
 from bench.document.figures.paper_errors import error_figures
 from bench.document.figures.paper_model import diagnosis_figures, gain_figure
+from bench.document.layout import PAPER
 from tests.compared_kit import made, white
 from tests.shown import dataset_of, identification_of
 from tests.test_cli_diagnose import dataset, found, nothing  # noqa: F401 - fixtures
@@ -150,7 +149,7 @@ def test_a_nominal_gain_stands_clear_of_the_intervals(found):  # noqa: F811 - th
     (diamonds,) = [line for line in axes.get_lines() if line.get_label() == "nominal"]
     rows = axes.transData.transform([(0.0, y) for y in (*diamonds.get_ydata(), 0.28, -0.28)])[:, 1]
     point = drawn.dpi / 72.0
-    room = abs(rows[0] - rows[-1]) - (diamonds.get_markersize() / 2.0 + 2.5 * SCALE) * point
+    room = abs(rows[0] - rows[-1]) - (diamonds.get_markersize() / 2.0 + 2.5 * PAPER.scale) * point
     assert room > 0.5 * point
 
 
@@ -181,7 +180,7 @@ def test_pages_are_one_or_two_columns_wide_and_fonts_embedded(errors, tmp_path):
             assert b"/Type3" not in content
         else:
             pixels = struct.unpack(">II", content[16:24])[0]
-            assert pixels == pytest.approx(width / 25.4 * PICTURE_DPI, abs=1)
+            assert pixels == pytest.approx(width / 25.4 * PAPER.dpi, abs=1)
     assert plt.get_fignums() == []
 
 

@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 from scipy import signal
 
-from bench.signals.sections import LENGTH, at_rest, butterworth, chebyshev, filtered, response
+from bench.signals.bounds import BLOCKS
+from bench.signals.sections import at_rest, butterworth, chebyshev, filtered, response
 
 ROUNDING = 1e-11  # a pole at 0.997 makes ten thousand of one
 CUTOFFS = (0.002, 0.05, 0.3, 0.8, 0.97)
@@ -29,12 +30,14 @@ def test_ones_for_ever_leave_the_resting_states():
     for own, _ in designs():
         resting = at_rest(own)
         np.testing.assert_allclose(resting, signal.sosfilt_zi(own), rtol=1e-9)
-        outputs, after = filtered(own, np.ones(3 * LENGTH), resting)
+        outputs, after = filtered(own, np.ones(3 * BLOCKS.section), resting)
         np.testing.assert_allclose(outputs, response(own, np.zeros(1)).real[0], rtol=1e-9)
         np.testing.assert_allclose(after, resting, rtol=1e-9)
 
 
-@pytest.mark.parametrize("samples", [1, 2, LENGTH - 1, LENGTH, LENGTH + 1, 10 * LENGTH + 7])
+@pytest.mark.parametrize(
+    "samples", [1, 2, BLOCKS.section - 1, BLOCKS.section, BLOCKS.section + 1, 10 * BLOCKS.section + 7]
+)
 @pytest.mark.parametrize("shape", [(), (1,), (3,), (2, 3)])
 def test_outputs_and_states_are_those_of_scipy(samples, shape):
     random = np.random.default_rng(samples)

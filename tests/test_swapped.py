@@ -11,7 +11,8 @@ from bench.identification.findings import with_findings
 from bench.identification.identify import identify
 from bench.identification.prepare import prepare
 from bench.identification.problem import problem_of
-from bench.identification.swapped_columns import LARGE, swapped_columns
+from bench.identification.swapped_columns import swapped_columns
+from bench.identification.tolerances import TOLERANCES
 from tests.workbench_kit import FRICTION, write_dataset
 
 
@@ -57,7 +58,7 @@ def lacking(tmp_path_factory):
 def test_nothing_is_suspected_of_good_data_or_of_a_missing_effect(five_bar, lacking):
     assert swapped_columns(problem_of(five_bar), identify(prepare(problem_of(five_bar)))) == []
     result = identify(prepare(problem_of(lacking)))
-    assert result.error.identify > LARGE
+    assert result.error.identify > TOLERANCES.findings.large_error
     assert swapped_columns(problem_of(lacking), result) == []
 
 
@@ -84,14 +85,14 @@ def test_currents_that_no_exchange_explains_are_no_swap(five_bar):
         ),
     )
     result = identify(prepare(problem_of(wrong)))
-    assert result.error.identify > 2.0 * LARGE
+    assert result.error.identify > 2.0 * TOLERANCES.findings.large_error
     assert swapped_columns(problem_of(wrong), result) == []
 
 
 def test_a_swap_must_better_the_very_result_that_it_comments(five_bar):
     wrong = replace(five_bar, recordings=tuple(_exchanged(one, 0, 1) for one in five_bar.recordings))
     result, well = identify(prepare(problem_of(wrong))), identify(prepare(problem_of(five_bar)))
-    assert result.error.identify > 2.0 * LARGE
+    assert result.error.identify > 2.0 * TOLERANCES.findings.large_error
     assert swapped_columns(problem_of(wrong), replace(result, error=well.error)) == []
 
 

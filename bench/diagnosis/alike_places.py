@@ -3,10 +3,10 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
-from bench.diagnosis.decision import RULE
 from bench.diagnosis.evidence import Samples, residual_squares
 from bench.diagnosis.significance import wrong_sign
 from bench.effects import EffectInstance, places_in
+from bench.identification.decision import RULE
 from bench.identification.identify import fit
 from bench.identification.prepare import Prepared, with_effects
 

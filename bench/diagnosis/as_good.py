@@ -4,18 +4,17 @@ from collections.abc import Iterator, Sequence
 
 from bench.diagnosis.base_model import BaseModel
 from bench.diagnosis.candidates import Proposal
-from bench.diagnosis.decision import RULE
 from bench.diagnosis.evidence import answer_weight
 from bench.diagnosis.rounds import Round
 from bench.diagnosis.search import Scored, close, scored
 from bench.effects import EffectInstance
+from bench.identification.decision import RULE
 from bench.identification.findings import runaway
 from bench.identification.identify import fit
 from bench.identification.model_averaged import gains_model_averaged
 from bench.identification.prepare import Prepared
 from bench.identification.result import Identification
-
-MOST_MORE = 2  # models with one effect more that are fitted, the best supported first
+from bench.identification.tolerances import TOLERANCES
 
 
 def with_spread_over_models(
@@ -58,7 +57,8 @@ def _as_good(last: Round, *, instead: bool) -> Iterator[tuple[int, ...]]:
         return sorted(scored(system, sets), key=lambda each: -each.total)
 
     more = best_first([(*last.chosen, i) for i in usable])
-    candidates = [larger for larger in more if larger.total + RULE.prior > best.total][:MOST_MORE]
+    supported = [larger for larger in more if larger.total + RULE.prior > best.total]
+    candidates = supported[: TOLERANCES.search.one_more]
     for k in last.chosen if instead else ():
         others = best_first([(*(c for c in last.chosen if c != k), i) for i in usable])
         candidates += [other for other in others if close(best, other)][:1]

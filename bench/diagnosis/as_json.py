@@ -5,12 +5,13 @@ from typing import Any
 
 from bench.basics.plain_data import finite
 from bench.dataset.robot_locked import locked_as_data
-from bench.diagnosis.decision import RULE
 from bench.diagnosis.reason_words import unexplained_words, validated_on
 from bench.diagnosis.result import Diagnosis, Discovered, EffectVerdict, Unfinished
 from bench.diagnosis.summary import error_share, reason, summary_sentences
+from bench.identification.decision import RULE
 from bench.identification.model_json import to_json
 from bench.identification.result import Identification
+from bench.identification.tolerances import TOLERANCES
 
 MODEL_KEYS = (
     "effects",
@@ -56,6 +57,7 @@ def diagnosis_json(diagnosis: Diagnosis, *, words: bool = True) -> dict[str, Any
         "something_else": diagnosis.something_else,
         "sets": [asdict(probable) for probable in diagnosis.sets],
         "decision_rule": asdict(RULE),
+        "tolerances": asdict(TOLERANCES),
         "without_logs": [asdict(without) for without in diagnosis.without_logs],
         "unexplained": _unexplained(diagnosis, words),
         "differs_by_recording": [

@@ -13,18 +13,11 @@ from bench.diagnosis.normal_equations import System
 from bench.diagnosis.restart import restarted
 from bench.effects import EffectInstance, changes_torque
 from bench.identification.effect_columns import PresentModel
-from bench.identification.nonlinear import (
-    MOST_ROUNDS,
-    converged,
-    converged_from,
-    present_model,
-    settles,
-)
+from bench.identification.nonlinear import converged, converged_from, present_model, settles
 from bench.identification.perturbations import Nearby
 from bench.identification.prepare import Prepared, seen_nearby, with_effects
 from bench.identification.solve_only import solved_quickly
-
-SEARCHED = 1  # rounds as a model is, after it has settled nearby, as long as the search goes on
+from bench.identification.tolerances import TOLERANCES
 
 
 @dataclass(frozen=True)
@@ -76,7 +69,7 @@ class BaseModel:
         near = self._settled_nearby(instances)
         if leaves_only_noise(system, near, self.noise):
             return at_its_solution(near)
-        return self._seen_by(self.start, near, SEARCHED)
+        return self._seen_by(self.start, near, TOLERANCES.search.settling_rounds)
 
     def exactly(self, model: Prepared) -> Prepared:
         """A model that is converged as it is known nearby, converged as it is."""
@@ -137,7 +130,7 @@ class BaseModel:
     ) -> Prepared:
         return at_its_solution(self._converged(model, effects, present, nearly=nearly))
 
-    def _seen_by(self, other: Prepared, model: Prepared, most: int = MOST_ROUNDS) -> Prepared:
+    def _seen_by(self, other: Prepared, model: Prepared, most: int = TOLERANCES.steps.rounds) -> Prepared:
         """A converged model as another sees its effects, who sees them nearby, or as they are. most: rounds."""
         if not settles(model.effects):
             return self._settled(other, model.effects, model.present, nearly=False)

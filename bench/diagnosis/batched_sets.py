@@ -6,24 +6,11 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.linalg.lapack import dposv
 
-from bench.diagnosis.normal_equations import (
-    MOST_STEPS,
-    SetFit,
-    System,
-    fit_of,
-    has_converged,
-    solve_set,
-    start_of,
-)
+from bench.diagnosis.normal_equations import SetFit, System, fit_of, has_converged, solve_set, start_of
 from bench.diagnosis.set_products import SetProducts, products_of_sets, squares_of_sets
-from bench.identification.bilinear import COLLINEAR, errors_by, moved_gains, share_within_reach
+from bench.identification.bilinear import errors_by, moved_gains, share_within_reach
 from bench.identification.solution import Solution
-
-TOGETHER = 4_000_000  # bytes of inner products
-FEWEST = 2  # sets: fewer are solved one by one
-WIDER = 1.2  # times the unknowns of the smallest set: the largest set that is solved with it has as many
-HALVINGS = 8  # of a step: a set that is worse then is solved alone
-ROUNDING = 1e-13  # added to a unit diagonal, so that dependent unknowns do not end the work of all
+from bench.identification.tolerances import TOLERANCES
 
 
 def solve_sets(system: System, sets: Iterable[Sequence[int]]) -> list[SetFit]:
@@ -31,7 +18,7 @@ def solve_sets(system: System, sets: Iterable[Sequence[int]]) -> list[SetFit]:
     keys = [tuple(sorted(members)) for members in sets]
     unknown = dict.fromkeys(key for key in keys if key not in system.solved)
     for chunk in _alike(system, sorted((len(system.independent(key)), key) for key in unknown)):
-        if len(chunk) >= FEWEST:
+        if len(chunk) >= TOLERANCES.search.together:
             system.solved.update(_together(system, chunk))
     return [solve_set(system, key) for key in keys]
 
@@ -77,8 +64,10 @@ def _alike(system: System, sized: Sequence[tuple[int, tuple[int, ...]]]) -> Iter
     fewest = 0
     for size, key in sized:
         added = size - system.base + 2
-        room = TOGETHER // (8 * (len(system.start.gains) * (size + 2) * added + (size + 2) ** 2))
-        if chunk and (size > WIDER * fewest or len(chunk) >= room):
+        room = TOLERANCES.memory.set_bytes // (
+            8 * (len(system.start.gains) * (size + 2) * added + (size + 2) ** 2)
+        )
+        if chunk and (size > TOLERANCES.search.together_unknowns * fewest or len(chunk) >= room):
             yield chunk
             chunk = []
         if not chunk:
@@ -102,7 +91,7 @@ def _together(system: System, keys: Sequence[tuple[int, ...]]) -> dict[tuple[int
     now = _at(products, values, np.array([pair[2] for pair in begun]), start)
     results: dict[int, tuple[np.ndarray, np.ndarray, np.ndarray, float]] = {}
     unconverged = np.arange(len(keys))  # which of them are not converged yet
-    for _ in range(MOST_STEPS):
+    for _ in range(TOLERANCES.steps.most):
         step, by_gain, sound = _steps(now, start)
         share = share_within_reach(now.gains, by_gain)
         new = _moved(now, (step, by_gain, share), start)
@@ -151,7 +140,7 @@ def _moved(now: _Sets, steps: tuple[np.ndarray, np.ndarray, np.ndarray], start: 
     set is worse for it.
     """
     step, by_gain, share = steps
-    for _ in range(HALVINGS):
+    for _ in range(TOLERANCES.steps.halvings):
         new_gains = moved_gains(now.gains, share[:, None] * by_gain)
         new = _at(now.products, now.values + share[:, None] * step, new_gains, start)
         worse = new.cost > now.cost * (1.0 + 1e-12)
@@ -189,12 +178,12 @@ def _steps(now: _Sets, start: Solution) -> tuple[np.ndarray, np.ndarray, np.ndar
     lengths = np.sqrt(np.where(there, diagonal, 1.0))
     normal /= lengths[:, :, None]
     normal /= lengths[:, None, :]
-    diagonal += np.where(there, ROUNDING, 1.0)
+    diagonal += np.where(there, TOLERANCES.rank.ridge_of_sets, 1.0)
     right /= lengths
     sound = np.zeros(len(right), dtype=bool)
     for i, (matrix, vector) in enumerate(zip(normal, right, strict=True)):
         factor, solved, wrong = dposv(matrix.T, vector, overwrite_a=True)
-        sound[i] = wrong == 0 and np.diag(factor).min() > COLLINEAR
+        sound[i] = wrong == 0 and np.diag(factor).min() > TOLERANCES.rank.pivot
         vector[:] = solved if sound[i] else 0.0
     right /= lengths
     return right[:, :k], right[:, k:] if any_gain else np.zeros_like(now.gains), sound

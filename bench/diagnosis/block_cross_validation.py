@@ -8,9 +8,7 @@ import numpy as np
 from bench.identification.autocorrelation_time import autocorrelation_time
 from bench.identification.compressed import Stack
 from bench.identification.solution import Solution
-
-BLOCKS = 10  # of every recording, alternately fitted and judged: then the motion is about the same in both
-DEPENDENT = 1e-12  # share of the largest eigenvalue of scaled normal equations
+from bench.identification.tolerances import TOLERANCES
 
 
 @dataclass(frozen=True)
@@ -61,7 +59,7 @@ def block_cross_validation(stack: Stack, solution: Solution, further: np.ndarray
     ends = [*stack.starts[1:], samples]
     half = np.concatenate(
         [
-            (BLOCKS * np.arange(end - start) // (end - start)) % 2
+            (TOLERANCES.statistics.validated_blocks * np.arange(end - start) // (end - start)) % 2
             for start, end in zip(stack.starts, ends, strict=True)
         ]
     )
@@ -82,6 +80,6 @@ def _solution(inner: np.ndarray, used: np.ndarray) -> np.ndarray:
     lengths[lengths == 0.0] = 1.0
     values = np.zeros(len(inner))
     scaled = normal / np.outer(lengths, lengths)
-    values[used] = -np.linalg.lstsq(scaled, right / lengths, rcond=DEPENDENT)[0] / lengths
+    values[used] = -np.linalg.lstsq(scaled, right / lengths, rcond=TOLERANCES.rank.products)[0] / lengths
     values[-1] = 1.0
     return values

@@ -15,11 +15,7 @@ from bench.identification.partial_regression import PartialRegression, partial_r
 from bench.identification.prepare import Prepared
 from bench.identification.shapes import best_shape
 from bench.identification.solve_only import candidate_columns, linearised, solved_quickly
-
-INVISIBLE = (
-    1e-4  # of a column's length: less than this outside the model's columns cannot be distinguished from them
-)
-LINEARISATIONS = 3
+from bench.identification.tolerances import TOLERANCES
 
 
 @dataclass(frozen=True)
@@ -113,7 +109,7 @@ def shaped(
     reshaped = tuple(instances)
     if reshaped[0].effect.shape:
         reshaped = tuple(_with_best_shape(context, instance, deadline) for instance in reshaped)
-    for _ in range(LINEARISATIONS):
+    for _ in range(TOLERANCES.steps.linearisations_of_candidates):
         about = _about_their_values(context, reshaped)
         if about == reshaped:
             break
@@ -139,7 +135,7 @@ def _about_their_values(
 def _visible(context: Context, instance: EffectInstance) -> bool:
     """Whether anything of an effect's columns lies outside those of the model."""
     products = context.regression.products(candidate_columns(context.prepared, [instance]))
-    return bool(np.any(products.remaining > INVISIBLE))
+    return bool(np.any(products.remaining > TOLERANCES.rank.visible_effect))
 
 
 def _taken_up_by(context: Context, instance: EffectInstance) -> str:

@@ -17,8 +17,7 @@ from bench.diagnosis.values_by_log import Place, explains_more, leading, places_
 from bench.identification.identify import fit
 from bench.identification.prepare import Prepared
 from bench.identification.result import Identification
-
-OWN_VALUES_TRIED = 3  # sets of values for each recording with which effects are searched
+from bench.identification.tolerances import TOLERANCES
 
 
 def search_catalogue(case: SplitProblem, progress: Progress = SILENT) -> SearchResult:
@@ -35,7 +34,7 @@ def search_catalogue(case: SplitProblem, progress: Progress = SILENT) -> SearchR
         return replace(plain, unfinished=(*plain.unfinished, Unfinished.OWN_VALUES))
     plain = compared(case, plain)
     result, tried = plain, list[frozenset[Place]]()
-    while len(tried) < OWN_VALUES_TRIED:
+    while len(tried) < TOLERANCES.search.by_recording:
         wanted = places_of(result.differs)
         if not leading(result.differs):
             wanted |= differing_elsewhere(result.model, result.after, case.problem.catalogue)

@@ -7,19 +7,15 @@ from itertools import combinations
 import numpy as np
 
 from bench.diagnosis.block_cross_validation import block_cross_validation
-from bench.diagnosis.decision import RULE
 from bench.diagnosis.result import Differing
 from bench.effects import Effect, EffectInstance
 from bench.effects.select import TAG
+from bench.identification.decision import RULE
 from bench.identification.identify import fit
 from bench.identification.nonlinear import converged
 from bench.identification.prepare import Prepared, with_effects
 from bench.identification.result import Identification, Quantity
 from bench.identification.solve_only import candidate_columns, solved_quickly
-
-MATERIAL = (
-    0.1  # share of a motor's error that values for each recording must take away: less may be another effect
-)
 
 
 @dataclass(frozen=True)
@@ -61,7 +57,7 @@ def differing(
             evidence = validation.evidence(before, after)
             j = motors.index(candidate.joint)
             errors = np.sqrt(before[j] / validation.measured[j]), np.sqrt(after[j] / validation.measured[j])
-            if evidence > RULE.prior and errors[1] < (1.0 - MATERIAL) * errors[0]:
+            if evidence > RULE.prior and errors[1] < (1.0 - RULE.helps) * errors[0]:
                 tried.append((candidate, evidence, float(errors[0]), float(errors[1])))
         if not tried:
             break

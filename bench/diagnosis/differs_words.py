@@ -2,9 +2,9 @@
 
 from collections.abc import Collection, Sequence
 
-from bench.diagnosis.decision import RULE
 from bench.diagnosis.result import Differing
 from bench.effects.display_names import spoken
+from bench.identification.decision import RULE
 from bench.identification.wording import and_list, in_percent
 
 

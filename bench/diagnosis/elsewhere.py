@@ -4,9 +4,9 @@ from collections.abc import Collection, Iterator, Mapping, Sequence
 
 import numpy as np
 
-from bench.diagnosis.decision import RULE
 from bench.diagnosis.values_by_log import Place
 from bench.effects import Effect, EffectInstance
+from bench.identification.decision import RULE
 from bench.identification.effect_rows import effect_rows
 from bench.identification.findings import unlike
 from bench.identification.prepare import Prepared

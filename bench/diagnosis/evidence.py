@@ -10,9 +10,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from bench.diagnosis.decision import RULE
 from bench.effects import EffectInstance
 from bench.identification.bilinear import run_away
+from bench.identification.decision import RULE
 from bench.identification.prepare import Prepared
 from bench.identification.result import CurrentSeries, Identification
 from bench.identification.solve_only import solved_quickly

@@ -17,8 +17,7 @@ from bench.identification.prepare import Prepared
 from bench.identification.solution import Solution
 from bench.identification.solve_only import identifiable, solved_quickly
 from bench.identification.standard_errors import jacobian_series
-
-MOST = 1.0  # leverage that a fitted row can have
+from bench.identification.tolerances import TOLERANCES
 
 
 def without_extrapolation(prepared: Prepared) -> tuple[Prepared, tuple[Finding, ...]]:
@@ -32,7 +31,7 @@ def without_extrapolation(prepared: Prepared) -> tuple[Prepared, tuple[Finding, 
     stack, solution = solved_quickly(prepared)
     kept = identifiable(prepared, stack)
     asked = stack_observations(checked, prepared.layout, prepared.dataset.payloads)
-    within = leverage(stack, asked, solution, kept) <= MOST
+    within = leverage(stack, asked, solution, kept) <= TOLERANCES.statistics.leverage
     few = 2 * (asked.moving & within).sum(axis=0) < asked.moving.sum(axis=0)
     in_range = asked.moving & (within | few)
     findings = []

@@ -8,16 +8,13 @@ import numpy as np
 from bench.basics.threads import on_one_thread
 from bench.dataset.payload import Payload
 from bench.diagnosis.block_cross_validation import block_cross_validation
-from bench.diagnosis.decision import RULE
+from bench.identification.decision import RULE
 from bench.identification.finding import Code, Finding
 from bench.identification.layout import parameter_layout, payload_parameters
 from bench.identification.observation import Observation
 from bench.identification.prepare import Prepared
 from bench.identification.solve_only import solved_quickly
 from bench.identification.standard_errors import uncertainty
-
-BETTER = 0.7  # of a motor's error, that it must fall to with a mounting for each recording: less is the model's error
-APART = 5.0  # deviations by which a parameter must differ
 
 
 @on_one_thread
@@ -52,7 +49,7 @@ def _differing(prepared: Prepared, payload: str, logs: Mapping[str, str]) -> Fin
     further = np.concatenate([stack.phi[:, :, rows] for rows in slices[:-1]], axis=2)
     validation = block_cross_validation(*solved_quickly(common), further)
     before, after = validation.held_out_squares([]), validation.held_out_squares(range(further.shape[2]))
-    if validation.evidence(before, after) < RULE.prior or not np.any(np.sqrt(after / before) < BETTER):
+    if validation.evidence(before, after) < RULE.prior or not np.any(after / before < RULE.most):
         return None
     covariance = uncertainty(stack, solution, "autocorrelated").covariance
     values = np.array([solution.theta[rows] for rows in slices])
@@ -61,7 +58,7 @@ def _differing(prepared: Prepared, payload: str, logs: Mapping[str, str]) -> Fin
     k = np.arange(len(index))
     apart = (values[high, k] - values[low, k]) / np.sqrt(variances[high, k] + variances[low, k])
     most = int(np.nanargmax(apart))
-    if not apart[most] > APART:
+    if not apart[most] > RULE.certain:
         return None
     first, second = int(high[most]), int(low[most])
     symbol, unit = payload_parameters(index)[most]

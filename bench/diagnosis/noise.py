@@ -2,13 +2,12 @@
 
 import numpy as np
 
-from bench.diagnosis.decision import RULE
 from bench.diagnosis.normal_equations import System
 from bench.identification.current_noise import current_noise
+from bench.identification.decision import RULE
 from bench.identification.prepare import Prepared
 from bench.identification.solve_only import solved_quickly, spread
-
-WHITE = 0.8  # share of the noise's squares: where less remains, the noise is not white, and its floor says nothing
+from bench.identification.tolerances import TOLERANCES
 
 
 def noise_squares(prepared: Prepared) -> np.ndarray | None:
@@ -39,4 +38,4 @@ def leaves_only_noise(system: System, model: Prepared, noise: np.ndarray | None)
     least = float(noise @ weights)
     samples = system.fitted.rows / system.autocorrelation_time
     nats = 0.5 * samples * np.log(residual / max(least, np.finfo(float).tiny))
-    return bool(WHITE * least < residual and nats < RULE.prior)
+    return bool(TOLERANCES.statistics.white * least < residual and nats < RULE.prior)

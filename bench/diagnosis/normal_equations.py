@@ -13,7 +13,6 @@ from functools import cached_property
 import numpy as np
 
 from bench.basics.deadline import NEVER, Deadline
-from bench.diagnosis.decision import RULE
 from bench.diagnosis.evidence import Samples
 from bench.diagnosis.motor_products import MotorProducts, summed
 from bench.diagnosis.motor_rows import MotorRows, apart_from, combined, folded, motor_rows, products
@@ -30,18 +29,14 @@ from bench.identification.bilinear import (
     squares_of,
 )
 from bench.identification.by_recording import columns_without_value
+from bench.identification.decision import RULE
 from bench.identification.effect_rows import effect_rows
 from bench.identification.filtered import forget_motions
 from bench.identification.layout import known_rows, regressor_rows
 from bench.identification.observation import Observation
 from bench.identification.prepare import Prepared
 from bench.identification.solution import Solution
-
-CONVERGED = 1e-7  # share of the cost by which a step must lower it, to be followed by another
-NEARLY = 1e-4  # the same where a gain has run away, so that the set is of no use
-MOST_STEPS = 50
-DEPENDENT = 1e-13  # share of the largest singular value below which the model's columns are dependent
-NOTHING = 1e-10  # share of a candidate's column that the model's must leave
+from bench.identification.tolerances import TOLERANCES
 
 
 @dataclass(frozen=True)
@@ -214,7 +209,7 @@ def _solved(system: System, chosen: tuple[int, ...]) -> SetFit:
     inner = inner_of(system.fitted, columns)
     squares = start.weights**2
     cost = float(squares_of(inner, errors_by(values, gains, start.gains)) @ squares)
-    for _ in range(MOST_STEPS):
+    for _ in range(TOLERANCES.steps.most):
         both = least(*normal_equations(inner, values, gains, start.weights, start.gains, fit_gains))
         step, by_gain = (
             both[: len(values)],
@@ -245,8 +240,8 @@ def has_converged(
     """Whether a share of a step lowers the cost too little to be followed by another; ratio (..., n): of the gains."""
     away = run_away(ratio)
     fall = np.subtract(cost, new)
-    whole = np.equal(share, 1.0) & (fall <= np.multiply(CONVERGED, cost))
-    return np.asarray(whole | (away & (fall <= np.multiply(NEARLY, cost))))
+    whole = np.equal(share, 1.0) & (fall <= np.multiply(TOLERANCES.steps.set_converged, cost))
+    return np.asarray(whole | (away & (fall <= np.multiply(TOLERANCES.steps.runaway_set_converged, cost))))
 
 
 def start_of(system: System, chosen: tuple[int, ...]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -347,12 +342,12 @@ def _orthonormal(triangle: np.ndarray, p: int) -> tuple[np.ndarray, np.ndarray]:
     norms = np.linalg.norm(triangle[:, :p], axis=0)
     norms[norms == 0.0] = 1.0
     _, singular, vectors = np.linalg.svd(triangle[:p, :p] / norms)
-    kept = singular > DEPENDENT * singular[0]
+    kept = singular > TOLERANCES.rank.columns * singular[0]
     basis = vectors[kept].T / singular[kept] / norms[:, None]
     lengths = np.linalg.norm(triangle[:, p:], axis=0)
     within = basis.T @ triangle[:p, :p].T @ triangle[:p, p:]
     remaining = np.linalg.norm(triangle[:, p:] - triangle[:, :p] @ (basis @ within), axis=0)
-    remaining = np.where(remaining > NOTHING * lengths, remaining, 0.0)
+    remaining = np.where(remaining > TOLERANCES.rank.candidate * lengths, remaining, 0.0)
     scales = np.divide(1.0, remaining, out=np.zeros(k), where=remaining > 0.0)
     change = np.zeros((p + k, basis.shape[1] + k))
     change[:p, : basis.shape[1]] = basis

@@ -8,17 +8,14 @@ import numpy as np
 from scipy.special import expit
 
 from bench.diagnosis.candidates import Proposal
-from bench.diagnosis.decision import RULE
 from bench.diagnosis.evidence import Samples
 from bench.diagnosis.normal_equations import System
 from bench.diagnosis.result import EffectVerdict, ProbableSet, Unexplained
 from bench.diagnosis.search import Selection, held_out_error, possible, score
+from bench.identification.decision import RULE
+from bench.identification.tolerances import TOLERANCES
 
-LEADING = 8  # sets that an answer lists
-EVEN = 0.5  # probability
 DECIDED = ("missing", "resembles")
-LIKELY = 0.01  # probability of such a set
-SMOOTH = 3  # unknowns of a smooth function, at the least
 
 
 @dataclass(frozen=True)
@@ -59,14 +56,14 @@ def posterior_of(
             float(weight),
             scale * held_out_error(system, fit),
         )
-        for fit, weight in zip(fits[:LEADING], weights, strict=False)
-        if weight > LIKELY
+        for fit, weight in zip(fits[: TOLERANCES.report.sets], weights, strict=False)
+        if weight > TOLERANCES.report.set_probability
     )
     return Posterior(np.minimum(probability, 1.0), sets, float(weights[0]))
 
 
 def something_else(posterior: Posterior, samples: Samples, unexplained: Unexplained) -> float:
-    """Probability that something acts which no set has: a law with SMOOTH unknowns more at each motor, with which no
+    """Probability that something acts which no set has: a law with a few unknowns more at each motor, with which no
     more than noise remains, against all sets.
 
     samples: independent samples (n,) of the motors. unexplained: what the answer leaves. Its prior is that of an
@@ -77,7 +74,7 @@ def something_else(posterior: Posterior, samples: Samples, unexplained: Unexplai
         return 1.0
     motors = len(samples.fitted)
     gained = samples.log_posterior(
-        np.full((2, motors), exp(-2.0 * falls)), SMOOTH * motors, RULE.prior
+        np.full((2, motors), exp(-2.0 * falls)), TOLERANCES.search.smooth_unknowns * motors, RULE.prior
     ) - samples.log_posterior(np.ones((2, motors)), 0, 0.0)
     return float(expit(gained + log(posterior.leading)))
 
@@ -92,7 +89,7 @@ def with_probability(
     if (
         verdict.effect not in reported
         or probability is None
-        or probability >= EVEN
+        or probability >= RULE.even
         or verdict.verdict not in DECIDED
     ):
         return verdict

@@ -5,12 +5,12 @@ from dataclasses import replace
 
 import numpy as np
 
-from bench.diagnosis.decision import RULE
 from bench.diagnosis.evidence import Samples
 from bench.diagnosis.ladder import Fits
 from bench.diagnosis.reason import Because, Reason
 from bench.diagnosis.result import EffectVerdict
 from bench.effects import EffectInstance
+from bench.identification.decision import RULE
 from bench.identification.result import Identification
 
 

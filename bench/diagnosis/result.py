@@ -11,15 +11,12 @@ from typing import TYPE_CHECKING, Literal
 
 from bench.diagnosis.reason import Reason
 from bench.effects.select import TAG
+from bench.identification.decision import RULE
 from bench.identification.frame import data_frame, html_table
 from bench.identification.result import CurrentSeries, Identification, Quantity
 
 if TYPE_CHECKING:
     import pandas as pd
-
-MUCH_LEFT = (
-    2.0  # times what noise leaves: then something unknown is there, and a known effect may be its shadow
-)
 
 
 class Remainder(StrEnum):
@@ -125,7 +122,7 @@ class Unexplained:
     @property
     def much(self) -> bool:
         """Whether so much remains, whatever it varies with, that noise alone cannot be it."""
-        return self.error > MUCH_LEFT * hypot(self.noise_floor, self.encoders)
+        return self.error > RULE.much * hypot(self.noise_floor, self.encoders)
 
     @property
     def excess(self) -> float:

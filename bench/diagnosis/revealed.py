@@ -11,11 +11,7 @@ from bench.identification.newton import with_shape_columns
 from bench.identification.partial_regression import partial_regression
 from bench.identification.prepare import Prepared
 from bench.identification.solve_only import candidate_columns, solved_quickly
-
-WORTH = (
-    0.1  # share of what the identified effects leave, in squares, from which an effect is tried in addition
-)
-MOST = 2  # effects that are tried
+from bench.identification.tolerances import TOLERANCES
 
 
 def partners(
@@ -45,7 +41,9 @@ def partners(
         / regression.sum_of_squares
         for i in able
     }
-    return sorted((i for i in shares if shares[i] > WORTH), key=lambda i: -shares[i])[:MOST]
+    bounds = TOLERANCES.search
+    large = (i for i in shares if shares[i] > bounds.revealed_share)
+    return sorted(large, key=lambda i: -shares[i])[: bounds.revealed]
 
 
 def _bends(instance: EffectInstance) -> bool:

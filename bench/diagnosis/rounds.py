@@ -11,7 +11,6 @@ from bench.basics.progress import SILENT, Progress
 from bench.diagnosis.base_model import BaseModel
 from bench.diagnosis.batched_sets import solve_sets, swapped
 from bench.diagnosis.candidates import Context, Proposal, propose, shaped
-from bench.diagnosis.decision import RULE
 from bench.diagnosis.evidence import ResidualSumOfSquares, effects_prior, residual_squares
 from bench.diagnosis.noise import leaves_only_noise
 from bench.diagnosis.normal_equations import System, build_system, solve_set
@@ -20,13 +19,12 @@ from bench.diagnosis.revealed import in_their_shape, partners
 from bench.diagnosis.search import Selection, contains, neighbours, score, search
 from bench.diagnosis.special_case import explaining_most, explains, with_shapes_of
 from bench.effects import Effect, EffectInstance
+from bench.identification.decision import RULE
 from bench.identification.nonlinear import settles
 from bench.identification.prepare import Prepared, with_effects
 from bench.identification.solution import Solution
 from bench.identification.solve_only import solved_quickly
-
-ROUNDS = 6
-MOST_ALIKE = 2  # sets like the present one that are converged where a search's best does no better
+from bench.identification.tolerances import TOLERANCES
 
 
 @dataclass(frozen=True)
@@ -106,7 +104,7 @@ def searched(
     del first  # handed on without a name, so that its system is gone before the next is built
     this_round = _again(base_model, given.pop(), barred, progress, before)
     tried = {frozenset(this_round.chosen)}
-    for _ in range(ROUNDS - 1):
+    for _ in range(TOLERANCES.search.rounds - 1):
         before = this_round
         for seek in (_with_partner, _with_rival):
             if this_round.cut:
@@ -150,7 +148,7 @@ def _again(
         return before
     spare = before  # what is answered where the time is up
     try:
-        for number in range(2, ROUNDS + 1):
+        for number in range(2, TOLERANCES.search.rounds + 1):
             if not this_round.chosen:
                 break
             progress.phase(f"searching, round {number}", len(this_round.proposals))
@@ -217,7 +215,7 @@ def _alike(
         replace(this_round, selection=replace(this_round.selection, selected=neighbour))
         for neighbour in scored
         if neighbour.fit.chosen != this_round.chosen
-    ][:MOST_ALIKE]
+    ][: TOLERANCES.search.alike]
 
 
 def _better(this_round: Round, before: Round) -> bool:

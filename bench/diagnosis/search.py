@@ -8,17 +8,9 @@ import numpy as np
 
 from bench.basics.deadline import NEVER, Deadline
 from bench.diagnosis.batched_sets import enlarged, reduced, solve_sets, swapped
-from bench.diagnosis.decision import RULE
 from bench.diagnosis.normal_equations import Candidate, SetFit, System, solve_set, squared_errors
-
-EXHAUSTIVE = 3  # up to this size all sets of the shortlist compete; larger ones grow by one effect at a time
-LARGEST_SET = 6
-STEPS = 6  # changes of a set
-BEGUN = 4  # sets from which a search sets out, besides the empty one
-ALONE, WITH_BEST = (
-    9,
-    7,
-)  # how many effects the shortlist has for what they do alone, and with the best set so far
+from bench.identification.decision import RULE
+from bench.identification.tolerances import TOLERANCES
 
 
 @dataclass(frozen=True)
@@ -56,7 +48,7 @@ def search(system: System, usable: Sequence[int], deadline: Deadline = NEVER) ->
     """
     singles = dict(zip(usable, scored(system, [(i,) for i in usable]), strict=True))
     best = score(system, solve_set(system, ()))
-    for size in range(1, EXHAUSTIVE + 1):
+    for size in range(1, TOLERANCES.search.exhaustive + 1):
         deadline.check()
         best = _best(system, best, combinations(_shortlist(system, usable, singles, best), size))
     return Selection(climbed(system, best, usable, deadline), singles)
@@ -70,7 +62,10 @@ def best_set(
     begin: start sets. usable: candidates (indices) that may join or stand in for a member. Raises TimeUpError after the
     deadline.
     """
-    starts = [score(system, solve_set(system, ())), *sorted(scored(system, [*begin]), key=_total)[-BEGUN:]]
+    starts = [
+        score(system, solve_set(system, ())),
+        *sorted(scored(system, [*begin]), key=_total)[-TOLERANCES.search.starts :],
+    ]
     return max((climbed(system, start, usable, deadline) for start in starts), key=_total)
 
 
@@ -82,7 +77,7 @@ def climbed(system: System, start: Scored, usable: Sequence[int], deadline: Dead
     spring that pushes replaces an offset.
     """
     present = start
-    for _ in range(STEPS):
+    for _ in range(TOLERANCES.search.changes):
         deadline.check()
         chosen, able = present.fit.chosen, possible(system, present.fit)
         near = neighbours(system, present, usable, -np.inf if not able else present.total)
@@ -101,7 +96,7 @@ def neighbours(system: System, present: Scored, usable: Sequence[int], least: fl
     chosen = present.fit.chosen
     others = [i for i in usable if i not in chosen]
     sets = swapped(chosen, others) + (reduced(chosen) if chosen else [])
-    if len(chosen) < LARGEST_SET:
+    if len(chosen) < TOLERANCES.search.largest:
         sets += enlarged(chosen, others)
     better = [each for each in scored(system, sets) if each.total > least and possible(system, each.fit)]
     return sorted(better, key=_total, reverse=True)
@@ -126,11 +121,12 @@ def _total(each: Scored) -> float:
 def _shortlist(system: System, usable: Sequence[int], singles: dict[int, Scored], best: Scored) -> list[int]:
     """Effects that explain most alone, and most with the best set so far: one may hide the other."""
     chosen = best.fit.chosen
-    alone = sorted(usable, key=lambda i: -singles[i].total)[:ALONE]
+    alone = sorted(usable, key=lambda i: -singles[i].total)[: TOLERANCES.search.alone]
     others = [i for i in usable if i not in chosen]
     wider = scored(system, enlarged(chosen, others)) if chosen else []
     totals = {i: each.total for i, each in zip(others, wider, strict=False)}
-    return list(dict.fromkeys([*chosen, *alone, *sorted(totals, key=lambda i: -totals[i])[:WITH_BEST]]))
+    with_best = sorted(totals, key=lambda i: -totals[i])[: TOLERANCES.search.with_best]
+    return list(dict.fromkeys([*chosen, *alone, *with_best]))
 
 
 def held_out_error(system: System, fit: SetFit) -> float:

@@ -6,8 +6,8 @@ from math import log, prod
 import numpy as np
 
 from bench.basics.chi_squared import exceeded_with
-from bench.diagnosis.decision import RULE
 from bench.effects import EffectInstance
+from bench.identification.decision import RULE
 from bench.identification.finding import Unknown
 from bench.identification.result import Identification
 

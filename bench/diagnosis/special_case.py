@@ -3,8 +3,8 @@
 from collections.abc import Sequence
 
 from bench.diagnosis.candidates import Context
-from bench.diagnosis.decision import RULE
 from bench.effects import EffectInstance
+from bench.identification.decision import RULE
 from bench.identification.solve_only import candidate_columns, reshaped
 
 

@@ -6,8 +6,7 @@ from dataclasses import replace
 from bench.dataset.dataset import Dataset
 from bench.dataset.recording import Recording
 from bench.identification.result import CurrentSeries
-
-HELD_OUT = 0.3  # of every recording, at its end
+from bench.identification.tolerances import TOLERANCES
 
 
 def with_held_out_parts(dataset: Dataset) -> tuple[Dataset, float]:
@@ -19,10 +18,10 @@ def with_held_out_parts(dataset: Dataset) -> tuple[Dataset, float]:
         return dataset, 0.0
     parts = []
     for recording in dataset.recordings:
-        cut = round((1.0 - HELD_OUT) * len(recording.time))
+        cut = round((1.0 - TOLERANCES.statistics.held_out) * len(recording.time))
         parts.append(_part(recording, recording.name, "identify", slice(0, cut)))
         parts.append(_part(recording, f"{recording.name} (end)", "validate", slice(cut, None)))
-    return replace(dataset, recordings=tuple(parts)), HELD_OUT
+    return replace(dataset, recordings=tuple(parts)), TOLERANCES.statistics.held_out
 
 
 def dataset_of(dataset: Dataset, series: Sequence[CurrentSeries]) -> Dataset:

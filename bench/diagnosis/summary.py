@@ -14,23 +14,16 @@ from bench.diagnosis.reason_words import reason_sentence, unexplained_words, val
 from bench.diagnosis.result import Diagnosis, EffectVerdict, Remainder, Unfinished
 from bench.diagnosis.unfinished_words import unfinished_sentence
 from bench.effects.display_names import spoken
+from bench.identification.decision import RULE
 from bench.identification.finding import CAUSES
 from bench.identification.finding_words import sentence
-from bench.identification.findings import LOOSE, runaway, unlike
+from bench.identification.findings import runaway, unlike
 from bench.identification.result import Identification, Quantity
 from bench.identification.scale_words import cure, nominal_gains, why_nominal
 from bench.identification.scale_words import reason as why_in_words
 from bench.identification.summary import ROBOT
+from bench.identification.tolerances import TOLERANCES
 from bench.identification.wording import and_list, in_percent, or_list, with_error
-
-TELLING = 0.005  # change of a drive gain that is worth a word
-MOTIONS = 3  # that are advised: those of the effect and of its nearest alternatives
-FEW = 3  # other places that a headline lists
-HOPELESS = 10.0  # times the noise floor: where so much remains, names may be false
-UNEXPLAINED = (
-    0.5  # of the current, RMS: a model that leaves more accounts for less than three quarters of its square
-)
-REAL = 0.01  # of the current: what the best models leave of real machines, however little noise there is
 
 
 @dataclass(frozen=True)
@@ -168,7 +161,7 @@ def _summary(diagnosis: Diagnosis) -> DiagnosisSummary:
 def _explains_nothing(diagnosis: Diagnosis, error: float | None) -> bool:
     """Whether even the last model leaves most of the current, more than noise does."""
     more = diagnosis.unexplained.what in (Remainder.PATTERN, Remainder.NO_PATTERN)
-    return more and error is not None and error > UNEXPLAINED
+    return more and error is not None and error > TOLERANCES.findings.explained
 
 
 def doubts(diagnosis: Diagnosis) -> list[str]:
@@ -185,8 +178,8 @@ def _strange(diagnosis: Diagnosis) -> tuple[str, ...]:
     false = "The named effects may be wrong"
     if strange:
         return (f"{false}. {sentence(strange)}",)
-    if unexplained.significant and unexplained.error > HOPELESS * max(
-        unexplained.noise_floor, REAL, unexplained.repeats or 0.0
+    if unexplained.significant and unexplained.error > TOLERANCES.findings.remaining_noise * max(
+        unexplained.noise_floor, TOLERANCES.findings.best_error, unexplained.repeats or 0.0
     ):
         size = (
             f"{unexplained.error / unexplained.noise_floor:.0f} times the noise"
@@ -237,7 +230,7 @@ def _named(diagnosis: Diagnosis, verdict: EffectVerdict) -> str:
 
 def _cannot_tell(verdict: EffectVerdict, missing: Sequence[EffectVerdict]) -> str:
     """What an effect could be instead, and how to find out."""
-    motions = "; ".join(telling_motions([verdict.effect, *verdict.alternatives])[:MOTIONS])
+    motions = "; ".join(telling_motions([verdict.effect, *verdict.alternatives])[: TOLERANCES.report.motions])
     options = "".join(f" --with {other.effect}" for other in missing if other is not verdict)
     return (
         f"Instead of {spoken(verdict.effect)} the cause could equally be "
@@ -309,7 +302,7 @@ def where(diagnosis: Diagnosis, verdict: EffectVerdict) -> str:
 def _place(place: str, others: Sequence[str]) -> str:
     if not others:
         return place
-    return f"{place} (or {or_list(others) if len(others) <= FEW else f'{len(others)} others'})"
+    return f"{place} (or {or_list(others) if len(others) <= TOLERANCES.report.places else f'{len(others)} others'})"
 
 
 def _alike(verdict: EffectVerdict) -> list[str]:
@@ -328,7 +321,8 @@ def moved_gain(diagnosis: Diagnosis) -> str | None:
         return None
     changes = {joint: gain_moved(before[joint], after[joint]) for joint in after}
     joint = max(changes, key=lambda name: abs(changes[name]))
-    if abs(changes[joint]) < TELLING or after[joint].std > LOOSE * abs(after[joint].value):
+    gain = after[joint]
+    if abs(changes[joint]) < TOLERANCES.findings.gain_change or gain.std > RULE.loose * abs(gain.value):
         return None
     return joint
 

@@ -6,21 +6,15 @@ import numpy as np
 
 from bench.basics.chi_squared import exceeded_with
 from bench.dataset.recording import Recording
-from bench.diagnosis.decision import RULE
 from bench.diagnosis.repeats import not_repeated
 from bench.diagnosis.result import Remainder, Unexplained, excess_of
 from bench.identification.current_noise import current_noise
+from bench.identification.decision import RULE
 from bench.identification.result import CurrentSeries, Identification, relative_error
+from bench.identification.tolerances import TOLERANCES
 from bench.signals.settings import FilterSettings
 
-BINS = 12
-SHUFFLES = 400
 SEED = 20120606
-FIRST_LAG, LAGS = 6, 12  # rows: beyond the memory of the fit's low-pass
-ALMOST = 1.0  # strength given to time where errors merely follow each other
-BLOCK = 12  # rows that are shuffled together, since neighbouring errors are alike
-FEW = 0.05  # of the blocks: impacts, where they hold ...
-MOST = 0.5  # ... that much of the squared error; of noise they hold a sixth
 
 
 def relative_noise_floor(
@@ -72,12 +66,12 @@ def unexplained(
             continue  # a motor that does not move throughout leaves no error that could vary
         scale = errors.std() or 1.0
         if _in_impacts(errors):
-            ratios["time"] = max(ratios.get("time", 0.0), ALMOST)
+            ratios["time"] = max(ratios.get("time", 0.0), TOLERANCES.statistics.follows)
         for name, values in _variables(held_out, j).items():
             ratio = _dependence(errors / scale, values, random)
             ratios[name] = max(ratios.get(name, 0.0), ratio)
     if _lasting(held_out):
-        ratios["time"] = max(ratios.get("time", 0.0), ALMOST)
+        ratios["time"] = max(ratios.get("time", 0.0), TOLERANCES.statistics.follows)
     depends = tuple(name for name, ratio in sorted(ratios.items(), key=lambda pair: -pair[1]) if ratio >= 1.0)
     what = Remainder.PATTERN if depends else Remainder.NO_PATTERN
     return Unexplained(what, error, floor, depends, from_encoders, not_repeated(result.recordings))
@@ -121,7 +115,7 @@ def _dependence(errors: np.ndarray, values: np.ndarray, random: np.random.Genera
 
     Chance is what shuffled blocks of the same errors give, so that their autocorrelation counts.
     """
-    edges = np.unique(np.quantile(values, np.linspace(0, 1, BINS + 1)))
+    edges = np.unique(np.quantile(values, np.linspace(0, 1, TOLERANCES.statistics.bins + 1)))
     if len(edges) < 2:
         return 0.0
     index = np.clip(np.searchsorted(edges, values, side="right") - 1, 0, len(edges) - 2)
@@ -131,17 +125,18 @@ def _dependence(errors: np.ndarray, values: np.ndarray, random: np.random.Genera
         sums = np.bincount(index, weights=errors, minlength=len(edges) - 1)
         return float((sums**2 / count).sum())
 
-    blocks = len(errors) // BLOCK
+    rows = TOLERANCES.statistics.shuffled_rows
+    blocks = len(errors) // rows
     if blocks < 4:
         return 0.0
-    trimmed = errors[: blocks * BLOCK].reshape(blocks, BLOCK)
-    rest = errors[blocks * BLOCK :]
+    trimmed = errors[: blocks * rows].reshape(blocks, rows)
+    rest = errors[blocks * rows :]
     chance = np.array(
         [
             between(
                 np.concatenate(((trimmed * random.choice((-1.0, 1.0), size=(blocks, 1))).reshape(-1), rest))
             )
-            for _ in range(SHUFFLES)
+            for _ in range(TOLERANCES.statistics.shuffles)
         ]
     )
     # the sum of squares of bin means is close to a scaled chi-squared; its tail is carried on from its moments
@@ -153,10 +148,11 @@ def _dependence(errors: np.ndarray, values: np.ndarray, random: np.random.Genera
 
 def _in_impacts(errors: np.ndarray) -> bool:
     """Whether few short stretches hold most of the squared error, as where play is crossed."""
-    blocks = len(errors) // BLOCK
-    energy = np.sort((errors[: blocks * BLOCK].reshape(blocks, BLOCK) ** 2).sum(axis=1))
-    few = round(FEW * blocks)
-    return few > 0 and float(energy[-few:].sum()) > MOST * float(energy.sum())
+    rows = TOLERANCES.statistics.shuffled_rows
+    blocks = len(errors) // rows
+    energy = np.sort((errors[: blocks * rows].reshape(blocks, rows) ** 2).sum(axis=1))
+    few = round(TOLERANCES.statistics.impacts * blocks)
+    return few > 0 and float(energy[-few:].sum()) > RULE.most * float(energy.sum())
 
 
 def _lasting(series: Sequence[CurrentSeries]) -> bool:
@@ -166,10 +162,11 @@ def _lasting(series: Sequence[CurrentSeries]) -> bool:
     Pierce 1970), over all recordings and motors.
     """
     squares = count = 0.0
+    first = TOLERANCES.statistics.low_pass_lags
     for trace in series:
         errors = trace.error * trace.moving
         scale = (errors**2).sum(axis=0)
-        for lag in range(FIRST_LAG, FIRST_LAG + LAGS):
+        for lag in range(first, first + TOLERANCES.statistics.pattern_lags):
             if lag >= len(errors) // 2:
                 break
             correlation = (errors[lag:] * errors[:-lag]).sum(axis=0) / np.where(scale > 0, scale, 1.0)

@@ -6,10 +6,10 @@ from dataclasses import replace
 import numpy as np
 
 from bench.diagnosis.block_cross_validation import BlockCrossValidation, block_cross_validation
-from bench.diagnosis.decision import RULE
 from bench.diagnosis.result import Differing
 from bench.effects import Effect, EffectInstance
 from bench.effects.select import TAG
+from bench.identification.decision import RULE
 from bench.identification.nonlinear import converged
 from bench.identification.prepare import Prepared, with_effects
 from bench.identification.solve_only import solved_quickly

@@ -4,13 +4,11 @@ from collections.abc import Mapping, Sequence
 
 from bench.diagnosis.batched_sets import solve_sets, swapped
 from bench.diagnosis.candidates import Proposal
-from bench.diagnosis.decision import RULE
 from bench.diagnosis.normal_equations import System, solve_set
 from bench.diagnosis.reason import Because, Doubt, Reason
 from bench.diagnosis.result import EffectVerdict, Unexplained, Verdict
 from bench.diagnosis.search import Scored, Selection, close, contains, held_out_error, score
-
-DOMINANT_BESIDE = 10.0  # so many times the residual, an effect must explain where much remains
+from bench.identification.decision import RULE
 
 
 def verdicts(
@@ -27,7 +25,7 @@ def verdicts(
     places: joints at which each identified effect shows. scale: error of the converged model over that of its set.
     without: error of the identified model without each of its effects, fitted anew. unexplained: where it is
     significant, no effect accounts for it, and an identified effect is only sure if the error without it is
-    RULE.dominant times the residual with it, or DOMINANT_BESIDE times where much remains.
+    RULE.dominant times the residual with it, or RULE.dominant_in_much times where much remains.
     """
     best = selection.selected
     chosen = set(best.fit.chosen)
@@ -36,7 +34,7 @@ def verdicts(
     solve_sets(
         system, [*more, *swapped(best.fit.chosen, others)]
     )  # together, and kept: each is asked for below
-    sure = (DOMINANT_BESIDE if unexplained.much else RULE.dominant) if unexplained.significant else 0.0
+    sure = (RULE.dominant_in_much if unexplained.much else RULE.dominant) if unexplained.significant else 0.0
     rows: list[EffectVerdict] = []
     for i, proposal in enumerate(proposals):
         if proposal.absorbed:

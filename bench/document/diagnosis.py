@@ -5,15 +5,11 @@ from itertools import pairwise
 
 from bench.diagnosis.result import Diagnosis, EffectVerdict
 from bench.diagnosis.summary import effort_unit, error_share, motor_torques
+from bench.document.layout import TEXT
 from bench.document.numbers import effect_name, gain_change
 from bench.document.table import PLAIN, Column, Mark, Table
 from bench.effects.select import TAG
 from bench.identification.result import Identification, Quantity
-
-FEW = 4  # alternatives named in a cell
-CERTAIN = 0.95  # probability from which a place is named without it
-PROBABLE = 0.01  # nearer to 0 or 1 than that no digits are shown
-ROUNDING = 1e-6  # of an evidence in nats, of a share
 
 
 def step_labels(steps: Sequence[Sequence[str]]) -> list[str]:
@@ -93,9 +89,9 @@ def _probability(verdict: EffectVerdict) -> str:
 
 def probability_text(probability: float) -> str:
     """Two digits, without saying 0 or 1 of what is not certain."""
-    if probability < PROBABLE:
-        return f"< {PROBABLE:g}"
-    return f"> {1.0 - PROBABLE:g}" if probability > 1.0 - PROBABLE else f"{probability:.2f}"
+    if probability < TEXT.probability:
+        return f"< {TEXT.probability:g}"
+    return f"> {1.0 - TEXT.probability:g}" if probability > 1.0 - TEXT.probability else f"{probability:.2f}"
 
 
 def something_else_words(diagnosis: Diagnosis) -> str:
@@ -209,7 +205,7 @@ def _places(diagnosis: Diagnosis, verdict: EffectVerdict) -> str:
     uncertain = [
         f"{place} ({verdict.places[place]:.2f})"
         for place in verdict.actuators
-        if verdict.places.get(place, 1.0) < CERTAIN
+        if verdict.places.get(place, 1.0) < TEXT.certain
     ]
     if list(verdict.actuators) == motors and len(motors) > 1:
         return ", ".join(("all motors", *uncertain))
@@ -223,8 +219,8 @@ def _places(diagnosis: Diagnosis, verdict: EffectVerdict) -> str:
 def _few(alternatives: Sequence[str]) -> str:
     """The first of many effects: the adjacent sentence has them all."""
     names = [effect_name(alternative) for alternative in alternatives]
-    if len(names) > FEW:
-        return f"{', '.join(names[: FEW - 1])} and {len(names) - FEW + 1} more"
+    if len(names) > TEXT.alternatives:
+        return f"{', '.join(names[: TEXT.alternatives - 1])} and {len(names) - TEXT.alternatives + 1} more"
     return ", ".join(names)
 
 
@@ -236,4 +232,4 @@ def _taken(verdict: EffectVerdict) -> float | None:
 
 def _not_rounding(value: float) -> float:
     """Zero for what remains of a difference of equal numbers."""
-    return value if abs(value) > ROUNDING else 0.0
+    return value if abs(value) > TEXT.zero else 0.0

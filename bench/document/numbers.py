@@ -7,10 +7,10 @@ from collections.abc import Mapping
 import numpy as np
 
 from bench.effects.display_names import spoken
+from bench.identification.decision import RULE
 from bench.identification.result import CurrentSeries, DriveGain, Identification, Quantity
 from bench.identification.standard_errors import StdFrom
 
-POOR = 0.3  # relative deviation above which a value says little
 GIVEN = "given"
 ABSORBED = "absorbed"  # by other parameters: no separate value
 UNDETERMINED = "not determined"  # a value whose deviation is so large that it says nothing
@@ -115,7 +115,7 @@ def gain_change(gain: DriveGain) -> float:
 
 def is_poor(quantity: Quantity) -> bool:
     """Whether the standard deviation is so large a share of the value that it says little."""
-    return quantity.relative_std > POOR
+    return quantity.relative_std > RULE.loose
 
 
 def other_terms(name: str, grouping: str) -> list[str]:

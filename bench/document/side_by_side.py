@@ -1,11 +1,10 @@
 """Models side by side: their errors and gains as tables, and what is different between them in sentences."""
 
+from bench.document.layout import TEXT
 from bench.document.numbers import USES, change_between, effect_name, percent, pretty_unit, quantity_text
 from bench.document.table import Column, Table
 from bench.identification.result import DriveGain
 from bench.residuals.side_by_side import ComparedModel, SideBySide, effect_places, interval, moved_parameters
-
-MANY = 6  # parameters that are named
 
 
 def compared_errors_table(comparison: SideBySide) -> Table:
@@ -68,10 +67,10 @@ def _changed(first: ComparedModel, other: ComparedModel) -> list[str]:
                 f"{other.name}: drive gain of {joint} {quantity_text(was)} → {quantity_text(gain)} {unit}, {change}"
             )
     if moved := moved_parameters(old, new):
-        rest = f" and {len(moved) - MANY} more" if len(moved) > MANY else ""
+        rest = f" and {len(moved) - TEXT.moved} more" if len(moved) > TEXT.moved else ""
         count = f"{len(moved)} of {len(new.parameters)} base parameters"
         sentences.append(
-            f"{other.name}: {count} moved by more than 3 standard errors: {', '.join(moved[:MANY])}{rest}"
+            f"{other.name}: {count} moved by more than 3 standard errors: {', '.join(moved[: TEXT.moved])}{rest}"
         )
     if old.settings != new.settings:
         sentences.append(

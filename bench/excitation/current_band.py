@@ -8,34 +8,32 @@ past the noise of the currents.
 
 import numpy as np
 
+from bench.excitation.bounds import DESIGN
 from bench.scenario.trajectory import FourierTrajectory
-from bench.signals.settings import CURRENT_LOSS
-
-HIGHEST = 3.0  # times a motion's highest harmonic: products of two rates have twice that, a pose that varies once more
-ROUNDING = 1e-18  # of the power of a current with its mean: one that varies by less does not vary
+from bench.signals.bounds import BANDS
 
 
 def current_above(
     current: np.ndarray, rate: float, trajectory: FourierTrajectory
 ) -> tuple[np.ndarray, np.ndarray]:
     """Currents or torques (N, n) about their mean, at a rate in Hz, in Hann's window, and what of them lies above
-    `HIGHEST` times the highest harmonic, (N, n) each.
+    `DESIGN.current_band` times the highest harmonic, (N, n) each.
     """
     whole = hann(len(current))[:, None] * (current - current.mean(axis=0))
     spectrum = np.fft.rfft(whole, axis=0)
     frequency = np.fft.rfftfreq(len(whole), 1.0 / rate)
-    spectrum[frequency <= HIGHEST * trajectory.harmonics * trajectory.base_frequency] = 0.0
+    spectrum[frequency <= DESIGN.current_band * trajectory.harmonics * trajectory.base_frequency] = 0.0
     return whole, np.fft.irfft(spectrum, len(whole), axis=0)
 
 
 def band_shares(current: np.ndarray, rate: float, trajectory: FourierTrajectory) -> np.ndarray:
     """How much of the RMS of each current (N, n) lies above the band, as a share of what may (n,): at most 1.
 
-    What may is what the fit lets lie above its band, `CURRENT_LOSS` of the power.
+    What may is what the fit lets lie above its band, `BANDS.current_loss` of the power.
     """
     whole, above = current_above(current, rate, trajectory)
     power = (whole**2).sum(axis=0)
-    allowed = CURRENT_LOSS * np.where(power > ROUNDING * (current**2).sum(axis=0), power, np.inf)
+    allowed = BANDS.current_loss * np.where(power > DESIGN.steady * (current**2).sum(axis=0), power, np.inf)
     return np.asarray(np.sqrt((above**2).sum(axis=0) / allowed))
 
 

@@ -10,6 +10,7 @@ from bench.basics.progress import SILENT, Progress
 from bench.basics.threads import on_one_thread
 from bench.dataset.payload import Payload
 from bench.dataset.robot import Robot
+from bench.excitation.bounds import DESIGN
 from bench.excitation.current_band import band_shares
 from bench.excitation.limits import Limits, feasible_motion, keeps_clear, limits_of
 from bench.identification.payload_parameters import payload_columns
@@ -17,13 +18,6 @@ from bench.model.model import IdentificationModel, build_model
 from bench.model.motion import Motion
 from bench.model.regressor import projected_regressor
 from bench.scenario.trajectory import FourierTrajectory, random_trajectory
-
-STARTS = 12  # random sets of trajectories, the best of which is improved
-STEPS = 120  # of the improvement
-POINTS = 12  # samples for each period of the highest harmonic
-SHRINK = 0.9
-MOST_SHRINKS = 25
-FIRST_SPREAD, LAST_SPREAD = 0.4, 0.05  # of a change, relative to a coefficient's size
 
 
 @dataclass(frozen=True)
@@ -69,8 +63,8 @@ def design_trajectories(robot: Robot, movements: Sequence[Movement], progress: P
     fitted = [movement for movement in movements if movement.fitted]
     best: dict[str, _Tried] = {}
     lowest = np.inf
-    progress.phase("designing trajectories", STARTS + STEPS)
-    for _ in range(STARTS):
+    progress.phase("designing trajectories", DESIGN.starts + DESIGN.steps)
+    for _ in range(DESIGN.starts):
         progress.advance()
         tried = {m.name: _start(model, limits, m, random) for m in fitted}
         value = _condition(tried, fitted)
@@ -78,9 +72,9 @@ def design_trajectories(robot: Robot, movements: Sequence[Movement], progress: P
             best, lowest = tried, value
     if fitted and not best:
         raise BenchError(f"robot {robot.name}: no exciting trajectory found inside the limits")
-    for step in range(STEPS if fitted else 0):
+    for step in range(DESIGN.steps if fitted else 0):
         progress.advance()
-        spread = FIRST_SPREAD * (LAST_SPREAD / FIRST_SPREAD) ** (step / STEPS)
+        spread = DESIGN.first_spread * (DESIGN.last_spread / DESIGN.first_spread) ** (step / DESIGN.steps)
         movement = fitted[step % len(fitted)]
         before = best[movement.name]
         other = _changed(model, limits, movement, before, spread, random)
@@ -173,7 +167,7 @@ def within(movement: Movement, trajectory: FourierTrajectory) -> FourierTrajecto
 
 def _times(movement: Movement, dense: bool = False) -> np.ndarray:
     """One period after the smooth start, or (dense) the whole movement four times as finely."""
-    rate = POINTS * movement.harmonics * movement.base_frequency
+    rate = DESIGN.points * movement.harmonics * movement.base_frequency
     if dense:
         return np.linspace(0.0, movement.duration, int(4 * rate * movement.duration) + 2)
     end = min(movement.ramp + 1.0 / movement.base_frequency, movement.duration)
@@ -200,13 +194,13 @@ def _shrunk(
 ) -> _Tried:
     """A feasible trajectory with its motion."""
     time = _times(movement, dense)
-    for _ in range(MOST_SHRINKS):
+    for _ in range(DESIGN.shrinks):
         motion = feasible_motion(model.geometry, limits, trajectory, time)
         if motion is not None and (not dense or keeps_clear(model.geometry, limits, motion)):
             tried = _in_band(model, movement, trajectory, motion)
             if tried is not None:
                 return tried
-        trajectory = replace(trajectory, a=trajectory.a * SHRINK, b=trajectory.b * SHRINK)
+        trajectory = replace(trajectory, a=trajectory.a * DESIGN.shrink, b=trajectory.b * DESIGN.shrink)
     raise BenchError(
         f"recording {movement.name!r}: no movement around its center keeps the joint ranges and the distance "
         "from singular poses, with torques in the band of a fit"

@@ -5,16 +5,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from bench.basics.errors import BenchError
+from bench.excitation.bounds import LIMITS
 from bench.model.geometry import Geometry
 from bench.model.mobility import least_held, smallest_singular_values
 from bench.model.motion import Motion, motion_of
 from bench.model.states import active_ranges
 from bench.scenario.trajectory import FourierTrajectory
-
-MARGIN = 0.05  # of a joint's range, kept free at both ends
-AMPLIFICATION = 3.0  # times that of the home pose: passive for active speed
-HELD = 0.1  # of the smallest singular value of the closures by the passive joints at home: less is nearly singular
-LOOKED_AT = 64  # poses of a movement, those whose determinant is smallest
 
 
 @dataclass(frozen=True)
@@ -33,7 +29,7 @@ def limits_of(geometry: Geometry) -> Limits:
     """The limits of a robot, from its joint ranges and its home pose."""
     low, high = active_ranges(geometry)
     low, high = low + geometry.active_offset, high + geometry.active_offset
-    margin = MARGIN * (high - low)
+    margin = LIMITS.margin * (high - low)
     home = geometry.home[geometry.active_configuration] + geometry.active_offset
     if np.any(home < low) or np.any(home > high):
         raise BenchError(f"robot {geometry.robot.name}: its home pose lies outside its joint ranges")
@@ -42,7 +38,10 @@ def limits_of(geometry: Geometry) -> Limits:
     largest = max(1.0, float(np.abs(at_home.jacobian).max()))
     held = float(smallest_singular_values(geometry, geometry.home[None])[0]) if geometry.closed else 0.0
     return Limits(
-        np.minimum(low + margin, home), np.maximum(high - margin, home), AMPLIFICATION * largest, HELD * held
+        np.minimum(low + margin, home),
+        np.maximum(high - margin, home),
+        LIMITS.amplification * largest,
+        LIMITS.held * held,
     )
 
 
@@ -53,7 +52,7 @@ def keeps_clear(geometry: Geometry, limits: Limits, motion: Motion) -> bool:
     """
     if not geometry.closed:
         return True
-    _, held = least_held(geometry, motion.q, LOOKED_AT)
+    _, held = least_held(geometry, motion.q, LIMITS.poses)
     return bool(held.min() > limits.held)
 
 

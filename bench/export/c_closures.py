@@ -3,19 +3,12 @@
 import numpy as np
 
 from bench.export.c_tables import table
+from bench.model.bounds import CLOSURE
 from bench.model.closure import closures_of, loop_rows
 from bench.model.elimination import elimination_order
-from bench.model.follow import (
-    LARGEST_CORRECTION,
-    LARGEST_STEP,
-    LARGEST_TURN,
-    SLACK,
-    SMALLEST_STEP,
-    make_follower,
-)
+from bench.model.follow import make_follower
 from bench.model.geometry import POWERS, Geometry
 from bench.model.kinematics import frames_of
-from bench.model.motion import LARGEST_AMPLIFICATION
 from bench.model.spin import idle_spins
 
 MOST_ITERATIONS = 8  # of Newton's method, a pose
@@ -72,10 +65,10 @@ def closure_tables(geometry: Geometry) -> dict[str, str]:
         "iterations": str(MOST_ITERATIONS),
         "poses": str(MOST_POSES),
         "nearly": repr(NEARLY),
-        "slack": repr(SLACK if repeating else CLOSED),
-        "amplified": f"{LARGEST_AMPLIFICATION:g}",
-        "largest_correction": repr(LARGEST_CORRECTION),
-        "largest_step": repr(LARGEST_STEP),
-        "largest_turn": repr(LARGEST_TURN),
-        "smallest_step": repr(SMALLEST_STEP),
+        "slack": repr(CLOSURE.slack if repeating else CLOSED),
+        "amplified": f"{CLOSURE.amplification:g}",
+        "largest_correction": repr(CLOSURE.correction),
+        "largest_step": repr(CLOSURE.step),
+        "largest_turn": repr(CLOSURE.turn),
+        "smallest_step": repr(CLOSURE.share),
     }

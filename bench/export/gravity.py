@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 
 from bench.export.identified import EffectValues, IdentifiedModel
-from bench.model.independent import SLACK
+from bench.model.bounds import RANKS
 from bench.model.regressor import projected_regressor
 from bench.model.states import random_motion
 
@@ -44,4 +44,4 @@ def still_determined(model: IdentifiedModel, gravity: np.ndarray) -> bool:
     rows = projected_regressor(other, motion, kept).reshape(-1, len(kept))
     follows = rows @ base.grouping[: len(kept)][:, columns]
     size = np.linalg.norm(whole, axis=0).max()
-    return bool(np.linalg.norm(whole - follows, axis=0).max() < 10.0 * SLACK * size)
+    return bool(np.linalg.norm(whole - follows, axis=0).max() < 10.0 * RANKS.slack * size)

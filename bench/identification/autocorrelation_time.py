@@ -5,8 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from bench.identification.repeated_errors import Returns, times_repeated
-
-LONGEST_MEMORY = 60  # rows over which errors may be alike
+from bench.identification.tolerances import TOLERANCES
 
 
 def autocorrelation_time(errors: Sequence[np.ndarray], returns: Returns = ()) -> float:
@@ -28,7 +27,7 @@ def repeats_of(errors: Sequence[np.ndarray], returns: Returns) -> float:
 def _local(errors: Sequence[np.ndarray]) -> tuple[float, int]:
     """How many rows that follow each other count as one, and over how many lags they are alike."""
     length = min(len(error) for error in errors)
-    lags = min(LONGEST_MEMORY, length // 4)
+    lags = min(TOLERANCES.statistics.longest_memory, length // 4)
     values = np.array(
         [
             sum(float((error[: len(error) - lag] * error[lag:]).sum()) for error in errors)

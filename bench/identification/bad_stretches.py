@@ -6,11 +6,7 @@ import numpy as np
 
 from bench.identification.finding import Code, Finding
 from bench.identification.observation import Observation
-
-LITTLE = 0.1  # of what a row counts that fits
-FEWEST = 5  # rows of a stretch
-BRIDGED = 3  # rows between two stretches that are one
-MOST = 8  # stretches that are reported, the longest
+from bench.identification.tolerances import TOLERANCES
 
 
 def bad_stretches(
@@ -21,15 +17,16 @@ def bad_stretches(
     row_weights (M, n): what every row of all recordings counts, 1 where it fits. Rows of a joint at standstill are no
     finding.
     """
+    bounds = TOLERANCES.findings
     findings: list[tuple[int, Finding]] = []
     start = 0
     for observation in observations:
         of_recording = row_weights[start : start + len(observation.time)]
         start += len(observation.time)
         for j, joint in enumerate(joints):
-            little = np.flatnonzero((of_recording[:, j] < LITTLE) & observation.moving[:, j])
-            for part in np.split(little, np.flatnonzero(np.diff(little) > BRIDGED) + 1):
-                if len(part) >= FEWEST:
+            little = np.flatnonzero((of_recording[:, j] < bounds.bad_weight) & observation.moving[:, j])
+            for part in np.split(little, np.flatnonzero(np.diff(little) > bounds.bridged_rows) + 1):
+                if len(part) >= bounds.bad_rows:
                     numbers = {
                         "start": float(observation.time[part[0]]),
                         "end": float(observation.time[part[-1]]),
@@ -37,5 +34,5 @@ def bad_stretches(
                     findings.append(
                         (len(part), Finding(Code.BAD_STRETCH, (joint, observation.name), numbers=numbers))
                     )
-    longest = sorted(range(len(findings)), key=lambda i: -findings[i][0])[:MOST]
+    longest = sorted(range(len(findings)), key=lambda i: -findings[i][0])[: TOLERANCES.report.stretches]
     return [findings[i][1] for i in sorted(longest)]

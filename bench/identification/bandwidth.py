@@ -12,19 +12,17 @@ from math import hypot
 import numpy as np
 
 from bench.basics.chi_squared import exceeded_with
-from bench.identification.blocks import SHORTEST, SURPRISING
 from bench.identification.by_unknown import estimates, in_both
+from bench.identification.decision import RULE
 from bench.identification.estimators import DEFAULT_METHOD
 from bench.identification.finding import Code, Finding, Unknown
 from bench.identification.model_averaged import model_averaged
 from bench.identification.prepare import Prepared, prepare, with_effects
 from bench.identification.problem import Problem
 from bench.identification.result import BandPoint, Identification
-from bench.signals.settings import FEWEST_SAMPLES, FilterSettings, settled_border
-
-SHARPER = 0.8
-"""Of a standard error in half of the band, over that in all of it: of 76 simulated five-bars with up to three hidden
-effects none is below 0.94."""
+from bench.identification.tolerances import TOLERANCES
+from bench.signals.bounds import BANDS
+from bench.signals.settings import FilterSettings, settled_border
 
 Fit = Callable[[Prepared], Identification]
 
@@ -64,7 +62,7 @@ def narrower(prepared: Prepared) -> Prepared | None:
     fitted = [recording for recording in prepared.dataset.recordings if recording.use == "identify"]
     shortest = min(len(recording.time) for recording in fitted)
     decimation = 2 * settings.decimation
-    if shortest // decimation < FEWEST_SAMPLES:
+    if shortest // decimation < BANDS.samples:
         return None
     cutoff = 0.5 * settings.position_cutoff
     border = settled_border(cutoff, fitted[0].rate, shortest)
@@ -74,7 +72,7 @@ def narrower(prepared: Prepared) -> Prepared | None:
     )
     rows = np.sum([observation.moving.sum(axis=0) for observation in half.fitted], axis=0)
     unknowns = half.layout.size + int(half.gains.is_fitted.sum())
-    if np.any((rows > 0) & (rows < SHORTEST)) or rows.sum() < 2 * unknowns:
+    if np.any((rows > 0) & (rows < TOLERANCES.statistics.block_rows)) or rows.sum() < 2 * unknowns:
         return None
     return half
 
@@ -91,13 +89,13 @@ def _with_settings(prepared: Prepared, settings: FilterSettings) -> Prepared:
 def moved(first: Identification, second: Identification) -> bool:
     """Whether values move by more than their errors, all together, than chance would make them."""
     squares = [(a.value - b.value) ** 2 / (a.std**2 + b.std**2) for a, b in in_both(first, second).values()]
-    return bool(squares) and sum(squares) > exceeded_with(SURPRISING, len(squares))
+    return bool(squares) and sum(squares) > exceeded_with(RULE.surprising, len(squares))
 
 
 def sharper(first: Identification, second: Identification) -> bool:
     """Whether standard errors are clearly smaller there, in the median: then more rows say less, and hold noise."""
     ratios = [b.std / a.std for a, b in in_both(first, second).values()]
-    return bool(ratios) and float(np.median(ratios)) < SHARPER
+    return bool(ratios) and float(np.median(ratios)) < TOLERANCES.findings.half_band
 
 
 def _apart(

@@ -10,11 +10,8 @@ import numpy as np
 from scipy.linalg.lapack import dposv, dpstrf
 
 from bench.identification.solution import Fitted
+from bench.identification.tolerances import TOLERANCES
 
-COLLINEAR = 1e-6  # least pivot of the scaled unknowns that Cholesky's factors are trusted with
-MOST = 4.0  # times which a gain may change in one step
-SLOWLY = 0.1  # of the last step's, what the next one makes of the cost where steps lead along a valley
-AWAY = 30.0  # times the gain that it is counted from, or that part of it
 TINY = float(np.finfo(float).tiny)
 
 
@@ -61,10 +58,10 @@ def least(normal: np.ndarray, right: np.ndarray) -> np.ndarray:
     lengths = np.sqrt(np.where(diagonal > 0.0, diagonal, 1.0))
     scaled = normal / lengths[:, None] / lengths
     factor, solution, failed = dposv(scaled, right / lengths, lower=1)
-    if not failed and factor.diagonal().min(initial=1.0) > COLLINEAR:
+    if not failed and factor.diagonal().min(initial=1.0) > TOLERANCES.rank.pivot:
         return np.asarray(solution) / lengths
     values, vectors = np.linalg.eigh(scaled)
-    kept = values > COLLINEAR**2 * values[-1]
+    kept = values > TOLERANCES.rank.pivot**2 * values[-1]
     along = vectors[:, kept]
     return np.asarray(along @ ((along.T @ (right / lengths)) / values[kept])) / lengths
 
@@ -76,26 +73,28 @@ def independent_of(inner: np.ndarray) -> np.ndarray:
     """
     if not len(inner):
         return np.arange(0)
-    _, pivots, rank, _ = dpstrf(inner, tol=COLLINEAR**2, lower=1)
+    _, pivots, rank, _ = dpstrf(inner, tol=TOLERANCES.rank.pivot**2, lower=1)
     return np.sort(pivots[:rank] - 1)
 
 
 def creeps(fall: float, last: float, unseen: float) -> bool:
     """Whether steps lower the cost by less than `unseen` each and yet go on: along what the errors hardly tell."""
-    return SLOWLY * last < fall <= unseen
+    return TOLERANCES.steps.creeping * last < fall <= unseen
 
 
 def run_away(ratio: np.ndarray) -> np.ndarray:
     """Whether a gain has run away, so that a solution is of no use; ratio (..., n): of the gains to those they are
     counted from.
     """
-    return np.asarray(~((ratio > 1.0 / AWAY) & (ratio < AWAY)).all(axis=-1))
+    factor = TOLERANCES.steps.runaway_factor
+    return np.asarray(~((ratio > 1.0 / factor) & (ratio < factor)).all(axis=-1))
 
 
 def share_within_reach(gains: np.ndarray, by_gain: np.ndarray) -> np.ndarray:
-    """Share (...) of a step of gains (..., n), and of all else with it, that changes none by more than MOST times."""
+    """Share (...) of a step of gains (..., n), and of all else with it, that changes none by more than a factor."""
+    most = TOLERANCES.steps.gain_factor
     change = by_gain / gains
-    up, down = change.max(axis=-1) / (1.0 - 1.0 / MOST), -change.min(axis=-1) / (MOST - 1.0)
+    up, down = change.max(axis=-1) / (1.0 - 1.0 / most), -change.min(axis=-1) / (most - 1.0)
     return np.asarray(1.0 / np.maximum(1.0, np.maximum(up, down)))
 
 

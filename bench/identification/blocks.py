@@ -13,12 +13,8 @@ import numpy as np
 from scipy.special import stdtrit
 
 from bench.basics.chi_squared import WITHIN_95, exceeded_with
-
-BLOCKS = 8  # of every recording
-SHORTEST = 32  # rows of a block: many times the reach of the fit's low-pass
-FEWEST = 6  # blocks that say anything of a scatter
-SURPRISING = 1e-4  # probability of so much scatter by noise alone
-ALL_OF_IT = 1e-9  # share of what the data say of a combination that the other blocks must say
+from bench.identification.decision import RULE
+from bench.identification.tolerances import TOLERANCES
 
 
 @dataclass(frozen=True)
@@ -47,16 +43,16 @@ class Scatter:
     def beyond(self, noise: np.ndarray) -> bool:
         """Whether the estimate scatters more than errors of this covariance (P, P) make it, all unknowns together."""
         values, vectors = np.linalg.eigh(noise)
-        seen = values > 1e-12 * values[-1]
+        seen = values > TOLERANCES.rank.products * values[-1]
         turned = vectors[:, seen].T @ self.covariance @ vectors[:, seen]
         ratio = float((np.diag(turned) / values[seen]).mean())
-        return ratio > exceeded_with(SURPRISING, self.freedom) / self.freedom
+        return ratio > exceeded_with(RULE.surprising, self.freedom) / self.freedom
 
 
 def blocks_in(starts: tuple[int, ...], rows: int) -> Iterator[slice]:
     """The rows of every block, of all recordings."""
     for a, b in zip(starts, (*starts[1:], rows), strict=True):
-        count = min(BLOCKS, max((b - a) // SHORTEST, 1))
+        count = min(TOLERANCES.statistics.blocks, max((b - a) // TOLERANCES.statistics.block_rows, 1))
         edges = np.linspace(a, b, count + 1).astype(int)
         yield from (slice(int(x), int(y)) for x, y in pairwise(edges))
 
@@ -68,15 +64,15 @@ def block_scatter(blocks: list[Block]) -> Scatter | None:
     z_b = (1 - R' J_b' J_b R)^(-1/2) R' J_b' e_b: the root makes up for what the fit has taken of the block's error,
     so that the sum of squares is right on average where the errors are noise (Bell and McCaffrey 2002).
     """
-    if len(blocks) < FEWEST:
+    if len(blocks) < TOLERANCES.statistics.fewest_blocks:
         return None
     values, vectors = np.linalg.eigh(sum(block.normal for block in blocks))
-    seen = values > 1e-12 * values[-1]
+    seen = values > TOLERANCES.rank.products * values[-1]
     root = vectors[:, seen] / np.sqrt(values[seen])
     moved, squares = [], 0.0
     for block in blocks:
         share, turned = np.linalg.eigh(root.T @ block.normal @ root)
-        remaining = np.maximum(1.0 - share, ALL_OF_IT)
+        remaining = np.maximum(1.0 - share, TOLERANCES.rank.combination)
         moved.append(root @ turned @ ((turned.T @ root.T @ block.score) / np.sqrt(remaining)))
         squares += float((share**2).sum())
     shifts = np.array(moved)

@@ -4,9 +4,10 @@ from collections.abc import Callable
 
 import numpy as np
 
+from bench.identification.tolerances import TOLERANCES
+
 GOLDEN = 0.5 * (3.0 - np.sqrt(5.0))
 ROUNDING = float(np.sqrt(2.2e-16))  # relative: closer points have the same value
-MOST = 500  # values
 
 
 def minimum_between(
@@ -20,7 +21,7 @@ def minimum_between(
     best = second = third = low + GOLDEN * (high - low)
     at_best = at_second = at_third = function(best)
     step = before = 0.0
-    for _ in range(MOST):
+    for _ in range(TOLERANCES.shapes.values):
         middle = 0.5 * (low + high)
         least = ROUNDING * abs(best) + tolerance / 3.0
         if abs(best - middle) <= 2.0 * least - 0.5 * (high - low):

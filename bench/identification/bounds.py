@@ -9,9 +9,7 @@ from bench.identification.nonlinear import converged, present_model
 from bench.identification.out_of_bounds import out_of_bounds
 from bench.identification.prepare import Prepared, with_effects
 from bench.identification.solve_only import linearised, solved_quickly
-
-LINEARISATIONS = 4
-STILL = 1e-3  # relative change of gains
+from bench.identification.tolerances import TOLERANCES
 
 
 def beyond_bounds(prepared: Prepared) -> tuple[EffectInstance, ...]:
@@ -24,11 +22,11 @@ def beyond_bounds(prepared: Prepared) -> tuple[EffectInstance, ...]:
         np.isfinite(parameter.below) for each in prepared.effects for parameter in each.effect.parameters
     ):
         return ()
-    before = None
-    for _ in range(LINEARISATIONS):
+    before, settled = None, TOLERANCES.steps.gains_at_bounds
+    for _ in range(TOLERANCES.steps.linearisations_at_bounds):
         _, solution = solved_quickly(prepared)
         outside = out_of_bounds(prepared, solution)
-        if outside or (before is not None and np.allclose(solution.gains, before, rtol=STILL, atol=0.0)):
+        if outside or (before is not None and np.allclose(solution.gains, before, rtol=settled, atol=0.0)):
             return outside
         before = solution.gains
         about = linearised(prepared.effects, solution.theta[prepared.layout.size - prepared.layout.effects :])

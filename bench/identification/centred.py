@@ -8,13 +8,7 @@ from scipy.linalg import solve_triangular
 
 from bench.identification.bilinear import creeps, errors_by, least, normal_equations, squares_of
 from bench.identification.solution import Fitted
-
-INDEPENDENT = 1e-9  # least diagonal of the triangular factor of unit columns that it is divided by
-DEPENDENT = 1e-13  # share of the largest singular value below which columns are dependent
-WORSE = 1e-9  # relative growth of the cost that rounding may make
-LEAST_SHARE = 1e-3  # of a step
-NOTHING = 1e-12  # share of the cost by which it falls where gains run away without end
-FAR = 2.0  # times a gain: beyond, products are as inexact as the start is far
+from bench.identification.tolerances import TOLERANCES
 
 
 @dataclass(frozen=True)
@@ -64,7 +58,7 @@ class Centred:
         unseen: the same, from which on it is enough that steps creep; see `creeps`.
         None where the cost still falls after so many steps.
         """
-        squares, n = weights**2, len(gains)
+        bounds, squares, n = TOLERANCES.steps, weights**2, len(gains)
         cost, last = float(self.squares(values, gains) @ squares), np.inf
         for _ in range(most_steps):
             both = least(*normal_equations(self.inner, values, gains, weights, self.gains, fit_gains))
@@ -73,18 +67,18 @@ class Centred:
             while True:
                 new_values, new_gains = values + share * step, gains + share * by_gain
                 new = float(self.squares(new_values, new_gains) @ squares)
-                if new <= cost * (1.0 + WORSE):
+                if new <= cost * (1.0 + bounds.rounding):
                     break
                 share /= 2.0
-                if share < LEAST_SHARE:
+                if share < bounds.least_share:
                     return Reached(values, gains, "stuck")
             fall = cost - new
             converged = share == 1.0 and (fall <= tolerance * cost or creeps(fall, last, unseen * cost))
             values, gains, cost, last = new_values, new_gains, new, fall
             ratio = gains / self.gains
-            far = bool(ratio.max() > FAR or ratio.min() < 1.0 / FAR)
+            far = bool(ratio.max() > bounds.recentred_factor or ratio.min() < 1.0 / bounds.recentred_factor)
             if converged or far:
-                return Reached(values, gains, "far" if far and fall > NOTHING * cost else "converged")
+                return Reached(values, gains, "far" if far and fall > bounds.endless * cost else "converged")
         return None
 
 
@@ -127,8 +121,8 @@ def _orthonormal(rows: np.ndarray) -> np.ndarray:
     lengths[lengths == 0.0] = 1.0
     triangle = np.asarray(np.linalg.qr(rows / lengths, mode="r"))
     size = triangle.shape[1]
-    if len(triangle) == size and np.abs(np.diag(triangle)).min(initial=1.0) > INDEPENDENT:
+    if len(triangle) == size and np.abs(np.diag(triangle)).min(initial=1.0) > TOLERANCES.rank.triangle:
         return np.asarray(solve_triangular(triangle, np.eye(size), check_finite=False)) / lengths[:, None]
     _, singular, vectors = np.linalg.svd(triangle, full_matrices=False)
-    kept = singular > DEPENDENT * singular.max(initial=0.0)
+    kept = singular > TOLERANCES.rank.columns * singular.max(initial=0.0)
     return np.asarray(vectors[kept].T / singular[kept] / lengths[:, None])

@@ -18,18 +18,18 @@ from bench.basics.errors import BenchError
 from bench.dataset.controller import ControlLaw, references
 from bench.identification.compressed import Stack, compress
 from bench.identification.current_error import current_error, current_floor, squared_errors
+from bench.identification.decision import RULE
 from bench.identification.filtered import Measured
 from bench.identification.instrumental import instrumental_variables
 from bench.identification.prepare import Prepared
 from bench.identification.solution import Solution
 from bench.identification.standstill import interpolated
+from bench.identification.tolerances import TOLERANCES
+from bench.signals.bounds import BANDS
 from bench.signals.decimation import decimate
 from bench.signals.processing import estimate_motion
-from bench.signals.settings import HIGHEST_CUTOFF, WIDEST
 
 TERMS = ("kp", "kv", "ka")
-PARTS = 16  # of all rows, in each of which both readings are compared
-UNLIKE, NEGLIGIBLE = 5.0, 1e-4  # deviations, and share of a current, by which they may differ on the whole
 
 
 def output_error(
@@ -69,7 +69,7 @@ def output_error(
 
 def _check_law(logged: np.ndarray, terms: np.ndarray, joints: Sequence[str]) -> None:
     """Compare logged currents (M, n) with the law's terms (M, n, 3): each must be in them with a factor of one."""
-    parts = np.array_split(np.arange(len(logged)), PARTS)
+    parts = np.array_split(np.arange(len(logged)), TOLERANCES.statistics.compared_parts)
     for joint, measured, every in zip(joints, logged.T, terms.swapaxes(0, 1), strict=True):
         present = np.flatnonzero(every.any(axis=0))
         law = every[:, present]
@@ -79,7 +79,7 @@ def _check_law(logged: np.ndarray, terms: np.ndarray, joints: Sequence[str]) -> 
         inverse = np.linalg.pinv(law.T @ law, rcond=1e-18, hermitian=True)
         deviations = np.sqrt(np.diag(inverse @ scores.T @ scores @ inverse))
         for k, factor, deviation in zip(present, factors, deviations, strict=True):
-            if abs(factor - 1.0) > UNLIKE * deviation + NEGLIGIBLE:
+            if abs(factor - 1.0) > RULE.certain * deviation + TOLERANCES.statistics.law_current:
                 raise BenchError(
                     f"controller of joint {joint}: the logged current has {factor:.4g} ± {deviation:.2g} times the "
                     f"law's term with {TERMS[k]}: another law, another unit, or noise that the filter lets through?"
@@ -119,7 +119,7 @@ def law_terms(law: ControlLaw, measured: Measured, joints: Sequence[str]) -> np.
     """
     recording, settings = measured.recording, measured.settings
     band = settings.band(recording.rate)
-    cutoff = min(max(settings.position_cutoff, WIDEST * band), HIGHEST_CUTOFF * recording.rate)
+    cutoff = min(max(settings.position_cutoff, BANDS.widest * band), BANDS.highest_cutoff * recording.rate)
     wide = replace(settings, position_cutoff=cutoff)
     wanted = estimate_motion(references(recording, joints), recording.rate, wide)
     seen = estimate_motion(recording.position, recording.rate, wide)

@@ -5,14 +5,9 @@ from collections.abc import Sequence
 import numpy as np
 
 from bench.effects import EffectInstance
+from bench.identification.decision import RULE
 from bench.identification.finding import Code, Finding, Unknown
-
-WIDER = 10.0  # times: by how much others may widen a parameter's deviation before it is said
-TAKES_PART = 0.2  # of the largest part in a combination
-ELSEWHERE, SHARE = (
-    3.0,
-    0.1,
-)  # deviations, and share of a value, by which it may miss what it was linearised about
+from bench.identification.tolerances import TOLERANCES
 
 
 def collinear(
@@ -38,9 +33,9 @@ def collinear(
     values, vectors = np.linalg.eigh(covariance[np.ix_(indices, indices)] / np.outer(std, std))
     findings = []
     for value, vector in zip(values, vectors.T, strict=True):
-        if value * WIDER**2 >= 1.0:
+        if value * TOLERANCES.findings.widened**2 >= 1.0:
             break
-        part = np.flatnonzero(np.abs(vector) >= TAKES_PART * np.abs(vector).max())
+        part = np.flatnonzero(np.abs(vector) >= TOLERANCES.findings.takes_part * np.abs(vector).max())
         together = tuple(rows[indices[i]] for i in part)
         if len({(unknown.effect, unknown.place) for unknown in together}) > 1:
             wider = float(1.0 / np.sqrt(max(value, np.finfo(float).eps)))
@@ -61,7 +56,11 @@ def unsettled(
         for k, parameter in enumerate(instance.effect.parameters):
             value, place = float(values[at + k]), about.get(parameter.name, 0.0)
             off = abs(value - place)
-            if place and off > ELSEWHERE * std[at + k] and off > SHARE * max(abs(value), abs(place)):
+            if (
+                place
+                and off > RULE.shows * std[at + k]
+                and off > TOLERANCES.steps.linearisation_reached * max(abs(value), abs(place))
+            ):
                 findings.append(
                     (at + k, Unknown("effect", parameter.name, instance.place, instance.effect.name))
                 )

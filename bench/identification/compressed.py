@@ -8,10 +8,9 @@ import numpy as np
 from bench.dataset.payload import Payload
 from bench.identification.layout import ParameterLayout, known_rows, regressor_rows
 from bench.identification.observation import Observation
+from bench.identification.tolerances import TOLERANCES
 from bench.model.motion import blocks_of
 from bench.signals.returning import Course
-
-BLOCK = 65536  # rows that are compressed together, at most
 
 
 @dataclass(frozen=True)
@@ -67,7 +66,7 @@ def compress(phi: np.ndarray, kappa: np.ndarray, current: np.ndarray) -> np.ndar
     """Triangular factors (n, p + 2, p + 2) of [phi, kappa, current], motor by motor."""
     samples, n, p = phi.shape
     factors = np.zeros((n, p + 2, p + 2))
-    for rows in blocks_of(samples, BLOCK):
+    for rows in blocks_of(samples, TOLERANCES.memory.compressed_rows):
         part = np.concatenate((phi[rows], kappa[rows, :, None], current[rows, :, None]), axis=2)
         if rows.start:
             part = np.concatenate((factors.swapaxes(0, 1), part))

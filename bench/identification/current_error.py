@@ -13,12 +13,7 @@ from bench.identification.centred import FactorProducts, products_of
 from bench.identification.compressed import Stack
 from bench.identification.least_squares import weighted_least_squares
 from bench.identification.solution import Fitted, NominalGains, Solution, scaled_lstsq
-
-REWEIGHTINGS = 3
-MOST_STEPS = 50
-CONVERGED = 1e-12
-NEARLY = 1e-9  # as long as the weights are not the last ones
-PASSES = [NEARLY] * (REWEIGHTINGS - 1) + [CONVERGED]
+from bench.identification.tolerances import TOLERANCES
 
 
 def current_error(stack: Stack, start: Solution) -> Solution:
@@ -27,13 +22,13 @@ def current_error(stack: Stack, start: Solution) -> Solution:
     The weights are one over each motor's current error. Gains that are not unknowns (start.gains_fitted) stay as they
     are; where none is, the problem is linear.
     """
-    theta, gains, passes = start.theta, start.gains, PASSES
+    theta, gains, passes = start.theta, start.gains, _tolerances()
     weights = error_weights(stack, squared_errors(stack.factors, theta, gains))
     products = products_of(stack.factors, weights / gains)
     nearly = from_products(stack, products, start, weights)
     if nearly is not None:
         theta, gains, weights = nearly.theta, nearly.gains, nearly.weights
-        passes = [CONVERGED]
+        passes = [TOLERANCES.steps.converged]
     for tolerance in passes:
         theta, gains = minimised(stack.factors, theta, gains, weights, start.gains_fitted, tolerance)
         weights = error_weights(stack, squared_errors(stack.factors, theta, gains))
@@ -71,11 +66,13 @@ def from_products(
     """
     near = products.about(start.theta, start.gains)
     values, gains, fit_gains = np.zeros(near.basis.shape[1]), start.gains, start.gains_fitted
-    for i, tolerance in enumerate(PASSES):
+    for i, tolerance in enumerate(_tolerances()):
         if i:
             weights = error_weights(stack, near.squares(values, gains))
         while True:
-            minimum = near.minimised(values, gains, weights, fit_gains, tolerance, MOST_STEPS, unseen)
+            minimum = near.minimised(
+                values, gains, weights, fit_gains, tolerance, TOLERANCES.steps.most, unseen
+            )
             if minimum is None:
                 return None
             values, gains = minimum.values, minimum.gains
@@ -112,13 +109,13 @@ def minimised(
     gains: np.ndarray,
     weights: np.ndarray,
     fit_gains: Fitted,
-    tolerance: float = CONVERGED,
+    tolerance: float = TOLERANCES.steps.converged,
 ) -> tuple[np.ndarray, np.ndarray]:
     """Gauss-Newton with step halving on factors (n, r, p + 2), until the cost falls by less than a share."""
     n, r, p = factors.shape[0], factors.shape[1], len(theta)
     squares = weights**2
     cost = float(squared_errors(factors, theta, gains) @ squares)
-    for _ in range(MOST_STEPS):
+    for _ in range(TOLERANCES.steps.most):
         scaled = factors * (weights / gains)[:, None, None]
         phi = scaled[:, :, :p]
         modelled = phi @ theta + scaled[:, :, p]
@@ -152,3 +149,9 @@ def minimised(
 def current_floor(stack: Stack) -> float:
     """The smallest error that a fit in double precision can have, in drive units: no weight grows beyond it."""
     return float(1e-9 * np.sqrt((stack.current**2).mean(axis=0).max()) + np.finfo(float).tiny)
+
+
+def _tolerances() -> list[float]:
+    """Of the cost in each pass between two reweightings; the last pass converges."""
+    bounds = TOLERANCES.steps
+    return [bounds.between_weights] * (bounds.reweightings - 1) + [bounds.converged]

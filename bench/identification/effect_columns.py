@@ -16,12 +16,11 @@ from bench.identification.filtered import Measured
 from bench.identification.joint_reaction import joint_reactions
 from bench.identification.payload_parameters import payload_columns
 from bench.identification.perturbed_observation import change_key, perturbed_rows
+from bench.identification.tolerances import TOLERANCES
 from bench.model.geometry import Geometry
 from bench.model.model import IdentificationModel
 from bench.model.motion import Motion, motion_of
 from bench.model.regressor import payload_transform, projected_regressor, redundant_columns
-
-AGAIN = 3  # times that torques in joints are worked out, which press on the bearings that they come from
 
 
 @dataclass(frozen=True)
@@ -181,7 +180,7 @@ def torques_in_joints(
         nonlocal asked, known
         if not asked:
             asked = True
-            for _ in range(AGAIN):
+            for _ in range(TOLERANCES.steps.reaction_rounds):
                 torques: dict[str, np.ndarray] = {}
                 for instance, values in present.effects:
                     for part, share in made_of(seen(), instance):

@@ -10,10 +10,9 @@ from bench.effects.checked_columns import columns_at_motors
 from bench.effects.row_cache import KeptRows
 from bench.identification.expansion import made_of
 from bench.identification.standstill_interpolation import whole_interpolation
+from bench.identification.tolerances import TOLERANCES
 from bench.signals.decimation import decimate, decimated_indices
 from bench.signals.sparse_decimation import decimate_sparse
-
-TOGETHER = 2_000_000  # bytes of columns that are filtered together, at most
 
 
 def effect_rows(
@@ -69,7 +68,7 @@ def _kept_or_computed(
             columns, motors = columns_at_motors(effects[i], seen)
             together.append((i, columns, motors))
             size += columns.nbytes
-            if size > TOGETHER or i == indices[-1]:
+            if size > TOLERANCES.memory.filtered_bytes or i == indices[-1]:
                 for k, rows in _filtered(seen, decimation, together):
                     _keep(seen, decimation, effects[k], rows)
                     yield k, rows

@@ -15,12 +15,10 @@ from bench.identification.finding import Code, Finding
 from bench.identification.model_averaged import all_model_averaged
 from bench.identification.prepare import Prepared
 from bench.identification.result import Identification
-from bench.signals.settings import FIT_NOISE, signal_bands
+from bench.identification.tolerances import TOLERANCES
+from bench.signals.bounds import BANDS
+from bench.signals.settings import signal_bands
 
-HEARD = 1e-4  # share of an acceleration's power: ten times what filters that were chosen let through
-LOUD = 0.1  # of an acceleration's power: noise that is reported in any case
-MOVES = 2.0  # standard errors by which the two estimates differ where noise is seen to move the answer
-DECIDES = 0.1  # of a drive gain: an answer that noise moves by so much is not to be believed
 CONSISTENT = ("iv", "oe")  # that do not take the observation matrix of the measured motion for exact
 
 Fit = Callable[[Prepared, str], Identification]
@@ -40,7 +38,7 @@ def noise_share(prepared: Prepared) -> float:
         rate,
     )
     band = min(settings.band(rate), settings.position_cutoff)
-    return float(FIT_NOISE * (band / bands.fit_limit) ** 5)
+    return float(BANDS.fit_noise * (band / bands.fit_limit) ** 5)
 
 
 def with_errors_in_variables_checked(
@@ -52,18 +50,22 @@ def with_errors_in_variables_checked(
     if result.method in CONSISTENT or not result.gains_fitted:
         return result
     share = noise_share(prepared)
-    if share < HEARD:
+    bounds = TOLERANCES.findings
+    if share < bounds.noise_power:
         return result
     other = fitted(prepared, "iv")
     gains, others = result.drive_gains, other.drive_gains
     moved = {joint: abs(others[joint].value - gain.value) for joint, gain in gains.items()}
-    seen = any(moved[joint] > MOVES * np.hypot(gain.std, others[joint].std) for joint, gain in gains.items())
+    seen = any(
+        moved[joint] > bounds.noise_moves * np.hypot(gain.std, others[joint].std)
+        for joint, gain in gains.items()
+    )
     answer = all_model_averaged(result, other, "instruments")
-    if not seen and share < LOUD:
+    if not seen and share < bounds.loud_noise:
         return answer
     worst = max(gains, key=lambda joint: moved[joint] / abs(others[joint].value))
     gain = gains[worst]
     numbers = {"share": share, "value": gain.value, "other": others[worst].value}
-    decides = moved[worst] > DECIDES * min(abs(gain.value), abs(numbers["other"]))
+    decides = moved[worst] > bounds.noise_decides * min(abs(gain.value), abs(numbers["other"]))
     code = Code.NOISE_DECIDES if decides else Code.NOISE_LET_THROUGH
     return replace(answer, findings=(Finding(code, (worst,), (), numbers, gain.unit), *answer.findings))

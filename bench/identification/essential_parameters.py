@@ -6,11 +6,10 @@ from dataclasses import replace
 import numpy as np
 
 from bench.identification.compressed import Stack, triangular_factors
+from bench.identification.decision import RULE
 from bench.identification.solution import Solution
 from bench.identification.standard_errors import Deviations, Uncertainty, uncertainty
-
-REASONABLE = 0.3  # relative deviation above which a base parameter is a candidate to be omitted
-WORSE = 1.01  # growth of the error at which leaving out stops
+from bench.identification.tolerances import TOLERANCES
 
 Solve = Callable[[Stack, np.ndarray], Solution]
 
@@ -38,12 +37,12 @@ def essential_columns(stack: Stack, candidates: int, solve: Solve, deviations: D
         size = np.abs(solution.theta)
         relative = np.where(kept < candidates, std / np.maximum(size, np.finfo(float).tiny), 0.0)
         worst = int(np.argmax(relative))
-        if relative[worst] <= REASONABLE:
+        if relative[worst] <= RULE.loose:
             return kept
         fewer = np.delete(kept, worst)
         smaller = reduced(stack, fewer)
         candidate = solve(smaller, fewer)
-        if _current_error(smaller, candidate) > WORSE * reference:
+        if _current_error(smaller, candidate) > TOLERANCES.findings.omitted_growth * reference:
             return kept
         kept, current, solution = fewer, smaller, candidate
 

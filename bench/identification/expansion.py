@@ -5,8 +5,7 @@ from dataclasses import replace
 import numpy as np
 
 from bench.effects import EffectInstance, RobotSignals
-
-FURTHEST = 5.0  # times its nodes: as far as an effect's columns are taken to follow a line
+from bench.identification.tolerances import TOLERANCES
 
 
 def made_of(signals: RobotSignals, instance: EffectInstance) -> list[tuple[EffectInstance, float]]:
@@ -27,7 +26,7 @@ def made_of(signals: RobotSignals, instance: EffectInstance) -> list[tuple[Effec
     if nodes is None:
         return [(instance, 1.0)]
     ((name, value),) = instance.effect.about_values().items()
-    furthest = FURTHEST * nodes[1]
+    furthest = TOLERANCES.shapes.expansion * nodes[1]
     share = (float(np.clip(value, -furthest, furthest)) - nodes[0]) / (nodes[1] - nodes[0])
     low, high = (replace(instance, effect=instance.effect.about({name: node})) for node in nodes)
     return [(low, 1.0 - share), (high, share)]

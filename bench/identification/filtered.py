@@ -10,6 +10,7 @@ from bench.dataset.recording import Recording
 from bench.effects.row_cache import KeptRows
 from bench.identification.logged_velocities import logged_velocities, taken_velocities
 from bench.identification.standstill import Gaps, no_gaps, standstills
+from bench.identification.tolerances import TOLERANCES
 from bench.model.geometry import Geometry
 from bench.model.model import IdentificationModel
 from bench.model.motion import LongMotion, Motion, path_of
@@ -17,10 +18,6 @@ from bench.model.reaction import HeldMotion
 from bench.signals.logged_velocity import LoggedVelocity
 from bench.signals.processing import estimate_motion, trim
 from bench.signals.settings import FilterSettings
-
-MOST_NUMBERS = 8_000_000  # of a motion of all joints that is kept: 64 MB
-FEW_NUMBERS = 2_000_000  # of one that is kept for good: 16 MB
-FEW_BYTES = 5_000_000  # of forces in joints that are kept: more would be gone before they are asked for again
 
 
 @dataclass(frozen=True)
@@ -48,7 +45,9 @@ class Measured:
     kept: KeptRows = field(default_factory=KeptRows, compare=False, repr=False)
     perturbed: KeptRows = field(default_factory=KeptRows, compare=False, repr=False)
     reshaped: KeptRows = field(default_factory=KeptRows, compare=False, repr=False)
-    reactions: KeptRows = field(default_factory=lambda: KeptRows(FEW_BYTES), compare=False, repr=False)
+    reactions: KeptRows = field(
+        default_factory=lambda: KeptRows(TOLERANCES.memory.force_bytes), compare=False, repr=False
+    )
     held: dict[int, HeldMotion] = field(default_factory=dict, compare=False, repr=False)
 
     @property
@@ -96,11 +95,11 @@ def _closed(
     """The motion of all joints, worked out where it is asked for if it is long; rates (N, k) of passive joints."""
     path = path_of(geometry, *track)
     numbers = len(track[0]) * (geometry.nq + geometry.nv * (2 + len(geometry.active)))
-    if numbers > MOST_NUMBERS:
+    if numbers > TOLERANCES.memory.motion_numbers:
         return LongMotion(path), path.rates(_passive(geometry))
     tree = path.motion(slice(None))
     rates = passive_rates(geometry, tree)
-    return (tree if numbers <= FEW_NUMBERS else LongMotion(path, tree)), rates
+    return (tree if numbers <= TOLERANCES.memory.lasting_numbers else LongMotion(path, tree)), rates
 
 
 def forget_motions(measured: Sequence[Measured]) -> None:

@@ -7,18 +7,11 @@ import numpy as np
 
 from bench.dataset.robot_locked import LockedJoint
 from bench.effects import EffectInstance
+from bench.identification.decision import RULE
 from bench.identification.finding import Code, Finding, Unknown
 from bench.identification.periods_not_whole import periods_not_whole
 from bench.identification.result import DriveGain, Identification
-
-LOOSE = 0.3  # relative deviation above which a parameter says little
-ILL_CONDITIONED = 1e3
-HOPELESS_CONDITION = 1e7  # beyond it, digits of the data that are rounding decide
-FAR = 2.0  # times the nominal gain, or its half: makers are wrong by a tenth
-UNLIKE = 3.0  # times the fitted error: recordings that were not fitted are another machine, load or unit
-NEAR = 3.0  # times a thousand, or a thousandth: a gain as far off has a wrong unit behind it
-BETTER = 0.5  # relative error of a current with its sign reversed, from which on that is likely
-SUSPICIOUS_GAIN = 0.5  # of the nominal gain: makers are wrong by a tenth
+from bench.identification.tolerances import TOLERANCES
 
 
 def with_findings(
@@ -45,7 +38,7 @@ def with_findings(
     if result.rank < result.unknowns:
         rank = {"rank": result.rank, "unknowns": result.unknowns}
         findings.append(Finding(Code.RANK_DEFICIENT, numbers=rank))
-    if result.scaled_condition > ILL_CONDITIONED:
+    if result.scaled_condition > TOLERANCES.findings.condition:
         findings.append(Finding(Code.ILL_CONDITIONED, numbers={"condition": result.scaled_condition}))
     apart = {(instance.effect.name, instance.place) for instance in outside}
     apart |= {
@@ -72,9 +65,9 @@ def with_findings(
             findings.append(Finding(Code.STANDS_STILL, (joint,)))
         elif not reverses:
             findings.append(Finding(Code.NEVER_REVERSES, (joint,)))
-    loose = sum(parameter.relative_std > LOOSE for parameter in result.parameters)
+    loose = sum(parameter.relative_std > RULE.loose for parameter in result.parameters)
     if loose:
-        numbers = {"count": loose, "of": len(result.parameters), "limit": LOOSE}
+        numbers = {"count": loose, "of": len(result.parameters), "limit": RULE.loose}
         findings.append(Finding(Code.POORLY_DETERMINED, numbers=numbers))
     return replace(result, findings=(*findings, *more))
 
@@ -107,7 +100,7 @@ def unlike(result: Identification) -> Finding | None:
         if finding.code == Code.CHECKED_HAS_OTHER_VALUES:
             return finding
     fitted, checked = result.error.identify, result.error.validate
-    if fitted is None or checked is None or checked <= UNLIKE * fitted:
+    if fitted is None or checked is None or checked <= TOLERANCES.findings.unlike * fitted:
         return None
     by_recording = result.error.by_recording
     worst = max(by_recording, key=lambda name: by_recording[name])
@@ -144,7 +137,7 @@ def runaway(result: Identification) -> Finding | None:
             return Finding(
                 Code.PARAMETER_WITHOUT_DEVIATION, (), unknown, {"value": parameter.value}, parameter.unit
             )
-    if result.scaled_condition > HOPELESS_CONDITION:
+    if result.scaled_condition > TOLERANCES.findings.rounding_condition:
         return Finding(Code.ROUNDING_DECIDES, numbers={"condition": result.scaled_condition})
     return None
 
@@ -158,7 +151,7 @@ def _doubtful_gain(result: Identification) -> Finding | None:
     if open_:
         return Finding(Code.GAIN_NOT_DETERMINED, of=tuple(Unknown("gain", "gain", joint) for joint in open_))
     for joint, gain in result.drive_gains.items() if result.gains_fitted else ():
-        if not 1.0 / FAR <= gain.value / gain.nominal <= FAR:
+        if not 1.0 / RULE.gain_far <= gain.value / gain.nominal <= RULE.gain_far:
             return _gain(Code.GAIN_RUNAWAY, joint, gain)
     return None
 
@@ -178,10 +171,13 @@ def _implausible(result: Identification) -> list[Finding]:
     negative = [joint for joint, gain in result.drive_gains.items() if gain.value < 0 and gain.determined]
     if result.gains_fitted and len(negative) < len(ratios):
         for joint in negative:
-            reversed_sign = joint in result.joints and _error_turned(result, joint) < BETTER
+            reversed_sign = (
+                joint in result.joints and _error_turned(result, joint) < TOLERANCES.findings.explained
+            )
             findings.append(Finding(Code.SIGN_REVERSED if reversed_sign else Code.GAIN_NEGATIVE, (joint,)))
     for joint, gain in result.drive_gains.items():
-        far = gain.determined and joint not in negative and abs(ratios[joint] - 1.0) > SUSPICIOUS_GAIN
+        deviation = abs(ratios[joint] - 1.0)
+        far = gain.determined and joint not in negative and deviation > TOLERANCES.findings.far_gain
         if result.gains_fitted and thousand is None and far:
             findings.append(_gain(Code.GAIN_FAR, joint, gain))
     if result.gains_fitted and len(negative) == len(ratios):
@@ -216,7 +212,8 @@ def a_thousand(result: Identification) -> Code | None:
     )
     if not ratios:
         return None
+    near = TOLERANCES.findings.near_thousand
     for factor, code in ((1e3, Code.GAINS_A_THOUSAND), (1e-3, Code.GAINS_A_THOUSANDTH)):
-        if all(factor / NEAR < abs(ratio) < factor * NEAR for ratio in ratios):
+        if all(factor / near < abs(ratio) < factor * near for ratio in ratios):
             return code
     return None

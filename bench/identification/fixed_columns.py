@@ -10,8 +10,7 @@ from bench.identification.compressed import Stack, stack_observations
 from bench.identification.identifiability_of_effects import orthonormal
 from bench.identification.layout import ParameterLayout
 from bench.identification.observation import Observation
-
-MOST_BYTES = 100_000_000  # of orthogonalised columns that are kept
+from bench.identification.tolerances import TOLERANCES
 
 
 @dataclass(frozen=True)
@@ -49,7 +48,7 @@ def fixed_columns(
         payloads,
     )
     samples, n, p = stack.phi.shape
-    if samples < p + 2 or 8 * samples * n * (p + 2) > MOST_BYTES:
+    if samples < p + 2 or 8 * samples * n * (p + 2) > TOLERANCES.memory.fixed_bytes:
         return None
     bases, triangles = np.empty((n, samples, p + 2)), np.empty((n, p + 2, p + 2))
     for j in range(n):

@@ -9,17 +9,15 @@ from bench.dataset.payload import Payload
 from bench.identification.layout import parameter_layout
 from bench.identification.observation import Observation
 from bench.identification.payload_parameters import payload_columns
+from bench.identification.tolerances import TOLERANCES
+from bench.model.bounds import BODIES, RANKS
 from bench.model.geometry import Geometry
-from bench.model.guess import MASS, SHORTEST
-from bench.model.independent import SLACK
 from bench.model.model import IdentificationModel
 
 SEED = 20120604  # of the currents of redundant motors at the random states
-ROWS = 1000  # of a recording, evenly spread: more say no more about rank
 ASIDE = np.array(
     [0.6, -0.48, 0.64]
 )  # unit length, along no axis of a tool: where a body of unknown centre has it
-CENTER, RADIUS = 0.3, 0.1  # shares of the robot's length: that centre's distance, and a radius of gyration
 
 
 @dataclass(frozen=True)
@@ -48,14 +46,14 @@ class GainShares:
     @property
     def determined(self) -> np.ndarray:
         """Whether each gain is, (r + n,)."""
-        return np.asarray(self.shares > SLACK)
+        return np.asarray(self.shares > RANKS.slack)
 
     def apart(self, held: np.ndarray) -> bool:
         """Whether the other gains are the same whatever the held ones, (r + n,) True or False, are taken to be."""
         others = self.columns.shape[1] - len(held)
         free = np.append(np.ones(others, dtype=bool), ~held)
         combinations = np.linalg.lstsq(self.columns[:, free], self.columns[:, ~free])[0]
-        return bool(np.abs(combinations[others:]).max(initial=0.0) < SLACK)
+        return bool(np.abs(combinations[others:]).max(initial=0.0) < RANKS.slack)
 
 
 def gain_shares(
@@ -115,7 +113,7 @@ def recorded_states(observations: Sequence[Observation]) -> list[LoadedStates]:
     """Some rows of every recording, where the joints move."""
     states = []
     for observation in observations:
-        some = slice(None, None, 1 + len(observation.time) // ROWS)
+        some = slice(None, None, 1 + len(observation.time) // TOLERANCES.memory.rank_rows)
         moving = observation.moving[some, :, None]
         loads = None if observation.payload is None else observation.payload[some] * moving
         parts = observation.rigid[some] * moving, loads, observation.redundant[some] * moving
@@ -128,7 +126,7 @@ def robot_length(geometry: Geometry) -> float:
     placements = [joint.placement for joint in geometry.joints]
     if geometry.tool is not None:
         placements.append(geometry.tool.placement)
-    return max(SHORTEST, *(float(np.linalg.norm(placement.translation)) for placement in placements))
+    return max(BODIES.shortest, *(float(np.linalg.norm(placement.translation)) for placement in placements))
 
 
 def _carried(states: Sequence[LoadedStates]) -> list[str]:
@@ -138,13 +136,17 @@ def _carried(states: Sequence[LoadedStates]) -> list[str]:
 def _as_heavy_as_a_body(payload: Payload) -> Payload:
     if payload.mass is None:
         return payload
-    inertia = None if payload.inertia is None else payload.inertia * (MASS / payload.mass)
-    return replace(payload, mass=MASS, inertia=inertia)
+    inertia = None if payload.inertia is None else payload.inertia * (BODIES.mass / payload.mass)
+    return replace(payload, mass=BODIES.mass, inertia=inertia)
 
 
 def assumed(payload: Payload, length: float) -> Payload:
     """The payload with values for what is not declared: a ball off the tool; length: the robot's, m."""
-    mass = MASS if payload.mass is None else payload.mass
-    ball = mass * (RADIUS * length) ** 2 * np.array([1.0, 1.0, 1.0, 0.0, 0.0, 0.0])
-    center = CENTER * length * ASIDE if payload.center_of_mass is None else payload.center_of_mass
+    mass = BODIES.mass if payload.mass is None else payload.mass
+    ball = mass * (TOLERANCES.motion.gyration * length) ** 2 * np.array([1.0, 1.0, 1.0, 0.0, 0.0, 0.0])
+    center = (
+        TOLERANCES.motion.centre * length * ASIDE
+        if payload.center_of_mass is None
+        else payload.center_of_mass
+    )
     return Payload(payload.name, mass, center, ball if payload.inertia is None else payload.inertia)

@@ -7,9 +7,7 @@ import numpy as np
 from bench.identification.compressed import Stack
 from bench.identification.layout import ParameterLayout
 from bench.identification.solution import NominalGains
-
-DEPENDENT = 1e-7  # share of a column that the model must leave for it to count as independent
-NOTHING = 1e-9  # of the motors' torque: a smaller column is rounding
+from bench.identification.tolerances import TOLERANCES
 
 
 def identifiable_columns(
@@ -33,18 +31,18 @@ def identifiable_columns(
     base_columns = np.array([*kept, p] if np.any(gains.fitted) else kept, dtype=int)
     basis = orthonormal(rows[:, base_columns]) if span is None else span(base_columns).reshape(len(rows), -1)
     scale = np.linalg.norm(rows[:, :first], axis=0).max(initial=0.0)
-    if _all_independent(rows[:, first:p], basis, NOTHING * scale):
+    if _all_independent(rows[:, first:p], basis, TOLERANCES.rank.torque * scale):
         return np.array([*kept, *range(first, p)])
     for index in range(first, p):
         column = rows[:, index]
         size = float(np.linalg.norm(column))
-        if size <= NOTHING * scale:
+        if size <= TOLERANCES.rank.torque * scale:
             continue
         orthogonal = column / size
         for _ in range(2):
             orthogonal = orthogonal - basis @ (basis.T @ orthogonal)
         remainder = float(np.linalg.norm(orthogonal))
-        if remainder > DEPENDENT:
+        if remainder > TOLERANCES.rank.independent:
             kept.append(index)
             basis = np.column_stack((basis, orthogonal / remainder))
     return np.array(kept)
@@ -62,7 +60,9 @@ def _all_independent(columns: np.ndarray, basis: np.ndarray, nothing: float) -> 
     for _ in range(2):
         orthogonal = orthogonal - basis @ (basis.T @ orthogonal)
     triangle = np.asarray(np.linalg.qr(orthogonal, mode="r"))
-    return len(triangle) == len(sizes) and bool(np.all(np.abs(triangle.diagonal()) > DEPENDENT))
+    return len(triangle) == len(sizes) and bool(
+        np.all(np.abs(triangle.diagonal()) > TOLERANCES.rank.independent)
+    )
 
 
 def orthonormal(columns: np.ndarray) -> np.ndarray:

@@ -8,6 +8,7 @@ import numpy as np
 from bench.dataset.payload import Payload, inertia_matrix
 from bench.identification.autocorrelation_time import autocorrelation_time
 from bench.identification.by_unknown import changed, estimates
+from bench.identification.decision import RULE
 from bench.identification.finding import Code, Finding, Unknown
 from bench.identification.layout import payload_parameter_names
 from bench.identification.model_averaged import gains_model_averaged, model_averaged
@@ -18,8 +19,6 @@ from bench.identification.result import Identification
 from bench.model.regressor import UNITS
 from bench.signals.returning import rows_until_return
 
-SHOWS = 3.0  # deviations by which the least spread must be negative
-MATERIAL = 0.03  # share of the error that the payload's inertia must take away, to be needed all the same
 INERTIA = np.arange(4, 10)
 
 Fit = Callable[[Prepared], Identification]
@@ -34,13 +33,14 @@ class _Spread:
 
     @property
     def impossible(self) -> bool:
-        return self.value < -SHOWS * self.std
+        return self.value < -RULE.shows * self.std
 
 
 def with_possible_payloads(prepared: Prepared, result: Identification, fitted: Fit) -> Identification:
     """The answer `result` of `prepared`; where no body can have a payload's estimated inertia, the one with that
-    payload as a point at its declared centre, if its error is as small. What came out so by chance, by fewer than SHOWS
-    of its deviations, is held against a point that is as likely: no body has it, however little the data tell.
+    payload as a point at its declared centre, if its error is as small. What came out so by chance, by fewer than
+    RULE.shows of its deviations, is held against a point that is as likely: no body has it, however little the data
+    tell.
 
     It was not declared to be a point: deviations are those of the answer in which its inertia is free, and hold what
     the two differ by. The second moments of a body's mass about its centre are not negative (Traversaro, Brossette,
@@ -65,7 +65,7 @@ def with_possible_payloads(prepared: Prepared, result: Identification, fitted: F
             strict=True,
         )
     }
-    as_small = (other.error.identify or 0.0) <= (1.0 + MATERIAL) * (result.error.identify or 0.0)
+    as_small = (other.error.identify or 0.0) <= (1.0 + RULE.material) * (result.error.identify or 0.0)
     taken = (as_small if sure else _as_likely(other, result)) and {
         parameter.name for parameter in other.parameters
     } | set(known) == {parameter.name for parameter in result.parameters}

@@ -20,9 +20,7 @@ from bench.identification.solution import (
     torque_system,
     weighted,
 )
-
-REWEIGHTINGS = 3
-DEPENDENT = 1e-9  # of the largest singular value of a motor's instruments, columns of unit length
+from bench.identification.tolerances import TOLERANCES
 
 
 def instrumental_variables(
@@ -37,7 +35,7 @@ def instrumental_variables(
     bases = [_orthonormal(simulated[:, j] * stack.moving[:, j, None]) for j in range(len(nominal))]
     hat = projected(stack, bases)
     solution, known = start, NominalGains(nominal, start.gains_fitted)
-    for _ in range(REWEIGHTINGS):
+    for _ in range(TOLERANCES.steps.reweightings):
         weights = row_weights(stack, solution)
         rows, right = torque_system(weighted(hat.factors, weights), known.held)
         x = scaled_lstsq(rows, right)
@@ -64,4 +62,4 @@ def _orthonormal(columns: np.ndarray) -> np.ndarray:
     norms = np.linalg.norm(columns, axis=0)
     seen = columns[:, norms > 0.0] / norms[norms > 0.0]
     vectors, singular, _ = np.linalg.svd(seen, full_matrices=False)
-    return np.asarray(vectors[:, singular > DEPENDENT * singular.max(initial=0.0)])
+    return np.asarray(vectors[:, singular > TOLERANCES.rank.instruments * singular.max(initial=0.0)])

@@ -12,8 +12,7 @@ from bench.identification.solution import (
     torque_system,
     weighted,
 )
-
-REWEIGHTINGS = 3
+from bench.identification.tolerances import TOLERANCES
 
 
 def least_squares(stack: Stack, gains: NominalGains) -> Solution:
@@ -28,7 +27,7 @@ def least_squares(stack: Stack, gains: NominalGains) -> Solution:
 def weighted_least_squares(stack: Stack, gains: NominalGains) -> Solution:
     """IDIM-WLS (Gautier 1997): every motor's equation divided by the deviation of its error."""
     solution = least_squares(stack, gains)
-    for _ in range(REWEIGHTINGS):
+    for _ in range(TOLERANCES.steps.reweightings):
         weights = row_weights(stack, solution)
         solution = _solve(stack, gains, weights)
     return solution

@@ -6,11 +6,10 @@ from dataclasses import replace
 import numpy as np
 
 from bench.identification.by_unknown import changed, estimates
+from bench.identification.decision import RULE
 from bench.identification.finding import Unknown
 from bench.identification.result import DriveGain, Identification
 from bench.identification.standard_errors import StdFrom
-
-AWAY = 5.0  # times the nominal gain, or that part of it: an answer that says so tells nothing of the gain
 
 
 def model_averaged(result: Identification, apart: Mapping[Unknown, float], by: StdFrom) -> Identification:
@@ -56,7 +55,7 @@ def gains_model_averaged(
 
 
 def _away(gain: DriveGain) -> bool:
-    return not 1.0 / AWAY < gain.value / gain.nominal < AWAY
+    return not 1.0 / RULE.gain_lost < gain.value / gain.nominal < RULE.gain_lost
 
 
 def all_model_averaged(result: Identification, other: Identification, by: StdFrom) -> Identification:

@@ -9,6 +9,7 @@ import numpy as np
 
 from bench.basics.plain_data import finite
 from bench.dataset.robot_locked import locked_as_data, locked_from_data
+from bench.identification.decision import RULE
 from bench.identification.finding import Code, Finding, Unknown
 from bench.identification.result import (
     BandPoint,
@@ -20,6 +21,7 @@ from bench.identification.result import (
     Parameter,
     Quantity,
 )
+from bench.identification.tolerances import TOLERANCES
 from bench.signals.settings import FilterSettings
 
 FORMAT = 1
@@ -84,6 +86,8 @@ def to_json(
             {"name": trace.name, "use": trace.use, "payload": trace.payload}
             for trace in (result.recordings if recordings is None else recordings)
         ],
+        "decision_rule": asdict(RULE),
+        "tolerances": asdict(TOLERANCES),
         "notes": list(result.notes) if words else [],
         "findings": [_finding(finding) for finding in result.findings],
     }

@@ -21,12 +21,7 @@ from bench.identification.solve_only import (
     solved_with,
     spread,
 )
-
-NO_WORSE = 1e-9  # relative: squared errors that are the same except for rounding
-NEARBY = 0.02  # relative: how far around its present value a shape parameter may go, with all else
-STRIDE = 0.5  # relative: the most that a parameter may change at once, with all others
-SHARES = (1.0, 0.3, 0.1)  # of a step that are tried, until one makes the errors no larger
-SHAPE_STEP = 1e-3  # relative, for the derivative by a shape parameter
+from bench.identification.tolerances import TOLERANCES
 
 
 def stepped(prepared: Prepared, stack: Stack, solution: Solution) -> tuple[Prepared, Stack, Solution] | None:
@@ -60,12 +55,12 @@ def stepped(prepared: Prepared, stack: Stack, solution: Solution) -> tuple[Prepa
         return prepared, stack, solution
     values = theta[linear : prepared.layout.size]
     before = spread(stack, solution)
-    for share in SHARES:
+    for share in TOLERANCES.shapes.shares:
         instances = _moved(prepared, shapes, share * theta[added], reaches, about + share * (values - about))
         moved = with_effects(prepared, instances, fitted_only=True)
         after = solved_quickly(moved)
         ratio = np.divide(spread(*after), before, out=np.ones_like(before), where=before > 0.0)
-        if (ratio**2).mean() <= 1.0 + NO_WORSE:
+        if (ratio**2).mean() <= 1.0 + TOLERANCES.steps.rounding:
             return moved, *after
     return None
 
@@ -82,7 +77,7 @@ def _moved(
     instances = [b if a.effect.bends else a for a, b in zip(prepared.effects, about, strict=True)]
     for (i, name), step, (low, high) in zip(shapes, steps, reaches, strict=True):
         value = instances[i].effect.shape_values()[name]
-        most = STRIDE * abs(value)
+        most = TOLERANCES.shapes.stride * abs(value)
         stepped_to = value + float(np.clip(step, -most, most))
         instances[i] = reshaped(instances[i], {name: min(max(stepped_to, low), high)})
     return instances
@@ -111,7 +106,8 @@ def within_reach(value: float, brackets: Sequence[Bracket]) -> tuple[float, floa
     low, high = min(bracket[0] for bracket in brackets), max(bracket[2] for bracket in brackets)
     if low <= value <= high:
         return low, high
-    ends = (value * (1.0 - NEARBY), value * (1.0 + NEARBY))
+    nearby = TOLERANCES.shapes.nearby
+    ends = (value * (1.0 - nearby), value * (1.0 + nearby))
     return min(ends), max(ends)
 
 
@@ -162,7 +158,7 @@ def _bends(prepared: Prepared, rows: tuple[int, ...], *, every: bool) -> tuple[n
         unchanged = candidate_columns(prepared, [instance]) if values.any() else derivatives
         for k, parameter in enumerate(instance.effect.parameters):
             if values[k]:
-                value = values[k] * (1.0 + SHAPE_STEP)
+                value = values[k] * (1.0 + TOLERANCES.shapes.difference)
                 there = replace(instance, effect=instance.effect.about(known | {parameter.name: value}))
                 derivatives[:, :, k] = (
                     (candidate_columns(prepared, [there]) - unchanged) @ values / (value - values[k])
@@ -189,7 +185,7 @@ def _shape_derivatives(
             if parameter.discrete:
                 continue
             value = instance.effect.shape_values()[parameter.name]
-            step = SHAPE_STEP * (abs(value) or 1.0)
+            step = TOLERANCES.shapes.difference * (abs(value) or 1.0)
             ends += [reshaped(instance, {parameter.name: x}) for x in (value - step, value + step)]
             shapes.append((i, parameter.name))
             values.append(coefficients)

@@ -16,11 +16,7 @@ from bench.identification.prepare import Prepared, with_effects, with_judged
 from bench.identification.shapes import best_shape
 from bench.identification.solution import Solution
 from bench.identification.solve_only import linearised, solved_quickly, spread
-
-MOST_ROUNDS = 6
-SETTLED = 1e-4  # relative change of gains and shape parameters between rounds
-CHANCE = 5e-3  # nats, of all errors together: what changes them by less is not determined by the data
-AS_GOOD = 1e-6  # relative change of the RMS errors between rounds: far less than chance makes of them
+from bench.identification.tolerances import TOLERANCES
 
 
 def present_model(prepared: Prepared, solution: Solution) -> PresentModel:
@@ -88,12 +84,12 @@ def converged_from(
     model: Prepared,
     *,
     added_from: int | None = None,
-    most: int = MOST_ROUNDS,
+    most: int = TOLERANCES.steps.rounds,
     deadline: Deadline = NEVER,
 ) -> Prepared:
     """The effects of a converged model converged as they are seen otherwise: in place of nearby as they are, say.
 
-    prepared: that sees them so; its effects are not asked for. most: rounds; after fewer than MOST_ROUNDS a model
+    prepared: that sees them so; its effects are not asked for. most: rounds; after fewer than the default a model
     that has not settled is `provisional`. added_from: as `converged`.
     """
     return _rounds(prepared, *_begun(model), added_from, most, deadline=deadline)
@@ -124,7 +120,7 @@ def _rounds(
     present: PresentModel,
     before: tuple[np.ndarray, ...] | None,
     added_from: int | None,
-    most: int = MOST_ROUNDS,
+    most: int = TOLERANCES.steps.rounds,
     *,
     deadline: Deadline,
 ) -> Prepared:
@@ -162,7 +158,7 @@ def _rounds(
             settled = True
             break
         before = now
-    if not settled and most == MOST_ROUNDS:
+    if not settled and most == TOLERANCES.steps.rounds:
         return replace(with_effects(prepared, instances, present), converged=True)
     return replace(with_judged(prepared), converged=True, provisional=not settled)
 
@@ -184,10 +180,14 @@ def _alike(now: tuple[np.ndarray, ...], before: tuple[np.ndarray, ...], rows: in
 
     Where the errors of all so many rows together are, whatever has changed is what the data do not tell.
     """
+    bounds = TOLERANCES.steps
     gains, shapes, errors, chance = (
         bool(np.all(np.abs(x - y) <= share * np.abs(x)))
         for x, y, share in zip(
-            (*now, now[-1]), (*before, before[-1]), (SETTLED, SETTLED, AS_GOOD, CHANCE / rows), strict=True
+            (*now, now[-1]),
+            (*before, before[-1]),
+            (bounds.settled, bounds.settled, bounds.errors_settled, bounds.settled_nats / rows),
+            strict=True,
         )
     )
     return chance or (gains and (shapes or errors))

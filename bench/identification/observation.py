@@ -8,13 +8,12 @@ import numpy as np
 from bench.basics.errors import BenchError
 from bench.identification.filtered import Measured
 from bench.identification.standstill import around, interpolated_part, moving_rows
+from bench.identification.tolerances import TOLERANCES
 from bench.model.model import IdentificationModel
 from bench.model.motion import blocks_of
 from bench.model.regressor import projected_regressor, redundant_columns
 from bench.signals.decimation import Decimation, decimated_indices
 from bench.signals.returning import Course
-
-PART = 5120  # samples worked on together, at most: their columns stay in the processor's cache
 
 
 @dataclass(frozen=True)
@@ -59,7 +58,7 @@ def observe(model: IdentificationModel, measured: Measured) -> Observation:
     samples, n, p = len(measured.time), measured.current.shape[1], len(columns)
     decimation = Decimation(samples, settings.decimation)
     try:
-        for part in blocks_of(samples, PART):
+        for part in blocks_of(samples, TOLERANCES.memory.samples):
             decimation.push(_stacked(model, measured, columns, part))
     except BenchError as error:  # of a long log, whose loops are closed only now
         raise BenchError(f"{recording.name}: {error}") from None
@@ -108,7 +107,7 @@ def all_currents(measured: Measured) -> np.ndarray:
     """Every current as every motor's rows see it, interpolated at that motor's standstill: (M, n, n), drive units."""
     length, n = measured.current.shape
     decimation = Decimation(length, measured.settings.decimation)
-    for part in blocks_of(length, PART):
+    for part in blocks_of(length, TOLERANCES.memory.samples):
         seen = around(part, measured.gaps, length)
         rows = np.repeat(measured.current[seen][:, None, :], n, axis=1)
         decimation.push(interpolated_part(rows, seen, part, measured.gaps, length).reshape(-1, n * n))

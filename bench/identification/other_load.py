@@ -18,10 +18,7 @@ from bench.identification.prepare import Prepared, prepare
 from bench.identification.problem import Problem
 from bench.identification.result import Identification, relative_error
 from bench.identification.solution import scaled_lstsq, solved_gains, torque_system
-
-LARGE = 0.05  # relative error of a motor in one recording, from which it is worth a try
-BETTER = 0.5  # of a motor's error over all recordings: what another load must bring it down to
-NO_WORSE = 1.05  # times the error of every other motor
+from bench.identification.tolerances import TOLERANCES
 
 
 @on_one_thread
@@ -44,7 +41,7 @@ def other_load(
         return []
     if prepared is None:
         prepared = prepare(replace(problem, effects=(), filters=result.settings, fit_gains=True))
-    trial = _LoadTrial(prepared)
+    trial, bounds = _LoadTrial(prepared), TOLERANCES.findings
     declared = {
         measurement.recording.name: measurement.recording.payload for measurement in prepared.measured
     }
@@ -58,7 +55,8 @@ def other_load(
                 continue
             ratios = np.divide(trial.errors(loads), before, out=np.ones_like(before), where=before > 0.0)
             score = float(np.log(ratios).sum())
-            if ratios.min() < BETTER and ratios.max() < NO_WORSE and (best is None or score < best[0]):
+            better = ratios.min() < bounds.swapped_error and ratios.max() < bounds.other_motors
+            if better and (best is None or score < best[0]):
                 best = score, name, other, ratios
     if best is None:
         return []
@@ -72,7 +70,11 @@ def other_load(
 def _large(result: Identification) -> bool:
     """Whether some motor's error is large in some recording."""
     motors = range(len(result.joints))
-    return any((relative_error([trace], j) or 0.0) > LARGE for trace in result.recordings for j in motors)
+    return any(
+        (relative_error([trace], j) or 0.0) > TOLERANCES.findings.large_error
+        for trace in result.recordings
+        for j in motors
+    )
 
 
 class _LoadTrial:

@@ -5,7 +5,7 @@ from collections import Counter
 import numpy as np
 
 from bench.effects import EffectInstance
-from bench.identification.findings import FAR
+from bench.identification.decision import RULE
 from bench.identification.prepare import Prepared
 from bench.identification.solution import Solution
 
@@ -23,7 +23,9 @@ def out_of_bounds(prepared: Prepared, solution: Solution) -> tuple[EffectInstanc
         at += len(bounds)
         if not np.any(np.isfinite(bounds)):
             continue
-        wild = prepared.fit_gains and not 1.0 / FAR <= ratios.get(instance.joint, 1.0) <= FAR
+        wild = (
+            prepared.fit_gains and not 1.0 / RULE.gain_far <= ratios.get(instance.joint, 1.0) <= RULE.gain_far
+        )
         if wild or np.any(np.abs(values) >= bounds):
             outside.append(instance)
     return tuple(outside)

@@ -6,9 +6,7 @@ import numpy as np
 
 from bench.identification.compressed import Stack
 from bench.identification.solution import Solution
-
-ROUNDING = 1e-6  # share of a column's length: inner products tell no less from nothing
-COLLINEAR = 1e-12  # of the largest singular value of inner products of unit columns
+from bench.identification.tolerances import TOLERANCES
 
 
 @dataclass(frozen=True)
@@ -33,13 +31,13 @@ class RegressionProducts:
         A column of which nothing remains explains nothing: what rounding leaves of it would, by chance.
         """
         values = np.zeros(len(self.towards))
-        kept = np.flatnonzero(self.remaining > ROUNDING)
+        kept = np.flatnonzero(self.remaining > TOLERANCES.rank.remainder)
         if not len(kept):
             return values, 0.0
         norms = np.sqrt(np.diag(self.inner)[kept])
         normal = self.inner[np.ix_(kept, kept)] / np.outer(norms, norms)
         right = self.towards[kept] / norms
-        coefficients = np.linalg.lstsq(normal, right, rcond=COLLINEAR)[0]
+        coefficients = np.linalg.lstsq(normal, right, rcond=TOLERANCES.rank.products)[0]
         values[kept] = coefficients / norms
         return values, float(right @ coefficients)
 

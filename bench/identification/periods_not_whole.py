@@ -2,12 +2,12 @@
 
 import math
 
+from bench.identification.decision import RULE
 from bench.identification.finding import Code, Finding
 from bench.identification.result import Identification
+from bench.identification.tolerances import TOLERANCES
 
 TURN = "1/turn"  # the unit of such a number, of hinges alone
-CERTAIN = 5.0  # standard errors from the next whole number
-FAR = 0.02  # periods a turn: nearer ones no motion over less than fifty turns tells from it
 
 
 def periods_not_whole(result: Identification) -> list[Finding]:
@@ -21,7 +21,11 @@ def periods_not_whole(result: Identification) -> list[Finding]:
         for place, values in places.items():
             for value in values.values():
                 away = abs(value.value - round(value.value))
-                if value.unit == TURN and 0.0 < value.std < math.inf and away > max(FAR, CERTAIN * value.std):
+                if (
+                    value.unit == TURN
+                    and 0.0 < value.std < math.inf
+                    and away > max(TOLERANCES.findings.whole_periods, RULE.certain * value.std)
+                ):
                     numbers = {"periods": value.value, "std": value.std}
                     findings.append(Finding(Code.PERIODS_NOT_WHOLE, (effect, place), numbers=numbers))
     return findings

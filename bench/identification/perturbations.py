@@ -22,19 +22,16 @@ from bench.identification.effect_columns import PresentModel, combined_torque, n
 from bench.identification.filtered import Measured
 from bench.identification.perturbed_observation import geometry_key
 from bench.identification.small_change import KEPT, SmallChange, small_change
-from bench.identification.sparse_signals import FEWEST, sparse_gaps, sparse_joint
+from bench.identification.sparse_signals import sparse_gaps, sparse_joint
+from bench.identification.tolerances import TOLERANCES
+from bench.model.bounds import NODES
 from bench.model.geometry import Geometry
 from bench.model.model import IdentificationModel
-from bench.model.motion import BLOCK, Motion, motion_near
+from bench.model.motion import Motion, motion_near
 from bench.model.regressor import payload_transform, projected_regressor, redundant_columns
 from bench.signals.decimation import fit_band
 
-TURN, SLIDE = 1e-2, 1e-3  # rad, m: shift of a joint for a difference quotient
-MOTION = 0.999  # of a velocity's power inside the fit's band: the rest is taken for noise, or for little
-FINENESS = 10.0  # samples in a period of the highest frequency of the motion
-SHARE = 0.1  # of the RMS speed, likewise
 NOT_SHARED = ("passing", "noted", "sparse")  # what signals do not share, for changes that are exact
-MOST_BYTES = 80_000_000  # of what is kept
 
 
 class Nearby:
@@ -58,7 +55,7 @@ class Nearby:
         trees = [measurement.tree.at(few) for measurement, few in every]
         parts = ("time", "q", "v", "a", "jacobian")
         self._tree = Motion(*(np.concatenate([getattr(tree, name) for tree in trees]) for name in parts))
-        self._kept = LeastAsked[SmallChange](MOST_BYTES)
+        self._kept = LeastAsked[SmallChange](TOLERANCES.memory.perturbation_bytes)
         self.rows = tuple(KeptRows() for _ in measured)
         self._barred: dict[bytes, str] = {}
         self._sparse: dict[int, tuple[NearbySignals, RobotSignals]] = {}
@@ -108,7 +105,9 @@ class Nearby:
     def _may_keep_all(self) -> bool:
         """Whether what all shifts add can be kept with as much of other changes."""
         samples, n, columns = self._base_rows.shape
-        return 4 * n * samples * n * columns * np.dtype(KEPT).itemsize < MOST_BYTES / 2
+        return (
+            4 * n * samples * n * columns * np.dtype(KEPT).itemsize < TOLERANCES.memory.perturbation_bytes / 2
+        )
 
     def signals(self, present: PresentModel, seen: Sequence[RobotSignals]) -> tuple[RobotSignals, ...]:
         """Every recording, `seen` near the present model, as effects see it that are searched for."""
@@ -185,16 +184,17 @@ class Nearby:
         geometry = self._model.geometry
         if order:
             values = self._active[order][:, motor]
-            return SHARE * float(np.sqrt((values**2).mean())) or SHARE
+            share = TOLERANCES.motion.rate_share
+            return share * float(np.sqrt((values**2).mean())) or share
         slides = {joint.v.start for joint in geometry.joints if joint.kind == "slide"}
-        return SLIDE if int(geometry.active[motor]) in slides else TURN
+        return TOLERANCES.motion.slide if int(geometry.active[motor]) in slides else TOLERANCES.motion.turn
 
     def _moved(self, order: int, moves: Sequence[tuple[int, float]]) -> Iterator[np.ndarray | BenchError]:
         """The matrix where one active position, velocity or acceleration is another, for each (motor, step).
 
         Several are worked out together, since much of what it takes is the same for few samples and for many.
         """
-        most = max(1, BLOCK // len(self._tree.time))
+        most = max(1, NODES.block // len(self._tree.time))
         for at in range(0, len(moves), most):
             some = moves[at : at + most]
             try:
@@ -258,7 +258,7 @@ class NearbySignals(RobotSignals):
     def at_coarse_samples(self) -> RobotSignals:
         """The same at the coarse samples; itself where these are all, or few."""
         every, length = self.every, len(self.time)
-        if every == 1 or length < FEWEST * every:
+        if every == 1 or length < TOLERANCES.motion.sparse_samples * every:
             return self
         some = slice(None, None, every)
         gaps, shares = sparse_gaps(self.gaps, every, length)
@@ -364,6 +364,7 @@ def _few_samples(measured: Measured) -> np.ndarray:
     band = fit_band(rate, measured.settings.decimation)
     coarse = max(1, int(rate / (OVERSAMPLING * band)))
     velocity = measured.velocity[::coarse]
-    highest = max(motion_band(entry, coarse / rate, band, MOTION) for entry in velocity.T)
-    step = coarse * max(1, int(rate / (FINENESS * highest) / coarse))
+    bounds = TOLERANCES.motion
+    highest = max(motion_band(entry, coarse / rate, band, bounds.band_power) for entry in velocity.T)
+    step = coarse * max(1, int(rate / (bounds.samples_in_period * highest) / coarse))
     return np.unique(np.append(np.arange(0, samples, step), samples - 1))

@@ -10,7 +10,8 @@ from hashlib import blake2b
 import numpy as np
 
 from bench.effects.signals import UNCHANGED, Changed
-from bench.identification.filtered import FEW_BYTES, Measured
+from bench.identification.filtered import Measured
+from bench.identification.tolerances import TOLERANCES
 from bench.model.geometry import Anchor, Geometry
 from bench.model.model import IdentificationModel
 from bench.model.motion import Motion, motion_of
@@ -42,7 +43,7 @@ def perturbed_rows(
         if gravity is not None:
             other = replace(other, gravity=gravity)
         rows = projected_regressor(other, _motion(model, measured, other, motion, every), columns)
-        if geometry is not None or rows.nbytes <= FEW_BYTES:
+        if geometry is not None or rows.nbytes <= TOLERANCES.memory.force_bytes:
             kept.keep(key, rows)
     return rows
 

@@ -1,21 +1,20 @@
 """Encoders of redundant motors: each measures what the loop closures make of the other joints' positions."""
 
 from collections.abc import Sequence
+from math import tau
 
 import numpy as np
 
 from bench.basics.joint_units import joint_units
 from bench.dataset.recording import position_column
+from bench.identification.decision import RULE
 from bench.identification.filtered import Measured
 from bench.identification.finding import Code, Finding
+from bench.identification.tolerances import TOLERANCES
 from bench.model.geometry import Geometry, Joint
 from bench.signals.filtering import low_pass
 from bench.signals.processing import trim
 from bench.signals.settings import signal_bands
-
-SLACK = 1e-3  # of a joint's travel: tolerances of a machine's lengths, which shift its parameters as little
-CLEAR = 5.0  # times the noise of the encoders
-TURN = 2.0 * np.pi
 
 
 def contradicted_closures(geometry: Geometry, measured: Sequence[Measured]) -> tuple[Finding, ...]:
@@ -46,9 +45,11 @@ def _contradiction(joint: Joint, measured: Measured) -> Finding | None:
     closed = measured.tree.q[:, joint.q.start] + joint.offset
     difference = trim(filtered, settings) - closed
     if joint.kind != "slide":
-        difference = difference - TURN * np.round(np.median(difference) / TURN)
+        difference = difference - tau * np.round(np.median(difference) / tau)
     size, travel = float(np.sqrt((difference**2).mean())), float(np.ptp(closed))
-    if size <= max(SLACK * travel, CLEAR * _noise(joint, measured, logged)):
+    if size <= max(
+        TOLERANCES.findings.closure_error * travel, RULE.certain * _noise(joint, measured, logged)
+    ):
         return None
     return Finding(
         Code.CLOSURE_CONTRADICTED,

@@ -9,9 +9,9 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from bench.basics.interpolation import cubic_spline
+from bench.identification.decision import RULE
 from bench.signals.returning import lagged_products
 
-ALIKE = 3.0  # deviations of a correlation that is none
 Returns = Sequence[float | None]
 """For every recording after how many rows its motion is the same again; None where it never is."""
 
@@ -35,7 +35,7 @@ def repeated_covariances(
         sums = _whole_periods_apart(lagged_products(signals), period, lags)
         pairs += sums[:, 0]
         counts += sums[:, 1]
-    if counts[0] < 1.0 or pairs[0] <= ALIKE * covariances[0] * np.sqrt(counts[0]):
+    if counts[0] < 1.0 or pairs[0] <= RULE.shows * covariances[0] * np.sqrt(counts[0]):
         return None
     mean = pairs / np.maximum(counts, 1.0)
     return np.asarray(mean * (1.0 - np.arange(lags + 1) / (lags + 1.0)))
@@ -78,7 +78,7 @@ def times_repeated(errors: Sequence[np.ndarray], returns: Returns, reach: int) -
             sums = _whole_periods_apart(products[:, None], period, reach)[:, 0]
             pairs += float(sums[0])
             between += 2.0 * float(sums[0] + sums[1:].sum())
-    if within <= 0.0 or pairs <= ALIKE * squares / np.sqrt(count):
+    if within <= 0.0 or pairs <= RULE.shows * squares / np.sqrt(count):
         return 1.0
     return 1.0 + max(between, 0.0) / within
 

@@ -14,12 +14,11 @@ from bench.identification.finding import Finding, Unknown
 from bench.identification.finding_words import note
 from bench.identification.frame import data_frame, html_table
 from bench.identification.standard_errors import Deviations, StdFrom
+from bench.identification.tolerances import TOLERANCES
 from bench.signals.settings import FilterSettings
 
 if TYPE_CHECKING:
     import pandas as pd
-
-VAST = 1e6  # in SI units: no parameter of a robot is known as badly as that
 
 
 @dataclass(frozen=True)
@@ -38,7 +37,9 @@ class Quantity:
     @property
     def determined(self) -> bool:
         """Whether the data say anything of it: its deviation is finite, and not both vast and larger than itself."""
-        return math.isfinite(self.std) and not (self.std >= VAST and self.std > abs(self.value))
+        return math.isfinite(self.std) and not (
+            self.std >= TOLERANCES.findings.parameter_std and self.std > abs(self.value)
+        )
 
 
 @dataclass(frozen=True)

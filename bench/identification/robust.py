@@ -16,12 +16,7 @@ from bench.identification.bounded import minimum_between
 from bench.identification.compressed import Stack, compress
 from bench.identification.current_error import current_error, current_floor, minimised
 from bench.identification.solution import Fitted, Solution, scaled_lstsq, torque_system
-
-FEWEST, MOST = 1.0, 200.0  # degrees of freedom: Cauchy's distribution, and Gauss's for all practical purposes
-FIRST = 4.0  # where they begin
-FEW_ROUNDS, MOST_ROUNDS = 10, 100  # to choose a start, and to the end
-SETTLED = 1e-6  # largest change of a row's weight
-NEARLY = 1e-9  # relative change of the cost, between changes of the weights
+from bench.identification.tolerances import TOLERANCES
 
 
 @dataclass(frozen=True)
@@ -47,9 +42,13 @@ def robust_error(stack: Stack, start: Solution, nominal: np.ndarray) -> Solution
     solution = current_error(stack, start)
     theta, gains = solution.theta, solution.gains
     if np.any(start.gains_fitted):
-        fixed = _likeliest(stack, scaled_theta(stack, nominal), nominal, False, FEW_ROUNDS)
+        fixed = _likeliest(
+            stack, scaled_theta(stack, nominal), nominal, False, TOLERANCES.robust.start_rounds
+        )
         starts = ((theta, gains), (fixed.theta, nominal))
-        tried = [_likeliest(stack, *pair, start.gains_fitted, FEW_ROUNDS) for pair in starts]
+        tried = [
+            _likeliest(stack, *pair, start.gains_fitted, TOLERANCES.robust.start_rounds) for pair in starts
+        ]
         best = min(tried, key=lambda fit: fit.minus_likelihood)
         theta, gains = best.theta, best.gains
     likeliest = _likeliest(stack, theta, gains, start.gains_fitted)
@@ -71,24 +70,30 @@ def robust_error(stack: Stack, start: Solution, nominal: np.ndarray) -> Solution
 
 
 def _likeliest(
-    stack: Stack, theta: np.ndarray, gains: np.ndarray, fit_gains: Fitted, most: int = MOST_ROUNDS
+    stack: Stack,
+    theta: np.ndarray,
+    gains: np.ndarray,
+    fit_gains: Fitted,
+    most: int = TOLERANCES.robust.rounds,
 ) -> _Fit:
     """The nearest maximum of the likelihood, as far as so many rounds lead."""
     moving, floor = stack.moving, current_floor(stack)
     error = _error(stack, theta, gains)
     scale = np.maximum(_typical(error, moving), floor)
-    freedom = np.full(len(gains), FIRST)
+    freedom = np.full(len(gains), TOLERANCES.robust.first_freedom)
     weights = _weights(error / scale, freedom) * moving
     for _ in range(most):
         factors = weighted_rows(stack, np.sqrt(weights)).factors
-        theta, gains = minimised(factors, theta, gains, 1.0 / scale, fit_gains, NEARLY)
+        theta, gains = minimised(
+            factors, theta, gains, 1.0 / scale, fit_gains, TOLERANCES.steps.between_weights
+        )
         error = _error(stack, theta, gains)
         squares = (weights * error**2).sum(axis=0) / np.maximum(moving.sum(axis=0), 1)
         scale = np.maximum(np.sqrt(squares), floor)
         each = [degrees_of_freedom(error[moving[:, j], j] / scale[j]) for j in range(len(gains))]
         freedom = np.array([nu for nu, _ in each])
         before, weights = weights, _weights(error / scale, freedom) * moving
-        if np.abs(weights - before).max() < SETTLED:
+        if np.abs(weights - before).max() < TOLERANCES.robust.settled:
             break
     logarithms = np.array([value for _, value in each]) + np.log(scale)
     return _Fit(theta, gains, scale, freedom, weights, error, float(moving.sum(axis=0) @ logarithms))
@@ -114,7 +119,10 @@ def degrees_of_freedom(error: np.ndarray) -> tuple[float, float]:
         each = lgamma(0.5 * (nu + 1.0)) - lgamma(0.5 * nu) - 0.5 * log(nu * pi)
         return float(0.5 * (nu + 1.0) * np.log1p(squares / nu).sum()) / max(len(squares), 1) - each
 
-    logarithm, value = minimum_between(minus_likelihood, log(FEWEST), log(MOST), 1e-4)
+    bounds = TOLERANCES.robust
+    logarithm, value = minimum_between(
+        minus_likelihood, log(bounds.least_freedom), log(bounds.most_freedom), 1e-4
+    )
     return float(np.exp(logarithm)), value
 
 

@@ -8,14 +8,11 @@ import numpy as np
 from bench.effects import Bracket, EffectInstance, JointSamples, ShapeParameter
 from bench.identification.bounded import minimum_between
 from bench.identification.joint_samples import joint_samples, stands_still
-from bench.identification.newton import NEARBY, within_reach
+from bench.identification.newton import within_reach
 from bench.identification.partial_regression import PartialRegression, RegressionProducts
 from bench.identification.prepare import Prepared
 from bench.identification.solve_only import candidate_columns, reshaped
-
-TOLERANCE = 1e-4  # relative, of a shape parameter
-NODES = 7  # at which a search evaluates columns within a bracket
-LOGARITHMIC = 2.0  # ratio of a bracket's ends from which nodes are spread by their logarithm
+from bench.identification.tolerances import TOLERANCES
 
 
 def best_shape(prepared: Prepared, instance: EffectInstance, partial: PartialRegression) -> EffectInstance:
@@ -62,7 +59,8 @@ def _searched(
     if not parameter.discrete and any(low < high for low, _, high in brackets):
         present = instance.effect.shape_values()[parameter.name]
         low, high = within_reach(present, brackets)
-        near = (max(present * (1.0 - NEARBY), low), present, min(present * (1.0 + NEARBY), high))
+        nearby = TOLERANCES.shapes.nearby
+        near = (max(present * (1.0 - nearby), low), present, min(present * (1.0 + nearby), high))
         brackets = (*brackets, near)
     tried = np.split(columns([value for _, value, _ in brackets]), len(brackets), axis=2)
     costs = [-partial.explained(values)[1] for values in tried]
@@ -73,7 +71,9 @@ def _searched(
             unexplained = _between_nodes(columns, brackets[best], partial)
         else:
             unexplained = _exactly(columns, partial)
-        place, value = minimum_between(unexplained, low, high, TOLERANCE * max(abs(low), abs(high)))
+        place, value = minimum_between(
+            unexplained, low, high, TOLERANCES.shapes.tolerance * max(abs(low), abs(high))
+        )
         if value < cost:
             middle, cost = place, value
     return reshaped(instance, {parameter.name: middle}), cost
@@ -95,17 +95,18 @@ def _between_nodes(
     Review 46(3), 2004), of the value or of its logarithm.
     """
     low, _, high = bracket
-    logarithmic = low > 0.0 and high > LOGARITHMIC * low
+    logarithmic = low > 0.0 and high > TOLERANCES.shapes.logarithmic * low
     ends = np.log([low, high]) if logarithmic else np.array([low, high])
-    steps = np.arange(NODES)
-    places = ends.mean() - 0.5 * (ends[1] - ends[0]) * np.cos(np.pi * steps / (NODES - 1))
+    steps = np.arange(TOLERANCES.shapes.nodes)
+    places = ends.mean() - 0.5 * (ends[1] - ends[0]) * np.cos(np.pi * steps / steps[-1])
     nodes = np.clip(np.exp(places) if logarithmic else places, low, high)
     signs = (-1.0) ** steps
     signs[[0, -1]] *= 0.5
     every = partial.products(columns(nodes.tolist()))
-    count = len(every.towards) // NODES
-    inner, towards = every.inner.reshape(NODES, count, NODES, count), every.towards.reshape(NODES, count)
-    lengths = every.lengths.reshape(NODES, count)
+    nodes = TOLERANCES.shapes.nodes
+    count = len(every.towards) // nodes
+    inner, towards = every.inner.reshape(nodes, count, nodes, count), every.towards.reshape(nodes, count)
+    lengths = every.lengths.reshape(nodes, count)
 
     def unexplained(value: float) -> float:
         off = (np.log(value) if logarithmic else value) - places

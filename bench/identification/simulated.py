@@ -12,11 +12,8 @@ from bench.identification.filtered import Measured, measure
 from bench.identification.layout import known_rows, regressor_rows
 from bench.identification.observation import observe
 from bench.identification.prepare import Prepared
+from bench.identification.tolerances import TOLERANCES
 from bench.signals.settings import signal_bands
-
-FOLLOWED = (
-    2.0  # times the band of the motion: how far the twin follows; an instrument may lack what is beyond
-)
 
 
 def simulated_columns(prepared: Prepared) -> np.ndarray:
@@ -43,7 +40,7 @@ def followed_band(recordings: Sequence[Recording]) -> float:
         [recording.current for recording in recordings],
         recordings[0].rate,
     )
-    return FOLLOWED * bands.motion
+    return TOLERANCES.motion.twin_band * bands.motion
 
 
 def columns_at(prepared: Prepared, measured: Measured) -> np.ndarray:

@@ -12,14 +12,9 @@ from bench.identification.bilinear import TINY, least, run_away, squares_of
 from bench.identification.centred import Centred, FactorProducts, products_of
 from bench.identification.compressed import Stack
 from bench.identification.current_error import current_error, error_weights, from_products, squared_errors
-from bench.identification.least_squares import REWEIGHTINGS, weighted_least_squares
+from bench.identification.least_squares import weighted_least_squares
 from bench.identification.solution import Fitted, NominalGains, Solution
-
-CHANCE = 1e-3  # nats: steps that creep are followed no further where chance makes more of the errors
-NOTHING = 1e-150  # times the nominal gain: what has no square
-ANEW = 4  # times that products are counted anew where gains come far from those of the start
-UNLIKE = 100.0  # ratio of the motors' scales from which a basis is made anew for others
-FLOOR = 1e-9  # least error of a motor, of the largest torque
+from bench.identification.tolerances import TOLERANCES
 
 
 def solved_from_products(stack: Stack, gains: NominalGains, near: np.ndarray) -> Solution:
@@ -61,10 +56,10 @@ def _minimum(stack: Stack, gains: NominalGains, near: np.ndarray) -> Solution | 
     start = Solution(*starts[best], np.ones(len(near)), "torque", gains.fitted)
     weights = error_weights(stack, errors[best])
     ratio = weights / np.abs(start.gains) / scale
-    if ratio.max() > UNLIKE * ratio.min():
+    if ratio.max() > TOLERANCES.steps.scale_ratio * ratio.min():
         products = products_of(stack.factors, weights / start.gains)
-    unseen = 2.0 * CHANCE / max(int(stack.moving.sum()), 1)
-    minimum = from_products(stack, products, start, weights, unseen=unseen, anew=ANEW)
+    unseen = 2.0 * TOLERANCES.steps.creeping_nats / max(int(stack.moving.sum()), 1)
+    minimum = from_products(stack, products, start, weights, unseen=unseen, anew=TOLERANCES.steps.recentred)
     return None if minimum is None or run_away(minimum.gains / gains.values) else minimum
 
 
@@ -86,7 +81,7 @@ def _on_factors(stack: Stack, gains: NominalGains, near: np.ndarray) -> Solution
 
 def _none(gains: np.ndarray, nominal: np.ndarray) -> bool:
     """Whether a gain is negligible compared with its nominal value."""
-    return bool(np.any(np.abs(gains) < NOTHING * np.abs(nominal)))
+    return bool(np.any(np.abs(gains) < TOLERANCES.rank.square * np.abs(nominal)))
 
 
 def _missed(squares: np.ndarray) -> float:
@@ -115,7 +110,7 @@ def _weighted(about: Centred, lengths: np.ndarray, *, fit_gains: Fitted) -> tupl
     towards = about.inner[:, :b, b + 1] * start[:, None]
     weights, solution = np.ones(n), np.zeros(b + len(motors))
     normal, right = np.zeros((len(solution), len(solution))), np.zeros(len(solution))
-    for remaining in range(REWEIGHTINGS, -1, -1):
+    for remaining in range(TOLERANCES.steps.reweightings, -1, -1):
         squares = weights**2
         normal[:b, :b] = np.tensordot(squares, about.inner[:, :b, :b], axes=1)
         right[:b] = squares @ towards
@@ -131,5 +126,7 @@ def _weighted(about: Centred, lengths: np.ndarray, *, fit_gains: Fitted) -> tupl
             errors[:, :b] -= solution[:b]
             errors[:, b + 1] += start
             size = lengths * np.abs(gains)
-            weights = 1.0 / np.maximum(np.sqrt(squares_of(about.inner, errors)), FLOOR * size.max() + TINY)
+            weights = 1.0 / np.maximum(
+                np.sqrt(squares_of(about.inner, errors)), TOLERANCES.rank.motor_error * size.max() + TINY
+            )
     return solution[:b], gains

@@ -8,8 +8,6 @@ import numpy as np
 from bench.effects import JointSignals
 from bench.identification.standstill import Gaps
 
-FEWEST = 100  # samples that remain: shorter recordings are looked at as they are
-
 
 @dataclass(frozen=True)
 class SparseJoint(JointSignals):

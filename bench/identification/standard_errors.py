@@ -8,19 +8,11 @@ from numpy.lib.stride_tricks import sliding_window_view
 
 from bench.identification.blocks import Block, block_scatter, blocks_in
 from bench.identification.compressed import Stack
-from bench.identification.repeated_errors import (
-    ALIKE,
-    Returns,
-    repeated_covariances,
-    repeated_score,
-    times_repeated,
-)
+from bench.identification.decision import RULE
+from bench.identification.repeated_errors import Returns, repeated_covariances, repeated_score, times_repeated
 from bench.identification.solution import Solution
+from bench.identification.tolerances import TOLERANCES
 from bench.signals.returning import lagged_products
-
-FEWEST_LAGS = 6  # of the autocovariance; what the low-pass of the fit makes of white noise dies out sooner
-MOST_LAGS = 64  # rows: 25 periods of the fit's highest frequency, and more than one of the movement
-MATERIAL = 1.2  # rows of different periods that count as one: more are worth a word
 
 Deviations = Literal["autocorrelated", "independent"]
 StdFrom = Literal["noise", "blocks", "periods", "models", "instruments", "payload", "bandwidth"]
@@ -110,7 +102,7 @@ def uncertainty(stack: Stack, solution: Solution, deviations: Deviations) -> Unc
         parts = np.split(residual, stack.starts[1:])
         returns = stack.returns
         repeated = times_repeated(parts, returns, reach=0)
-        std_from = "periods" if repeated > MATERIAL else "noise"
+        std_from = "periods" if repeated > TOLERANCES.findings.repeated_rows else "noise"
         equations = int(stack.moving.sum()) / repeated
         freedom = equations / max(equations - size, 1)
         middle = inverse @ _score(stack, solution, residual, returns, seen, lengths) @ inverse * freedom
@@ -204,19 +196,19 @@ def _score(
 def _covariances(residual: np.ndarray, moving: np.ndarray, starts: tuple[int, ...]) -> np.ndarray:
     """Tapered autocovariances (L + 1,) of one motor's residual (M,), zero where not moving, over all recordings.
 
-    Lags beyond FEWEST_LAGS are taken as long as the errors are still alike there: a longer window than needed
+    Lags beyond those of the low-pass are taken as long as the errors are still alike there: a longer window than needed
     would see the lack of error at the few frequencies of the movement, which the fit takes up.
     """
     ends = (*starts[1:], len(residual))
     shortest = min(b - a for a, b in zip(starts, ends, strict=True))
-    most = min(int(np.ceil(1.5 * len(residual) ** (1 / 3))), MOST_LAGS, shortest - 1)
+    most = min(int(np.ceil(1.5 * len(residual) ** (1 / 3))), TOLERANCES.statistics.most_lags, shortest - 1)
     signals = np.column_stack((residual, moving))
     products = sum(lagged_products(signals[a:b])[: most + 1] for a, b in zip(starts, ends, strict=True))
     pairs, counts = np.asarray(products).T
     counts = np.maximum(counts, 1.0)
     values = pairs / counts
-    alike = np.abs(values) > ALIKE * values[0] / np.sqrt(counts)
-    lags = min(FEWEST_LAGS, most)
+    alike = np.abs(values) > RULE.shows * values[0] / np.sqrt(counts)
+    lags = min(TOLERANCES.statistics.low_pass_lags, most)
     while lags < most and alike[lags + 1 : lags + 4].any():
         lags += 1
     return values[: lags + 1] * (1.0 - np.arange(lags + 1) / (lags + 1.0))

@@ -17,17 +17,8 @@ from bench.identification.standstill_interpolation import (
     whole_interpolation,
     within,
 )
+from bench.identification.tolerances import TOLERANCES
 from bench.signals.decimation import decimate
-
-SLOW = 0.01  # of the joint's RMS speed
-SMEARED = 0.5  # cut-off periods of the position filter that a jump of the acceleration is spread over, on either side
-DWELL = 0.5  # of that time: how long a joint without a motor has to be slow, to count as one that sticks
-START = 0.3  # of the RMS speed: slower at its first sample, a joint starts from rest
-FIRST_WAY = 0.03  # of a joint's travel: before that, friction still depends on how the joint came to rest
-AROUND = (
-    4.0  # likewise, of what tells of the surroundings: the noise in it is averaged as by the fit's low-pass
-)
-MOST = 0.2  # of a row that may come from standstill before it is excluded
 
 Gaps = tuple[np.ndarray, ...]
 """For each joint, the stretches (k, 3) of samples in which it does not move or reverses: the first, one past the
@@ -45,18 +36,20 @@ def standstills(
     motor counts, for all motors, only where it stays slow: there it sticks. Stretches reach as far as the position
     filter spreads a jump.
     """
-    reach = int(np.ceil(SMEARED * rate / cutoff))
-    stuck = _stuck(passive, DWELL * reach)
+    reach = int(np.ceil(TOLERANCES.motion.smeared * rate / cutoff))
+    stuck = _stuck(passive, TOLERANCES.motion.stuck * reach)
     stretches = []
     for q, v in zip(np.ascontiguousarray(position.T), np.ascontiguousarray(velocity.T), strict=True):
         rms = np.sqrt(v @ v / len(v))
-        slow = np.abs(v) <= SLOW * rms
+        slow = np.abs(v) <= TOLERANCES.motion.slow * rms
         slow[1:] |= v[1:] * v[:-1] < 0.0
         slow |= stuck
-        if abs(v[0]) < START * rms:
+        if abs(v[0]) < TOLERANCES.motion.slow_start * rms:
             way = np.maximum.accumulate(np.abs(q - q[0]))
-            slow |= way < FIRST_WAY * max(q.max() - q.min(), np.finfo(float).tiny)
-        stretches.append(_stretches(slow, reach, int(np.ceil(AROUND * rate / cutoff))))
+            slow |= way < TOLERANCES.motion.first_way * max(q.max() - q.min(), np.finfo(float).tiny)
+        stretches.append(
+            _stretches(slow, reach, int(np.ceil(TOLERANCES.motion.surroundings * rate / cutoff)))
+        )
     return tuple(stretches)
 
 
@@ -110,14 +103,14 @@ def moving_rows(gaps: Gaps, samples: int, decimation: int) -> np.ndarray:
     for j, stretches in enumerate(gaps):
         for start, stop, _ in stretches:
             inside[start:stop, j] = 1.0
-    return np.asarray(decimate(inside, decimation) < MOST)
+    return np.asarray(decimate(inside, decimation) < TOLERANCES.motion.still_rows)
 
 
 def _stuck(velocity: np.ndarray, shortest: float) -> np.ndarray:
     """Whether any joint (of k) is slow for at least so many samples on end, (N,)."""
     stuck = np.zeros(len(velocity), dtype=bool)
     for v in np.ascontiguousarray(velocity.T):
-        first, last = _runs(np.abs(v) <= SLOW * np.sqrt(v @ v / len(v)))
+        first, last = _runs(np.abs(v) <= TOLERANCES.motion.slow * np.sqrt(v @ v / len(v)))
         long = last - first >= shortest
         stuck[ranges(first[long], last[long])[0]] = True
     return stuck

@@ -9,9 +9,7 @@ from functools import lru_cache
 
 import numpy as np
 
-KEPT = (
-    256  # interpolations: of every joint of every recording that is looked at, at all its samples and at few
-)
+from bench.identification.tolerances import TOLERANCES
 
 
 @dataclass(frozen=True)
@@ -123,7 +121,7 @@ def whole_interpolation(stretches: np.ndarray, length: int) -> StandstillInterpo
     return _whole_interpolation(stretches.tobytes(), length)
 
 
-@lru_cache(maxsize=KEPT)
+@lru_cache(maxsize=TOLERANCES.memory.interpolations)
 def _whole_interpolation(stretches: bytes, length: int) -> StandstillInterpolation:
     given = np.frombuffer(stretches, dtype=int).reshape(-1, 3)
     return interpolation_over(given, np.arange(length), length, slice(0, length))

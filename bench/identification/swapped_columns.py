@@ -19,9 +19,7 @@ from bench.identification.prepare import Prepared, prepare
 from bench.identification.problem import Problem
 from bench.identification.result import Identification
 from bench.identification.solution import scaled_lstsq, solved_gains, torque_system
-
-LARGE = 0.05  # relative error from which it is worth a try
-BETTER = 0.5  # of the error: what a swap must bring it down to
+from bench.identification.tolerances import TOLERANCES
 
 
 @on_one_thread
@@ -41,7 +39,7 @@ def swapped_columns(
     """
     error = result.error.identify
     joints = list(result.joints)
-    if error is None or error < LARGE or len(joints) < 2:
+    if error is None or error < TOLERANCES.findings.large_error or len(joints) < 2:
         return []
     if prepared is None:
         prepared = prepare(
@@ -55,7 +53,8 @@ def swapped_columns(
 
     names, a, b = min(_swaps(tuple(trial.parts), len(joints)), key=error_with)
     reached = trial.error(trial.exchanged(names, a, b), least=True)
-    if not reached < BETTER * min(error, trial.error(trial.exchanged((), a, b), least=True), 1.0):
+    both = trial.error(trial.exchanged((), a, b), least=True)
+    if not reached < TOLERANCES.findings.swapped_error * min(error, both, 1.0):
         return []
     first, second = joints[a], joints[b]
     where = () if len(names) == len(trial.parts) else (names[0],)

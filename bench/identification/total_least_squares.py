@@ -6,9 +6,7 @@ from bench.basics.errors import BenchError
 from bench.identification.compressed import Stack
 from bench.identification.least_squares import row_weights
 from bench.identification.solution import Solution, torque_system, weighted
-
-REWEIGHTINGS = 5
-NOISELESS = 1e-9  # share of a column's length that counts as its error where none is known
+from bench.identification.tolerances import TOLERANCES
 
 
 def total_least_squares(stack: Stack) -> Solution:
@@ -30,7 +28,7 @@ def weighted_total_least_squares(stack: Stack, start: Solution, column_errors: n
     Vandewalle 1991, chapter 10).
     """
     solution = start
-    for _ in range(REWEIGHTINGS):
+    for _ in range(TOLERANCES.steps.total_reweightings):
         weights = row_weights(stack, solution)
         rows = _homogeneous(stack.factors, weights)
         lengths = np.linalg.norm(rows, axis=0)
@@ -40,7 +38,7 @@ def weighted_total_least_squares(stack: Stack, start: Solution, column_errors: n
             for j, (c, w) in enumerate(zip(column_errors, weights, strict=True))
         )
         errors = errors / np.outer(lengths, lengths)
-        root = np.linalg.cholesky(errors + NOISELESS**2 * np.eye(len(errors)))
+        root = np.linalg.cholesky(errors + TOLERANCES.rank.column_error**2 * np.eye(len(errors)))
         # rows / lengths = Q R; minimise |R x| over |root' x| = 1 with y = root' x
         triangle = np.asarray(np.linalg.qr(rows / lengths, mode="r"))
         whitened = np.linalg.solve(root, triangle.T).T

@@ -5,9 +5,7 @@ import numpy as np
 from bench.basics.joint_units import drive_unit
 from bench.identification.finding import Code, Finding
 from bench.identification.result import CurrentSeries, Identification
-
-THOUSAND = 3.0  # decades
-NEAR = 0.7  # decades, a factor of five: loads and speeds change the current of every motor by less
+from bench.identification.tolerances import TOLERANCES
 
 
 def unlike_units(result: Identification) -> list[Finding]:
@@ -24,7 +22,7 @@ def unlike_units(result: Identification) -> list[Finding]:
     steps = np.diff([known[name].mean() for name in order])
     at = int(np.argmax(steps)) + 1
     low, high = (np.mean([known[name] for name in part], axis=0) for part in (order[:at], order[at:]))
-    if np.abs(high - low - THOUSAND).max() > NEAR:
+    if np.abs(high - low - TOLERANCES.findings.thousand).max() > TOLERANCES.findings.near_decades:
         return []
     times = float(10.0 ** (high - low).mean())
     unit = drive_unit(next(iter(result.drive_gains.values())).unit)

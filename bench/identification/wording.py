@@ -3,7 +3,7 @@
 import math
 from collections.abc import Sequence
 
-WRITTEN_OUT = 1e15  # larger numbers have more digits than a float
+from bench.identification.tolerances import TOLERANCES
 
 
 def in_percent(share: float | None, digits: int = 3) -> str:
@@ -18,7 +18,7 @@ def with_error(value: float, std: float) -> str:
     """A value with its standard error, to two digits of that: 3.3012 ± 0.0015."""
     if not 0.0 < std < math.inf:
         return f"{value:.4g}"
-    if std > WRITTEN_OUT:
+    if std > TOLERANCES.report.largest:
         return f"{value:.4g} ± {std:.2g}"
     digits = 1 - math.floor(math.log10(std))
     std = round(std, digits)

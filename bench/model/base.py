@@ -10,13 +10,13 @@ from functools import lru_cache
 import numpy as np
 
 from bench.basics.errors import BenchError
+from bench.model.bounds import MEMORY, RANKS
 from bench.model.geometry import Geometry
-from bench.model.independent import NEGLIGIBLE, IndependentColumns, UndecidedRankError, independent_columns
+from bench.model.independent import IndependentColumns, UndecidedRankError, independent_columns
 from bench.model.regressor import body_columns, parameter_names, projected_regressor, rotor_columns
 from bench.model.states import random_motion
 
 SEEDS = (20120601, 20120603)  # of two sets of states; fixed, so that base parameters never depend on data
-KEPT = 16  # geometries whose base parameters stay in memory
 
 
 @dataclass(frozen=True)
@@ -38,7 +38,7 @@ class BaseParameters:
     neglected: float
 
 
-@lru_cache(maxsize=KEPT)
+@lru_cache(maxsize=MEMORY.geometries)
 def base_parameters(geometry: Geometry) -> BaseParameters:
     """The base parameters of a robot; geometry alone decides them.
 
@@ -102,6 +102,6 @@ def _description(row: np.ndarray, leading: int, names: list[tuple[str, str]]) ->
     for column in (leading, *(int(column) for column in np.flatnonzero(row) if column != leading)):
         factor, symbol = row[column], names[column][0]
         sign = "-" if factor < 0 else "+"
-        size = "" if abs(abs(factor) - 1.0) < NEGLIGIBLE else f"{abs(factor):.6g} "
+        size = "" if abs(abs(factor) - 1.0) < RANKS.coefficient else f"{abs(factor):.6g} "
         terms.append(f"{sign} {size}{symbol}")
     return " ".join(terms).removeprefix("+ ")

@@ -11,7 +11,8 @@ from typing import Protocol
 
 import numpy as np
 
-from bench.model.closure import KEPT, Closures, closures_of, loop_bias, loop_rows
+from bench.model.bounds import MEMORY
+from bench.model.closure import Closures, closures_of, loop_bias, loop_rows
 from bench.model.elimination import Elimination, Row, eliminate
 from bench.model.geometry import Geometry
 from bench.model.kinematics import Frames, frames_of
@@ -122,7 +123,7 @@ def closing_tape(geometry: Geometry) -> ClosingTape:
     return ClosingTape(tape.program(), linear.columns, n)
 
 
-@lru_cache(maxsize=KEPT)
+@lru_cache(maxsize=MEMORY.geometries)
 def _reused(_: Geometry) -> Reused[ClosingTape]:
     return Reused()
 

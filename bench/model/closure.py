@@ -12,6 +12,7 @@ from typing import Literal
 import numpy as np
 from numpy.polynomial import Polynomial
 
+from bench.model.bounds import MEMORY
 from bench.model.elimination import Row
 from bench.model.geometry import Anchor, Coupling, Geometry
 from bench.model.kinematics import (
@@ -47,8 +48,6 @@ from bench.model.scalars import (
     turned,
 )
 from bench.model.spin import idle_spins
-
-KEPT = 16  # geometries whose constants are kept: a search moves joints of one and comes back to it
 
 
 @dataclass(frozen=True)
@@ -97,7 +96,7 @@ class Closures:
         return loops + len(self.gears) + len(self.idle)
 
 
-@lru_cache(maxsize=KEPT)
+@lru_cache(maxsize=MEMORY.geometries)
 def closures_of(geometry: Geometry) -> Closures:
     """What the closures need of the geometry, as constants; worked out once for each of the geometries in use."""
     spins = idle_spins(geometry)

@@ -11,13 +11,10 @@ import numpy as np
 
 from bench.dataset.joint_facts import joints_with_springs
 from bench.dataset.robot_redundancy import welds_to_connect
+from bench.model.bounds import RANKS
 
 if TYPE_CHECKING:  # geometry asks for cures itself
     from bench.model.geometry import Geometry, Joint
-
-INDEPENDENT = (
-    1e-6  # of the largest: rows of orthonormal motions, so that a smaller singular value is rounding
-)
 
 
 class CureCode(StrEnum):
@@ -104,14 +101,14 @@ def joints_to_lock(geometry: Geometry, jacobian: np.ndarray, rank: int) -> Cure 
     ]
     columns = {joint.name: motions[:, place[joint.v.start]] for joint in undriven if joint.v.start in place}
     moving = {
-        name: column for name, column in columns.items() if np.abs(column).max(initial=0.0) > INDEPENDENT
+        name: column for name, column in columns.items() if np.abs(column).max(initial=0.0) > RANKS.cure
     }
     springs = [name for name in joints_with_springs(geometry.robot) if name in moving]
     chosen: list[str] = []
     for name in dict.fromkeys((*springs, *moving)):
         of_chosen = np.array([moving[joint] for joint in (*chosen, name)])
         sizes = np.linalg.svd(of_chosen, compute_uv=False)
-        if len(sizes) > len(chosen) and sizes[-1] > INDEPENDENT:
+        if len(sizes) > len(chosen) and sizes[-1] > RANKS.cure:
             chosen.append(name)
     if not chosen or len(chosen) < len(motions):
         return None

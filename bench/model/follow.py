@@ -12,21 +12,10 @@ from numpy.polynomial import Polynomial
 from scipy.linalg.lapack import dgesv
 
 from bench.basics.errors import BenchError
+from bench.model.bounds import CLOSURE
 from bench.model.geometry import Coupling, Geometry
 from bench.model.spin import Spin, idle_spins
 from bench.model.tree import build_tree, loop_constraints
-
-CLOSED = 1e-6  # m or rad: after a smaller correction, Newton has closed the loops to rounding
-NEARLY_CLOSED = 1e-3  # m or rad: after a smaller correction, to about its square
-OPEN = 100.0  # times a correction: what is open by more, the correction does not close (no solution there)
-SLACK = (
-    1e-5  # m or rad: by how much closures that repeat one another may disagree; the least squares are taken
-)
-LARGEST_CORRECTION = 0.05  # m or rad: what a Newton correction may move after a prediction
-LARGEST_STEP = 0.3  # m or rad: of any joint
-LARGEST_TURN = 0.2  # m or rad: change of the amplification over a step, see _turned
-SMALLEST_STEP = 2.0**-12  # share of the way to a target below which it counts as out of reach
-MOST_ITERATIONS = 5
 
 
 @dataclass(frozen=True)
@@ -119,14 +108,14 @@ def home_pose(follower: Follower) -> Pose:
     return pose
 
 
-def close(follower: Follower, q: np.ndarray, enough: float = CLOSED) -> Pose | None:
+def close(follower: Follower, q: np.ndarray, enough: float = CLOSURE.closed) -> Pose | None:
     """The closed pose near q (nq,) with the active joints held; None where Newton would go far or fail.
 
     Newton ends with the first correction smaller than `enough`, which is still made.
     """
     active, passive = follower.geometry.active, follower.passive
     step = np.zeros(follower.model.nv)
-    for _ in range(MOST_ITERATIONS):
+    for _ in range(CLOSURE.followed):
         residual, jacobian = follower.linearise(q)
         matrix = jacobian[:, passive]
         right = np.empty((len(residual), 1 + len(active)))
@@ -141,11 +130,11 @@ def close(follower: Follower, q: np.ndarray, enough: float = CLOSED) -> Pose | N
             solved = right
         step[passive] = -solved[:, 0]
         largest = _largest(step)
-        if not largest < LARGEST_CORRECTION:
+        if not largest < CLOSURE.correction:
             return None
         q = pin.integrate(follower.model, q, step)
-        slack = SLACK if len(jacobian) > len(passive) else 0.0
-        if largest < enough and _largest(residual) < max(OPEN * enough, slack):
+        slack = CLOSURE.slack if len(jacobian) > len(passive) else 0.0
+        if largest < enough and _largest(residual) < max(CLOSURE.open * enough, slack):
             return Pose(q, -solved[:, 1:])
     return None
 
@@ -155,7 +144,9 @@ def _largest(values: np.ndarray) -> float:
     return max(values.max(), -values.min()) if values.size else 0.0
 
 
-def advance(follower: Follower, pose: Pose, target: np.ndarray, enough: float = CLOSED) -> tuple[Pose, float]:
+def advance(
+    follower: Follower, pose: Pose, target: np.ndarray, enough: float = CLOSURE.closed
+) -> tuple[Pose, float]:
     """Move the active joints of the pose straight to `target` (n,), closing the loops.
 
     Returns the last closed pose and the share of the way that was reached (1: the target).
@@ -167,12 +158,12 @@ def advance(follower: Follower, pose: Pose, target: np.ndarray, enough: float = 
     while done < 1.0:
         step[geometry.active] = way / follower.units
         step[follower.passive] = pose.amplification @ way
-        share = min(share, 1.0 - done, LARGEST_STEP / max(np.abs(step).max(), LARGEST_STEP))
+        share = min(share, 1.0 - done, CLOSURE.step / max(np.abs(step).max(), CLOSURE.step))
         step[geometry.active] = way
         moved = close(follower, pin.integrate(follower.model, pose.q, share * step), enough)
-        if moved is None or _turned(pose, moved, share * way) > LARGEST_TURN:
+        if moved is None or _turned(pose, moved, share * way) > CLOSURE.turn:
             share /= 2.0
-            if share < SMALLEST_STEP:
+            if share < CLOSURE.share:
                 return pose, done
             continue
         pose = moved

@@ -2,10 +2,8 @@
 
 import numpy as np
 
+from bench.model.bounds import BODIES
 from bench.model.geometry import Geometry
-
-MASS = 1.0  # kg for every body: only ratios matter
-SHORTEST = 0.05  # m
 
 
 def guessed_parameters(geometry: Geometry) -> np.ndarray:
@@ -22,11 +20,12 @@ def guessed_parameters(geometry: Geometry) -> np.ndarray:
             anchors.append(geometry.tool)
         ends += [anchor.placement.translation for anchor in anchors if anchor.joint == index]
         bar = np.mean(ends, axis=0) if ends else np.zeros(3)
-        if np.linalg.norm(bar) < SHORTEST:
-            bar = bar + np.array([SHORTEST, 0.0, 0.0])
+        if np.linalg.norm(bar) < BODIES.shortest:
+            bar = bar + np.array([BODIES.shortest, 0.0, 0.0])
         square = float(bar @ bar)
-        inertia = MASS * (square * np.eye(3) - np.outer(bar, bar)) / 3.0 + MASS * 0.02 * square * np.eye(3)
+        mass = BODIES.mass
+        inertia = mass * (square * np.eye(3) - np.outer(bar, bar)) / 3.0 + mass * 0.02 * square * np.eye(3)
         parameters[10 * index : 10 * index + 10] = np.concatenate(
-            ([MASS], MASS * bar / 2.0, inertia[[0, 0, 1, 0, 1, 2], [0, 1, 1, 2, 2, 2]])
+            ([mass], mass * bar / 2.0, inertia[[0, 0, 1, 0, 1, 2], [0, 1, 1, 2, 2, 2]])
         )
     return parameters

@@ -5,14 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from bench.basics.errors import BenchError
-
-SLACK = 1e-5  # of the largest: what is smaller may be the slack of a drawing, where a gap sets it apart
-GAP = 100.0  # from one singular value to the next: the smaller ones count as zero
-ROUNDING = 1e-9  # of the largest: a singular value as small as this one cannot be distinguished from rounding
-CLEAR = (
-    1e-3  # of a column, independent of those before it: with less, rounded axes make coefficients of millions
-)
-NEGLIGIBLE = 1e-10  # a coefficient that counts as zero
+from bench.model.bounds import RANKS
 
 
 class UndecidedRankError(BenchError):
@@ -40,9 +33,9 @@ def independent_columns(rows: np.ndarray) -> IndependentColumns:
     """Which columns of rows (r, p) are independent of those before them, and how the others follow.
 
     Every row counts alike, whatever its size: rows near a singular pose are a million times larger. The rank is where
-    the singular values, columns of unit length, fall by GAP to less than SLACK; a column counts as zero after such a
-    gap of the columns' sizes: a planar robot is drawn a little out of its plane, and the parameters of that slack are
-    none. Raises UndecidedRankError where no gap decides.
+    the singular values, columns of unit length, fall by a gap to less than the slack; a column counts as zero after
+    such a gap of the columns' sizes: a planar robot is drawn a little out of its plane, and the parameters of that
+    slack are none. Raises UndecidedRankError where no gap decides.
     """
     rows = _rows_alike(rows)
     norms = np.linalg.norm(rows, axis=0)
@@ -51,13 +44,13 @@ def independent_columns(rows: np.ndarray) -> IndependentColumns:
     scaled = rows[:, present] / norms[present]
     _, values, directions = np.linalg.svd(scaled, full_matrices=False)
     rank = _rank(values)
-    if rank and values[rank - 1] < ROUNDING * values[0]:
-        raise UndecidedRankError(present[np.abs(directions[rank - 1]) > NEGLIGIBLE])
+    if rank and values[rank - 1] < RANKS.rounding * values[0]:
+        raise UndecidedRankError(present[np.abs(directions[rank - 1]) > RANKS.coefficient])
     slack = float((values[rank:] / values[rank - 1 : rank]).max(initial=0.0))
     directions = directions[:rank]
-    kept = _first_independent(directions, max(CLEAR, GAP * slack))
+    kept = _first_independent(directions, max(RANKS.clear, RANKS.gap * slack))
     coefficients = np.linalg.solve(directions[:, kept], directions)
-    coefficients[np.abs(coefficients) < NEGLIGIBLE] = 0.0
+    coefficients[np.abs(coefficients) < RANKS.coefficient] = 0.0
     dependence = np.zeros((rank, rows.shape[1]))
     dependence[:, present] = coefficients * norms[present] / norms[present[kept]][:, None]
     dependence[np.arange(rank), present[kept]] = 1.0
@@ -66,7 +59,9 @@ def independent_columns(rows: np.ndarray) -> IndependentColumns:
         (values[rank:] / values[:1]).max(initial=0.0),
         absent.max(initial=0.0) / (norms.max(initial=0.0) or 1.0),
     )
-    return IndependentColumns(present[kept], dependence, float(neglected) if neglected > ROUNDING else 0.0)
+    return IndependentColumns(
+        present[kept], dependence, float(neglected) if neglected > RANKS.rounding else 0.0
+    )
 
 
 def _first_independent(columns: np.ndarray, least: float) -> list[int]:
@@ -98,7 +93,7 @@ def _rows_alike(rows: np.ndarray) -> np.ndarray:
 
 
 def _rank(values: np.ndarray) -> int:
-    """How many of the descending values (k,) come before the first gap to less than SLACK of the largest."""
-    below = values[1:] < SLACK * values[:1]
-    gaps = np.flatnonzero(below & (values[:-1] > GAP * values[1:]))
+    """How many of the descending values (k,) come before the first gap to less than the slack."""
+    below = values[1:] < RANKS.slack * values[:1]
+    gaps = np.flatnonzero(below & (values[:-1] > RANKS.gap * values[1:]))
     return int(gaps[0]) + 1 if len(gaps) else int(np.count_nonzero(values))

@@ -5,35 +5,27 @@ import numpy as np
 from bench.basics.errors import BenchError
 from bench.basics.joint_units import joint_units
 from bench.dataset.robot_redundancy import listed
+from bench.model.bounds import CLOSURE, RANDOM_POSES, RANKS
 from bench.model.closure import loop_jacobian, loop_residual
 from bench.model.configuration import integrate, normalised
 from bench.model.cures import welds_as_connects, what_to_do
 from bench.model.cures_words import cure_in_words, joints_in_words
-from bench.model.follow import SLACK
 from bench.model.geometry import Coupling, Geometry
 from bench.model.nodes import robot_length
 
-DEPENDENT = 1e-4  # of the largest singular value: smaller ones are the slack of drawings, and count as zero
-TAKES_PART = 0.05  # of the largest entry of a motion: joints with less do not take part in it
-NEARBY = 0.05  # rad, or of the robot's length: how far the pose lies from home that shows the general case
-CLOSED = 1e-9  # m or rad
-ASSEMBLED = (
-    1e-6  # m or rad: a wider gap at home is a mistake, unless the loops repeat one another: then SLACK
-)
-MOST_ITERATIONS = 20
 SEED = 20120602  # of that pose
 
 
 def check_assembled(geometry: Geometry) -> None:
     """Raise BenchError naming the loop or coupling that is open by more than 1e-6 m or rad in the home pose.
 
-    Where there are more equations than joints to close them, what least squares leave may be up to SLACK.
+    Where there are more equations than joints to close them, what least squares leave may be up to `CLOSURE.slack`.
     """
     if not geometry.closed:
         return
     residual = np.abs(loop_residual(geometry, geometry.home[:, None])[:, 0])
     widest = int(np.argmax(residual))
-    allowed = SLACK if len(residual) > len(geometry.passive) else ASSEMBLED
+    allowed = CLOSURE.slack if len(residual) > len(geometry.passive) else CLOSURE.assembled
     if residual[widest] <= allowed:
         return
     cure = welds_as_connects(geometry, residual, allowed)
@@ -114,8 +106,8 @@ def loose_joints(geometry: Geometry, q: np.ndarray) -> tuple[str, ...]:
     if not len(passive):
         return ()
     _, values, motions = np.linalg.svd(jacobian)
-    free = np.abs(motions[int((values > DEPENDENT * values.max(initial=0.0)).sum()) :])
-    taking_part = (free > TAKES_PART * free.max(axis=1, keepdims=True)).any(axis=0)
+    free = np.abs(motions[int((values > RANKS.dependent * values.max(initial=0.0)).sum()) :])
+    taking_part = (free > RANKS.takes_part * free.max(axis=1, keepdims=True)).any(axis=0)
     moving = set(passive[taking_part].tolist())
     return tuple(joint.name for joint in geometry.joints if moving & set(range(joint.v.start, joint.v.stop)))
 
@@ -190,18 +182,18 @@ def column_scales(geometry: Geometry) -> np.ndarray:
 
 def _rank(matrix: np.ndarray) -> int:
     values = np.linalg.svd(matrix, compute_uv=False)
-    return int((values > DEPENDENT * values.max(initial=0.0)).sum())
+    return int((values > RANKS.dependent * values.max(initial=0.0)).sum())
 
 
 def _bound_motors(geometry: Geometry, jacobian: np.ndarray) -> tuple[str, ...]:
     """Motors that the closures relate to one another: what no passive motion makes up for."""
     passive, active = jacobian[:, geometry.passive], jacobian[:, geometry.active]
-    uncontrolled = active - passive @ np.linalg.lstsq(passive, active, rcond=DEPENDENT)[0]
+    uncontrolled = active - passive @ np.linalg.lstsq(passive, active, rcond=RANKS.dependent)[0]
     sizes = np.abs(uncontrolled).max(axis=0)
     return tuple(
         name
         for name, size in zip(geometry.robot.joints, sizes, strict=True)
-        if size > TAKES_PART * sizes.max()
+        if size > RANKS.takes_part * sizes.max()
     )
 
 
@@ -215,15 +207,17 @@ def _closed_nearby(geometry: Geometry) -> np.ndarray | None:
     if not len(free):
         return None
     direction = free.T @ random.normal(size=len(free))
-    step = NEARBY * direction / np.abs(direction).max()
+    step = RANDOM_POSES.nearby * direction / np.abs(direction).max()
     q = integrate(geometry, geometry.home[:, None], (scales * step)[:, None])
-    for _ in range(MOST_ITERATIONS):
+    for _ in range(CLOSURE.nearby):
         q = normalised(geometry, q)
         residual = loop_residual(geometry, q)
-        back = np.linalg.lstsq(loop_jacobian(geometry, q)[:, :, 0] * scales, -residual, rcond=DEPENDENT)[0]
+        back = np.linalg.lstsq(
+            loop_jacobian(geometry, q)[:, :, 0] * scales, -residual, rcond=RANKS.dependent
+        )[0]
         q = integrate(geometry, q, scales[:, None] * back)
-        if np.abs(back).max() < CLOSED:
-            return np.asarray(q[:, 0]) if np.abs(residual).max() < SLACK else None
+        if np.abs(back).max() < CLOSURE.closed_nearby:
+            return np.asarray(q[:, 0]) if np.abs(residual).max() < CLOSURE.slack else None
     return None
 
 

@@ -8,6 +8,7 @@ import numpy as np
 from bench.basics.errors import BenchError
 from bench.dataset.robot import Robot
 from bench.model.base import BaseParameters, base_parameters
+from bench.model.bounds import MEMORY, RANDOM_POSES
 from bench.model.geometry import Geometry, read_geometry
 from bench.model.guess import guessed_parameters
 from bench.model.mobility import check_assembled, check_mobility
@@ -15,8 +16,6 @@ from bench.model.regressor import payload_transform, projected_regressor, redund
 from bench.model.states import random_motion
 
 SEED = 20120602  # of the states at which it is decided what recordings can tell at all
-STATES = 60
-KEPT = 16  # robots whose models stay in memory
 
 
 @dataclass(frozen=True)
@@ -59,7 +58,9 @@ class IdentificationModel:
         return self._at_random(redundant_columns(self.geometry))
 
     def _at_random(self, columns: np.ndarray) -> np.ndarray:
-        return projected_regressor(self.geometry, random_motion(self.geometry, STATES, SEED), columns)
+        return projected_regressor(
+            self.geometry, random_motion(self.geometry, RANDOM_POSES.states, SEED), columns
+        )
 
 
 def build_model(robot: Robot) -> IdentificationModel:
@@ -76,7 +77,7 @@ def _files(robot: Robot) -> tuple[tuple[str, int, int], ...]:
     return tuple((path, stat.st_mtime_ns, stat.st_size) for path, stat in stats)
 
 
-@lru_cache(maxsize=KEPT)
+@lru_cache(maxsize=MEMORY.geometries)
 def _built(robot: Robot, _files: tuple[tuple[str, int, int], ...]) -> IdentificationModel:
     geometry = read_geometry(robot)
     check_assembled(geometry)

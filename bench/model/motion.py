@@ -8,26 +8,13 @@ import numpy as np
 
 from bench.basics.errors import BenchError
 from bench.basics.interpolation import FEWEST, cubic_spline
+from bench.model.bounds import CLOSURE, NODES
 from bench.model.closing import Closing, closing_of
 from bench.model.closure import Closures, closures_of
 from bench.model.configuration import configuration_rates, hermite, integrate, normalised
-from bench.model.follow import OPEN, SLACK
 from bench.model.geometry import Geometry
 from bench.model.nodes import Samples, Track, followed, nodes_along, travel_of
 from bench.model.scalars import Scalar
-
-CLOSED = (
-    1e-10  # m or rad: after a smaller correction the loops are closed to rounding, and its Jacobian holds
-)
-NODE_CLOSED = 1e-6  # m or rad: the same at nodes, which are only interpolated
-TRAVEL = 0.3  # active travel between followed nodes, rad, or in units of the robot's length for a slide
-MIDDLE_TRAVEL = 0.1  # the same between the nodes of the middle level
-STRIDE = 16  # samples between the nodes of the middle level
-BLOCK = 5120  # most samples worked on together: more keep Python's share small, fewer stay in the cache
-FEW = 0.4  # share of samples that a further correction is made for separately
-LARGEST_AMPLIFICATION = 200.0  # rad/rad, m/rad ...: passive speed for active speed; beyond it is singular
-LARGEST_CORRECTION = 0.05  # m or rad: between an interpolated pose and the closed one
-MOST_ITERATIONS = 6
 
 _Guess = Callable[[slice], np.ndarray]  # nearly closed poses (nq, K) of a slice of the samples
 
@@ -112,11 +99,11 @@ def motion_of(
 ) -> Motion:
     """Close all loops along a trajectory of the active joints, each (N, n), positions as logged.
 
-    The closures are followed continuously from the home pose: a few nodes one after the other, then about
-    every STRIDE-th sample from their interpolation (or one after the other, where that is too far off), then all
-    samples from theirs. Loops are closed to rounding;
-    the Jacobian is taken at most CLOSED away from the closed pose, and rates have its relative error. near: the
-    motion of nearly this trajectory or geometry at the same samples, from which the closures are tried at once.
+    The closures are followed continuously from the home pose: a few nodes one after the other, then about every
+    `NODES.stride`-th sample from their interpolation (or one after the other, where that is too far off), then all
+    samples from theirs. Loops are closed to rounding; the Jacobian is taken at most `CLOSURE.closed_rates` away from
+    the closed pose, and rates have its relative error. near: the motion of nearly this trajectory or geometry at the
+    same samples, from which the closures are tried at once.
     Raises BenchError that names the time of a sample which is out of reach or singular.
     """
     if near is not None and geometry.closed:
@@ -150,13 +137,13 @@ def _middle_level(geometry: Geometry, closures: Closures, track: Track) -> Motio
     Raises BenchError naming the time of one that cannot be closed.
     """
     travel = travel_of(geometry, track.logged)
-    nodes = nodes_along(travel, TRAVEL, len(track.time))
+    nodes = nodes_along(travel, NODES.travel, len(track.time))
     reached = followed(geometry, track, nodes).T
-    coarse = _solved(geometry, closures, track.at(nodes), lambda block: reached[:, block], NODE_CLOSED)
+    coarse = _solved(geometry, closures, track.at(nodes), lambda block: reached[:, block], CLOSURE.closed)
     guess = _between(geometry, coarse)
-    nodes, enough = nodes_along(travel, MIDDLE_TRAVEL, STRIDE), NODE_CLOSED
+    nodes, enough = nodes_along(travel, NODES.middle_travel, NODES.stride), CLOSURE.closed
     if 2 * len(nodes) > len(track.time):
-        nodes, enough = np.arange(len(track.time)), CLOSED
+        nodes, enough = np.arange(len(track.time)), CLOSURE.closed_rates
     finer = track.at(nodes)
     try:
         return _solved(
@@ -196,7 +183,7 @@ class Path:
             return joint_rates
         near = self.nodes if self.nodes is not None and len(self.nodes.time) >= FEWEST else None
         curve = None if near is None else cubic_spline(near.time, near.jacobian[:, joints])
-        for block in blocks_of(len(time), BLOCK):
+        for block in blocks_of(len(time), NODES.block):
             if curve is None:
                 joint_rates[block] = self.motion(block).v[:, joints]
             else:
@@ -242,7 +229,7 @@ def rates_at(
 
 
 def _solved(
-    geometry: Geometry, closures: Closures, track: Track, guess: _Guess, enough: float = CLOSED
+    geometry: Geometry, closures: Closures, track: Track, guess: _Guess, enough: float = CLOSURE.closed_rates
 ) -> Motion:
     """Poses closed from the guess, velocities and accelerations, block by block."""
     samples, n = track.logged.shape
@@ -253,7 +240,7 @@ def _solved(
     motion = Motion(track.time, q, v, a, jacobian)
     unsolved = [
         block.start + _solve_block(geometry, closures, track, guess, enough, block, motion)
-        for block in blocks_of(samples, BLOCK)
+        for block in blocks_of(samples, NODES.block)
     ]
     few = np.concatenate(unsolved) if unsolved else np.arange(0)
     if len(few):
@@ -318,20 +305,20 @@ def _closed(
     """
     moved = np.zeros(q.shape[1])
     step = np.zeros((geometry.nv, q.shape[1]))
-    slack = SLACK if closures.equations > len(closures.passive) else 0.0
-    for _ in range(MOST_ITERATIONS):
+    slack = CLOSURE.slack if closures.equations > len(closures.passive) else 0.0
+    for _ in range(CLOSURE.interpolated):
         residual, correction = closing.correct(q)
         for index, value in correction.items():
             step[index] = value
         size = np.abs(step).max(axis=0)
         moved += size
-        if not moved.max() < LARGEST_CORRECTION:
+        if not moved.max() < CLOSURE.correction:
             raise _singular(geometry, time, int(np.argmax(moved)))
         q = integrate(geometry, q, step)
         largest = float(size.max())
-        nearly = largest < enough or (largest < NODE_CLOSED and (size >= enough).mean() < FEW)
+        nearly = largest < enough or (largest < CLOSURE.closed and (size >= enough).mean() < NODES.few)
         gap = max(np.abs(value).max() for value in (0.0, *residual))
-        if nearly and gap < max(OPEN * max(enough, largest), slack):
+        if nearly and gap < max(CLOSURE.open * max(enough, largest), slack):
             return q, np.flatnonzero(size >= enough)
     raise _singular(geometry, time, int(np.argmax(size)))
 
@@ -341,7 +328,7 @@ def _check(geometry: Geometry, time: np.ndarray, amplification: list[dict[int, S
     for column in amplification:
         for value in column.values():
             np.maximum(largest, np.abs(value), out=largest)
-    if not largest.max() < LARGEST_AMPLIFICATION:
+    if not largest.max() < CLOSURE.amplification:
         raise _singular(geometry, time, int(np.argmax(largest)))
 
 

@@ -5,7 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from bench.basics.errors import BenchError
-from bench.model.follow import NEARLY_CLOSED, Follower, Pose, advance, home_pose, make_follower
+from bench.model.bounds import CLOSURE
+from bench.model.follow import Follower, Pose, advance, home_pose, make_follower
 from bench.model.geometry import Geometry
 
 Samples = slice | np.ndarray
@@ -86,7 +87,7 @@ def followed(geometry: Geometry, track: Track, nodes: np.ndarray) -> np.ndarray:
     poses = np.empty((len(nodes), geometry.nq))
     before = -1
     for i, node in enumerate(nodes):
-        reached, share = advance(follower, pose, track.position(node), NEARLY_CLOSED)
+        reached, share = advance(follower, pose, track.position(node), CLOSURE.nearly)
         if share < 1.0:
             reached = _followed_closely(follower, pose, track, range(before + 1, node + 1))
         poses[i], pose, before = reached.q, reached, node

@@ -12,6 +12,7 @@ from typing import Literal
 import numpy as np
 
 from bench.model.base import base_parameters
+from bench.model.bounds import MEMORY, RANDOM_POSES, RANKS
 from bench.model.closure import loop_jacobian
 from bench.model.geometry import Anchor, Geometry, Joint, Placement
 from bench.model.guess import guessed_parameters
@@ -19,11 +20,8 @@ from bench.model.motion import Motion
 from bench.model.regressor import projected_regressor
 from bench.model.states import random_motion
 
+SEED = 20120603  # of the poses at which it is determined what the closures fix
 ACROSS = 2  # directions at right angles to an axis
-KEPT = 64  # joints whose geometry is kept
-MOST_OPEN = 1e-6  # of the force in a joint of equal bars: more hangs on masses that no motor tells apart
-FITS = 1e-6  # of a slide's speed of the closures: what remains of it is rounding
-STATES, SEED = 3, 20120603  # random poses at which it is decided what the closures determine
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,7 +38,7 @@ class Bearing:
     held: np.ndarray
 
 
-@lru_cache(maxsize=KEPT)
+@lru_cache(maxsize=MEMORY.joints)
 def bearing_of(geometry: Geometry, joint: int) -> Bearing:
     """The robot with two slides across the axis of a hinge or slide (index), driven and at rest."""
     original = geometry.joints[joint]
@@ -168,7 +166,7 @@ def bearing_torques(bearing: Bearing, held: HeldMotion, other: int) -> np.ndarra
     return np.asarray(bearing_motion(bearing, held).jacobian[:, joint.v].transpose(0, 2, 1))
 
 
-@lru_cache(maxsize=KEPT)
+@lru_cache(maxsize=MEMORY.joints)
 def mass_on_axis(geometry: Geometry, joint: int) -> tuple[float, float]:
     """What base parameters leave open of the force in a joint (index), where all bodies are equal bars: a mass on its
     axis, kg, that the motors cannot tell from one on its other side. And what that does not account for either, of the
@@ -185,7 +183,7 @@ def mass_on_axis(geometry: Geometry, joint: int) -> tuple[float, float]:
     return mass, float(np.linalg.norm(residual - mass * of_mass)) / (size or 1.0)
 
 
-@lru_cache(maxsize=KEPT)
+@lru_cache(maxsize=MEMORY.joints)
 def undetermined_by(geometry: Geometry, joint: int) -> Literal["", "closures", "masses"]:
     """What keeps the force in a joint (index) from following from motion and torques: closures that repeat one
     another, so that they could share it in any way; or masses, but one on its axis, that no motor tells apart.
@@ -193,15 +191,15 @@ def undetermined_by(geometry: Geometry, joint: int) -> Literal["", "closures", "
     bearing = bearing_of(geometry, joint)
     if geometry.closed:
         residual = _not_followed(bearing, _states(geometry))
-        if not np.all(residual < FITS):
+        if not np.all(residual < RANKS.reaction):
             return "closures"
     _, open_share = mass_on_axis(geometry, joint)
-    return "" if open_share < MOST_OPEN else "masses"
+    return "" if open_share < RANKS.open else "masses"
 
 
-@lru_cache(maxsize=KEPT)
+@lru_cache(maxsize=MEMORY.joints)
 def _states(geometry: Geometry) -> HeldMotion:
-    return with_motors_held(geometry, random_motion(geometry, STATES, SEED))
+    return with_motors_held(geometry, random_motion(geometry, RANDOM_POSES.reaction_states, SEED))
 
 
 def _across(axis: np.ndarray) -> np.ndarray:

@@ -11,7 +11,7 @@ from functools import lru_cache, partial
 import numpy as np
 
 from bench.model.body_rates import BodyRates, body_rates
-from bench.model.closure import KEPT
+from bench.model.bounds import MEMORY
 from bench.model.geometry import Anchor, Geometry
 from bench.model.kinematics import IDENTITY as AXES
 from bench.model.kinematics import ZERO, Link, ancestors, link_of
@@ -34,7 +34,6 @@ from bench.model.tape import Program, Reused, Tape
 
 PARAMETERS = ("m", "mx", "my", "mz", "Ixx", "Ixy", "Iyy", "Ixz", "Iyz", "Izz")
 UNITS = ("kg", "kg*m", "kg*m", "kg*m", "kg*m^2", "kg*m^2", "kg*m^2", "kg*m^2", "kg*m^2", "kg*m^2")
-BLOCK = 6144  # samples worked on together, at most
 PRODUCTS = ((0, 0), (0, 1), (1, 1), (0, 2), (1, 2), (2, 2))  # axes of the products of inertia, in order
 
 
@@ -59,7 +58,7 @@ def projected_regressor(geometry: Geometry, motion: Motion, columns: np.ndarray 
     entries = tuple((joint, tuple(of_joint)) for joint, of_joint in wanted.items())
     samples, n = len(motion.time), len(geometry.active)
     rows = np.empty((n, len(chosen), samples))
-    for block in blocks_of(samples, BLOCK) if entries else []:
+    for block in blocks_of(samples, MEMORY.block) if entries else []:
         q = np.ascontiguousarray(motion.q[block].T)
         rates = _scalars(motion.v[block].T) + _scalars(motion.a[block].T)
         for j in range(n):
@@ -96,7 +95,7 @@ def _block(
         yield from _of_body(moving[joint], of_joint)
 
 
-@lru_cache(maxsize=KEPT)
+@lru_cache(maxsize=MEMORY.geometries)
 def _links(geometry: Geometry, joints: tuple[int, ...]) -> tuple[Link, ...]:
     """The constants of these joints and of all that carry them."""
     moving = sorted({index for joint in joints for index in ancestors(geometry, joint)})
@@ -122,7 +121,7 @@ def _taped(geometry: Geometry, entries: _Entries, same: tuple[float | None, ...]
     return _RegressorTape(tape.program(), np.array(motors), np.array(places))
 
 
-@lru_cache(maxsize=KEPT)
+@lru_cache(maxsize=MEMORY.geometries)
 def _reused(
     _geometry: Geometry, _entries: _Entries, _same: tuple[float | None, ...]
 ) -> Reused[_RegressorTape]:

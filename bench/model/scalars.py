@@ -9,12 +9,12 @@ from collections.abc import Iterable
 
 import numpy as np
 
+from bench.model.bounds import BODIES
+
 Scalar = float | np.ndarray
 Rows = np.ndarray | list[Scalar]  # a scalar for each coordinate: an array (k, N), or k scalars
 Vector = tuple[Scalar, Scalar, Scalar]
 Matrix = tuple[Vector, Vector, Vector]  # by columns: the directions of a frame's axes
-
-TIDY = 1e-15  # constants nearer than this to 0, 1 or -1 are meant to be that
 
 
 def constants(values: Iterable[float]) -> tuple[float, ...]:
@@ -160,6 +160,6 @@ def dense(scalars: Iterable[Scalar], samples: int) -> np.ndarray:
 
 def _tidy(value: float) -> float:
     for exact in (0.0, 1.0, -1.0):
-        if abs(value - exact) < TIDY:
+        if abs(value - exact) < BODIES.tidy:
             return exact
     return value

@@ -11,11 +11,8 @@ from functools import lru_cache
 
 import numpy as np
 
+from bench.model.bounds import BODIES, MEMORY
 from bench.model.geometry import Geometry, Joint
-
-KEPT = 16  # geometries whose spins are kept
-ON_LINE = 1e-4  # of the distance between the joints: how far a third point may lie off their line
-POINT = 1e-9  # m: nearer points are one
 
 
 @dataclass(frozen=True)
@@ -30,7 +27,7 @@ class Spin:
     ends: tuple[tuple[int, np.ndarray], ...] = ()
 
 
-@lru_cache(maxsize=KEPT)
+@lru_cache(maxsize=MEMORY.geometries)
 def idle_spins(geometry: Geometry) -> tuple[Spin, ...]:
     """The spins of a robot's rods, one equation each."""
     spins = []
@@ -85,11 +82,11 @@ def _line(geometry: Geometry, joint: Joint, carried: _Carried) -> np.ndarray | N
         points.append((pose @ np.append(place, 1.0))[:3])
         slides += axes
     line = max((second - points[0] for second in points[1:]), key=_length, default=np.zeros(3))
-    if _length(line) < POINT:
+    if _length(line) < BODIES.point:
         return None
     off = [_length(np.cross(line, point - points[0])) / _length(line) for point in points]
     off += [_length(np.cross(line, axis)) for axis in slides]
-    return line / _length(line) if max(off) < ON_LINE * _length(line) else None
+    return line / _length(line) if max(off) < BODIES.on_line * _length(line) else None
 
 
 def _carried(geometry: Geometry, index: int) -> _Carried:

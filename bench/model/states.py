@@ -2,16 +2,11 @@
 
 import numpy as np
 
+from bench.model.bounds import RANDOM_POSES
 from bench.model.follow import Pose, advance, home_pose, make_follower
 from bench.model.geometry import Geometry
 from bench.model.mobility import column_scales, smallest_singular_values
 from bench.model.motion import Motion, rates_at
-
-LARGEST_AMPLIFICATION = (
-    20.0  # times home's, which counts as one at least: poses beyond are no place to go on from
-)
-NEAR_SINGULAR = 0.25  # share of the poses, those nearest to a singularity, that is omitted: they cost digits
-UNLIMITED = 0.8  # rad or m around home where the file gives no joint limits
 
 
 def random_motion(geometry: Geometry, count: int, seed: int) -> Motion:
@@ -28,8 +23,8 @@ def random_motion(geometry: Geometry, count: int, seed: int) -> Motion:
     home = pose = home_pose(follower)
     poses: list[Pose] = []
     scales = column_scales(geometry)
-    largest = LARGEST_AMPLIFICATION * scales[follower.passive, None] / scales[geometry.active]
-    wanted = round(count / (1.0 - NEAR_SINGULAR)) if geometry.closed else count
+    largest = RANDOM_POSES.amplification * scales[follower.passive, None] / scales[geometry.active]
+    wanted = round(count / (1.0 - RANDOM_POSES.near_singular)) if geometry.closed else count
     tries = 0
     while len(poses) < wanted and tries < 20 * wanted:
         tries += 1
@@ -44,7 +39,9 @@ def random_motion(geometry: Geometry, count: int, seed: int) -> Motion:
     if geometry.closed:
         held = smallest_singular_values(geometry, states)
         states = states[
-            np.sort(np.argsort(-held, kind="stable")[: round(len(states) * (1.0 - NEAR_SINGULAR))])
+            np.sort(
+                np.argsort(-held, kind="stable")[: round(len(states) * (1.0 - RANDOM_POSES.near_singular))]
+            )
         ]
     n = len(geometry.active)
     units = follower.units[:, None]
@@ -57,7 +54,7 @@ def active_ranges(geometry: Geometry) -> tuple[np.ndarray, np.ndarray]:
     """Lower and upper positions (n,) of the active joints in Pinocchio's coordinates."""
     home = geometry.home[geometry.active_configuration]
     by_velocity = {joint.v.start: joint for joint in geometry.joints}
-    reach = UNLIMITED * make_follower(geometry).units
+    reach = RANDOM_POSES.unlimited * make_follower(geometry).units
     low, high = home - reach, home + reach
     for i, index in enumerate(geometry.active):
         joint = by_velocity[int(index)]

@@ -15,12 +15,11 @@ from typing import Any, Generic, NamedTuple, TypeVar
 import numpy as np
 from numpy.lib.mixins import NDArrayOperatorsMixin
 
+from bench.model.bounds import MEMORY
 from bench.model.scalars import Scalar
 
 Made = TypeVar("Made")
 
-FEW_SAMPLES = 400  # in a block that a tape is replayed for: a hexapod's 6000 rows take 20 MB then
-USES = 10  # blocks of few samples after which a tape is worth the time that it takes to record
 _ARITHMETIC = (
     np.add,
     np.subtract,
@@ -200,10 +199,10 @@ class Reused(Generic[Made]):
 
     def get(self, samples: int, make: Callable[[], Made]) -> Made | None:
         """For a block of so many samples; None where that is worked out faster without."""
-        if not 1 < samples <= FEW_SAMPLES:
+        if not 1 < samples <= MEMORY.tape_samples:
             return None
         self._uses += 1
-        if self._made is None and self._uses > USES:
+        if self._made is None and self._uses > MEMORY.tape_uses:
             self._made = make()
         return self._made
 

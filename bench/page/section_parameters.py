@@ -8,13 +8,9 @@ from bench.basics.joint_units import drive_unit, units_of_gain
 from bench.basics.plural import plural
 from bench.document.charts.chart import Axis, Chart, Panel, Rule, Spans
 from bench.document.identification import effects_table, parameters_table
-from bench.document.numbers import (
-    POOR,
-    flat_effects,
-    is_poor,
-    settings_lines,
-)
+from bench.document.numbers import flat_effects, is_poor, settings_lines
 from bench.document.typeset import share, short, typeset
+from bench.identification.decision import RULE
 from bench.identification.result import CurrentSeries, Identification
 from bench.page.chart_spec import chart_figure
 from bench.page.parts import Items, PageColumn, PageTable, Part, Section, row
@@ -36,7 +32,7 @@ def parameters_section(
     """
     aid = (
         "A base parameter is what the motion can show: its own term and those named under “together with”. Marked "
-        f"where the standard error is above {POOR:.0%} of the value: then it says little."
+        f"where the standard error is above {RULE.loose:.0%} of the value: then it says little."
     ).replace("%", " %")
     parts: list[Part] = [_deviations_figure(after)] if len(after.parameters) > 1 else []
     table = parameters_table(after, before=before)
@@ -57,7 +53,7 @@ def _deviations_figure(result: Identification) -> Part:
     deviations = np.array([parameter.relative_std if parameter.std else np.nan for parameter in parameters])
     none, at = np.full(len(parameters), np.nan), np.arange(len(parameters))
     points = Spans("relative standard error", "after", at, deviations, none, none)
-    rule = Rule(f"{100 * POOR:.0f} %: says little", "before", "x", POOR, dashed=True)
+    rule = Rule(f"{100 * RULE.loose:.0f} %: says little", "before", "x", RULE.loose, dashed=True)
     names = Axis("", scale="band", categories=tuple(parameter.name for parameter in parameters))
     x = Axis("standard error relative to the value, logarithmic", "%", "log")
     aid = "The farther left, the better known."
@@ -157,7 +153,7 @@ def _not_excited(result: Identification) -> list[str]:
     poor = [parameter.name for parameter in result.parameters if is_poor(parameter)]
     if poor:
         said.append(
-            f"Poorly determined (standard error above {100 * POOR:.0f} % of the value): {', '.join(poor)}."
+            f"Poorly determined (standard error above {100 * RULE.loose:.0f} % of the value): {', '.join(poor)}."
         )
     unknown = [
         f"{name} of {effect.replace('_', ' ')} at {joint}"

@@ -6,9 +6,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from bench.basics.chi_squared import WITHIN_95
+from bench.identification.tolerances import TOLERANCES
 from bench.residuals.motor import MotorSeries
-
-LONGEST = 60  # rows
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,7 +40,7 @@ def correlations(rows: Sequence[np.ndarray], values: Sequence[np.ndarray]) -> np
     rows: the number of each value among evenly spaced rows, rising, some missing. The mean counts as error; each lag's
     products are divided by the powers of the values in them, so that no correlation is above one.
     """
-    lags = max(min(LONGEST, min(len(column) for column in rows) // 4), 1)
+    lags = max(min(TOLERANCES.statistics.longest_memory, min(len(column) for column in rows) // 4), 1)
     sums, powers = np.zeros(lags + 1), np.zeros((2, lags + 1))
     for row, value in zip(rows, values, strict=True):
         length = int(row[-1] - row[0]) + 1

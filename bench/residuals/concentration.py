@@ -6,12 +6,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from bench.residuals.autocorrelation import correlations
+from bench.residuals.bounds import NAMING
 from bench.residuals.motor import MotorSeries
 from bench.residuals.regions import Region, RegionPlace
-
-CERTAIN = 14.0  # nats against chance for all regions together: odds of a million to one
-TELLING = 0.05  # nats a row; 33 % of the squared error in 20 % of the time is just more than that
-MOST = 2  # regions named for one motor
 
 
 @dataclass(frozen=True)
@@ -38,7 +35,7 @@ def concentrations(series: Sequence[MotorSeries], candidates: Sequence[Region]) 
     squares = [trace.error**2 for trace in series]
     remaining = [np.ones(len(square), dtype=bool) for square in squares]
     named: list[Concentration] = []
-    while len(named) < MOST:
+    while len(named) < NAMING.regions:
         independent = _independent_squares(series, squares, remaining)
         best = max(
             (
@@ -87,8 +84,8 @@ def _concentration(
 
 
 def _counts(concentration: Concentration, tried: int) -> bool:
-    telling = _divergence(concentration.error_share, concentration.time_share) > TELLING
-    return telling and concentration.evidence > CERTAIN + float(np.log(tried))
+    telling = _divergence(concentration.error_share, concentration.time_share) > NAMING.region_nats
+    return telling and concentration.evidence > NAMING.regions_nats + float(np.log(tried))
 
 
 def _divergence(error_share: float, time_share: float) -> float:

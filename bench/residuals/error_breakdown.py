@@ -8,6 +8,7 @@ from typing import Literal
 import numpy as np
 
 from bench.residuals.autocorrelation import Autocorrelation, autocorrelation
+from bench.residuals.bounds import ERROR_GRID
 from bench.residuals.concentration import shares
 from bench.residuals.motor import Compared, MotorSeries, relative_error_of, relative_noise
 from bench.residuals.opposing_motion import Opposing, by_load, over_warm_up
@@ -15,7 +16,6 @@ from bench.residuals.periods import PositionSpectrum, Spectrum, position_spectru
 from bench.residuals.profile import Profile, Variable, binned, profile, values_of
 from bench.residuals.regions import regions
 
-AROUND = 8  # rows before and after a reversal
 Direction = Literal["forwards", "backwards"]
 
 
@@ -95,8 +95,8 @@ class ErrorBreakdown:
         rows = np.concatenate([trace.to_reversal for trace in self.series])
         # a row before a reversal to forwards moves backwards
         into = np.concatenate([trace.forwards ^ (trace.to_reversal < 0) for trace in self.series])
-        near = np.abs(rows) <= AROUND
-        edges = np.arange(-AROUND, AROUND + 1.0) / rate
+        near = np.abs(rows) <= ERROR_GRID.around_reversal
+        edges = np.arange(-ERROR_GRID.around_reversal, ERROR_GRID.around_reversal + 1.0) / rate
         return tuple(
             Branch(
                 direction,

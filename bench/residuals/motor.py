@@ -10,11 +10,8 @@ from bench.dataset.recording import Recording
 from bench.dataset.robot import Robot
 from bench.identification.current_noise import current_noise
 from bench.identification.result import CurrentSeries
+from bench.residuals.bounds import ERROR_GRID
 from bench.signals.settings import FilterSettings
-
-FEWEST = 20  # rows in which a motor moves, from which on a recording tells something of it
-SWIFT = 3  # rows excluded between two directions: more is a standstill, not a reversal
-NEAR_REVERSAL = 1.5  # rows on either side of a reversal that belong to it
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -61,7 +58,7 @@ class MotorSeries:
     @property
     def at_reversal(self) -> np.ndarray:
         """The rows next to a change of direction (M,)."""
-        return np.abs(self.to_reversal) <= NEAR_REVERSAL
+        return np.abs(self.to_reversal) <= ERROR_GRID.near_reversal
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -79,7 +76,9 @@ class Compared:
 
     def of(self, joint: str) -> tuple[MotorSeries, ...]:
         """The recordings of one motor, without those in which it hardly moves."""
-        return tuple(trace for trace in self.series if trace.joint == joint and len(trace.time) >= FEWEST)
+        return tuple(
+            trace for trace in self.series if trace.joint == joint and len(trace.time) >= ERROR_GRID.rows
+        )
 
 
 def compared(
@@ -143,22 +142,24 @@ def _motor(series: CurrentSeries, j: int, joint: str, noise: float, band: float)
         velocity=velocity[row],
         acceleration=series.acceleration[row, j],
         to_reversal=_to_nearest(row, _reversals(velocity, moving)),
-        near_standstill=np.abs(_to_nearest(row, still.astype(float))) <= NEAR_REVERSAL + 1,
+        near_standstill=np.abs(_to_nearest(row, still.astype(float))) <= ERROR_GRID.near_reversal + 1,
     )
 
 
 def _standstill(moving: np.ndarray) -> np.ndarray:
     """Rows of stretches in which the joint does not move for longer than a reversal takes."""
     edges = np.flatnonzero(np.diff(np.concatenate(([False], ~moving, [False])).astype(int)))
-    stretches = [np.arange(a, b) for a, b in zip(edges[::2], edges[1::2], strict=True) if b - a > SWIFT]
+    stretches = [
+        np.arange(a, b) for a, b in zip(edges[::2], edges[1::2], strict=True) if b - a > ERROR_GRID.swift
+    ]
     return np.concatenate(stretches) if stretches else np.empty(0, dtype=int)
 
 
 def _reversals(velocity: np.ndarray, moving: np.ndarray) -> np.ndarray:
-    """Where the joint reverses, as row numbers with a fraction of one; SWIFT rows or fewer it may stand still."""
+    """Where the joint reverses, as row numbers with a fraction of one; it may stand still for a few rows."""
     row = np.flatnonzero(moving)
     before, after = row[:-1], row[1:]
-    turned = (velocity[before] * velocity[after] < 0) & (after - before <= SWIFT + 1)
+    turned = (velocity[before] * velocity[after] < 0) & (after - before <= ERROR_GRID.swift + 1)
     before, after = before[turned], after[turned]
     share = velocity[before] / (velocity[before] - velocity[after])
     return np.asarray(before + (after - before) * share, dtype=float)

@@ -1,10 +1,9 @@
 """What to do about errors that noise does not account for."""
 
+from bench.identification.decision import RULE
 from bench.identification.wording import motor_words
+from bench.residuals.bounds import NAMING
 from bench.residuals.motor import Compared, relative_error_of, relative_noise
-from bench.residuals.residuals import MATERIAL
-
-MUCH = 3.0  # times the noise: worth a word where nobody asked for errors
 
 
 def remaining_errors(what: Compared) -> list[str]:
@@ -13,7 +12,7 @@ def remaining_errors(what: Compared) -> list[str]:
     for joint in what.joints:
         series = what.of(joint)
         error, noise = relative_error_of(series) or 0.0, relative_noise(series)
-        if error > MUCH * noise > 0.0:
+        if error > NAMING.unasked * noise > 0.0:
             times = f"{error / noise:.3g} times the noise of the current ({100.0 * noise:.3g} %)"
             lines.append(f"{motor_words(joint)}: error {100.0 * error:.3g} %, {times}")
     return lines
@@ -28,4 +27,4 @@ def beyond_noise(what: Compared) -> bool:
     errors = [
         (relative_error_of(what.of(joint)) or 0.0, relative_noise(what.of(joint))) for joint in what.joints
     ]
-    return any(error > MATERIAL * noise for error, noise in errors)
+    return any(error > RULE.beyond_noise * noise for error, noise in errors)

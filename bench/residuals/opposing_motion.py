@@ -7,11 +7,8 @@ from typing import Literal
 import numpy as np
 
 from bench.residuals.autocorrelation import correlations, integrated_autocorrelation_time
+from bench.residuals.bounds import ERROR_GRID, NAMING
 from bench.residuals.motor import MotorSeries
-
-PART = 1.0 / 3.0  # of every recording: its start, and its end
-CERTAIN = 6.0  # deviations by which two means must differ
-WORTH_NAMING = 0.2  # of the RMS error: a smaller change is not worth a word
 
 
 @dataclass(frozen=True)
@@ -39,8 +36,8 @@ class Change:
 
 def over_warm_up(series: Sequence[MotorSeries]) -> tuple[Opposing, Opposing]:
     """The first and the last third of all recordings of one motor."""
-    first = [np.flatnonzero(trace.time <= PART * trace.time[-1]) for trace in series]
-    last = [np.flatnonzero(trace.time >= (1.0 - PART) * trace.time[-1]) for trace in series]
+    first = [np.flatnonzero(trace.time <= ERROR_GRID.third * trace.time[-1]) for trace in series]
+    last = [np.flatnonzero(trace.time >= (1.0 - ERROR_GRID.third) * trace.time[-1]) for trace in series]
     return (
         _opposing(series, first, "in the first third of the recordings"),
         _opposing(series, last, "in the last third"),
@@ -66,8 +63,8 @@ def changes(series: Sequence[MotorSeries]) -> list[Change]:
     return [
         change
         for change in pairs
-        if (by := abs(change.first.mean - change.second.mean)) > WORTH_NAMING * rms
-        and by > CERTAIN * float(np.hypot(change.first.std, change.second.std))
+        if (by := abs(change.first.mean - change.second.mean)) > NAMING.drift * rms
+        and by > NAMING.drift_deviations * float(np.hypot(change.first.std, change.second.std))
     ]
 
 

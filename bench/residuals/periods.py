@@ -7,19 +7,9 @@ from typing import Literal
 import numpy as np
 
 from bench.residuals.autocorrelation import independent_rows
+from bench.residuals.bounds import ERROR_GRID, NAMING
 from bench.residuals.motor import MotorSeries
 from bench.signals.spectrum import hann_spectrum
-
-SURPRISING = 1e-6  # probability of so strong a line by chance
-WORTH_NAMING = 0.15  # of the squared error
-FEWEST_CYCLES = 3.0  # in the record or in the travel: fewer are a trend, not a line
-LIKE_MOTION = (
-    0.25  # of the error's share: a line that the current itself has so strongly comes from the motion
-)
-FINEST = 400  # frequencies
-OVERSAMPLING = 2  # frequencies a resolvable line
-FINER = 41  # frequencies between a line's neighbours on the grid
-SEGMENT = 256  # rows
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,7 +47,7 @@ class SpectralLine:
 
 def time_spectrum(series: Sequence[MotorSeries]) -> Spectrum:
     """Welch's spectrum of one motor's error, averaged over its recordings; zero where it does not move."""
-    length = min(SEGMENT, *(int(trace.row[-1] - trace.row[0]) + 1 for trace in series))
+    length = min(ERROR_GRID.segment, *(int(trace.row[-1] - trace.row[0]) + 1 for trace in series))
     densities, weights = [], []
     for trace in series:
         filled = np.zeros(int(trace.row[-1] - trace.row[0]) + 1)
@@ -86,7 +76,9 @@ def lines(series: Sequence[MotorSeries]) -> list[SpectralLine]:
     spectral = []
     over_position = position_spectrum(series)
     travel = float(np.ptp(np.concatenate([trace.position for trace in series])))
-    best = _strongest(over_position.cycles, over_position.share, FEWEST_CYCLES / max(travel, 1e-12), count, 2)
+    best = _strongest(
+        over_position.cycles, over_position.share, ERROR_GRID.cycles / max(travel, 1e-12), count, 2
+    )
     if best is not None:
         position = np.concatenate([trace.position for trace in series])
         error = np.concatenate([trace.error for trace in series])
@@ -116,8 +108,8 @@ def _time_line(series: Sequence[MotorSeries], independent: float) -> SpectralLin
     _, share = shares(errors)
     _, of_motion = shares([trace.measured for trace in series])
     _, of_speed = shares([trace.velocity for trace in series])
-    of_time = np.where(np.maximum(of_motion, of_speed) < LIKE_MOTION * share, share, 0.0)
-    best = _strongest(frequency, of_time, FEWEST_CYCLES / duration, independent, 2 * len(series))
+    of_time = np.where(np.maximum(of_motion, of_speed) < NAMING.line_of_motion * share, share, 0.0)
+    best = _strongest(frequency, of_time, ERROR_GRID.cycles / duration, independent, 2 * len(series))
     if best is None:
         return None
     finer = _about(frequency[best], duration)
@@ -127,7 +119,9 @@ def _time_line(series: Sequence[MotorSeries], independent: float) -> SpectralLin
 
 def _about(frequency: float, extent: float) -> np.ndarray:
     """Frequencies as near to one of the grid as its neighbours."""
-    return np.asarray(frequency + np.linspace(-1.0, 1.0, FINER) / (OVERSAMPLING * extent))
+    return np.asarray(
+        frequency + np.linspace(-1.0, 1.0, ERROR_GRID.finer) / (ERROR_GRID.oversampling * extent)
+    )
 
 
 def _line(
@@ -146,9 +140,9 @@ def _line(
 
 def _grid(extent: float, finest: float) -> np.ndarray:
     """Frequencies from one cycle in the extent up to `finest`, half a cycle in the extent apart."""
-    step = 1.0 / (OVERSAMPLING * max(extent, 1e-12))
-    count = int(np.clip(finest / step, 1, FINEST))
-    return step * np.arange(OVERSAMPLING, max(count, OVERSAMPLING) + 1)
+    step = 1.0 / (ERROR_GRID.oversampling * max(extent, 1e-12))
+    count = int(np.clip(finest / step, 1, ERROR_GRID.frequencies))
+    return step * np.arange(ERROR_GRID.oversampling, max(count, ERROR_GRID.oversampling) + 1)
 
 
 def _sinusoids(x: np.ndarray, values: np.ndarray, frequencies: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -181,9 +175,9 @@ def _strongest(
     """The strongest line of at least some frequency, if it is beyond chance and worth a word."""
     allowed = np.where(frequency >= least, share, 0.0)
     best = int(np.argmax(allowed))
-    if allowed[best] < WORTH_NAMING:
+    if allowed[best] < NAMING.line:
         return None
     # twice the log-likelihood ratio is about chi-squared; its tail falls like exp(-x / 2)
     surprise = -independent / 2.0 * np.log(1.0 - min(float(allowed[best]), 1.0 - 1e-12))
-    certain = -np.log(SURPRISING / len(frequency)) + freedom
+    certain = -np.log(NAMING.chance / len(frequency)) + freedom
     return best if surprise > certain else None

@@ -7,7 +7,9 @@ from typing import Literal
 import numpy as np
 
 from bench.basics.chi_squared import tail
+from bench.identification.tolerances import TOLERANCES
 from bench.residuals.autocorrelation import correlations, integrated_autocorrelation_time
+from bench.residuals.bounds import NAMING
 from bench.residuals.motor import MotorSeries
 
 Variable = Literal["time", "position", "velocity", "acceleration", "current", "direction", "constant"]
@@ -20,13 +22,6 @@ VARIABLES: tuple[Variable, ...] = (
     "current",
     "direction",
 )
-BINS = 12
-SURPRISING = 1e-6  # probability of so strong a dependence by chance, all variables together
-AS_GOOD = (
-    0.95  # of the best variable's share: a direction or a constant that takes up so much is preferred to it
-)
-WORTH_NAMING = 0.2  # of the squared error
-MOST = 2  # variables named for one motor
 
 
 @dataclass(frozen=True, eq=False)
@@ -78,7 +73,7 @@ def values_of(series: MotorSeries, variable: Variable) -> np.ndarray:
     return np.asarray(getattr(series, name))
 
 
-def profile(values: np.ndarray, errors: np.ndarray, bins: int = BINS) -> Profile:
+def profile(values: np.ndarray, errors: np.ndarray, bins: int = TOLERANCES.statistics.bins) -> Profile:
     """Bin errors by values, both (N,), into bins with equally many rows."""
     edges = np.unique(np.quantile(values, np.linspace(0.0, 1.0, bins + 1)))
     if len(edges) < 2:
@@ -110,14 +105,14 @@ def dependences(series: Sequence[MotorSeries]) -> list[Dependence]:
     errors = np.concatenate([trace.error for trace in series])
     whole = errors
     named: list[Dependence] = []
-    while len(named) < MOST:
+    while len(named) < NAMING.variables:
         tried = [_dependence(series, kind, errors, named) for kind in VARIABLES]
         best, residual, chance = max(tried, key=lambda pair: pair[0].error_share)
         for plain in (tried[VARIABLES.index("direction")], tried[VARIABLES.index("constant")]):
-            if plain[0].error_share > AS_GOOD * best.error_share:
+            if plain[0].error_share > NAMING.as_good * best.error_share:
                 best, residual, chance = plain
-        small = best.error_share * float(errors @ errors) < WORTH_NAMING / 2 * float(whole @ whole)
-        if chance > SURPRISING / len(VARIABLES) or best.error_share < WORTH_NAMING or small:
+        small = best.error_share * float(errors @ errors) < NAMING.dependence / 2 * float(whole @ whole)
+        if chance > NAMING.chance / len(VARIABLES) or best.error_share < NAMING.dependence or small:
             break
         named.append(best)
         errors = residual

@@ -6,9 +6,8 @@ from enum import StrEnum
 
 import numpy as np
 
+from bench.residuals.bounds import ERROR_GRID
 from bench.residuals.motor import MotorSeries
-
-FIFTH = 0.2
 
 
 class RegionKind(StrEnum):
@@ -88,7 +87,7 @@ def regions(series: Sequence[MotorSeries], unit: str, current: str) -> list[Regi
 
 
 def _by_size(parts: tuple[RegionKind, RegionKind], sizes: Sequence[np.ndarray], unit: str) -> list[Region]:
-    low, high = map(float, np.quantile(np.concatenate(sizes), (FIFTH, 1.0 - FIFTH)))
+    low, high = map(float, np.quantile(np.concatenate(sizes), (ERROR_GRID.fifth, 1.0 - ERROR_GRID.fifth)))
     return [
         Region(RegionPlace(parts[0], (low,), unit), tuple(size < low for size in sizes)),
         Region(RegionPlace(parts[1], (high,), unit), tuple(size > high for size in sizes)),
@@ -96,7 +95,7 @@ def _by_size(parts: tuple[RegionKind, RegionKind], sizes: Sequence[np.ndarray], 
 
 
 def _by_position(positions: Sequence[np.ndarray], unit: str) -> list[Region]:
-    shares = (FIFTH, 0.4, 0.6, 1.0 - FIFTH)
+    shares = (ERROR_GRID.fifth, 0.4, 0.6, 1.0 - ERROR_GRID.fifth)
     low, below, above, high = map(float, np.quantile(np.concatenate(positions), shares))
     between = tuple((position > below) & (position < above) for position in positions)
     return [
@@ -113,8 +112,8 @@ def _by_position(positions: Sequence[np.ndarray], unit: str) -> list[Region]:
 
 
 def _by_time(series: Sequence[MotorSeries]) -> list[Region]:
-    first = tuple(trace.time < FIFTH * trace.time[-1] for trace in series)
-    last = tuple(trace.time > (1.0 - FIFTH) * trace.time[-1] for trace in series)
+    first = tuple(trace.time < ERROR_GRID.fifth * trace.time[-1] for trace in series)
+    last = tuple(trace.time > (1.0 - ERROR_GRID.fifth) * trace.time[-1] for trace in series)
     return [Region(RegionPlace(RegionKind.START), first), Region(RegionPlace(RegionKind.END), last)]
 
 

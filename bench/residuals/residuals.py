@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from bench.basics.threads import on_one_thread
 from bench.dataset.dataset import Dataset
 from bench.effects import Effect
+from bench.identification.decision import RULE
 from bench.identification.result import Identification
 from bench.residuals.autocorrelation import autocorrelation
 from bench.residuals.concentration import Concentration, concentrations
@@ -15,8 +16,6 @@ from bench.residuals.opposing_motion import Change, Opposing, by_load, changes, 
 from bench.residuals.periods import SpectralLine, lines
 from bench.residuals.profile import Dependence, dependences
 from bench.residuals.regions import regions
-
-MATERIAL = 1.15  # times the noise: an error below holds nothing to look for
 
 
 @dataclass(frozen=True)
@@ -77,7 +76,7 @@ def _of_motor(what: Compared, joint: str, possible: Mapping[str, Effect], has: S
     series = what.of(joint)
     current, unit = what.units[joint]
     error, noise = relative_error_of(series) or 0.0, relative_noise(series)
-    above = error > MATERIAL * noise
+    above = error > RULE.beyond_noise * noise
     patterns = (
         tuple(concentrations(series, regions(series, unit, current))) if above else (),
         tuple(dependences(series)) if above else (),

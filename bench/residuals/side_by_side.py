@@ -12,11 +12,10 @@ from bench.basics.chi_squared import WITHIN_95
 from bench.basics.errors import BenchError
 from bench.basics.plain_data import finite
 from bench.effects.select import ROBOT
+from bench.identification.decision import RULE
 from bench.identification.model_file import apply_model, load_model
 from bench.identification.problem import Problem
 from bench.identification.result import Identification, Quantity
-
-CLEAR = 3.0  # standard deviations by which a parameter must move to be reported
 
 
 @dataclass(frozen=True)
@@ -76,7 +75,7 @@ def moved_parameters(first: Identification, other: Identification) -> list[str]:
     for parameter in other.parameters:
         old = before.get(parameter.name)
         std = max(parameter.std, old.std) if old is not None else math.inf
-        if old is not None and 0.0 < std < math.inf and abs(parameter.value - old.value) > CLEAR * std:
+        if old is not None and 0.0 < std < math.inf and abs(parameter.value - old.value) > RULE.shows * std:
             moved.append((abs(parameter.value - old.value) / std, parameter.name))
     return [name for _, name in sorted(moved, reverse=True)]
 

@@ -13,7 +13,6 @@ from bench.residuals.regions import RegionKind, RegionPlace
 from bench.residuals.residuals import MotorErrors, WhereItFails
 
 MOST_LOOKS, MOST_NAMES = 2, 4
-TURN = 2.0 * math.pi  # rad
 OVERLAPPING = (
     "Shares of one motor's squared error overlap: each describes the same error in another way, so they do not add up "
     "to 100 %."
@@ -174,7 +173,7 @@ def line_words(line: SpectralLine, units: tuple[str, str]) -> str:
         return f"{motor_words(line.joint)}: {share} of the squared error oscillates at {frequency} Hz, {size}"
     period = f"every {with_error(1.0 / line.frequency, line.resolution / line.frequency / line.frequency)} {units[1]}"
     if units[1] == "rad":
-        period += f", {with_error(TURN * line.frequency, TURN * line.resolution)} times per turn"
+        period += f", {with_error(math.tau * line.frequency, math.tau * line.resolution)} times per turn"
     period += ", as far as the travelled range shows"
     return f"{motor_words(line.joint)}: {share} of the squared error repeats {period}, {size}"
 

@@ -12,10 +12,10 @@ from bench.model.motion import Motion
 from bench.model.regressor import projected_regressor
 from bench.model.spin import idle_spins
 from bench.model.supported import label_of
+from bench.robot_check.bounds import AGREEMENT
 from bench.robot_check.machine import CheckedMachine, body_label, set_pose
 from bench.robot_check.outcome import Check, CheckCode
 
-TOLERANCE = 1e-10  # of the quantity's size (at least 1, in its SI unit): two libraries, rounding only
 KINDS = {
     "hinge": ("JointModelRX", "JointModelRY", "JointModelRZ", "JointModelRevoluteUnaligned"),
     "slide": ("JointModelPX", "JointModelPY", "JointModelPZ", "JointModelPrismaticUnaligned"),
@@ -184,7 +184,7 @@ def check_motor_forces(machine: CheckedMachine, motion: Motion) -> Check:
         (CheckCode.MOTOR_FORCES_AGREE, {"states": len(ours)}),
         CheckCode.MOTOR_FORCES_DIFFER,
         lambda i: {"motor": geometry.robot.joints[i], "difference": float(worst[i])},
-        TOLERANCE * conditioning(geometry, motion.q),
+        AGREEMENT.rounding * conditioning(geometry, motion.q),
     )
 
 
@@ -243,7 +243,7 @@ def _compared(
     agreed: tuple[CheckCode, dict[str, Any]],
     differs: CheckCode,
     offender: Callable[[int], dict[str, Any]],
-    tolerance: float = TOLERANCE,
+    tolerance: float = AGREEMENT.rounding,
 ) -> Check:
     """ok with what was done and the largest difference, or failed with the offender nearest to the base."""
     largest = float(worst.max(initial=0.0))

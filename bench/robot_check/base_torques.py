@@ -12,17 +12,15 @@ import numpy as np
 import pinocchio as pin
 
 from bench.model.base import BaseParameters
-from bench.model.independent import GAP
+from bench.model.bounds import RANKS
 from bench.model.motion import Motion
 from bench.model.regressor import projected_regressor
 from bench.robot_check.agreement import model_acceleration, motor_motions
+from bench.robot_check.bounds import AGREEMENT
 from bench.robot_check.machine import CheckedMachine, body_label, place_state, set_pose
 from bench.robot_check.outcome import Check, CheckCode
 
-TOLERANCE = 1e-8  # of a body's largest torque: the closures are closed to rounding, which a pose amplifies
-UNFELT = 1e-3  # of a body's largest force or torque in the opened tree: of less, rounding counts by this
 SEED = 20120604  # of masses and inertias
-LENGTH = 0.1  # m: of the random centres of mass and radii of gyration
 
 
 def check_base_parameters(machine: CheckedMachine, base: BaseParameters, motion: Motion) -> Check:
@@ -34,11 +32,11 @@ def check_base_parameters(machine: CheckedMachine, base: BaseParameters, motion:
     """
     reference = motion_with_torques(machine, motion)
     regressor = projected_regressor(machine.geometry, motion, base.columns)
-    allowed = max(TOLERANCE, GAP * base.neglected)
+    allowed = max(AGREEMENT.closed, RANKS.gap * base.neglected)
     worst, differing = 0.0, []
     for label, standard, rotors, theirs, in_tree in reference:
         ours = regressor @ (base.grouping @ standard + base.rotors @ rotors)
-        largest = max(float(np.abs(theirs).max()), UNFELT * in_tree)
+        largest = max(float(np.abs(theirs).max()), AGREEMENT.unfelt * in_tree)
         difference = float(np.abs(ours - theirs).max()) / largest if largest else 0.0
         worst = max(worst, difference)
         if not difference < allowed:
@@ -112,7 +110,7 @@ def _torques(machine: CheckedMachine, motion: Motion, motions: list[np.ndarray])
 def _random_inertia(random: np.random.Generator) -> pin.Inertia:
     """A body of about 1 kg, its centre of mass off its frame."""
     mass = float(random.uniform(0.5, 2.0))
-    spread = LENGTH * random.normal(size=(3, 3))
+    spread = AGREEMENT.length * random.normal(size=(3, 3))
     second = spread @ spread.T
     inertia = mass * (np.trace(second) * np.eye(3) - second)
-    return pin.Inertia(mass, LENGTH * random.normal(size=3), inertia)
+    return pin.Inertia(mass, AGREEMENT.length * random.normal(size=3), inertia)

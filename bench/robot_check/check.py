@@ -8,15 +8,16 @@ from bench.basics.errors import BenchError
 from bench.dataset.robot import Robot
 from bench.dataset.robot_redundancy import welds_to_connect
 from bench.model.base import base_parameters
+from bench.model.bounds import CLOSURE
 from bench.model.closure import loop_residual
 from bench.model.cures import welds_as_connects
 from bench.model.geometry import Geometry, read_geometry
-from bench.model.mobility import ASSEMBLED, check_assembled
-from bench.model.motion import LARGEST_AMPLIFICATION
+from bench.model.mobility import check_assembled
 from bench.model.passive_ranges import passive_ranges
 from bench.model.states import random_motion
 from bench.robot_check import agreement
 from bench.robot_check.base_torques import check_base_parameters
+from bench.robot_check.bounds import AGREEMENT, PLAUSIBLE
 from bench.robot_check.features import check_features, locked_lines, notes
 from bench.robot_check.home import check_home, home_at_range_end, with_pose_in_ranges
 from bench.robot_check.listing import check_home_ranges, home_of, joint_lines, loop_lines
@@ -29,10 +30,7 @@ from bench.robot_check.rotors import check_rotors
 from bench.robot_check.singularity import SingularitySweep, singularity_of, sweep
 from bench.robot_check.tilts import with_tilts
 
-POSES = 20  # random ones, open and closed, at which the libraries are compared
 SEED, FRESH = 20120601, 20120605  # FRESH: of states at which nothing was chosen
-FAST = 20.0  # rad/rad, m/rad ...: passive for active speed at home beyond which it is reported
-WEAK = 1e-6  # smallest singular value at home below which it counts as singular
 
 
 def check_robot(robot: Robot) -> RobotReport:
@@ -74,7 +72,9 @@ def check_robot(robot: Robot) -> RobotReport:
 def _welds_too_much(geometry: Geometry) -> list[Check]:
     """Welds that hold the orientation of bodies which only a pin should join: open in it, or with motors redundant."""
     motors = [actuator.joint for actuator in geometry.robot.redundant]
-    turned = welds_as_connects(geometry, loop_residual(geometry, geometry.home[:, None])[:, 0], ASSEMBLED)
+    turned = welds_as_connects(
+        geometry, loop_residual(geometry, geometry.home[:, None])[:, 0], CLOSURE.assembled
+    )
     if turned is not None:
         return [Check(CheckCode.WELD_TOO_MUCH, "failed", {"welds": list(turned.names), "motors": motors})]
     welds = welds_to_connect(geometry.robot.mjcf_model(), geometry.robot.driven) if motors else ()
@@ -95,8 +95,8 @@ def _with(report: RobotReport, *checks: Check) -> RobotReport:
 
 def _same_tree(machine: CheckedMachine) -> list[Check]:
     """The opened tree in both libraries."""
-    poses = random_open_poses(machine.geometry, POSES, SEED)
-    velocities = np.random.default_rng(SEED).normal(size=(POSES, machine.geometry.nv))
+    poses = random_open_poses(machine.geometry, AGREEMENT.poses, SEED)
+    velocities = np.random.default_rng(SEED).normal(size=(AGREEMENT.poses, machine.geometry.nv))
     listed = agreement.check_joint_list(machine)
     if listed.verdict == "failed":
         return [listed]
@@ -121,7 +121,7 @@ def _assembled(report: RobotReport, machine: CheckedMachine) -> RobotReport:
     try:
         check_assembled(geometry)
         swept = sweep(geometry) if geometry.closed else None
-        motion = random_motion(geometry, POSES, SEED)
+        motion = random_motion(geometry, AGREEMENT.poses, SEED)
         base = base_parameters(geometry)
     except BenchError as error:
         return _with(report, Check(CheckCode.MOTION_FAULT, "failed", {"fault": str(error)}))
@@ -137,7 +137,7 @@ def _assembled(report: RobotReport, machine: CheckedMachine) -> RobotReport:
         report,
         agreement.check_body_poses(machine, motion.q, "closed"),
         agreement.check_motor_forces(machine, motion),
-        check_base_parameters(machine, base, random_motion(geometry, POSES, FRESH)),
+        check_base_parameters(machine, base, random_motion(geometry, AGREEMENT.poses, FRESH)),
     )
 
 
@@ -150,9 +150,9 @@ def _regular_home(singularity: Singularity) -> Check:
         "unit": fastest.unit,
         "motor": fastest.motor,
     }
-    if singularity.home < WEAK or fastest.value > LARGEST_AMPLIFICATION:
+    if singularity.home < PLAUSIBLE.singular or fastest.value > CLOSURE.amplification:
         return Check(CheckCode.HOME_SINGULAR, "failed", values)
-    if fastest.value > FAST:
+    if fastest.value > PLAUSIBLE.fast:
         return Check(CheckCode.HOME_NEAR_SINGULAR, "note", values)
     return Check(CheckCode.HOME_REGULAR, "ok", values)
 

@@ -13,6 +13,7 @@ from bench.dataset.robot_locked import locked_as_data
 from bench.effects import CATALOGUE
 from bench.effects.effect import MjcfTerm, Place
 from bench.model.supported import label_of, unsupported_features
+from bench.robot_check.bounds import PLAUSIBLE
 from bench.robot_check.outcome import Check, CheckCode
 
 FORCES: Mapping[MjcfTerm, tuple[str, ...]] = {  # the fields of MuJoCo's model
@@ -21,8 +22,6 @@ FORCES: Mapping[MjcfTerm, tuple[str, ...]] = {  # the fields of MuJoCo's model
     "frictionloss": ("dof_frictionloss",),
     "armature": ("dof_armature",),
 }
-LARGE = 20.0  # m: no robot is so large
-HEAVY = 1e4  # kg: no link is so heavy
 NARROW = 2.0 * np.pi  # degrees: a hinge's range within it may be meant in radians
 
 
@@ -135,11 +134,11 @@ def _effect_of(term: MjcfTerm, place: Place) -> str:
 
 def _sizes(compiled: mujoco.MjModel) -> Iterator[tuple[CheckCode, dict[str, Any]]]:
     """Lengths and masses that look like another unit's."""
-    if (length := _furthest(compiled)) > LARGE:
+    if (length := _furthest(compiled)) > PLAUSIBLE.length:
         yield CheckCode.LENGTHS_LARGE, {"length": length}
     heavy = {
         label_of(compiled, mujoco.mjtObj.mjOBJ_BODY, int(body)): float(compiled.body_mass[body])
-        for body in np.flatnonzero(compiled.body_mass > HEAVY)
+        for body in np.flatnonzero(compiled.body_mass > PLAUSIBLE.mass)
     }
     if heavy:
         yield CheckCode.MASSES_LARGE, {"masses": heavy}

@@ -6,9 +6,9 @@ from dataclasses import asdict, replace
 import mujoco
 import numpy as np
 
+from bench.model.bounds import CLOSURE
 from bench.model.closure import loop_jacobian, loop_residual
 from bench.model.configuration import integrate, normalised
-from bench.model.follow import SLACK
 from bench.model.geometry import Geometry, Joint, from_mujoco
 from bench.model.mobility import column_scales, smallest_singular_values
 from bench.model.passive_ranges import passive_ranges
@@ -39,7 +39,7 @@ def check_home(geometry: Geometry, loops: tuple[LoopLine, ...], source: HomeSour
         return Check(CheckCode.HOME_CLOSED, "ok", opening)
     opening["loop"] = widest.name
     closed = closed_pose(geometry)
-    if closed is None and gap < SLACK and _repeated(geometry):
+    if closed is None and gap < CLOSURE.slack and _repeated(geometry):
         return Check(CheckCode.HOME_OPEN_AS_LOOPS_DISAGREE, "note", opening)
     verdict: Verdict = "note" if gap < ASSEMBLED else "failed"
     if closed is None:

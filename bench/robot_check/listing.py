@@ -7,12 +7,11 @@ from bench.basics.joint_units import joint_units
 from bench.dataset.robot import Robot
 from bench.model.geometry import Geometry
 from bench.model.supported import label_of
+from bench.robot_check.bounds import PLAUSIBLE
 from bench.robot_check.loops import gaps, loop_bodies
 from bench.robot_check.machine import CheckedMachine, body_label
 from bench.robot_check.outcome import Check, CheckCode
 from bench.robot_check.report import HomeSource, JointLine, LoopLine
-
-SLACK = 1e-9  # rad or m: rounding of a home position that lies on the end of its range
 
 
 def home_of(compiled: mujoco.MjModel, robot: Robot) -> tuple[np.ndarray, HomeSource]:
@@ -65,7 +64,7 @@ def check_home_ranges(joints: tuple[JointLine, ...]) -> Check:
     for joint in joints:
         if joint.home is None or joint.lower is None or joint.upper is None:
             continue
-        if not joint.lower - SLACK <= joint.home <= joint.upper + SLACK:
+        if not joint.lower - PLAUSIBLE.end <= joint.home <= joint.upper + PLAUSIBLE.end:
             unit = joint_units(joint.kind == "hinge").position
             limits = {"lower": joint.lower, "upper": joint.upper}
             offender = {"joint": joint.name, "home": joint.home, "unit": unit, **limits}

@@ -11,14 +11,12 @@ from bench.model.closure import loop_jacobian, loop_residual
 from bench.model.geometry import Geometry, Loop
 from bench.model.motion import Motion
 from bench.model.tree import loop_constraints
+from bench.robot_check.bounds import AGREEMENT
 from bench.robot_check.machine import CheckedMachine, body_label, rotation_matrix, set_pose
 from bench.robot_check.outcome import Check, CheckCode
 
-TOLERANCE = 1e-8  # of residuals [m, rad] and Jacobians: closed poses are closed to 1e-9 only
-MOMENT = 1e-4  # s: between the five residuals whose differences represent rates
 FIRST = np.array([1.0, -8.0, 0.0, 8.0, -1.0]) / 12.0  # differences of fourth order
 SECOND = np.array([-1.0, 16.0, -30.0, 16.0, -1.0]) / 12.0
-MOTION_TOLERANCE = 1e-5  # what these differences leave at a moment of that length
 
 
 CLOSING = (int(mujoco.mjtEq.mjEQ_CONNECT), int(mujoco.mjtEq.mjEQ_WELD))
@@ -69,7 +67,7 @@ def check_constraints(machine: CheckedMachine, poses: np.ndarray) -> Check:
             apart = np.abs(rows[row] - _coupling_row(machine, equality))
             worst[index] = np.maximum(worst[index], (apart[0], apart[1:].max()))
             row += 1
-    if worst.max() < TOLERANCE:
+    if worst.max() < AGREEMENT.closed:
         agreed = {"poses": len(poses), "difference": float(worst.max())}
         return Check(CheckCode.LOOP_CLOSURES_AGREE, "ok", agreed)
     at = int(np.argmax(worst.max(axis=1)))
@@ -85,17 +83,17 @@ def check_closed_motion(machine: CheckedMachine, motion: Motion) -> Check:
         residuals = np.array(
             [
                 _mujoco_residual(machine, pin.integrate(machine.model, q, v * t + 0.5 * a * t * t))
-                for t in MOMENT * np.arange(-2, 3)
+                for t in AGREEMENT.moment * np.arange(-2, 3)
             ]
         )
         speed = float(np.abs(v).max())
-        opening = FIRST @ residuals / MOMENT / max(1.0, speed)
-        bending = SECOND @ residuals / MOMENT**2 / max(1.0, speed**2, float(np.abs(a).max()))
+        opening = FIRST @ residuals / AGREEMENT.moment / max(1.0, speed)
+        bending = SECOND @ residuals / AGREEMENT.moment**2 / max(1.0, speed**2, float(np.abs(a).max()))
         worst = np.maximum(worst, (np.abs(opening).max(), np.abs(bending).max()))
     velocity, acceleration = worst.tolist()
     return Check(
         CheckCode.LOOP_OPENING_IN_MOTION,
-        "ok" if worst.max() < MOTION_TOLERANCE else "failed",
+        "ok" if worst.max() < AGREEMENT.rates else "failed",
         {"velocity": velocity, "acceleration": acceleration},
     )
 

@@ -9,8 +9,7 @@ import pinocchio as pin
 from bench.model.geometry import Geometry, Placement
 from bench.model.supported import label_of
 from bench.model.tree import build_tree
-
-OPEN_TRAVEL = 0.5  # m: how far slides and free bodies are put from zero in a random open pose
+from bench.robot_check.bounds import AGREEMENT
 
 
 @dataclass(frozen=True)
@@ -125,7 +124,7 @@ def random_open_poses(geometry: Geometry, count: int, seed: int) -> np.ndarray:
     random = np.random.default_rng(seed)
     q = np.empty((count, geometry.nq))
     for joint in geometry.joints:
-        reach = np.pi if joint.kind == "hinge" else OPEN_TRAVEL
+        reach = np.pi if joint.kind == "hinge" else AGREEMENT.travel
         q[:, joint.q] = random.uniform(-reach, reach, size=(count, joint.q.stop - joint.q.start))
         if joint.kind in ("ball", "free"):
             quaternion = random.normal(size=(count, 4))

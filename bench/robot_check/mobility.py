@@ -3,14 +3,14 @@
 import numpy as np
 
 from bench.basics.errors import BenchError
+from bench.model.bounds import RANKS
 from bench.model.geometry import Geometry
-from bench.model.mobility import DEPENDENT, column_scales, scaled_jacobians
 from bench.model.mobility import check_mobility as require_mobility
+from bench.model.mobility import column_scales, scaled_jacobians
 from bench.model.spin import idle_spins
 from bench.robot_check.outcome import Check, CheckCode
 from bench.robot_check.report import Amplification, Mobility
 
-TAKES_PART = 0.05  # of the largest component: a joint moves in a motion that nothing holds
 AXES = ("x", "y", "z", "turning about x", "turning about y", "turning about z")
 
 
@@ -30,7 +30,7 @@ def mobility_of(geometry: Geometry, q: np.ndarray) -> Mobility:
     rank = 0
     if equations:
         values = np.linalg.svd(scaled_jacobians(geometry, q)[:, :equations], compute_uv=False)
-        rank = int((values > DEPENDENT * values.max(axis=1, keepdims=True)).sum(axis=1).max())
+        rank = int((values > RANKS.dependent * values.max(axis=1, keepdims=True)).sum(axis=1).max())
     return Mobility(geometry.nv, equations, rank, len(geometry.active), spins)
 
 
@@ -78,7 +78,7 @@ def weakest_joints(geometry: Geometry, q: np.ndarray) -> tuple[str, ...]:
     """Passive joints that move in the motion which the closures hold least at q (nq,), the motors held."""
     _, _, motions = np.linalg.svd(scaled_jacobians(geometry, q[None])[0][:, geometry.passive])
     weakest = np.abs(motions[-1])
-    moving = set(geometry.passive[weakest > TAKES_PART * weakest.max()].tolist())
+    moving = set(geometry.passive[weakest > RANKS.takes_part * weakest.max()].tolist())
     return tuple(joint.name for joint in geometry.joints if moving & set(range(joint.v.start, joint.v.stop)))
 
 

@@ -6,12 +6,9 @@ from bench.model.follow import Follower, Pose, advance, close, make_follower
 from bench.model.geometry import Geometry
 from bench.model.mobility import smallest_singular_values
 from bench.model.states import active_ranges
+from bench.robot_check.bounds import SINGULARITY
 
-STARTS = 6  # poses of the scan, the worst first
 FIRST_STEP, LAST_STEP = 1.0 / 24.0, 1e-5  # of a motor's range
-SINGULAR = 2e-3  # of the smallest singular value at home: lower counts as none
-APART = 0.1  # of a motor's range: nearer poses are not worth a separate start
-MOST_STEPS = 200
 
 
 def refined(geometry: Geometry, poses: np.ndarray, values: np.ndarray) -> tuple[np.ndarray, float, bool]:
@@ -22,7 +19,7 @@ def refined(geometry: Geometry, poses: np.ndarray, values: np.ndarray) -> tuple[
     end is a singular pose, too.
     """
     follower = make_follower(geometry)
-    singular = SINGULAR * float(values[0])
+    singular = SINGULARITY.singular * float(values[0])
     worst = int(np.argmin(values))
     best = (poses[worst], float(values[worst]), float(values[worst]) < singular)
     for number in _starts(geometry, poses, values):
@@ -43,9 +40,9 @@ def _starts(geometry: Geometry, poses: np.ndarray, values: np.ndarray) -> list[i
     places = poses[:, geometry.active_configuration] / (high - low)
     starts: list[int] = []
     for number in np.argsort(values, kind="stable"):
-        if all(np.abs(places[number] - places[other]).max() >= APART for other in starts):
+        if all(np.abs(places[number] - places[other]).max() >= SINGULARITY.apart for other in starts):
             starts.append(int(number))
-        if len(starts) == STARTS:
+        if len(starts) == SINGULARITY.starts:
             break
     return starts
 
@@ -56,7 +53,7 @@ def _downhill(follower: Follower, pose: Pose, value: float) -> tuple[np.ndarray,
     low, high = active_ranges(geometry)
     index = geometry.active_configuration
     step, ended = FIRST_STEP, False
-    for _ in range(MOST_STEPS):
+    for _ in range(SINGULARITY.descent):
         if step < LAST_STEP:
             break
         changes = np.concatenate((np.diag(high - low), np.diag(low - high)))

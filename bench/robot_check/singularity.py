@@ -15,14 +15,12 @@ from bench.model.geometry import Geometry
 from bench.model.mobility import column_scales, scaled_jacobians, smallest_singular_values
 from bench.model.nodes import robot_length
 from bench.model.states import active_ranges
+from bench.robot_check.bounds import SINGULARITY
 from bench.robot_check.machine import to_mujoco
 from bench.robot_check.mobility import amplification, weakest_joints
 from bench.robot_check.refine import refined
 from bench.robot_check.report import Singularity
 
-STEPS = 24  # of a path from home to the edge of the ranges
-MOST_CORNERS = 16
-DIRECTIONS = 24  # random ones, in addition to the axes and corners
 SEED = 20120601
 
 
@@ -49,8 +47,8 @@ def sweep(geometry: Geometry) -> SingularitySweep:
     poses, paths, ends = [home.q], [0], []
     for number, target in enumerate(_targets(geometry, start), start=1):
         pose = home
-        for step in range(1, STEPS + 1):
-            pose, share = advance(follower, pose, start + (target - start) * step / STEPS)
+        for step in range(1, SINGULARITY.steps + 1):
+            pose, share = advance(follower, pose, start + (target - start) * step / SINGULARITY.steps)
             poses.append(pose.q)
             paths.append(number)
             if share < 1.0:
@@ -98,11 +96,11 @@ def _targets(geometry: Geometry, start: np.ndarray) -> list[np.ndarray]:
             target = start.copy()
             target[joint] = end
             targets.append(target)
-    if n > 1 and 2**n <= MOST_CORNERS:
+    if n > 1 and 2**n <= SINGULARITY.corners:
         targets += [np.array(corner) for corner in itertools.product(*zip(low, high, strict=True))]
     if n > 1:
         random = np.random.default_rng(SEED)
-        targets += list(random.uniform(low, high, size=(DIRECTIONS, n)))
+        targets += list(random.uniform(low, high, size=(SINGULARITY.directions, n)))
     return targets
 
 

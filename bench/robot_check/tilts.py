@@ -9,11 +9,9 @@ from dataclasses import replace
 import numpy as np
 
 from bench.model.geometry import Geometry
+from bench.robot_check.bounds import PLAUSIBLE
 from bench.robot_check.outcome import Check, CheckCode
 from bench.robot_check.report import RobotReport
-
-ROUNDED = 1e-5  # rad: a smaller tilt is the rounding that loops may have
-MEANT = 0.02  # rad: a larger one is drawn on purpose
 
 
 def with_tilts(report: RobotReport, geometry: Geometry) -> RobotReport:
@@ -43,5 +41,5 @@ def _tilts(geometry: Geometry) -> Iterator[tuple[str, str, float]]:
             axes = [joint.placement.rotation @ joint.axis]
             axes.append(other.axis if on_it else other.placement.rotation @ other.axis)
             angle = float(np.linalg.norm(np.cross(*axes)))
-            if ROUNDED < angle < MEANT:
+            if PLAUSIBLE.rounded_tilt < angle < PLAUSIBLE.meant_tilt:
                 yield other.name, joint.name, angle

@@ -6,6 +6,7 @@ from typing import Any
 from bench.dataset.robot_locked import locked_from_data, locked_in_words
 from bench.dataset.robot_redundancy import use_connect
 from bench.robot_check.agreement_words import AGREEMENT_WORDS, count
+from bench.robot_check.bounds import PLAUSIBLE
 from bench.robot_check.outcome import Check, CheckCode
 from bench.robot_check.report import Singularity
 
@@ -15,8 +16,6 @@ TERMS = {  # of an MJCF's joint
     "frictionloss": "friction (frictionloss)",
     "armature": "rotor inertia (armature)",
 }
-STILL = 1e-6  # rad or m: a smaller travel is none
-NAMED = 4  # joints that a sentence names
 
 
 def name_of(check: Check) -> str:
@@ -38,7 +37,9 @@ def nearest_singularity(singularity: Singularity) -> str:
             f"none within the joint ranges: over {singularity.poses} poses the smallest singular value stays "
             f"above {singularity.lowest:.2g}, lowest at {_positions(singularity.lowest_at)}"
         )
-    travel = {name: value for name, value in (singularity.travel or {}).items() if abs(value) > STILL}
+    travel = {
+        name: value for name, value in (singularity.travel or {}).items() if abs(value) > PLAUSIBLE.still
+    }
     return (
         f"{_positions(travel, '+')} from home, at {_positions(singularity.singular_at)}: in that pose "
         f"{_first(singularity.loose)} can move while the motors are held"
@@ -89,8 +90,8 @@ def _keyframes_unused(keyframes: Sequence[str]) -> str:
 
 
 def _first(names: Sequence[str]) -> str:
-    more = f" and {len(names) - NAMED} more" if len(names) > NAMED else ""
-    return ", ".join(names[:NAMED]) + more
+    more = f" and {len(names) - PLAUSIBLE.named} more" if len(names) > PLAUSIBLE.named else ""
+    return ", ".join(names[: PLAUSIBLE.named]) + more
 
 
 def _equality_inactive(equality: str) -> str:

@@ -12,15 +12,11 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
+from bench.signals.bounds import BLOCKS
 from bench.signals.filtering import extended_end, extended_start, resting_states
 from bench.signals.sections import carried, filtered, one_by_one
 
 FloatArray = NDArray[np.float64]
-
-LENGTH = 192  # samples of a block, about: longer ones cost more products, shorter ones more steps
-MOST_KEPT = 16  # of a block's samples
-LONGEST = 512  # a block of more is not worth its matrices
-PART = 32768  # samples that are run together, at most
 
 
 @dataclass(frozen=True)
@@ -42,8 +38,8 @@ class _Blocks:
 
 def block_length(factor: int) -> int:
     """Samples of a block, a multiple of the factor; 0 where running block by block does not pay."""
-    kept = min(max(-(-LENGTH // factor), 1), MOST_KEPT)
-    return kept * factor if kept * factor <= LONGEST else 0
+    kept = min(max(-(-BLOCKS.length // factor), 1), BLOCKS.kept)
+    return kept * factor if kept * factor <= BLOCKS.longest else 0
 
 
 class RunningFilter:
@@ -140,8 +136,8 @@ def kept_samples(sections: FloatArray, x: FloatArray, order: int, factor: int, f
     """
     running = RunningFilter(sections, order, factor, first)
     flat = x.reshape(len(x), -1)
-    for rows in range(0, len(x), PART):
-        running.push(flat[rows : rows + PART])
+    for rows in range(0, len(x), BLOCKS.together):
+        running.push(flat[rows : rows + BLOCKS.together])
     kept = running.finish()
     return kept.reshape(len(kept), *x.shape[1:])
 

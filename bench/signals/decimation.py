@@ -14,14 +14,11 @@ from numpy.typing import NDArray
 
 from bench.basics.errors import BenchError
 from bench.signals.block_filter import RunningFilter, kept_samples
+from bench.signals.bounds import DECIMATING
 from bench.signals.filtering import check_length, too_short
 from bench.signals.sections import chebyshev, response
 
 FloatArray = NDArray[np.float64]
-
-ORDER = 8
-RIPPLE = 0.05  # dB, of one pass
-BAND = 0.8  # cut-off as a share of half the new rate
 
 
 def decimate(x: FloatArray, factor: int) -> FloatArray:
@@ -44,8 +41,8 @@ def decimate(x: FloatArray, factor: int) -> FloatArray:
     x = np.asarray(x, dtype=float)
     if factor == 1:
         return np.array(x)
-    check_length(x, ORDER, f"decimation by {factor}")
-    return kept_samples(sections_of(factor), x, ORDER, factor, int(kept[0]))
+    check_length(x, DECIMATING.order, f"decimation by {factor}")
+    return kept_samples(sections_of(factor), x, DECIMATING.order, factor, int(kept[0]))
 
 
 class Decimation:
@@ -54,10 +51,12 @@ class Decimation:
     def __init__(self, length: int, factor: int) -> None:
         """length: of all parts together. Raises BenchError as `decimate`."""
         first = int(decimated_indices(length, factor)[0])
-        if factor > 1 and length <= 3 * ORDER:
-            raise too_short(length, ORDER, f"decimation by {factor}")
+        if factor > 1 and length <= 3 * DECIMATING.order:
+            raise too_short(length, DECIMATING.order, f"decimation by {factor}")
         self._whole: list[FloatArray] = []
-        self._filter = None if factor == 1 else RunningFilter(sections_of(factor), ORDER, factor, first)
+        self._filter = (
+            None if factor == 1 else RunningFilter(sections_of(factor), DECIMATING.order, factor, first)
+        )
 
     def push(self, x: FloatArray) -> None:
         """Take the next samples (K, C)."""
@@ -80,7 +79,7 @@ def decimated_indices(length: int, factor: int) -> NDArray[np.intp]:
 
 def fit_band(rate: float, factor: int) -> float:
     """Return the highest frequency [Hz] that `decimate` lets pass, for a sampling rate [Hz] before it."""
-    return rate / 2 if factor == 1 else BAND * rate / 2 / factor
+    return rate / 2 if factor == 1 else DECIMATING.band * rate / 2 / factor
 
 
 @lru_cache(maxsize=64)
@@ -91,7 +90,7 @@ def noise_bandwidth(factor: int) -> float:
     """
     if factor == 1:
         return 1.0
-    frequency = np.linspace(0, min(2 * BAND / factor, 1), 20001)
+    frequency = np.linspace(0, min(2 * DECIMATING.band / factor, 1), 20001)
     h = response(sections_of(factor), np.pi * frequency)
     return float(np.trapezoid(np.abs(h) ** 4, frequency))
 
@@ -99,4 +98,4 @@ def noise_bandwidth(factor: int) -> float:
 @lru_cache(maxsize=64)
 def sections_of(factor: int) -> FloatArray:
     """Second-order sections (n_sections, 6) of one pass of the filter of `decimate`."""
-    return chebyshev(ORDER, RIPPLE, BAND / factor)
+    return chebyshev(DECIMATING.order, DECIMATING.ripple, DECIMATING.band / factor)

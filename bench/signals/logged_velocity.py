@@ -9,16 +9,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from bench.signals.bounds import LOGGED
 from bench.signals.filtering import low_pass
 from bench.signals.processing import estimate_motion, trim
 from bench.signals.settings import FilterSettings
 from bench.signals.spectrum import noise_density, quantisation_density
 
 FloatArray = NDArray[np.float64]
-
-AGREES = 2e-3  # RMS share of the velocity by which the logged one may differ, noise aside
-CHANCE = 2.0  # times the noise's power: a difference that is no more says nothing
-QUIETER = 0.5  # of the power that the positions' noise has in the acceleration: a logged velocity with less is taken
 
 
 @dataclass(frozen=True)
@@ -39,12 +36,12 @@ class LoggedVelocity:
     @property
     def agrees(self) -> bool:
         """Whether it is the rate of the position, as far as noise lets it be seen."""
-        return self.off <= AGREES
+        return self.off <= LOGGED.agrees
 
     @property
     def taken(self) -> bool:
         """Whether it is taken in place of the differentiated position: it agrees, and has clearly less noise."""
-        return self.agrees and self.louder < QUIETER
+        return self.agrees and self.louder < LOGGED.quieter
 
 
 def compared_velocity(
@@ -63,7 +60,7 @@ def compared_velocity(
     of_position = _density(position, rate) * turned**2 * cutoff / 3.0
     remaining = float(np.mean((logged - columns @ np.array([scale, late])) ** 2))
     density = max(_density(velocity, rate), (remaining - of_position) / cutoff)
-    chance = CHANCE * (of_position + density * cutoff)
+    chance = LOGGED.noise * (of_position + density * cutoff)
     off = max(float(np.mean((logged - derived) ** 2)) - chance, 0.0)
     moved = float(np.mean(derived**2))
     once, twice = density * turned**2 * cutoff / 3.0, of_position * turned**2 * 3.0 / 5.0

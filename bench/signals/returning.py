@@ -8,15 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bench.basics.interpolation import cubic_spline
+from bench.signals.bounds import RETURNING
 
 FloatArray = NDArray[np.float64]
-
-SAME = 0.1  # of the deviation of a position: as far a motion that returns may be from what it was
-MOSTLY = 0.5  # of the samples, at least: between a separate start and stop
-OTHER = 0.5  # of the deviation: as far it must have been in between
-NEAR = 1.0  # of it: as far it may be off at a lag that is looked at
-FEWEST = 30  # samples that are there a second time
-STEPS = (0.25, 0.05)  # of a sample, in which a period is looked for, the second about the best of the first
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,28 +29,28 @@ def rows_until_return(position: FloatArray) -> float | None:
     """The shortest lag, in samples and parts of one, after which positions (M, n) are mostly the same; None if none."""
     spread = position.std(axis=0)
     turning = spread > 0.0
-    if not turning.any() or len(position) <= FEWEST:
+    if not turning.any() or len(position) <= RETURNING.samples:
         return None
     scaled = position[:, turning] / spread[turning]
-    by_row = shifted_apart(scaled)[1 : len(position) - FEWEST].max(axis=1)
-    gone = np.flatnonzero(by_row > OTHER)
+    by_row = shifted_apart(scaled)[1 : len(position) - RETURNING.samples].max(axis=1)
+    gone = np.flatnonzero(by_row > RETURNING.other)
     if not len(gone):
         return None
     inner = by_row[1:-1]
-    least = 1 + np.flatnonzero((inner <= by_row[:-2]) & (inner <= by_row[2:]) & (inner < NEAR))
+    least = 1 + np.flatnonzero((inner <= by_row[:-2]) & (inner <= by_row[2:]) & (inner < RETURNING.near))
     for i in (1 + least[least > gone[0]]).tolist():
         pace = np.abs(np.diff(scaled[i - 1 :], axis=0)).max(
             axis=1
         )  # as far as a part of a sample can take it
         off = np.abs(scaled[i:] - scaled[: len(scaled) - i]).max(axis=1)
-        if np.mean(off <= SAME + pace) <= MOSTLY:
+        if np.mean(off <= RETURNING.same + pace) <= RETURNING.mostly:
             continue
         best, reach = float(i), 1.0
-        for step in STEPS:
+        for step in RETURNING.steps:
             tried = best + step * np.arange(-round(reach / step), round(reach / step) + 1)
             mostly = [float(np.median(apart)) for apart in _apart(scaled, tried.tolist())]
             best, reach = float(tried[np.argmin(mostly)]), step
-        if min(mostly) <= SAME:
+        if min(mostly) <= RETURNING.same:
             return best
     return None
 
@@ -65,7 +59,7 @@ def same_again(position: FloatArray, lag: float) -> NDArray[np.bool_]:
     """Whether the positions (M, n) so many samples later are the same, for all samples (K,) that have a later one."""
     spread = position.std(axis=0)
     (apart,) = _apart(position / np.where(spread > 0.0, spread, np.inf), [lag])
-    return np.asarray(apart <= SAME)
+    return np.asarray(apart <= RETURNING.same)
 
 
 def _apart(scaled: FloatArray, lags: Sequence[float]) -> Iterator[FloatArray]:

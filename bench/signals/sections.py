@@ -11,10 +11,9 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-FloatArray = NDArray[np.float64]
+from bench.signals.bounds import BLOCKS
 
-LENGTH = 64  # samples of a block
-TOGETHER = 8  # blocks whose states are worked out at a time
+FloatArray = NDArray[np.float64]
 
 
 def butterworth(order: int, cutoff: float) -> FloatArray:
@@ -80,22 +79,23 @@ def filtered(sections: FloatArray, x: FloatArray, states: FloatArray) -> tuple[F
     columns = x.reshape(len(x), states[0, 0].size)
     state = states.reshape(2 * len(sections), states[0, 0].size)
     outputs = np.empty(columns.shape)
-    count = len(x) // LENGTH
-    at = count * LENGTH
+    length = BLOCKS.section
+    count = len(x) // length
+    at = count * length
     if count:
         matrices = _block(sections.tobytes())
-        blocks = columns[:at].reshape(count, LENGTH, -1).transpose(1, 0, 2).reshape(LENGTH, -1)
+        blocks = columns[:at].reshape(count, length, -1).transpose(1, 0, 2).reshape(length, -1)
         given = (matrices.fed @ blocks).reshape(len(state), count, -1).transpose(1, 0, 2)
         begins, state = carried(matrices.carry, state, given)
         forced = matrices.filtered @ blocks + matrices.initial @ begins.transpose(1, 0, 2).reshape(
             len(state), -1
         )
-        outputs[:at] = forced.reshape(LENGTH, count, -1).transpose(1, 0, 2).reshape(at, -1)
+        outputs[:at] = forced.reshape(length, count, -1).transpose(1, 0, 2).reshape(at, -1)
     rest = len(x) - at
     if rest:
         matrices, given = _block(sections.tobytes()), columns[at:]
         outputs[at:] = matrices.filtered[:rest, :rest] @ given + matrices.initial[:rest] @ state
-        state = matrices.powers[rest] @ state + matrices.fed[:, LENGTH - rest :] @ given
+        state = matrices.powers[rest] @ state + matrices.fed[:, length - rest :] @ given
     return outputs.reshape(x.shape), state.reshape(states.shape)
 
 
@@ -106,12 +106,12 @@ def carried(carry: FloatArray, state: FloatArray, given: FloatArray) -> tuple[Fl
     """
     blocks, size, columns = given.shape
     states = np.empty((blocks, size, columns))
-    whole = blocks - blocks % TOGETHER
+    whole = blocks - blocks % BLOCKS.sections
     if whole:
         ahead, alone = _over_blocks(carry.tobytes(), size)
-        added = given[:whole].reshape(-1, TOGETHER * size, columns)
+        added = given[:whole].reshape(-1, BLOCKS.sections * size, columns)
         added = alone @ added
-        groups = states[:whole].reshape(-1, TOGETHER * size, columns)
+        groups = states[:whole].reshape(-1, BLOCKS.sections * size, columns)
         for target, more in zip(groups, added, strict=True):
             every = ahead @ state
             every += more
@@ -128,13 +128,13 @@ def _over_blocks(key: bytes, size: int) -> tuple[FloatArray, FloatArray]:
     """What the state before some blocks (T s, s), and what these add (T s, T s), make of the states behind each."""
     carry = np.frombuffer(key).reshape(size, size).astype(np.longdouble)
     powers = [np.eye(size, dtype=np.longdouble)]
-    for _ in range(TOGETHER):
+    for _ in range(BLOCKS.sections):
         powers.append(carry @ powers[-1])
-    alone = np.zeros((TOGETHER, size, TOGETHER, size))
-    for behind in range(TOGETHER):
+    alone = np.zeros((BLOCKS.sections, size, BLOCKS.sections, size))
+    for behind in range(BLOCKS.sections):
         for block in range(behind + 1):
             alone[behind, :, block] = powers[behind - block]
-    return np.concatenate(powers[1:]).astype(float), alone.reshape(TOGETHER * size, -1)
+    return np.concatenate(powers[1:]).astype(float), alone.reshape(BLOCKS.sections * size, -1)
 
 
 def one_by_one(sections: FloatArray, columns: FloatArray, state: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -170,9 +170,10 @@ def _block(key: bytes) -> _Block:
     sections = np.frombuffer(key).reshape(-1, 6)
     size = 2 * len(sections)
     # Every column a separate run: a unit impulse at each sample, then a unit of each state.
-    impulses = np.concatenate((np.eye(LENGTH), np.zeros((LENGTH, size))), axis=1)
-    states = np.concatenate((np.zeros((size, LENGTH)), np.eye(size)), axis=1)
+    length = BLOCKS.section
+    impulses = np.concatenate((np.eye(length), np.zeros((length, size))), axis=1)
+    states = np.concatenate((np.zeros((size, length)), np.eye(size)), axis=1)
     outputs, after = one_by_one(sections, impulses, states)
     step = one_by_one(sections, np.zeros((1, size)), np.eye(size))[1]
-    powers = np.stack([np.linalg.matrix_power(step, k) for k in range(LENGTH)])
-    return _Block(outputs[:, :LENGTH], outputs[:, LENGTH:], after[:, :LENGTH], after[:, LENGTH:], powers)
+    powers = np.stack([np.linalg.matrix_power(step, k) for k in range(length)])
+    return _Block(outputs[:, :length], outputs[:, length:], after[:, :length], after[:, length:], powers)

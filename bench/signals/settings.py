@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bench.basics.errors import BenchError
+from bench.signals.bounds import BANDS
 from bench.signals.decimation import fit_band
 from bench.signals.spectrum import (
     band_edge,
@@ -20,22 +21,6 @@ from bench.signals.spectrum import (
 )
 
 FloatArray = NDArray[np.float64]
-
-CURRENT_LOSS = 1e-3  # share of a current's power that may lie above the fit's band
-MOTION_LOSS = 1e-2  # share of an acceleration's power that may, where noise asks for a narrow band
-FIT_NOISE = 1e-5  # power of an acceleration's noise within the band, as a share of its signal
-FILTER_NOISE = 1e-3  # the same before decimation, up to the position cut-off
-ALIVE = 0.1  # a current whose signal has less than this share of its noise's power decides nothing,
-MOVES = 100.0  # nor does a joint that moves by less than ten times its noise
-WIDEST = 5.0  # position cut-off as a multiple of the band: five times, as Gautier's practice is
-NARROWEST = 3.2  # at 3.2 times, the filter takes 1e-4 off at the edge of the band
-HARMONICS = 15.0  # the band is at most this many times that of the motion: steps of friction have no end
-HIGHEST_BAND = 0.1  # of the rate: central differences of order 8 are then exact to 1e-4
-HIGHEST_CUTOFF = 0.4  # of the rate
-FEWEST_ROWS = 800  # decimated samples over all recordings, unless noise asks for a narrower band
-FEWEST_SAMPLES = 50  # decimated samples of the shortest recording
-MOST_BORDER = 0.2  # of the shortest log, at each of its ends
-SETTLING = 5.8  # cut-off periods until the low-pass has forgotten an end, to 1e-6
 
 
 @dataclass(frozen=True)
@@ -127,8 +112,8 @@ def signal_bands(
         floor = noise_density(current, rate)
         current_noise.append(floor)
         density = signal_density(density, floor)
-        live = density.sum(axis=0) * frequency[1] > ALIVE * floor * rate / 2
-        current_band = max(current_band, band_edge(frequency, density * live, CURRENT_LOSS))
+        live = density.sum(axis=0) * frequency[1] > BANDS.alive * floor * rate / 2
+        current_band = max(current_band, band_edge(frequency, density * live, BANDS.current_loss))
 
         frequency, density = power_spectrum(position, rate)
         floor = np.maximum(noise_density(position, rate), quantisation_density(position, rate))
@@ -136,11 +121,13 @@ def signal_bands(
         density = leading_signal_density(density, floor)
         ends = noise_from(frequency, density)
         density = np.where(frequency[:, None] < ends, density, 0.0)
-        live = density.sum(axis=0) * frequency[1] > MOVES * floor * rate / 2
+        live = density.sum(axis=0) * frequency[1] > BANDS.moves * floor * rate / 2
         acceleration = (2 * np.pi * frequency[:, None]) ** 4 * density * live
-        motion_band = max(motion_band, band_edge(frequency, acceleration, MOTION_LOSS))
+        motion_band = max(motion_band, band_edge(frequency, acceleration, BANDS.motion_loss))
         power = acceleration.sum(axis=0) * frequency[1]
-        fit, wide = (_noise_limit(power, floor, logged, share) for share in (FIT_NOISE, FILTER_NOISE))
+        fit, wide = (
+            _noise_limit(power, floor, logged, share) for share in (BANDS.fit_noise, BANDS.filter_noise)
+        )
         limits.append((fit, wide))
     return Bands(
         current=current_band,
@@ -180,13 +167,15 @@ def choose_settings(
     if bands is None:
         bands = signal_bands(positions, currents, rate)
     samples = [len(position) for position in positions]
-    wanted = max(min(bands.current, HARMONICS * bands.motion), 0.4 * rate * FEWEST_ROWS / sum(samples))
-    band = min(max(min(wanted, bands.fit_limit), bands.motion), HIGHEST_BAND * rate)
+    wanted = max(min(bands.current, BANDS.harmonics * bands.motion), 0.4 * rate * BANDS.rows / sum(samples))
+    band = min(max(min(wanted, bands.fit_limit), bands.motion), BANDS.highest * rate)
 
     decimation = int(0.4 * rate / band + 1e-9)
-    decimation = max(1, min(decimation, min(samples) // FEWEST_SAMPLES))
-    band = min(fit_band(rate, decimation), HIGHEST_BAND * rate)
-    cutoff = min(max(NARROWEST * band, min(bands.filter_limit, WIDEST * band)), HIGHEST_CUTOFF * rate)
+    decimation = max(1, min(decimation, min(samples) // BANDS.samples))
+    band = min(fit_band(rate, decimation), BANDS.highest * rate)
+    cutoff = min(
+        max(BANDS.narrowest * band, min(bands.filter_limit, BANDS.widest * band)), BANDS.highest_cutoff * rate
+    )
     border = settled_border(cutoff, rate, min(samples))
     return FilterSettings(position_cutoff=cutoff, decimation=decimation, border=(border, border))
 
@@ -210,7 +199,7 @@ def completed(
 
 def settled_border(cutoff: float, rate: float, samples: int) -> int:
     """Samples at an end until the low-pass on positions has forgotten it, at most a fifth of the shortest log."""
-    return min(int(np.ceil(SETTLING * rate / cutoff)) + 8, int(MOST_BORDER * samples))
+    return min(int(np.ceil(BANDS.settling * rate / cutoff)) + 8, int(BANDS.border * samples))
 
 
 def _noise_limit(

@@ -11,13 +11,9 @@ from math import gcd
 import numpy as np
 from numpy.typing import NDArray
 
-from bench.signals.decimation import ORDER, FloatArray, decimated_indices, sections_of
+from bench.signals.bounds import BLOCKS, DECIMATING
+from bench.signals.decimation import FloatArray, decimated_indices, sections_of
 from bench.signals.sections import response
-
-BETWEEN = 40  # kept samples from the end to where the start comes again: the filter has forgotten by then
-TOGETHER = 100_000  # numbers that are transformed at a time: they stay in the processor's cache
-FACTORS = (2, 3, 5)  # of lengths that a Fourier transform is quick for
-NEXT = 4  # samples that one between or outside them is interpolated from
 
 
 @dataclass(frozen=True)
@@ -41,11 +37,11 @@ class _Plan:
 def decimate_sparse(x: FloatArray, every: int, length: int, factor: int) -> FloatArray:
     """What `decimate` gives of so many samples, of which x (K, C) has every so many-th from the first one on.
 
-    factor: more than twice `every`; x has at least 3 * ORDER / every + NEXT samples. Returns (M, C).
+    factor: more than twice `every`; x has at least 3 * order / every + neighbours samples. Returns (M, C).
     """
     plan = _plan(every, length, factor)
     rows = np.empty((plan.count, x.shape[1]))
-    most = max(1, TOGETHER // plan.size)
+    most = max(1, BLOCKS.transformed // plan.size)
     for at in range(0, x.shape[1], most):
         rows[:, at : at + most] = _decimated(plan, np.ascontiguousarray(x[:, at : at + most].T)).T
     return rows
@@ -73,17 +69,17 @@ def _closed(columns: FloatArray, size: int) -> FloatArray:
 @lru_cache(maxsize=64)
 def _plan(every: int, length: int, factor: int) -> _Plan:
     count = -(-length // every)
-    extension = 3 * ORDER
+    extension = 3 * DECIMATING.order
     offsets = np.arange(1, -(-extension // every) + 1)
     before = np.minimum(offsets * every, extension) / every
-    nodes = -(-extension // every) + NEXT + 1
+    nodes = -(-extension // every) + BLOCKS.neighbours + 1
     front = 2.0 * _between(np.zeros(len(offsets)), nodes) - _between(before, nodes)
     # counted from the last known sample backwards, in their steps, as the last of all is beyond it
     last = (count - 1) - (length - 1) / every
     after = np.minimum(offsets + last, extension / every)
     back = 2.0 * _between(np.full(len(offsets), last), nodes) - _between(last + after, nodes)
     common = every * factor // gcd(every, factor)
-    repeats = -(-(length + 2 * extension + 2 * every + BETWEEN * factor) // common)
+    repeats = -(-(length + 2 * extension + 2 * every + BLOCKS.forgotten * factor) // common)
     while not _quick(repeats):
         repeats += 1
     period = repeats * common
@@ -101,14 +97,14 @@ def _between(places: FloatArray, nodes: int) -> FloatArray:
     weights = np.zeros((len(places), nodes))
     for row, place in zip(weights, places, strict=True):
         first = max(int(np.floor(place)) - 1, 0)
-        for i in range(NEXT):
-            others = first + np.array([k for k in range(NEXT) if k != i])
+        for i in range(BLOCKS.neighbours):
+            others = first + np.array([k for k in range(BLOCKS.neighbours) if k != i])
             row[first + i] = np.prod((place - others) / (first + i - others))
     return weights
 
 
 def _quick(number: int) -> bool:
-    for factor in FACTORS:
+    for factor in BLOCKS.factors:
         while number % factor == 0:
             number //= factor
     return number == 1

@@ -11,34 +11,16 @@ from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
 
 from bench.basics.errors import BenchError
+from bench.signals.bounds import SPECTRA
 
 FloatArray = NDArray[np.float64]
-
-SHORTEST = 100  # samples of a record from which a spectrum is estimated
-SEGMENTS = 3  # a segment is this fraction of the record, of a short record more; they overlap by four fifths
-SEGMENT = 6.0  # s, the shortest segment if the record has it: a line is then 1 Hz wide on either side
-KAISER = 20.0  # side lobes below -150 dB: the floor of a 20-bit encoder lies 130 dB below the motion
-TAPS, TAPER = 33, 12.0  # of the high-pass of a quarter of the rate, by the window method
-NEIGHBOURS = 10  # samples omitted on either side of an outlier
-CLIP = 4.0  # standard deviations; white noise passes except for 6 samples in 100,000
-LOBE = 13  # frequencies over which a window of that kind smears a line
-FADED, RISEN = (
-    100.0,
-    3.0,
-)  # by which an acceleration has faded, and rises, where its motion ends and noise begins
-LEVEL, WHILE = (
-    30.0,
-    4.0,
-)  # by which it has faded where it is noise that is level, and over which ratio of frequencies
-FALLS = 3.0  # by which an acceleration of bodies falls from there to the end of the spectrum at least
-OUTLIER = 3.0  # a density this many times the floor is a signal, not noise
 
 
 def _high_pass() -> FloatArray:
     """Below 0.26 of half the rate 118 dB down, with a second difference against large slow motions."""
-    place = np.arange(TAPS) - TAPS // 2
+    place = np.arange(SPECTRA.taps) - SPECTRA.taps // 2
     ideal = np.sinc(place) - 0.5 * np.sinc(0.5 * place)
-    taps = ideal * np.kaiser(TAPS, TAPER)
+    taps = ideal * np.kaiser(SPECTRA.taps, SPECTRA.taper)
     return np.convolve(taps / (taps @ np.cos(np.pi * place)), [-1.0, 2.0, -1.0])
 
 
@@ -56,9 +38,9 @@ def power_spectrum(x: FloatArray, rate: float) -> tuple[FloatArray, FloatArray]:
         BenchError: fewer than 100 samples.
     """
     x = np.asarray(x, dtype=float)
-    if len(x) < SHORTEST:
-        raise BenchError(f"spectrum: {len(x)} samples are too few, it needs at least {SHORTEST}")
-    length = min(len(x), max(SHORTEST, len(x) // SEGMENTS, int(SEGMENT * rate)))
+    if len(x) < SPECTRA.shortest:
+        raise BenchError(f"spectrum: {len(x)} samples are too few, it needs at least {SPECTRA.shortest}")
+    length = min(len(x), max(SPECTRA.shortest, len(x) // SPECTRA.segments, int(SPECTRA.segment * rate)))
     return _averaged(x, rate, _window(length), length - length * 4 // 5, centred=True)
 
 
@@ -95,7 +77,7 @@ def _averaged(
 
 @lru_cache(maxsize=16)
 def _window(length: int) -> FloatArray:
-    return np.kaiser(length + 1, KAISER)[:-1]
+    return np.kaiser(length + 1, SPECTRA.kaiser)[:-1]
 
 
 def noise_density(x: FloatArray, rate: float) -> FloatArray:
@@ -111,8 +93,8 @@ def noise_density(x: FloatArray, rate: float) -> FloatArray:
         rate: sampling rate [Hz].
     """
     x = np.asarray(x, dtype=float)
-    if len(x) < SHORTEST:
-        raise BenchError(f"noise: {len(x)} samples are too few, it needs at least {SHORTEST}")
+    if len(x) < SPECTRA.shortest:
+        raise BenchError(f"noise: {len(x)} samples are too few, it needs at least {SPECTRA.shortest}")
     centred = np.array(x.T, order="C")
     centred -= centred.mean(axis=1, keepdims=True)
     variance = [_clipped_power(np.convolve(channel, HIGH_PASS, mode="valid")) for channel in centred]
@@ -124,10 +106,10 @@ def _clipped_power(x: FloatArray) -> float:
     kept = np.ones(len(x))
     count, level = len(x), float(power.mean())
     while True:
-        loud = np.flatnonzero(power > CLIP * CLIP * level)
+        loud = np.flatnonzero(power > SPECTRA.clip * SPECTRA.clip * level)
         quiet = np.ones(len(x))
-        for start in np.maximum(loud - NEIGHBOURS, 0).tolist():
-            quiet[start : start + 2 * NEIGHBOURS + 1] = 0.0
+        for start in np.maximum(loud - SPECTRA.neighbours, 0).tolist():
+            quiet[start : start + 2 * SPECTRA.neighbours + 1] = 0.0
         kept *= quiet
         kept_count = int(kept.sum())
         if kept_count == count or quiet.sum() < len(x) / 10:
@@ -175,7 +157,7 @@ def quantisation_density(x: FloatArray, rate: float) -> FloatArray:
 
 def signal_density(density: FloatArray, floor: FloatArray) -> FloatArray:
     """Return the density without the noise, shape (F, n): zero where it is below three times the floor."""
-    return np.where(density > OUTLIER * floor, density - floor, 0.0)
+    return np.where(density > SPECTRA.outlier * floor, density - floor, 0.0)
 
 
 def leading_signal_density(density: FloatArray, floor: FloatArray) -> FloatArray:
@@ -184,8 +166,10 @@ def leading_signal_density(density: FloatArray, floor: FloatArray) -> FloatArray
     It has sunk when the width of a window's main lobe holds nothing above three times the floor. For
     positions on the way to accelerations: the fourth power of the frequency would make much of a chance peak.
     """
-    loud = density > OUTLIER * floor
-    ahead = sliding_window_view(np.pad(loud, ((0, LOBE - 1), (0, 0))), LOBE, axis=0).any(axis=-1)
+    loud = density > SPECTRA.outlier * floor
+    ahead = sliding_window_view(np.pad(loud, ((0, SPECTRA.lobe - 1), (0, 0))), SPECTRA.lobe, axis=0).any(
+        axis=-1
+    )
     ended = np.maximum.accumulate(~ahead, axis=0)
     return np.where(ended, 0.0, signal_density(density, floor))
 
@@ -232,7 +216,10 @@ def noise_from(frequency: FloatArray, position: FloatArray) -> FloatArray:
             continue
         octaves = largest_within_octaves(omega**4 * density, max(first, 1), last)
         least = int(np.argmin(octaves))
-        if FADED * octaves[least] < octaves[0] and octaves[least:].max() > RISEN * octaves[least]:
+        if (
+            SPECTRA.faded * octaves[least] < octaves[0]
+            and octaves[least:].max() > SPECTRA.risen * octaves[least]
+        ):
             limits[j] = frequency[max(first, 1) + least]
         else:
             level = _level_from(octaves, max(first, 1))
@@ -265,6 +252,10 @@ def _level_from(octaves: FloatArray, first: int) -> int | None:
     """
     index = first + np.arange(len(octaves))
     least = np.minimum.accumulate(octaves[::-1])[::-1]
-    level = (least * FALLS > octaves) & (octaves * LEVEL < octaves[0]) & (index * WHILE <= index[-1])
+    level = (
+        (least * SPECTRA.falls > octaves)
+        & (octaves * SPECTRA.level < octaves[0])
+        & (index * SPECTRA.level_ratio <= index[-1])
+    )
     places = np.flatnonzero(level)
     return int(index[places[0]]) if len(places) else None

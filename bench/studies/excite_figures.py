@@ -12,10 +12,10 @@ import click
 from bench.basics.files.atomic import write_json_atomically
 from bench.basics.versions import versions
 from bench.dataset.robot import load_robot
+from bench.excitation.bounds import SEARCH
 from bench.excitation.experiment.forecast import forecast
-from bench.excitation.experiment.plan import STEPS, Aim, plan_experiment
+from bench.excitation.experiment.plan import Aim, plan_experiment
 from bench.excitation.experiment.request import ExperimentTable
-from bench.excitation.experiment.search import RANDOM
 from bench.identification.wording import in_percent
 from bench.scenario.scenario import load_scenario
 from bench.studies.excite_forecast import CONFIDENCE, monte_carlo
@@ -88,7 +88,8 @@ def sentence(figures: dict[str, Any]) -> str:
     """One robot in one line."""
     text = (
         f"{figures['robot']}: worst relative error {figures['worst']:.3%}, {figures['better']:.2f} times better than "
-        f"the median of {RANDOM} random motions ({figures['random_median']:.3%}; best {figures['random_best']:.3%})"
+        f"the median of {SEARCH.random} random motions ({figures['random_median']:.3%}; "
+        f"best {figures['random_best']:.3%})"
     )
     if "pooled" in figures:
         pooled, smallest, largest = (
@@ -105,7 +106,7 @@ def sentence(figures: dict[str, Any]) -> str:
 @click.command()
 @click.argument("robots", nargs=-1)
 @click.option("-o", "--output", type=click.Path(path_type=Path), required=True, help="Folder of the figures.")
-@click.option("--steps", type=int, default=STEPS, show_default=True, help="Of the search.")
+@click.option("--steps", type=int, default=SEARCH.steps, show_default=True, help="Of the search.")
 @click.option("--seed", type=int, default=0, show_default=True)
 @click.option("--repetitions", type=int, default=1000, show_default=True, help="Simulated logs; 0: none.")
 def main(robots: tuple[str, ...], output: Path, steps: int, seed: int, repetitions: int) -> None:

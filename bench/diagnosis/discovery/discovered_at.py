@@ -8,8 +8,7 @@ from bench.diagnosis.normal_equations import solve_set
 from bench.diagnosis.result import Discovered, LawTerm, LooksAt
 from bench.diagnosis.search import held_out_error
 from bench.diagnosis.search_result import SearchResult
-
-HELPS = 0.9  # of the error without a law: what an effect in its place must reach to be reported as near
+from bench.identification.decision import RULE
 
 
 def discovered_at(finding: SearchResult, law: Law, i: int) -> Discovered:
@@ -68,4 +67,4 @@ def _nearest(finding: SearchResult, law: str, without: float | None) -> tuple[st
         if i not in chosen
     ]
     best = min(tried, default=None)
-    return None if best is None or best[0] > HELPS * without else (best[1], best[0])
+    return None if best is None or best[0] > (1.0 - RULE.helps) * without else (best[1], best[0])

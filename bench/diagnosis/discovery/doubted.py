@@ -8,10 +8,8 @@ from bench.diagnosis.discovery.laws import Law
 from bench.diagnosis.reason import Doubt, Reason
 from bench.diagnosis.result import EffectVerdict, LadderStep, Unexplained
 from bench.diagnosis.search_result import SearchResult
+from bench.identification.decision import RULE
 from bench.identification.result import ErrorSummary
-
-CLEARLY = 1.5  # times what noise leaves
-INEXACT = 0.1  # of what a law explains: as much may be wrong with its form
 
 
 def doubted(
@@ -21,10 +19,10 @@ def doubted(
     others there where clearly more remains than noise: the law is not what is there, then.
 
     A law out of a finite grammar is near to what is there, seldom the same: what a second effect at its motor takes
-    away, if that is less than INEXACT of what the law does, says little of the name. Both are errors on recordings
-    that were not fitted, of models without the one and the other.
+    away, if that is less than RULE.law_share of what the law does, says little of the name. Both are errors on
+    recordings that were not fitted, of models without the one and the other.
     """
-    inexact = remaining.error > CLEARLY * hypot(remaining.noise_floor, remaining.encoders)
+    inexact = remaining.error > RULE.law_beyond_noise * hypot(remaining.noise_floor, remaining.encoders)
     places = {place.name for law in laws for place in law.places}
     names = {law.name for law in laws}
     return tuple(
@@ -47,7 +45,7 @@ def _small(finding: SearchResult, effect: str, laws: Collection[str]) -> bool:
     without_effect, by_laws = (
         _taken_away(finding, finding.fits(all_names.difference(out)).step) for out in ([effect], laws)
     )
-    return without_effect < INEXACT**2 * by_laws
+    return without_effect < RULE.law_share**2 * by_laws
 
 
 def _taken_away(finding: SearchResult, without: LadderStep) -> float:

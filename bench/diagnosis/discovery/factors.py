@@ -9,9 +9,7 @@ from bench.diagnosis.discovery.units import Unit, times, written
 from bench.diagnosis.discovery.variables import Place, Seen, Variable
 from bench.diagnosis.result import Role
 from bench.effects.memory import first_order
-
-FREEDOM = 0.5  # of an exponent, either way
-SPREAD = 2.0  # of a time constant, either way
+from bench.identification.tolerances import TOLERANCES
 
 
 @dataclass(frozen=True)
@@ -90,7 +88,8 @@ class Power(Factor):
     @property
     def number(self) -> Number | None:
         x = self.exponent
-        return Number("p", x, "1", max(x - FREEDOM, 0.1), x + FREEDOM) if self.free else None
+        reach = TOLERANCES.laws.exponent_range
+        return Number("p", x, "1", max(x - reach, 0.1), x + reach) if self.free else None
 
     def with_number(self, value: float) -> "Power":
         return replace(self, exponent=value)
@@ -195,7 +194,8 @@ class Timed(Factor):
 
     @property
     def number(self) -> Number:
-        return Number("T", self.duration, "s", self.duration / SPREAD, self.duration * SPREAD)
+        factor = TOLERANCES.laws.duration_factor
+        return Number("T", self.duration, "s", self.duration / factor, self.duration * factor)
 
     def with_number(self, value: float) -> "Timed":
         return replace(self, duration=value)

@@ -14,7 +14,6 @@ from bench.diagnosis.base_model import BaseModel
 from bench.diagnosis.candidates import Proposal
 from bench.diagnosis.catalogue_search import search_catalogue
 from bench.diagnosis.completed import completed
-from bench.diagnosis.decision import RULE
 from bench.diagnosis.discovery.called import stood_for
 from bench.diagnosis.discovery.discovered_at import discovered_at
 from bench.diagnosis.discovery.doubted import doubted
@@ -38,15 +37,14 @@ from bench.diagnosis.search_from import search_from
 from bench.diagnosis.search_result import SearchResult
 from bench.diagnosis.split_problem import SplitProblem, split_and_fitted
 from bench.effects import EffectInstance
+from bench.identification.decision import RULE
 from bench.identification.finding import Finding
 from bench.identification.identify import fit
 from bench.identification.mistaken import mistaken
 from bench.identification.model_averaged import gains_model_averaged
 from bench.identification.prepare import Prepared
 from bench.identification.problem import Problem
-
-TRIED = 1000  # laws that might represent several effects, as many as a search looks at
-UNIT = 10.0  # times the nominal gain, or a tenth: as far off, a unit or a load is wrong
+from bench.identification.tolerances import TOLERANCES
 
 
 @on_one_thread
@@ -123,7 +121,8 @@ def _with_more(
     """Answers that are better, one after the other: with laws, with one for several, with tables."""
     finding, answer = plain.finding, plain
     gains = plain.diagnosis.after.drive_gains.values()
-    believed = believed and all(1.0 / UNIT <= gain.value / gain.nominal <= UNIT for gain in gains)
+    factor = TOLERANCES.findings.unit_of_gain
+    believed = believed and all(1.0 / factor <= gain.value / gain.nominal <= factor for gain in gains)
     wanted = something_remains(plain.diagnosis.unexplained)
     if discover is None and not believed:
         return
@@ -250,7 +249,7 @@ def _with_one_for_several(case: SplitProblem, plain: _Answer, progress: Progress
     progress.phase("trying one law for several frictions")
     finding, unexplained = plain.finding, plain.diagnosis.unexplained
     much = (1.0 - RULE.material) * unexplained.error > hypot(unexplained.noise_floor, unexplained.encoders)
-    prior = RULE.prior + float(np.log(TRIED))
+    prior = RULE.prior + float(np.log(TOLERANCES.laws.merged_laws))
     searched = Laws(finding.last, {law.name: law.terms[0] for law in plain.laws})
     judge = Judge(finding.last.system.samples, prior)
     for single in merged(finding, plain.laws, case.problem.catalogue, judge, much=much):

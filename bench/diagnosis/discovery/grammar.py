@@ -9,13 +9,10 @@ import numpy as np
 from bench.diagnosis.discovery.factors import Decay, Factor, Memory, Power, Step, Wave
 from bench.diagnosis.discovery.term import Term
 from bench.diagnosis.discovery.variables import Variable
+from bench.identification.tolerances import TOLERANCES
 
 V, A, Q, LOAD = (Variable(kind) for kind in ("velocity", "acceleration", "position", "load"))
 T, TOOL, OTHERS = Variable("time"), Variable("tool_speed"), Variable("others_load")
-EXPONENTS = (0.5, 1.0, 1.5, 2.0, 3.0)
-DURATIONS = (0.03, 0.1, 0.3, 1.0, 3.0, 10.0)  # s, of what is remembered
-SHARES = (0.05, 0.1, 0.2, 0.4, 0.8)  # of a recording's duration, in which something fades
-PARTS = (0.2, 0.35, 0.5, 0.65, 0.8)  # of the travel, or of a recording, where something sets in
 
 
 @dataclass(frozen=True)
@@ -40,7 +37,7 @@ class Scope:
 
 def grammar(scope: Scope) -> list[Term]:
     """Every term that is tried, each once."""
-    speed = [*_powers(V, EXPONENTS, (1.0, 2.0)), Power(V, 0.0)]
+    speed = [*_powers(V, TOLERANCES.laws.exponents, (1.0, 2.0)), Power(V, 0.0)]
     inertial = [*_powers(A, (1.0, 2.0), (0.5, 1.0, 1.5, 2.0)), Power(A, 0.0)]
     load = [*_powers(LOAD, (0.5, 1.0, 1.5, 2.0), (0.5, 1.0, 1.5, 2.0)), Power(LOAD, 0.0)]
     place = [Power(Q), Power(Q, 2.0, odd=False), Power(Q, 3.0), Power(Q, 1.0, odd=False)]
@@ -79,11 +76,11 @@ def _products(first: Sequence[Factor], second: Sequence[Factor]) -> list[Term]:
 
 
 def _decays(scope: Scope) -> list[Factor]:
-    return [Decay(share * scope.duration) for share in SHARES]
+    return [Decay(share * scope.duration) for share in TOLERANCES.laws.decays]
 
 
 def _steps(x: Variable, low: float, high: float) -> list[Factor]:
-    return [Step(x, low + part * (high - low), 0.15 * (high - low)) for part in PARTS]
+    return [Step(x, low + part * (high - low), 0.15 * (high - low)) for part in TOLERANCES.laws.onsets]
 
 
 def _of_another(ahead: int) -> list[Factor]:
@@ -118,7 +115,7 @@ def _remembered(scope: Scope) -> list[Term]:
     ]
     sized += [(Power(LOAD, 1.0, odd=False),), (Power(LOAD, 2.0, odd=False),)]
     sized += [(Power(V, 1.0, odd=False), Power(LOAD, 1.0, odd=False))]
-    known = [value for value in DURATIONS if 2.0 * scope.shortest < value < scope.duration]
+    known = [value for value in TOLERANCES.laws.durations if 2.0 * scope.shortest < value < scope.duration]
     terms = [Term((Memory(duration, pair),)) for pair in signed for duration in known]
     carriers = (Power(V, 0.0), Power(V), Power(LOAD))
     slow = [value for value in (*known, 0.5 * scope.duration) if value >= 0.1]

@@ -5,11 +5,11 @@ from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import count
 
-from bench.diagnosis.decision import RULE
 from bench.diagnosis.discovery.source import labelled, law_effect
 from bench.diagnosis.discovery.term import Term
 from bench.diagnosis.discovery.variables import Place
 from bench.effects import EffectInstance
+from bench.identification.decision import RULE
 from bench.identification.result import Identification
 
 

@@ -17,10 +17,9 @@ from bench.diagnosis.discovery.variables import Place
 from bench.diagnosis.search_result import SearchResult
 from bench.effects import Effect
 from bench.identification.prepare import Prepared, with_effects
+from bench.identification.tolerances import TOLERANCES
 
-EXPONENTS = (0.5, 1.5, 2.5)
 NAME = "power"
-POWER_UNKNOWNS = 2  # unknowns of a power
 
 
 def merged(
@@ -39,7 +38,7 @@ def merged(
         others = [part for part in parts if part not in alike]
         at = {part.instance.joint for part in alike}
         places = [place for place in places_of(base_model.start) if place.name in at]
-        law_unknowns = POWER_UNKNOWNS * len(places)
+        law_unknowns = TOLERANCES.laws.power_unknowns * len(places)
 
         def size(kept: Sequence[Part], others: Sequence[Part] = others) -> tuple[int, int]:
             return len({part.name for part in (*others, *kept)}), unknowns(kept)
@@ -81,7 +80,7 @@ def _with_power(
     """
     terms = {part.name: part.term for part in stay if part.term is not None}
     begun = []
-    for exponent in EXPONENTS:
+    for exponent in TOLERANCES.laws.merged_exponents:
         term = Term((Power(V, exponent, free=True),))
         added = *(part.instance for part in stay), *instances_of(NAME, Screened(term, {}, 0.0), places)
         model = with_effects(full_model, (*base_model.start.effects, *added))

@@ -6,7 +6,6 @@ from functools import partial
 from itertools import islice
 
 from bench.diagnosis.base_model import BaseModel, at_its_solution
-from bench.diagnosis.decision import RULE
 from bench.diagnosis.discovery.grammar import LOAD
 from bench.diagnosis.discovery.named import name_of
 from bench.diagnosis.discovery.screen import Screened, at_place
@@ -15,13 +14,11 @@ from bench.diagnosis.discovery.term import Term, about_its_mean, at_other_harmon
 from bench.diagnosis.discovery.variables import Place
 from bench.diagnosis.evidence import Samples, effects_prior, residual_squares
 from bench.effects import EffectInstance
+from bench.identification.decision import RULE
 from bench.identification.nonlinear import converged
 from bench.identification.prepare import Prepared, with_effects
 from bench.identification.solve_only import solved_quickly
-
-MOST = 18  # models that are tried
-NEARBY = 0.5 * RULE.prior  # nats by which a model may seem less probable, as it is known nearby
-FAR_LESS = 1.5**2  # times the best squared error: a model that starts from there is not converged
+from bench.identification.tolerances import TOLERANCES
 
 
 @dataclass(frozen=True)
@@ -83,8 +80,8 @@ def refined(
     They have fewer other effects or as many; those without an effect that is not needed come first.
 
     Each is judged on recordings that were not fitted, first as it is known nearby, against the identified model as
-    that is known there; what does well is then converged as it is. MOST of them are tried, those with all or none of
-    the other effects first. Raises TimeUpError after the deadline.
+    that is known there; what does well is then converged as it is. `LawBounds.models` of them are tried, those with
+    all or none of the other effects first. Raises TimeUpError after the deadline.
     """
     given_count = len(base_model.start.effects)
     best = judge.refined(model, terms)
@@ -99,7 +96,7 @@ def refined(
         if simpler is None:
             break
         best, looked_at = simpler
-    for variant in islice(_tried(base_model, looked_at, places, judge), MOST):
+    for variant in islice(_tried(base_model, looked_at, places, judge), TOLERANCES.laws.models):
         if new := _converged_if_better(base_model, variant, looked_at, best, judge):
             best, looked_at = new, variant.looked_at
     return best
@@ -126,13 +123,13 @@ def _promises(
 
     looked_at: the best as it is known nearby.
     """
-    near = variant.looked_at
-    if near.weight < looked_at.weight - NEARBY:
+    near, nats = variant.looked_at, TOLERANCES.laws.nearby * RULE.prior
+    if near.weight < looked_at.weight - nats:
         return False
     if near.model.nearby is None:
         return True
     there = with_effects(base_model.start, near.model.effects, near.model.present)
-    return judge.refined(there, near.terms).weight > best.weight - NEARBY
+    return judge.refined(there, near.terms).weight > best.weight - nats
 
 
 def _fewer(base_model: BaseModel, refinement: Refined, judge: Judge) -> Iterator[_Variant]:
@@ -254,6 +251,6 @@ def _without(
         if i < given_count or instance.effect.name in kept
     ]
     fewer = with_effects(whole, remaining)
-    if judge.refined(fewer, {}).held_out > FAR_LESS * refinement.held_out:
+    if judge.refined(fewer, {}).held_out > TOLERANCES.laws.start_error * refinement.held_out:
         return None
     return at_its_solution(converged(fewer, nearly=True, deadline=base_model.deadline))

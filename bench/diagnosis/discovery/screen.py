@@ -11,15 +11,7 @@ from bench.diagnosis.discovery.term import Term
 from bench.diagnosis.discovery.variables import Place, Seen
 from bench.identification.bounded import minimum_between
 from bench.identification.partial_regression import PartialRegression
-
-MOST_ROWS = 4000  # that are looked at: more add nothing to a first choice
-TOGETHER = 256  # columns at a time
-MOST_BYTES = 20_000_000  # of a motor's columns that are kept
-INVISIBLE = 1e-3  # share of a column that the model must leave of it
-RIDGE = 1e-9  # added to a unit diagonal, so that parts that are alike can be solved
-DEPENDENT = 1e-10  # of the largest singular value
-DIGITS = 7  # of the share that a term explains
-TOLERANCE = 1e-3  # relative, of a number
+from bench.identification.tolerances import TOLERANCES
 
 
 @dataclass(frozen=True)
@@ -41,7 +33,7 @@ class Known:
         self._seen, self._rows = seen, rows
         self.groups = _groups(terms)
         self._terms, self._kept = terms, dict[int, np.ndarray]()
-        self._may_keep = 8 * len(rows) * sum(term.parts for term in terms) <= MOST_BYTES
+        self._may_keep = 8 * len(rows) * sum(term.parts for term in terms) <= TOLERANCES.memory.screened_bytes
         every = {factor for term in terms for factor in term.factors}
         self._values = {factor: factor.values(seen)[rows] for factor in every}
 
@@ -80,7 +72,7 @@ def _groups(terms: Sequence[Term]) -> list[list[int]]:
     groups = []
     for parts in sorted({term.parts for term in terms}):
         chosen = [i for i, term in enumerate(terms) if term.parts == parts]
-        size = max(1, TOGETHER // parts)
+        size = max(1, TOLERANCES.memory.screened_columns // parts)
         groups += [chosen[at : at + size] for at in range(0, len(chosen), size)]
     return groups
 
@@ -132,7 +124,7 @@ class Residual:
         lengths = np.linalg.norm(rows, axis=0)
         for _ in range(2):  # the second time for the rounding errors of the first
             rows = rows - spanned @ (spanned.T @ rows)
-        rows = rows[:, np.linalg.norm(rows, axis=0) > INVISIBLE * lengths]
+        rows = rows[:, np.linalg.norm(rows, axis=0) > TOLERANCES.rank.visible_term * lengths]
         new = np.linalg.qr(rows)[0]
         error = np.concatenate(self.error)
         error = error - new @ (new.T @ error)
@@ -191,7 +183,7 @@ class Residual:
                 return -self.explained_at(term.with_numbers(values), motor)
 
             optimum, least = minimum_between(
-                unexplained, number.low, number.high, TOLERANCE * abs(number.high)
+                unexplained, number.low, number.high, TOLERANCES.shapes.number_tolerance * abs(number.high)
             )
             values = [other.value for other in term.numbers]
             if least < unexplained(values[i]):
@@ -240,10 +232,10 @@ class Products:
     def explained(self) -> np.ndarray:
         """Sum of squares that each term explains, (T,)."""
         remaining = np.sqrt(np.maximum(np.einsum("tii->ti", self.normal), 0.0))
-        remaining[remaining <= INVISIBLE * self.lengths] = np.inf
+        remaining[remaining <= TOLERANCES.rank.visible_term * self.lengths] = np.inf
         scaled = self.normal / (remaining[:, :, None] * remaining[:, None, :])
         each = np.arange(remaining.shape[1])
-        scaled[:, each, each] = 1.0 + RIDGE
+        scaled[:, each, each] = 1.0 + TOLERANCES.rank.ridge_of_terms
         right = self.right / remaining
         solved = np.linalg.solve(scaled, right[..., None])[..., 0]
         return np.asarray((right * solved).sum(axis=1))
@@ -276,12 +268,12 @@ def _orthonormal(columns: np.ndarray) -> np.ndarray:
     lengths = np.linalg.norm(columns, axis=0)
     orthogonal, triangle = np.linalg.qr(columns / np.where(lengths > 0.0, lengths, 1.0))
     vectors, singular, _ = np.linalg.svd(triangle)
-    return np.asarray(orthogonal @ vectors[:, singular > DEPENDENT * singular[0]])
+    return np.asarray(orthogonal @ vectors[:, singular > TOLERANCES.rank.terms * singular[0]])
 
 
 def few_rows(samples: int) -> np.ndarray:
     """The rows of each motor that are looked at."""
-    return np.arange(0, samples, -(-samples // MOST_ROWS))
+    return np.arange(0, samples, -(-samples // TOLERANCES.memory.screened_rows))
 
 
 def screened(
@@ -292,7 +284,7 @@ def screened(
     but: structures that are not wanted.
     """
     explained = residual.explained()
-    rounded = np.round(explained / residual.squares, DIGITS)
+    rounded = np.round(explained / residual.squares, TOLERANCES.rank.digits)
     best: dict[object, int] = {}
     taken: set[float] = set()
     for i in sorted(range(len(terms)), key=lambda i: (-rounded[i], terms[i].strangeness)):

@@ -8,7 +8,6 @@ import numpy as np
 from bench.basics.progress import SILENT, Progress
 from bench.diagnosis.base_model import BaseModel
 from bench.diagnosis.candidates import Proposal
-from bench.diagnosis.decision import RULE
 from bench.diagnosis.discovery.grammar import grammar
 from bench.diagnosis.discovery.named import BASICS, name_of
 from bench.diagnosis.discovery.refine import Judge, Refined, instances_of, refined
@@ -19,13 +18,11 @@ from bench.diagnosis.discovery.term import Term
 from bench.diagnosis.normal_equations import solve_set
 from bench.diagnosis.rounds import Round, reshaped, system_about
 from bench.diagnosis.search import Selection, best_set, score
+from bench.identification.decision import RULE
 from bench.identification.partial_regression import partial_regression
 from bench.identification.prepare import Prepared
 from bench.identification.solve_only import solved_quickly
-
-ROUNDS = 4
-MOST_TERMS = 16  # that join the effects of the catalogue in a round
-BEGUN = 12  # sets of terms from which the search may set out
+from bench.identification.tolerances import TOLERANCES
 
 
 @dataclass(frozen=True)
@@ -51,7 +48,7 @@ def search_laws(
     """
     last = replace(last, model=base_model.exactly(last.model))
     laws, judge = Laws(last, {}), Judge(last.system.samples, 0.0)
-    for number in range(ROUNDS):
+    for number in range(TOLERANCES.laws.rounds):
         base_model.deadline.check()
         progress.phase(f"searching for laws, round {number + 1}")
         states, count = _states(base_model, laws)
@@ -92,7 +89,7 @@ def _round(
     prior = RULE.prior + float(np.log(count))
     numbers = iter(range(len(fresh) + len(taken)))
     for screened in fresh:
-        if len(terms) >= MOST_TERMS:
+        if len(terms) >= TOLERANCES.laws.terms:
             break
         if screened.term.structure in by_structure or name_of(screened.term) is not None:
             continue
@@ -104,7 +101,7 @@ def _round(
         i for i, proposal in enumerate(proposals) if not proposal.absorbed and proposal.name not in barred
     ]
     begin = [[index[name] for name in this_round.names]]
-    for state in states[:BEGUN]:
+    for state in states[: TOLERANCES.laws.starts]:
         names = {
             by_structure.get(candidate.term.structure) or name_of(candidate.term) or ""
             for candidate in state.terms

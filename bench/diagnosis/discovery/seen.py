@@ -12,12 +12,8 @@ from bench.effects.load import load_at
 from bench.effects.tool_motion import tool_speed
 from bench.identification.partial_regression import PartialRegression
 from bench.identification.prepare import Prepared
+from bench.identification.tolerances import TOLERANCES
 from bench.signals.decimation import decimated_indices
-
-HARMONICS = (1.0, 2.0, 3.0, 4.0, 6.0, 8.0)  # of a turn
-WITHIN = (0.5, 1.0, 1.5, 2.0, 3.0, 4.0)  # waves within the travel of a slide
-PULSES = 2  # waves over the time that are tried at every motor
-FINER = 8  # steps of the search for them in what one more period within a recording is
 
 
 def places_of(prepared: Prepared) -> tuple[Place, ...]:
@@ -63,8 +59,8 @@ def scope_of(prepared: Prepared, regression: PartialRegression, places: Sequence
     positions = np.concatenate([observation.position for observation in fitted])
     slides = [j for j, place in enumerate(places) if not place.rotates[place.index]]
     travel = float(np.ptp(positions[:, slides], axis=0).max()) if slides else 0.0
-    rates = [*(HARMONICS if len(slides) < len(places) else ())]
-    rates += [2.0 * np.pi * value / travel for value in WITHIN if travel > 0.0]
+    rates = [*(TOLERANCES.laws.harmonics if len(slides) < len(places) else ())]
+    rates += [2.0 * np.pi * value / travel for value in TOLERANCES.laws.waves if travel > 0.0]
     robots = _fitted(prepared)
     interval = prepared.settings.decimation / next(iter(robots[0].joints.values())).rate
     return Scope(
@@ -100,7 +96,7 @@ def _fitted(prepared: Prepared) -> list[RobotSignals]:
 
 def _pulses(regression: PartialRegression, lengths: Sequence[int], interval: float) -> tuple[float, ...]:
     """Frequencies, rad/s, that stand out of the errors of all recordings together, motor by motor."""
-    size = FINER * max(lengths)
+    size = TOLERANCES.laws.pulse_steps * max(lengths)
     parts = np.split(regression.remainder, np.cumsum(lengths)[:-1])
     power = sum(np.abs(np.fft.rfft(part, n=size, axis=0)) ** 2 for part in parts)
     frequencies = 2.0 * np.pi * np.fft.rfftfreq(size, interval)
@@ -108,6 +104,6 @@ def _pulses(regression: PartialRegression, lengths: Sequence[int], interval: flo
     for spectrum in np.asarray(power).T:
         inside = spectrum[1:-1]
         peaks = 1 + np.flatnonzero((inside > spectrum[:-2]) & (inside >= spectrum[2:]))
-        peaks = peaks[peaks > FINER]  # at least a period within a recording
-        pulses += frequencies[peaks[np.argsort(spectrum[peaks])[::-1][:PULSES]]].tolist()
+        peaks = peaks[peaks > TOLERANCES.laws.pulse_steps]  # at least a period within a recording
+        pulses += frequencies[peaks[np.argsort(spectrum[peaks])[::-1][: TOLERANCES.laws.pulses]]].tolist()
     return tuple(sorted(set(pulses)))

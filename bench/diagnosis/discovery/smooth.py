@@ -5,7 +5,6 @@ from collections.abc import Collection, Sequence
 
 import numpy as np
 
-from bench.diagnosis.decision import RULE
 from bench.diagnosis.discovery.factors import Factor, Power
 from bench.diagnosis.discovery.grammar import TOOL, A, Q, T, V
 from bench.diagnosis.discovery.laws import Law
@@ -17,13 +16,13 @@ from bench.diagnosis.discovery.term import Term
 from bench.diagnosis.discovery.variables import Kind, Place, Seen, Variable
 from bench.diagnosis.search_result import SearchResult
 from bench.effects import EffectInstance
+from bench.identification.decision import RULE
 from bench.identification.partial_regression import partial_regression
 from bench.identification.prepare import Prepared
 from bench.identification.solve_only import solved_quickly
+from bench.identification.tolerances import TOLERANCES
 
-KNOTS = 8
 OF_OTHERS: tuple[Kind, ...] = ("position", "velocity")
-TERMS = 2  # functions of a motor, added up
 VALIDITY = "What was measured, not a law: valid where the data were, and constant beyond."
 
 
@@ -62,7 +61,7 @@ def _terms(model: Prepared, place: Place, seen: Seen) -> list[Term]:
         if not np.ptp(values) > 0.0:
             continue
         among = [0.0] if values.min() < 0.0 < values.max() and variable != Q else []
-        table = table_over(variable, values, KNOTS, among)
+        table = table_over(variable, values, TOLERANCES.laws.knots, among)
         terms += [Term((*carrier, table)) for carrier in carriers if not (carrier and variable == V)]
     return terms
 
@@ -71,7 +70,7 @@ def _chosen(residual: Residual, motor: int, terms: Sequence[Term]) -> list[Term]
     """One term after the other, as long as it is worth its unknowns."""
     chosen: list[Term] = []
     price = RULE.prior + float(np.log(len(terms)))
-    for _ in range(TERMS):
+    for _ in range(TOLERANCES.laws.functions):
         usable = [term for term in terms if not _overlaps(term, chosen)]
         gains = [_worth(residual, motor, term, price) for term in usable]
         if not gains or max(gains) <= 0.0:

@@ -12,6 +12,7 @@ from bench.diagnosis.discovery.term import Term
 from bench.diagnosis.discovery.variables import MEANINGS, SYMBOLS, Place, Variable
 from bench.effects import Effect
 from bench.effects.user_file import effects_in
+from bench.identification.tolerances import TOLERANCES
 
 ATTRIBUTES = {
     "position": "position",
@@ -20,7 +21,6 @@ ATTRIBUTES = {
 }
 
 
-WIDEST = 100  # letters in a line
 OF_THE_ROBOT = ("load", "tool_speed", "others_load")
 
 
@@ -133,7 +133,7 @@ def _imports(terms: Sequence[Term], variables: Sequence[Variable]) -> list[str]:
 
 def _wrapped(name: str, text: str) -> list[str]:
     """A class attribute of so much text."""
-    lines = wrap(text, WIDEST - 12, break_long_words=False, drop_whitespace=False)
+    lines = wrap(text, TOLERANCES.report.width - 12, break_long_words=False, drop_whitespace=False)
     return [
         f"    {name} = (",
         *(f"        {json.dumps(line, ensure_ascii=False)}" for line in lines),

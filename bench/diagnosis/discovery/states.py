@@ -7,13 +7,10 @@ from itertools import zip_longest
 import numpy as np
 
 from bench.basics.deadline import NEVER, Deadline
-from bench.diagnosis.decision import RULE
 from bench.diagnosis.discovery.screen import Residual, Screened, screened
 from bench.diagnosis.discovery.term import Term
-
-WIDTH = 6  # sets that are kept
-WIDER = 5  # terms that each of them is tried with
-DEPTH = 3  # terms in a set
+from bench.identification.decision import RULE
+from bench.identification.tolerances import TOLERANCES
 
 
 @dataclass(frozen=True)
@@ -35,7 +32,8 @@ def best_states(
     basics: Sequence[Term],
     deadline: Deadline = NEVER,
 ) -> list[State]:
-    """Sets of up to DEPTH terms added to models with these effects, which leave so much with so many unknowns.
+    """Sets of terms, up to `LawBounds.depth`, added to models with these effects, which leave so much with so many
+    unknowns.
 
     The best of each size, then the second best, and so on; as long as more terms are worth what they cost.
     basics: terms with which others may show; each model is tried with them as well. Raises TimeUpError after the
@@ -51,13 +49,13 @@ def best_states(
     least = min(state.cost for state in alone)
     for basic in basics:
         beam += [_joined(state, Screened(basic, {}, 0.0), price) for state in beam]
-    for _ in range(DEPTH):
+    for _ in range(TOLERANCES.laws.depth):
         wider: list[State] = []
         for state in beam:
             deadline.check()
-            best = screened(state.residual, terms, WIDER, _known(state))
+            best = screened(state.residual, terms, TOLERANCES.laws.added, _known(state))
             wider += [_joined(state, candidate, price) for candidate in best]
-        beam = _distinct(wider)[:WIDTH]
+        beam = _distinct(wider)[: TOLERANCES.laws.kept]
         if not beam or beam[0].cost >= least:
             break
         least = beam[0].cost

@@ -8,6 +8,7 @@ import numpy as np
 
 from bench.diagnosis.discovery.factors import Factor, Memory, Number, Power, Wave, unit_of
 from bench.diagnosis.discovery.variables import Place, Seen, Variable
+from bench.identification.tolerances import TOLERANCES
 
 
 @dataclass(frozen=True)
@@ -96,9 +97,6 @@ def _structure(factor: Factor) -> tuple[object, ...]:
     return type(factor).__name__, *factor.variables
 
 
-WHOLE = 1e-6
-
-
 def at_other_harmonics(term: Term) -> tuple[Term, ...]:
     """The term with a fixed wave over a turn at a third, half and double its number of periods, where that is whole.
 
@@ -109,7 +107,7 @@ def at_other_harmonics(term: Term) -> tuple[Term, ...]:
         for i, factor in enumerate(term.factors)
         if isinstance(factor, Wave) and not factor.free
         for ratio in (1.0 / 3.0, 0.5, 2.0)
-        if abs(ratio * factor.rate - round(ratio * factor.rate)) < WHOLE
+        if abs(ratio * factor.rate - round(ratio * factor.rate)) < TOLERANCES.rank.ratio
     )
 
 

@@ -19,13 +19,12 @@ from bench.document.charts.chart import (
     Spans,
     Stems,
 )
-from bench.residuals.error_breakdown import AROUND, Branch, ErrorBreakdown
+from bench.document.layout import SCREEN
+from bench.residuals.bounds import ERROR_GRID
+from bench.residuals.error_breakdown import Branch, ErrorBreakdown
 from bench.residuals.profile import Variable
 
 VARIABLES: tuple[Variable, ...] = ("velocity", "position", "acceleration", "current", "time")
-BINS = 24
-HISTOGRAM_BINS = 41
-REACH = 5.0  # standard deviations of the noise that the histogram covers at least
 NOISE_BAND = "± noise of the current"
 
 
@@ -49,7 +48,7 @@ def motor_charts(errors: ErrorBreakdown) -> Mapping[str, Chart]:
 def against_chart(errors: ErrorBreakdown, variable: Variable) -> Chart:
     """Errors against a variable in bins with equally many rows, apart for either direction of motion."""
     label, unit = errors.axes[variable]
-    series: tuple[Series, ...] = (_noise_band(errors), *map(_binned, errors.against(variable, BINS)))
+    series: tuple[Series, ...] = (_noise_band(errors), *map(_binned, errors.against(variable, SCREEN.bins)))
     return Chart(
         f"Against {'modelled current' if variable == 'current' else variable}",
         Axis(label, unit),
@@ -62,7 +61,7 @@ def against_chart(errors: ErrorBreakdown, variable: Variable) -> Chart:
 def reversals_chart(errors: ErrorBreakdown) -> Chart:
     """Errors before and after a change of direction, apart for what the direction is afterwards."""
     branches = errors.around_reversals
-    reach = AROUND / (errors.series[0].rate or 1.0)
+    reach = ERROR_GRID.around_reversal / (errors.series[0].rate or 1.0)
     series: tuple[Series, ...] = (
         _noise_band(errors),
         Rule("", "noise", "x", 0.0, dashed=True),
@@ -183,12 +182,12 @@ def autocorrelation_chart(errors: ErrorBreakdown) -> Chart:
 def histogram_chart(errors: ErrorBreakdown) -> Chart:
     """The distribution of the errors, as shares of the rows, and what the noise alone would give."""
     count_all = len(errors.errors)
-    reach = max(float(np.abs(errors.errors).max()), REACH * errors.noise)
-    edges = np.linspace(-reach, reach, HISTOGRAM_BINS + 1)
+    reach = max(float(np.abs(errors.errors).max()), SCREEN.histogram * errors.noise)
+    edges = np.linspace(-reach, reach, SCREEN.histogram_bins + 1)
     share = np.histogram(errors.errors, edges)[0] / count_all
     series: tuple[Series, ...] = (Histogram("error", "error", edges, share),)
     if errors.noise > 0:
-        x = np.linspace(-reach, reach, 10 * HISTOGRAM_BINS)
+        x = np.linspace(-reach, reach, 10 * SCREEN.histogram_bins)
         alone = errors.noise_alone(x) * float(edges[1] - edges[0])
         series = (*series, Line("noise of the current alone", "noise", x, alone))
     domain = (0.7 / count_all, 1.5 * float(share.max()))

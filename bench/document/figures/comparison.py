@@ -11,8 +11,9 @@ from bench.basics.figure_style import DPI, STYLE
 from bench.basics.files.atomic import atomic_path
 from bench.document.charts.currents import currents_chart
 from bench.document.charts.motor import motor_charts
-from bench.document.figures.currents import PAGE_WIDTH, currents_page
+from bench.document.figures.currents import currents_page
 from bench.document.figures.draw import draw
+from bench.document.layout import SCREEN
 from bench.document.numbers import USES, percent
 from bench.identification.wording import motor_words
 from bench.residuals.error_breakdown import error_breakdown
@@ -34,7 +35,6 @@ SHOWN = (
     "recordings",
     "opposing",
 )
-LETTERS = 17  # of a name next to a bar
 
 
 def write_comparison_figures(folder: Path, what: Compared) -> list[Path]:
@@ -75,7 +75,7 @@ def errors_figure(what: Compared, joint: str) -> Figure:
     with mpl.rc_context(STYLE):
         # Margins are given: working them out takes longer than drawing. Names stand at the bars below: kept apart,
         # they take no room from the columns above.
-        figure = Figure(figsize=(PAGE_WIDTH, 12.0), dpi=DPI)
+        figure = Figure(figsize=(SCREEN.width, 12.0), dpi=DPI)
         upper, lower = figure.subfigures(2, 1, squeeze=False, height_ratios=[3.1, 1.0]).ravel()
         axes = np.concatenate(
             (
@@ -85,7 +85,7 @@ def errors_figure(what: Compared, joint: str) -> Figure:
         )
         charts = motor_charts(errors)
         for place, name in zip(axes.flat, SHOWN, strict=True):
-            draw(place, charts[name], letters=LETTERS)
+            draw(place, charts[name], letters=SCREEN.letters)
         handles, names = axes[0, 0].get_legend_handles_labels()
         figure.legend(handles, names, loc="upper right", ncols=len(names), frameon=False)
         error, noise = relative_error_of(errors.series), relative_noise(errors.series)

@@ -15,14 +15,11 @@ from bench.basics.files.atomic import atomic_path
 from bench.basics.joint_units import drive_unit
 from bench.document.charts.currents import fitted_currents_chart
 from bench.document.figures.draw import draw
+from bench.document.layout import SCREEN
 from bench.document.numbers import USES, error_std, percent
 from bench.identification.result import CurrentSeries, Identification, relative_error
 
-PAGE_WIDTH = 11.0  # inches: text of 10 points can be read where a page is shown as wide as a column of text
-MOTOR_HEIGHT = 1.75  # inches
 LEFT, RIGHT, TITLE, FOOT, LEGEND = 1.02, 0.12, 0.36, 0.6, 0.4  # inches about the axes of one recording
-LABEL_AT = -0.178  # left of the axes, as a share of their width
-COLUMNS = 2  # recordings side by side
 
 
 def current_figure(result: Identification, recordings: Sequence[str] | None = None) -> Figure:
@@ -62,7 +59,7 @@ class Blocks:
             for (upper, lower), joint, unit, error_unit in zip(
                 block, joints, units, error_units, strict=True
             ):
-                first = place % COLUMNS == 0
+                first = place % SCREEN.recordings == 0
                 upper.set_ylabel(f"{joint} [{unit}]" if first else "")
                 lower.set_ylabel(f"error [{error_unit}]" if first else "")
                 upper.set_xlabel("")
@@ -73,26 +70,26 @@ class Blocks:
             block[-1][1].xaxis.set_major_locator(MaxNLocator(6, steps=[1, 2, 5, 10]))
         for block in self.of.values():
             for panel in (panel for pair in block for panel in pair):
-                panel.yaxis.set_label_coords(LABEL_AT, 0.5)
+                panel.yaxis.set_label_coords(SCREEN.label_at, 0.5)
         upper, lower = next(iter(self.of.values()))[0]
         handles = [*upper.get_lines(), *lower.get_lines(), *lower.patches]
         self.figure.legend(handles=handles, loc="upper center", ncols=len(handles), frameon=False)
 
 
 def currents_page(names: Sequence[str], joints: Sequence[str]) -> Blocks:
-    """Empty axes for recordings, COLUMNS of them in a row, each with all its motors under each other.
+    """Empty axes for recordings, `SCREEN.recordings` in a row, each with all its motors under each other.
 
     All recordings have the same scale for one motor. To be called within `STYLE`.
     """
     names = list(dict.fromkeys(names))
-    columns = min(COLUMNS, len(names))
+    columns = min(SCREEN.recordings, len(names))
     rows = -(-len(names) // columns)
     # A figure outside pyplot: nothing global is touched, and no window can open.
     # Margins are given, in inches: working them out takes longer than drawing.
-    block = MOTOR_HEIGHT * len(joints) + TITLE + FOOT
+    block = SCREEN.motor * len(joints) + TITLE + FOOT
     height = rows * block + LEGEND
-    figure = Figure(figsize=(PAGE_WIDTH, height), dpi=DPI)
-    width = PAGE_WIDTH / columns
+    figure = Figure(figsize=(SCREEN.width, height), dpi=DPI)
+    width = SCREEN.width / columns
     of: dict[str, list[tuple[Axes, Axes]]] = {}
     first: list[Axes] = []
     for place, name in enumerate(names):
@@ -102,8 +99,8 @@ def currents_page(names: Sequence[str], joints: Sequence[str]) -> Blocks:
             2 * len(joints),
             1,
             height_ratios=[2.2, 1.0] * len(joints),
-            left=(column * width + LEFT) / PAGE_WIDTH,
-            right=((column + 1) * width - RIGHT) / PAGE_WIDTH,
+            left=(column * width + LEFT) / SCREEN.width,
+            right=((column + 1) * width - RIGHT) / SCREEN.width,
             top=(top - TITLE) / height,
             bottom=(top - block + FOOT) / height,
             hspace=0.18,

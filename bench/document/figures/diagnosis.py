@@ -13,9 +13,9 @@ from bench.diagnosis.result import Diagnosis
 from bench.document.charts.currents import before_after_chart
 from bench.document.charts.models import ladder_chart
 from bench.document.figures.comparison import errors_figure
-from bench.document.figures.currents import COLUMNS, MOTOR_HEIGHT, PAGE_WIDTH
 from bench.document.figures.diagnosis_panels import draw_moved, moved
 from bench.document.figures.draw import draw
+from bench.document.layout import SCREEN
 from bench.document.numbers import effect_name, percent
 from bench.identification.result import CurrentSeries, relative_error
 from bench.identification.wording import and_list
@@ -60,10 +60,10 @@ def errors_before_after_figure(diagnosis: Diagnosis) -> Figure:
     chosen = chosen or list(diagnosis.after.recordings)
     before = {trace.name: trace for trace in diagnosis.before.recordings} if diagnosis.added else {}
     gains = {joint: diagnosis.after.drive_gains[joint] for joint in diagnosis.after.joints}
-    columns = min(COLUMNS, len(chosen))
+    columns = min(SCREEN.recordings, len(chosen))
     rows = -(-len(chosen) // columns)
     with mpl.rc_context(STYLE):
-        size = (PAGE_WIDTH, rows * (MOTOR_HEIGHT * len(gains) + 0.6) + 0.5)
+        size = (SCREEN.width, rows * (SCREEN.motor * len(gains) + 0.6) + 0.5)
         figure = Figure(figsize=size, dpi=DPI, layout="constrained")
         axes = figure.subplots(rows * len(gains), columns, sharex="col", squeeze=False)
         for place, after in enumerate(chosen):

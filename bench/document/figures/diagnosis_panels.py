@@ -10,6 +10,7 @@ from matplotlib.ticker import SymmetricalLogLocator
 from bench.basics.chi_squared import WITHIN_95
 from bench.diagnosis.result import Diagnosis
 from bench.document.figures.draw import COLOURS, PLAIN, ZERO
+from bench.document.layout import SCREEN
 from bench.document.numbers import effect_name, is_poor, pretty_unit
 from bench.identification.result import Quantity
 
@@ -21,7 +22,6 @@ VERDICT_COLOURS = {
     "absorbed": "#CC79A7",
 }
 EVEN_NATS, EVEN_PERCENT = 10.0, 10.0
-FAR = 5.0  # times the even part: what an even axis shows well
 
 
 @dataclass(frozen=True)
@@ -91,7 +91,7 @@ def draw_ranking(axes: Axes, diagnosis: Diagnosis, most: int, scale: float = 1.0
 
 def even_then_logarithmic(axes: Axes, values: Sequence[float], even: float, unit: str) -> str:
     """Make the horizontal axis logarithmic beyond ±even where a value is far beyond it; tells so for its label."""
-    if max(map(abs, values), default=0.0) <= FAR * even:
+    if max(map(abs, values), default=0.0) <= SCREEN.logarithmic * even:
         return ""
     axes.set_xscale("symlog", linthresh=even, linscale=0.5)
     axes.xaxis.set_major_locator(SymmetricalLogLocator(base=10.0, linthresh=even))

@@ -31,6 +31,7 @@ from bench.document.charts.chart import (
     Whiskers,
 )
 from bench.document.colours import ON_WHITE
+from bench.document.layout import SCREEN
 
 Look = dict[str, Any]  # matplotlib types every keyword by its name
 
@@ -65,12 +66,6 @@ ZERO = "#8A929C"
 DARK = "#3A424C"
 BAND_COLOURS: Mapping[Role, str] = {"error": ON_WHITE.band}
 PLAIN = FuncFormatter(lambda value, _: f"{value:g}".replace("-", "−"))
-MOST_POINTS = 1200  # drawn behind the means of one direction, and far-off points; all rows count in the means
-FAR = 3.0  # deviations of its bin from which on a row is always drawn
-OUTSIDE = 1.6  # times what most errors are: axes reach no farther
-LIMIT = 99.5  # percentile that represents most errors
-MANY_TICKS = 300.0  # ratio of largest to smallest value from which powers of ten are ticks enough
-BAR = 0.36  # of the room of a category, where two bars are side by side
 
 
 @dataclass(frozen=True)
@@ -122,15 +117,18 @@ def small_title(axes: Axes, text: str) -> None:
 
 
 def points_of(series: Binned) -> np.ndarray:
-    """Which rows are drawn as points: a regular choice of about MOST_POINTS, and every row far from its bin's mean."""
-    return worth_drawing(series, MOST_POINTS)
+    """Which rows are drawn as points: a regular choice of about `SCREEN.points`, and rows far from their bin's mean."""
+    return worth_drawing(series, SCREEN.points)
 
 
 def worth_drawing(series: Binned, most: int) -> np.ndarray:
     """Indices of rows to draw as points: a regular choice of about `most`, and every row far from its bin's mean."""
     size = len(series.mean)
     index = np.clip(np.searchsorted(series.edges, series.x, side="right") - 1, 0, size - 1)
-    far = np.abs(series.y - np.nan_to_num(series.mean)[index]) > FAR * np.nan_to_num(series.spread)[index]
+    far = (
+        np.abs(series.y - np.nan_to_num(series.mean)[index])
+        > SCREEN.distant * np.nan_to_num(series.spread)[index]
+    )
     far |= (series.y == series.y.max()) | (series.y == series.y.min())
     every = max(1, -(-len(series.x) // most))
     return np.flatnonzero(far | (np.arange(len(series.x)) % every == 0))
@@ -196,8 +194,8 @@ def _keep_errors_in_view(pen: Pen, binned: Sequence[Binned]) -> None:
     """All errors in view, unless single ones far off would hide the others: those are marked at the border."""
     drawn = [points_of(series) for series in binned]
     errors = np.abs(np.concatenate([series.y[rows] for series, rows in zip(binned, drawn, strict=True)]))
-    most, largest = float(np.percentile(errors, LIMIT)), float(errors.max())
-    reach = 1.08 * min(largest, OUTSIDE * most) or 1.0
+    most, largest = float(np.percentile(errors, SCREEN.percentile)), float(errors.max())
+    reach = 1.08 * min(largest, SCREEN.reach * most) or 1.0
     pen.axes.set_ylim(-reach, reach)
     for series, rows in zip(binned, drawn, strict=True):
         for sign, marker in ((1.0, 6), (-1.0, 7)):  # carets that point out of the axes
@@ -287,7 +285,7 @@ def _draw_levels(pen: Pen, levels: Sequence[Levels], panel: Panel, x: Axis) -> N
     """Bars from zero on, categories down the page; rules of y stand upright."""
     scale = pen.scale
     for i, series in enumerate(levels):
-        places = np.arange(len(series.values)) + BAR * (i - (len(levels) - 1) / 2.0)
+        places = np.arange(len(series.values)) + SCREEN.bar * (i - (len(levels) - 1) / 2.0)
         known = np.isfinite(series.values)
         sizes = pen.y * series.values[known]
         look: Look = {
@@ -295,7 +293,7 @@ def _draw_levels(pen: Pen, levels: Sequence[Levels], panel: Panel, x: Axis) -> N
             "alpha": PALE.get(series.role, 1.0),
             "label": series.name,
         }
-        bars = pen.axes.barh(places[known], sizes, BAR, **look)
+        bars = pen.axes.barh(places[known], sizes, SCREEN.bar, **look)
         if series.texts:
             texts = [text for text, there in zip(series.texts, known, strict=True) if there]
             pen.axes.bar_label(bars, texts, padding=4 * scale, color=DARK)
@@ -340,7 +338,7 @@ def _set_axis(axes: Axes, drawn: DrawnAxis, axis: Axis, letters: int | None) -> 
 def _plain_ticks(drawn: DrawnAxis) -> None:
     """Ticks of a logarithmic axis as plain numbers, between the powers of ten only where these are few."""
     low, high = drawn.get_view_interval()
-    wide = low <= 0 or high >= MANY_TICKS * low
+    wide = low <= 0 or high >= SCREEN.decades * low
     drawn.set_major_locator(LogLocator(subs=(1.0,) if wide else (1.0, 2.0, 5.0)))
     if not wide:
         drawn.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))

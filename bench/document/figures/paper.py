@@ -15,14 +15,9 @@ from matplotlib.figure import Figure
 
 from bench.basics.figure_style import STYLE
 from bench.basics.files.atomic import atomic_path, write_text_atomically
+from bench.document.layout import PAPER
 
 WIDTHS = {"one_column": 88.0, "two_columns": 180.0}  # mm
-INCH = 25.4  # mm
-PICTURE_DPI = 300
-ACROSS = 3  # panels side by side on two columns
-LEGEND_ROOM = 6.0  # mm
-LEGEND_LETTERS = 50  # that one column holds next to the marks
-SCALE = 0.55  # of lines and marks, against a picture for the screen
 # Any: matplotlib types every key of these by name.
 PRINT: Any = {
     **STYLE,
@@ -45,7 +40,7 @@ PRINT: Any = {
     "axes.labelpad": 2.0,
     "pdf.fonttype": 42,  # whole TrueType fonts: publishers refuse Type 3
     "ps.fonttype": 42,
-    "savefig.dpi": PICTURE_DPI,
+    "savefig.dpi": PAPER.dpi,
 }
 
 Numbers = Mapping[str, Sequence[float | str | None]]
@@ -77,11 +72,11 @@ class PaperFigure:
 def paper_figure(what: PaperFigure, width: float) -> Figure:
     """Draw a figure `width` mm wide, its height following from its panels."""
     side_by_side = not what.stacked and width > WIDTHS["one_column"]
-    columns = min(ACROSS, len(what.panels)) if side_by_side else 1
+    columns = min(PAPER.panels, len(what.panels)) if side_by_side else 1
     rows = [what.panels[i : i + columns] for i in range(0, len(what.panels), columns)]
     heights = [max(drawn.height for drawn in row) for row in rows]
     with mpl.rc_context(PRINT):
-        size = (width / INCH, (sum(heights) + LEGEND_ROOM) / INCH)
+        size = (width / PAPER.inch, (sum(heights) + PAPER.legend) / PAPER.inch)
         figure = Figure(figsize=size, layout="constrained")
         axes = figure.subplots(
             len(rows), columns, squeeze=False, height_ratios=heights, sharex="col" if what.stacked else False
@@ -95,7 +90,7 @@ def paper_figure(what: PaperFigure, width: float) -> Figure:
             for handle, label in zip(*place.get_legend_handles_labels(), strict=True):
                 labels.setdefault(label, handle)
         if len(labels) > 1:
-            in_one_row = width > WIDTHS["one_column"] or sum(map(len, labels)) <= LEGEND_LETTERS
+            in_one_row = width > WIDTHS["one_column"] or sum(map(len, labels)) <= PAPER.legend_letters
             across = len(labels) if in_one_row else 2
             figure.legend(
                 labels.values(), labels.keys(), loc="outside upper center", ncols=across, frameon=False

@@ -11,7 +11,8 @@ from bench.document.charts.chart import Band, Binned, Chart, Histogram, Line, Ru
 from bench.document.charts.currents import currents_chart
 from bench.document.charts.motor import motor_charts
 from bench.document.figures.draw import draw, points_of
-from bench.document.figures.paper import SCALE, Numbers, PaperFigure, PaperPanel, file_part
+from bench.document.figures.paper import Numbers, PaperFigure, PaperPanel, file_part
+from bench.document.layout import PAPER
 from bench.residuals.error_breakdown import error_breakdown
 from bench.residuals.motor import Compared, MotorSeries
 
@@ -79,12 +80,12 @@ def _current_numbers(trace: MotorSeries, unit: str) -> Columns:
 
 
 def _draw_current(chart: Chart, label: str, axes: Axes) -> None:
-    draw(axes, chart, SCALE)
+    draw(axes, chart, PAPER.scale)
     axes.set(ylabel=label, xlabel="")
 
 
 def _draw_error(chart: Chart, last: bool, axes: Axes) -> None:
-    draw(axes, chart, SCALE, panel=1)
+    draw(axes, chart, PAPER.scale, panel=1)
     axes.yaxis.set_major_locator(MaxNLocator(3))
     axes.set_xlabel("time [s]" if last else "")
 
@@ -94,7 +95,7 @@ def _panels(charts: Mapping[str, Chart], height: float) -> tuple[PaperPanel, ...
 
 
 def _draw_motor(chart: Chart, joint: str, axes: Axes) -> None:
-    draw(axes, chart, SCALE, key=False)
+    draw(axes, chart, PAPER.scale, key=False)
     axes.set_title(joint)
 
 

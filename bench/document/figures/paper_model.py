@@ -14,14 +14,10 @@ from bench.document.charts.currents import before_after_chart
 from bench.document.charts.models import gains_chart, ladder_chart
 from bench.document.figures.diagnosis_panels import Moved, draw_moved, draw_ranking, moved
 from bench.document.figures.draw import draw
-from bench.document.figures.paper import SCALE, Numbers, PaperFigure, PaperPanel, file_part
+from bench.document.figures.paper import Numbers, PaperFigure, PaperPanel, file_part
+from bench.document.layout import PAPER
 from bench.document.numbers import error_where_moving
 from bench.identification.result import CurrentSeries, Identification
-
-FOOT = 18.0  # mm that an axis with its label takes
-BAR, MOVED, WITH_NOMINAL = 3.8, 4.2, 5.6  # mm for each bar, each parameter, each gain
-ERRORS = 26.0  # mm
-SHOWN = 14  # effects of the ranking
 
 
 def gain_figure(result: Identification) -> PaperFigure:
@@ -36,7 +32,7 @@ def gain_figure(result: Identification) -> PaperFigure:
         "change [%]": [100.0 * (gain.value / gain.nominal - 1.0) for gain in gains.values()],
         "95 % interval [± %]": [100.0 * WITHIN_95 * gain.std / abs(gain.nominal) for gain in gains.values()],
     }
-    height = FOOT + 6.0 * len(gains)
+    height = PAPER.foot + 6.0 * len(gains)
     return PaperFigure(
         "drive_gains",
         (PaperPanel(partial(_draw, gains_chart([("after", "identified, 95 % interval", gains)])), height),),
@@ -63,7 +59,7 @@ def diagnosis_figures(diagnosis: Diagnosis) -> list[PaperFigure]:
 
 
 def _draw(chart: Chart, axes: Axes) -> None:
-    draw(axes, chart, SCALE)
+    draw(axes, chart, PAPER.scale)
 
 
 def _ladder(diagnosis: Diagnosis) -> PaperFigure:
@@ -75,7 +71,7 @@ def _ladder(diagnosis: Diagnosis) -> PaperFigure:
         values = levels.get(name, np.full(len(names), np.nan))
         numbers[f"error, {name} [%]"] = [value if np.isfinite(value) else None for value in values.tolist()]
     numbers["noise of the currents [%]"] = [floor] * len(names)
-    panel = PaperPanel(partial(_draw, chart), FOOT + 2.2 * BAR * len(names))
+    panel = PaperPanel(partial(_draw, chart), PAPER.foot + 2.2 * PAPER.bar * len(names))
     return PaperFigure("ladder", (panel,), {"": numbers})
 
 
@@ -90,13 +86,13 @@ def _ranking(diagnosis: Diagnosis) -> PaperFigure:
         "at": [" ".join(verdict.actuators) for verdict in ranking],
         "alternatives": [" ".join(verdict.alternatives) for verdict in ranking],
     }
-    rows = min(SHOWN, sum(verdict.verdict != "absorbed" for verdict in ranking))
-    panel = PaperPanel(partial(_draw_ranking, diagnosis), FOOT + BAR * rows)
+    rows = min(PAPER.ranking, sum(verdict.verdict != "absorbed" for verdict in ranking))
+    panel = PaperPanel(partial(_draw_ranking, diagnosis), PAPER.foot + PAPER.bar * rows)
     return PaperFigure("ranking", (panel,), {"": numbers})
 
 
 def _draw_ranking(diagnosis: Diagnosis, axes: Axes) -> None:
-    draw_ranking(axes, diagnosis, SHOWN, SCALE)
+    draw_ranking(axes, diagnosis, PAPER.ranking, PAPER.scale)
 
 
 def _moved(name: str, rows: Sequence[Moved]) -> PaperFigure:
@@ -111,12 +107,14 @@ def _moved(name: str, rows: Sequence[Moved]) -> PaperFigure:
     nominal = any(row.nominal is not None for row in rows)
     if nominal:
         numbers["nominal"] = [row.nominal for row in rows]
-    panel = PaperPanel(partial(_draw_moved, rows), FOOT + (WITH_NOMINAL if nominal else MOVED) * len(rows))
+    panel = PaperPanel(
+        partial(_draw_moved, rows), PAPER.foot + (PAPER.gain if nominal else PAPER.parameter) * len(rows)
+    )
     return PaperFigure(name, (panel,), {"": numbers})
 
 
 def _draw_moved(rows: Sequence[Moved], axes: Axes) -> None:
-    draw_moved(axes, rows, SCALE)
+    draw_moved(axes, rows, PAPER.scale)
 
 
 def _before_after(diagnosis: Diagnosis, before: CurrentSeries, after: CurrentSeries) -> PaperFigure:
@@ -130,11 +128,11 @@ def _before_after(diagnosis: Diagnosis, before: CurrentSeries, after: CurrentSer
         numbers[f"error of {joint} after [{unit}]"] = error_where_moving(after)[:, j].tolist()
         last = j == len(gains) - 1
         chart = before_after_chart(before, after, j, unit, after.name)
-        panels.append(PaperPanel(partial(_draw_before_after, chart, f"{joint} [{unit}]", last), ERRORS))
+        panels.append(PaperPanel(partial(_draw_before_after, chart, f"{joint} [{unit}]", last), PAPER.errors))
     name = f"errors_before_after_{file_part(after.name)}"
     return PaperFigure(name, tuple(panels), {"": numbers}, stacked=True)
 
 
 def _draw_before_after(chart: Chart, label: str, last: bool, axes: Axes) -> None:
-    draw(axes, chart, SCALE)
+    draw(axes, chart, PAPER.scale)
     axes.set(ylabel=label, xlabel="time [s]" if last else "")

@@ -18,13 +18,11 @@ from bench.document.diagnosis import (
     without_logs_table,
 )
 from bench.document.identification import effects_table
+from bench.document.layout import TEXT
 from bench.document.numbers import STD_FROM, effect_name
 from bench.document.terminal.identification import section, sentences_list
 from bench.document.terminal.tables import printed
 from bench.effects.display_names import named_after
-
-SHOWN = 4  # effects that the data do not support, shown with those that they do
-MOST_PARAMETERS = 12  # of those that move most
 
 
 def diagnosis_report(diagnosis: Diagnosis, console: Console | None = None, *, verbose: bool = False) -> None:
@@ -74,7 +72,7 @@ def diagnosis_report(diagnosis: Diagnosis, console: Console | None = None, *, ve
             section(console, "Drive gains, before and after", printed(gains, width))
             if diagnosis.after.std_from != "noise":
                 console.print(Text(f"± after from {STD_FROM[diagnosis.after.std_from]}", "dim"))
-        moved, still = parameters_before_after(diagnosis, None if verbose else MOST_PARAMETERS)
+        moved, still = parameters_before_after(diagnosis, None if verbose else TEXT.parameters)
         section(console, "Dynamic parameters, before and after", printed(moved, width))
         if still:
             console.print(Text(f"{still} more move less", "dim"))
@@ -90,5 +88,5 @@ def _shown(
 ) -> tuple[list[EffectVerdict], list[EffectVerdict]]:
     """Which verdicts are shown, and which are only named: those not supported except for the first few."""
     unsupported = [verdict for verdict in ranking if verdict.verdict == "not supported"]
-    left_out = [] if verbose else unsupported[SHOWN:]
+    left_out = [] if verbose else unsupported[TEXT.unsupported :]
     return [verdict for verdict in ranking if verdict not in left_out], left_out

@@ -14,8 +14,9 @@ from bench.document.identification import (
     motor_errors_table,
     parameters_table,
 )
-from bench.document.numbers import POOR, Truth, is_poor, settings_lines
+from bench.document.numbers import Truth, is_poor, settings_lines
 from bench.document.terminal.tables import POOR_STYLE, printed
+from bench.identification.decision import RULE
 from bench.identification.model_file import Comparison
 from bench.identification.result import CurrentSeries, Identification, ModelledRecording, Quantity
 
@@ -121,6 +122,6 @@ def _errors_section(console: Console, series: Sequence[CurrentSeries], joints: S
 def _poor_line(console: Console, quantities: Sequence[Quantity]) -> None:
     poor = sum(is_poor(quantity) for quantity in quantities)
     if poor:
-        share = f"standard error above {100 * POOR:.0f} % of the value"
+        share = f"standard error above {100 * RULE.loose:.0f} % of the value"
         text = f"! {poor} of {len(quantities)} poorly determined: {share}"
         console.print(Text(text, POOR_STYLE))

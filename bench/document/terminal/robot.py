@@ -4,6 +4,7 @@ from rich.console import Console
 from rich.table import Table as Grid
 from rich.text import Text
 
+from bench.document.layout import TEXT
 from bench.document.numbers import pretty_unit
 from bench.document.table import Column, Table
 from bench.document.terminal.identification import section
@@ -14,7 +15,6 @@ from bench.robot_check.report import JointLine, Mobility, RobotReport, Singulari
 from bench.robot_check.words import detail_of, name_of, nearest_singularity
 
 MARKS = {"ok": ("✓", "green"), "note": ("!", "yellow"), "failed": ("✗", "bold red")}
-NOT_EXACT = 1e-9  # m or rad: a gap that is coloured
 
 
 def robot_report(report: RobotReport, console: Console | None = None, *, verbose: bool = False) -> None:
@@ -75,7 +75,7 @@ def loops_table(report: RobotReport) -> Table:
             Column("equations", [loop.equations for loop in loops], "number", format="d"),
             Column(f"gap at home, m{unit}", gaps, "number", format="s"),
         ),
-        tuple("poor" if max(loop.gap, loop.twist) > NOT_EXACT else "" for loop in loops),
+        tuple("poor" if max(loop.gap, loop.twist) > TEXT.exact else "" for loop in loops),
     )
 
 

@@ -9,15 +9,11 @@ from rich import box
 from rich.cells import cell_len
 from rich.text import Text
 
+from bench.document.layout import TEXT
 from bench.document.numbers import GIVEN, quantity_parts, rounded_terms
 from bench.document.table import RIGHT, Column, Table
 from bench.identification.result import Quantity
 
-GAPS = (2, 1)  # blanks between columns: the wider where there is room
-WIDTH = 100  # columns of a table that is asked for by itself
-NARROWEST_TERMS = 14  # columns below which a grouping says nothing
-BAR = 30  # columns of the longest bar
-LEAST_BAR = 8
 EIGHTHS = " ▏▎▍▌▋▊▉"
 POOR_STYLE = "yellow"
 STYLES = {"": "", "strong": "bold", "weak": "dim", "poor": POOR_STYLE}
@@ -52,7 +48,7 @@ class Fit:
     room: int
 
 
-def fit_strips(strips: Sequence[Strip], width: int, gaps: Sequence[int] = GAPS) -> Fit:
+def fit_strips(strips: Sequence[Strip], width: int, gaps: Sequence[int] = TEXT.gaps) -> Fit:
     """Narrow the gaps, then leave out strips of the highest rank, until all fit into `width`."""
     fitting = list(strips)
     while fitting:
@@ -66,20 +62,20 @@ def fit_strips(strips: Sequence[Strip], width: int, gaps: Sequence[int] = GAPS) 
     return Fit((), gaps[0], width)
 
 
-def printed(table: Table, width: int = WIDTH) -> rich.table.Table:
+def printed(table: Table, width: int = TEXT.width) -> rich.table.Table:
     """A table at most `width` wide, or as near as its columns of rank 0 allow; those are then folded."""
     strips = [_strip(column) for column in table.columns if column.kind not in {"bar", "terms"}]
     for column in table.columns:
         if column.kind == "bar":
             room = width - sum(strip.width for strip in strips) - 2 * len(strips)
-            length = max(min(room, BAR), LEAST_BAR)
+            length = max(min(room, TEXT.bar), TEXT.least_bar)
             strips.append(
                 Strip(column.header, [bar(share, length) for share in column.cells], rank=column.rank)
             )
         elif column.kind == "terms":
             fit = fit_strips(strips, width)
             room = fit.room - fit.gap
-            if room >= NARROWEST_TERMS and any(column.cells):
+            if room >= TEXT.terms and any(column.cells):
                 strips.append(
                     Strip(column.header, [shortened(cell, room) for cell in column.cells], style="dim")
                 )

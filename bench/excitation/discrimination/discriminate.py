@@ -11,8 +11,7 @@ from bench.basics.threads import on_one_thread
 from bench.dataset.dataset import Dataset
 from bench.dataset.payload import Payload
 from bench.dataset.robot import refuse_redundant
-from bench.diagnosis.decision import RULE
-from bench.diagnosis.split import HELD_OUT
+from bench.excitation.bounds import DISCRIMINATION
 from bench.excitation.discrimination.evidence import error_over_noise, estimate_of_rival, shown_nats
 from bench.excitation.discrimination.limits import Envelope, envelope
 from bench.excitation.discrimination.motion_figures import planned_facts, recorded_facts
@@ -22,16 +21,11 @@ from bench.excitation.discrimination.rival_models import Rival, fit_rivals, nois
 from bench.excitation.discrimination.search import DesignedMotion, band_of, best_loaded, best_motion, starts
 from bench.excitation.discrimination.separation import Question, question, residual_share, separation
 from bench.excitation.limits import feasible_motion
+from bench.identification.decision import RULE
 from bench.identification.problem import Problem
+from bench.identification.tolerances import TOLERANCES
 
-LONGEST, SHORTEST = 30.0, 5.0  # s: of a motion whose duration is not given
-ALIKE = 3e-4  # of what an effect does: the other one does it all if it leaves less
-TRIED = 8  # motions on which that is tested
-WIDER = 2.0  # times the limits: looked at where these are not enough
-HEAVIER = 2.0  # times the heaviest payload: a second one
 SECOND = "a second payload"
-FAINT = 0.5  # nats that a motion promises: less is worth no recording
-SURE = 3.0  # deviations of a parameter that has the wrong sign
 
 
 @on_one_thread
@@ -65,7 +59,7 @@ def discriminate(
     noise, around = noise_of(rivals), envelope(first, widen)
     measured, joints = first.prepared.measured, dataset.robot.joints
     seconds = max(float(np.ptp(measurement.time)) for measurement in measured)
-    duration = duration or float(np.clip(round(seconds), SHORTEST, LONGEST))
+    duration = duration or float(np.clip(round(seconds), DISCRIMINATION.shortest, DISCRIMINATION.longest))
     absorbed = tuple(rival.request for rival in rivals if rival.absorbed)
     asked: tuple[Question, ...] = (question(*rivals, noise), question(*rivals[::-1], noise))
     asked = () if absorbed else asked
@@ -75,7 +69,7 @@ def discriminate(
     asked = tuple(query for query in asked if query.truth.request not in imitated)
     motion = best_motion(asked, around, loads, duration, seed, progress) if asked else None
     shown = {rival.request: 0.0 if rival.absorbed else shown_nats(rival) for rival in rivals}
-    nothing = motion is not None and motion.nats < FAINT and max(shown.values()) < RULE.prior
+    nothing = motion is not None and motion.nats < DISCRIMINATION.faint and max(shown.values()) < RULE.prior
     motion = None if nothing else motion
     result = Discrimination(
         robot=dataset.robot.name,
@@ -100,8 +94,10 @@ def discriminate(
     if motion is None or result.tells:
         return result
     heavier = _heavier(asked, around, motion, first)
-    far = best_motion(asked, envelope(first, WIDER * widen), loads, duration, seed, progress)
-    return replace(result, second=heavier, wider=None if far is None else (WIDER * widen, far.nats))
+    far = best_motion(asked, envelope(first, DISCRIMINATION.wider * widen), loads, duration, seed, progress)
+    return replace(
+        result, second=heavier, wider=None if far is None else (DISCRIMINATION.wider * widen, far.nats)
+    )
 
 
 def _judged_rows(dataset: Dataset, rival: Rival) -> int:
@@ -109,7 +105,7 @@ def _judged_rows(dataset: Dataset, rival: Rival) -> int:
     kept = {recording.name for recording in dataset.recordings if recording.use == "validate"}
     rows = {observation.name: int(observation.moving.sum()) for observation in rival.prepared.observations}
     if not kept:
-        return round(HELD_OUT * sum(rows.values()))
+        return round(TOLERANCES.statistics.held_out * sum(rows.values()))
     return sum(count for name, count in rows.items() if name in kept)
 
 
@@ -121,7 +117,9 @@ def _with_second_payload(dataset: Dataset) -> Dataset:
     heaviest = max(known, key=lambda payload: payload.mass or 0.0)
     center = np.zeros(3) if heaviest.center_of_mass is None else heaviest.center_of_mass
     inertia = np.zeros(6) if heaviest.inertia is None else heaviest.inertia
-    second = Payload(SECOND, HEAVIER * (heaviest.mass or 0.0), center, HEAVIER * inertia)
+    second = Payload(
+        SECOND, DISCRIMINATION.heavier * (heaviest.mass or 0.0), center, DISCRIMINATION.heavier * inertia
+    )
     return replace(dataset, payloads={**dataset.payloads, SECOND: second})
 
 
@@ -146,7 +144,8 @@ def _imitated(
     rival = asked[0].truth
     random = np.random.default_rng(seed)
     shares = {query.truth.request: 0.0 for query in asked}
-    for i, (_, trajectory) in zip(range(TRIED), starts(rival, around, duration, random), strict=False):
+    motions = range(DISCRIMINATION.alike_motions)
+    for i, (_, trajectory) in zip(motions, starts(rival, around, duration, random), strict=False):
         time = times_of(trajectory, band_of(around, trajectory))
         tree = feasible_motion(rival.prepared.model.geometry, around.joint, trajectory, time)
         if tree is None:
@@ -156,7 +155,7 @@ def _imitated(
             current = predicted(query.truth, plan)
             share = residual_share(query, plan, current, separation(query, plan, current))
             shares[query.truth.request] = max(shares[query.truth.request], share)
-    return tuple(name for name, share in shares.items() if share < ALIKE)
+    return tuple(name for name, share in shares.items() if share < DISCRIMINATION.alike)
 
 
 def _impossible(rivals: Sequence[Rival]) -> tuple[ImpossibleSign, ...]:
@@ -168,7 +167,7 @@ def _impossible(rivals: Sequence[Rival]) -> tuple[ImpossibleSign, ...]:
         at = 0
         for instance in rival.instances:
             for parameter in instance.effect.parameters:
-                if parameter.positive and values[at] < -SURE * std[at]:
+                if parameter.positive and values[at] < -RULE.shows * std[at]:
                     signs.append(ImpossibleSign(rival.name, parameter.name, instance.joint))
                 at += 1
     return tuple(signs)

@@ -12,8 +12,8 @@ from bench.basics.figure_style import DPI, STYLE
 from bench.basics.files.atomic import atomic_path
 from bench.basics.joint_units import units_of_gain
 from bench.effects.display_names import spoken
+from bench.excitation.bounds import DISCRIMINATION
 from bench.excitation.discrimination.files import trajectory_table
-from bench.excitation.discrimination.motion_figures import RATE
 from bench.excitation.discrimination.result import Discrimination
 
 COLOURS = ("#0072B2", "#D55E00")  # after Okabe and Ito
@@ -26,7 +26,7 @@ def discrimination_figure(result: Discrimination) -> Figure:
     if result.motion is None:
         raise BenchError("there is no motion to draw")
     joints = list(result.joints)
-    table = trajectory_table(result.motion.trajectory, joints, RATE)
+    table = trajectory_table(result.motion.trajectory, joints, DISCRIMINATION.rate)
     with mpl.rc_context(STYLE):
         figure = Figure(figsize=(11.5, 2.1 * len(joints) + 1.0), dpi=DPI, layout="constrained")
         axes = figure.subplots(len(joints), 3, sharex=True, squeeze=False)

@@ -5,13 +5,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from bench.excitation.bounds import DISCRIMINATION
 from bench.excitation.discrimination.rival_models import Rival
 from bench.excitation.limits import Limits, limits_of
 from bench.signals.settings import signal_bands
-
-FASTER = 3.0  # times the highest frequency of the recorded motions
-ROOM = 1.1  # times the largest recorded current
-STROKE = 0.15  # of the recorded travel: in a smaller one encoders and sticking joints decide
 
 
 @dataclass(frozen=True)
@@ -45,9 +42,10 @@ def envelope(rival: Rival, widen: float) -> Envelope:
         joint=limits_of(prepared.model.geometry),
         velocity=widen * _largest([measurement.velocity for measurement in measured]),
         acceleration=widen * _largest([measurement.acceleration for measurement in measured]),
-        current=widen * ROOM * _largest([recording.current for recording in recordings]),
-        stroke=STROKE * np.ptp(np.concatenate([recording.position for recording in recordings]), axis=0),
-        frequency=FASTER * max(bands.motion, slowest),
+        current=widen * DISCRIMINATION.current * _largest([recording.current for recording in recordings]),
+        stroke=DISCRIMINATION.stroke
+        * np.ptp(np.concatenate([recording.position for recording in recordings]), axis=0),
+        frequency=DISCRIMINATION.faster * max(bands.motion, slowest),
         band=prepared.settings.band(rate),
     )
 

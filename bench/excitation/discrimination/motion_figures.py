@@ -4,12 +4,10 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from bench.excitation.bounds import DISCRIMINATION
 from bench.excitation.discrimination.result import MotionFacts
 from bench.identification.filtered import Measured
 from bench.scenario.trajectory import FourierTrajectory
-
-RATE = 200.0  # Hz: fine enough to count reversals
-SLOW = 0.01  # of the largest speed: wobbles below are no reversals
 
 
 def recorded_facts(measured: Sequence[Measured], joints: Sequence[str]) -> dict[str, MotionFacts]:
@@ -27,7 +25,7 @@ def recorded_facts(measured: Sequence[Measured], joints: Sequence[str]) -> dict[
 
 def planned_facts(trajectory: FourierTrajectory, joints: Sequence[str]) -> dict[str, MotionFacts]:
     """What a trajectory does, by joint."""
-    time = np.arange(int(trajectory.duration * RATE) + 1) / RATE
+    time = np.arange(int(trajectory.duration * DISCRIMINATION.rate) + 1) / DISCRIMINATION.rate
     position, velocity, acceleration = trajectory.evaluate(time)
     return {
         joint: _facts([position[:, j]], [velocity[:, j]], [acceleration[:, j]], trajectory.duration)
@@ -44,7 +42,7 @@ def _facts(
     speed = max(float(np.abs(values).max()) for values in velocity)
     count, turning = 0, []
     for v, a in zip(velocity, acceleration, strict=True):
-        fast = np.flatnonzero(np.abs(v) > SLOW * speed)
+        fast = np.flatnonzero(np.abs(v) > DISCRIMINATION.slow * speed)
         turns = fast[:-1][np.diff(np.sign(v[fast])) != 0]
         count += len(turns)
         turning += np.abs(a[turns]).tolist()

@@ -7,19 +7,18 @@ import numpy as np
 
 from bench.dataset.recording import Recording
 from bench.effects import EffectInstance, RobotSignals, effect_columns
+from bench.excitation.bounds import DISCRIMINATION
 from bench.excitation.discrimination.rival_models import Rival
 from bench.identification.effect_columns import robot_signals
 from bench.identification.effect_rows import effect_rows
 from bench.identification.filtered import Measured, passive_rates
 from bench.identification.observation import Observation, observe
 from bench.identification.standstill import interpolated, standstills
+from bench.identification.tolerances import TOLERANCES
 from bench.model.motion import Motion
 from bench.scenario.trajectory import FourierTrajectory
-from bench.signals.decimation import BAND, decimate
-
-DECIMATION = 4  # samples of a planned motion for each row of the fit
-SETTLED, MOST_ROUNDS = 1e-6, 12  # of the current, where an effect depends on it
-STEP = 1e-3  # relative, for the derivative by a shape parameter
+from bench.signals.bounds import DECIMATING
+from bench.signals.decimation import decimate
 
 
 @dataclass(frozen=True)
@@ -32,12 +31,12 @@ class PlannedMotion:
     @property
     def row_rate(self) -> float:
         """Rows of the fit a second, Hz."""
-        return self.measured.recording.rate / DECIMATION
+        return self.measured.recording.rate / DISCRIMINATION.decimation
 
 
 def times_of(trajectory: FourierTrajectory, band: float) -> np.ndarray:
     """Times (N,) s at which a planned motion is looked at, for a fit that sees up to `band` Hz."""
-    rate = DECIMATION * 2.0 * band / BAND
+    rate = DISCRIMINATION.decimation * 2.0 * band / DECIMATING.band
     return np.arange(int(trajectory.duration * rate) + 1) / rate
 
 
@@ -47,7 +46,7 @@ def planned(
     """The rows of a motion that carries a payload or none; time (N,) of `times_of`, tree: all joints then."""
     position, velocity, acceleration = trajectory.evaluate(time)
     current = np.zeros_like(position)
-    settings = replace(rival.prepared.settings, decimation=DECIMATION, border=(0, 0))
+    settings = replace(rival.prepared.settings, decimation=DISCRIMINATION.decimation, border=(0, 0))
     recording = Recording("planned", "identify", payload, time, position, current)
     passive = passive_rates(rival.prepared.model.geometry, tree)
     gaps = standstills(position, velocity, passive, recording.rate, settings.position_cutoff)
@@ -63,11 +62,12 @@ def predicted(rival: Rival, plan: PlannedMotion) -> np.ndarray:
     gains, effects = rival.present.gains, rival.prepared.effects
     rigid = robot_signals(rival.prepared.model, plan.measured, rival.present).torque()
     current = np.asarray(rigid / gains)
-    for _ in range(MOST_ROUNDS):
+    for _ in range(DISCRIMINATION.current_rounds):
         seen = _seen(rival, plan, current)
         columns = np.concatenate([effect_columns(instance, seen) for instance in effects], axis=2)
         before, current = current, np.asarray((rigid + columns @ rival.values) / gains)
-        if not rival.follows_current or np.abs(current - before).max() <= SETTLED * np.abs(current).max():
+        settled = DISCRIMINATION.current_settled * np.abs(current).max()
+        if not rival.follows_current or np.abs(current - before).max() <= settled:
             break
     return current
 
@@ -75,10 +75,10 @@ def predicted(rival: Rival, plan: PlannedMotion) -> np.ndarray:
 def rows_with(rival: Rival, plan: PlannedMotion, current: np.ndarray) -> tuple[Observation, np.ndarray]:
     """What `rival` would see if these currents (N, n) were logged: its rows, and its tangents (M, n, k)."""
     seen = _seen(rival, plan, current)
-    effects = effect_rows(seen, DECIMATION, rival.prepared.effects)
-    seen_current = decimate(interpolated(current, plan.measured.gaps), DECIMATION)
+    effects = effect_rows(seen, DISCRIMINATION.decimation, rival.prepared.effects)
+    seen_current = decimate(interpolated(current, plan.measured.gaps), DISCRIMINATION.decimation)
     rows = replace(plan.rows, current=seen_current, effects=effects)
-    return rows, tangents(rival, [seen], DECIMATION)
+    return rows, tangents(rival, [seen], DISCRIMINATION.decimation)
 
 
 def given_tangents(rival: Rival) -> np.ndarray:
@@ -95,7 +95,7 @@ def tangents(rival: Rival, seen: Sequence[RobotSignals], decimation: int) -> np.
         for shape in instance.effect.shape:
             if shape.discrete:
                 continue
-            step = STEP * (abs(instance.effect.shape_values()[shape.name]) or 1.0)
+            step = TOLERANCES.shapes.difference * (abs(instance.effect.shape_values()[shape.name]) or 1.0)
             moved = [_moved(instance, shape.name, d) for d in (-step, step)]
             low, high = (
                 np.concatenate([effect_rows(signals, decimation, [m]) for signals in seen]) for m in moved

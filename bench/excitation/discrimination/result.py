@@ -5,12 +5,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from bench.diagnosis.decision import RULE
+from bench.excitation.bounds import DISCRIMINATION
 from bench.excitation.discrimination.limits import Envelope
 from bench.excitation.discrimination.search import DesignedMotion
 from bench.excitation.discrimination.separation import Question
-
-LOUD = 3.0  # times the noise of the currents: an error that no right model makes
+from bench.identification.decision import RULE
 
 
 @dataclass(frozen=True)
@@ -72,7 +71,7 @@ class Discrimination:
     @property
     def model_is_wrong(self) -> bool:
         """Whether the error is far above the noise with either effect: something else is missing."""
-        return self.error_over_noise > LOUD
+        return self.error_over_noise > DISCRIMINATION.loud
 
     @property
     def given(self) -> Mapping[str, float]:

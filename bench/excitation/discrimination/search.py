@@ -7,6 +7,7 @@ import numpy as np
 
 from bench.basics.errors import BenchError
 from bench.basics.progress import SILENT, Progress
+from bench.excitation.bounds import DESIGN, DISCRIMINATION
 from bench.excitation.design import Movement, changed, drawn, feasible
 from bench.excitation.discrimination.limits import Envelope
 from bench.excitation.discrimination.predicted_currents import planned, predicted, times_of
@@ -14,17 +15,6 @@ from bench.excitation.discrimination.rival_models import Rival
 from bench.excitation.discrimination.separation import Question, Separation, separation
 from bench.excitation.limits import feasible_motion
 from bench.scenario.trajectory import FourierTrajectory
-
-STARTS, STEPS = 40, 80  # random motions, the best of which is improved
-FIRST_SPREAD, LAST_SPREAD = 0.5, 0.05  # of a change, relative to a coefficient's size
-SPEEDS = (1.0, 1.0, 0.5, 0.2, 0.05)  # of the largest speed: some effects show in slow motion only
-HARMONICS = (2, 4, 8)
-LEAST_PERIODS = 1.0  # of the base frequency in a motion
-BAND = 2.5  # of a fit to the new motion, in units of its highest harmonic
-WORTH = 1.2  # times the evidence: what a payload must bring to be asked for
-LARGEST_RAMP = 1.0  # s
-FINE = 60.0  # samples a period of the highest harmonic, and a ramp
-SMALLEST_SPAN = 1e-3  # rad or m
 
 
 @dataclass(frozen=True)
@@ -53,7 +43,7 @@ def best_motion(
     random = np.random.default_rng(seed)
     rivals = tuple({question.truth.request: question.truth for question in questions}.values())
     best: tuple[Movement, DesignedMotion] | None = None
-    progress.phase("trying random motions", STARTS)
+    progress.phase("trying random motions", DISCRIMINATION.starts)
     for i, (movement, trajectory) in enumerate(starts(rivals[0], envelope, duration, random)):
         progress.advance()
         designed = best_loaded(questions, envelope, [loads[i % len(loads)]], trajectory)
@@ -62,10 +52,11 @@ def best_motion(
     if best is None:
         return None
     movement, design = best
-    progress.phase("improving the best motion", STEPS)
-    for step in range(STEPS):
+    progress.phase("improving the best motion", DISCRIMINATION.steps)
+    for step in range(DISCRIMINATION.steps):
         progress.advance()
-        spread = FIRST_SPREAD * (LAST_SPREAD / FIRST_SPREAD) ** (step / STEPS)
+        falls = DESIGN.last_spread / DISCRIMINATION.first_spread
+        spread = DISCRIMINATION.first_spread * falls ** (step / DISCRIMINATION.steps)
         near, other = _varied(envelope, movement, design.trajectory, spread, random)
         designed = best_loaded(questions, envelope, [design.payload], other)
         if designed is not None and designed.nats > design.nats:
@@ -75,7 +66,7 @@ def best_motion(
 
 def band_of(envelope: Envelope, trajectory: FourierTrajectory) -> float:
     """The band of a fit to the given data and this motion, Hz."""
-    return max(envelope.band, BAND * trajectory.harmonics * trajectory.base_frequency)
+    return max(envelope.band, DISCRIMINATION.band * trajectory.harmonics * trajectory.base_frequency)
 
 
 def starts(
@@ -86,28 +77,28 @@ def starts(
     geometry, limits = model.geometry, envelope.joint
     home = geometry.home[geometry.active_configuration] + geometry.active_offset
     n = len(home)
-    lowest = LEAST_PERIODS / duration
-    for i in range(STARTS):
-        harmonics = int(random.choice(HARMONICS))
+    lowest = DISCRIMINATION.least_periods / duration
+    for i in range(DISCRIMINATION.starts):
+        harmonics = int(random.choice(DISCRIMINATION.harmonics))
         highest = max(envelope.frequency / harmonics, lowest)
         center = (
             home
             if i % 2
             else home + random.uniform(0.1, 0.7) * (random.uniform(limits.low, limits.high) - home)
         )
-        speed = SPEEDS[i % len(SPEEDS)] * envelope.velocity
+        speed = DISCRIMINATION.speeds[i % len(DISCRIMINATION.speeds)] * envelope.velocity
         movement = Movement(
             name="discriminate",
             fitted=True,
             payload=None,
             center=center,
-            span=np.maximum(np.minimum(limits.high - center, center - limits.low), SMALLEST_SPAN),
+            span=np.maximum(np.minimum(limits.high - center, center - limits.low), DISCRIMINATION.span),
             velocity=speed,
             acceleration=envelope.acceleration,
             harmonics=harmonics,
             base_frequency=float(np.exp(random.uniform(np.log(lowest), np.log(highest)))),
             duration=duration,
-            ramp=min(LARGEST_RAMP, duration / 4.0),
+            ramp=min(DISCRIMINATION.ramp, duration / 4.0),
             seed=0,
         )
         trajectory = drawn(movement, random)
@@ -138,13 +129,13 @@ def _varied(
     elif what == 2:
         low, high = envelope.joint.low, envelope.joint.high
         center = movement.center + 0.5 * spread * (high - low) * random.normal(size=len(low))
-        center = np.clip(center, low + SMALLEST_SPAN, high - SMALLEST_SPAN)
+        center = np.clip(center, low + DISCRIMINATION.span, high - DISCRIMINATION.span)
         movement = replace(movement, center=center, span=np.minimum(high - center, center - low))
         trajectory = replace(trajectory, center=center)
     else:
         frequency = movement.base_frequency * float(np.exp(2.0 * spread * random.normal()))
         frequency = min(frequency, envelope.frequency / movement.harmonics)
-        frequency = max(frequency, LEAST_PERIODS / movement.duration)
+        frequency = max(frequency, DISCRIMINATION.least_periods / movement.duration)
         movement = replace(movement, base_frequency=frequency)
         trajectory = replace(trajectory, base_frequency=frequency)
     return movement, _inside(movement, trajectory)
@@ -152,7 +143,10 @@ def _varied(
 
 def _inside(movement: Movement, trajectory: FourierTrajectory) -> FourierTrajectory:
     """Scaled down, joint by joint, to keep span, velocity and acceleration; at its smooth ends, too."""
-    rate = max(FINE * trajectory.harmonics * trajectory.base_frequency, FINE / trajectory.ramp)
+    rate = max(
+        DISCRIMINATION.points * trajectory.harmonics * trajectory.base_frequency,
+        DISCRIMINATION.points / trajectory.ramp,
+    )
     time = np.linspace(0.0, trajectory.duration, int(rate * trajectory.duration) + 2)
     position, velocity, acceleration = trajectory.evaluate(time)
     shares = np.max(
@@ -192,6 +186,7 @@ def best_loaded(
             separation(question, plan, currents[question.truth.request]) for question in questions
         )
         designed = DesignedMotion(trajectory, payload, answers)
-        if best is None or designed.nats > (WORTH if best.payload is None else 1.0) * best.nats:
+        factor = DISCRIMINATION.payload_evidence if best is None or best.payload is None else 1.0
+        if best is None or designed.nats > factor * best.nats:
             best = designed
     return best

@@ -4,15 +4,14 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from bench.basics.joint_units import units_of_gain
-from bench.diagnosis.decision import RULE
 from bench.diagnosis.motions import telling_motions
 from bench.effects.display_names import begun, spoken
+from bench.excitation.bounds import DISCRIMINATION
 from bench.excitation.discrimination.result import Discrimination, MotionFacts
+from bench.identification.decision import RULE
 from bench.identification.wording import and_list, in_percent, motor_words, or_list
 
 NATS = "one nat is odds of e, 2.7, to 1; ten are 22,000 to 1, which is certain"
-MUCH = 1.5  # times another figure: worth a word
-BEYOND = 0.05  # of the recorded travel: further out is elsewhere
 
 
 def sentences(result: Discrimination) -> list[str]:
@@ -129,25 +128,25 @@ def motion_words(result: Discrimination) -> list[str]:
 def _joint_words(joint: str, unit: str, old: MotionFacts, new: MotionFacts) -> list[str]:
     motor = motor_words(joint)
     words = []
-    room = BEYOND * (old.high - old.low)
+    room = DISCRIMINATION.beyond * (old.high - old.low)
     if new.low < old.low - room or new.high > old.high + room:
         words.append(
             f"{motor} moves between {new.low:.3g} and {new.high:.3g} {unit} (recorded: {old.low:.3g} to "
             f"{old.high:.3g} {unit})"
         )
-    if new.speed * MUCH < old.speed:
+    if new.speed * DISCRIMINATION.much < old.speed:
         words.append(
             f"{motor} moves slowly, at most {new.speed:.2g} {unit}/s (recorded: {old.speed:.2g} {unit}/s)"
         )
-    elif new.speed > MUCH * old.speed:
+    elif new.speed > DISCRIMINATION.much * old.speed:
         words.append(
             f"{motor} moves faster, up to {new.speed:.2g} {unit}/s (recorded: {old.speed:.2g} {unit}/s)"
         )
-    if new.turning * MUCH < old.turning:
+    if new.turning * DISCRIMINATION.much < old.turning:
         words.append(f"it reverses slowly at {joint}")
-    elif new.turning > MUCH * old.turning:
+    elif new.turning > DISCRIMINATION.much * old.turning:
         words.append(f"it reverses hard at {joint}")
-    if new.reversals > MUCH * old.reversals:
+    if new.reversals > DISCRIMINATION.much * old.reversals:
         words.append(f"{motor} reverses {new.reversals:.2g} times per second (recorded: {old.reversals:.2g})")
     return words
 
@@ -156,13 +155,13 @@ def _not_enough(result: Discrimination) -> list[str]:
     """Why that is too little, and what would help."""
     nats = min(result.promised.values())
     lines = ["The search found no motion inside these limits that distinguishes them with certainty."]
-    if result.wider is not None and result.wider[1] > MUCH * nats:
+    if result.wider is not None and result.wider[1] > DISCRIMINATION.much * nats:
         factor, wide = result.wider
         lines.append(
             f"With speeds, accelerations and currents up to {factor:.3g} times the recorded ones "
             f"(--widen {factor:.3g}), a motion of the same length gives an expected {_number(wide)} nats."
         )
-    if result.second is not None and result.second[1] > MUCH * nats:
+    if result.second is not None and result.second[1] > DISCRIMINATION.much * nats:
         mass, heavy = result.second
         lines.append(
             f"With a second payload of {mass:.3g} kg the same motion gives an expected {_number(heavy)} nats."

@@ -4,13 +4,12 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from bench.excitation.bounds import DISCRIMINATION
 from bench.excitation.discrimination.predicted_currents import PlannedMotion, given_tangents, rows_with
 from bench.excitation.discrimination.rival_models import Rival, RivalNoise
 from bench.identification.compressed import Stack, stack_observations
 from bench.identification.solution import Solution
 from bench.identification.standard_errors import jacobian_series, residual_series
-
-DEPENDENT = 1e-10  # share of a column's length that counts as none
 
 
 @dataclass(frozen=True)
@@ -106,4 +105,4 @@ def _remainder(rows: np.ndarray) -> np.ndarray:
     norms = np.linalg.norm(columns, axis=0)
     norms[norms == 0.0] = 1.0
     scaled = columns / norms
-    return np.asarray(right - scaled @ np.linalg.lstsq(scaled, right, rcond=DEPENDENT)[0])
+    return np.asarray(right - scaled @ np.linalg.lstsq(scaled, right, rcond=DISCRIMINATION.dependent)[0])

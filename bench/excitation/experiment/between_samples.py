@@ -10,6 +10,7 @@ from math import comb
 
 import numpy as np
 
+from bench.excitation.bounds import PROOF
 from bench.scenario.trajectory import FourierTrajectory
 
 RISE = (1.0, 35.0 / 16.0, 7.6, 52.5, 840.0)
@@ -18,8 +19,6 @@ RISE = (1.0, 35.0 / 16.0, 7.6, 52.5, 840.0)
 The first is 140 / 4^3, the second 420 x^2 y^2 (y - x) < 7.6 with y = 1 - x, the third 420 |2 u - 10 u^2| at u = x y =
 1/4, the fourth that at the ends.
 """
-PERIOD = 60.0  # samples of a period of the highest harmonic
-RAMP = 200.0  # samples of a ramp, at least
 
 
 @dataclass(frozen=True)
@@ -62,7 +61,7 @@ def derivative_bound(trajectory: FourierTrajectory, order: int, *, blended: bool
 
 def _piece(trajectory: FourierTrajectory, start: float, end: float, *, blended: bool) -> Extremes:
     highest = trajectory.harmonics * trajectory.base_frequency
-    count = max(int(np.ceil((end - start) * PERIOD * highest)), int(RAMP)) + 1
+    count = max(int(np.ceil((end - start) * PROOF.period_points * highest)), int(PROOF.ramp_points)) + 1
     position, velocity, acceleration = trajectory.evaluate(np.linspace(start, end, count))
     step = (end - start) / (count - 1)
     beyond = [step**2 / 8.0 * derivative_bound(trajectory, order, blended=blended) for order in (2, 3, 4)]

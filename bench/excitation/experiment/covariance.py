@@ -4,11 +4,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from bench.excitation.bounds import FORECAST
 from bench.excitation.experiment.nominal import Equations
-
-UNSEEN = 1e-12  # of the largest eigenvalue, columns of unit length: a direction with less is not determined
-TAKES_PART = 0.1  # of the largest entry of a direction: unknowns with less do not take part in it
-OPEN = 1e6  # times its size: the standard error of what is not determined, in a search
 
 
 @dataclass(frozen=True)
@@ -28,12 +25,12 @@ def determined(fit: Equations) -> Determined:
     lengths = np.where(lengths > 0.0, lengths, 1.0)
     scales = np.outer(lengths, lengths)
     values, vectors = np.linalg.eigh(fit.normal / scales)
-    kept = values > UNSEEN * values[-1]
+    kept = values > FORECAST.undetermined * values[-1]
     inverse = (vectors[:, kept] / values[kept]) @ vectors[:, kept].T
     directions = []
     undetermined = np.zeros(len(lengths), dtype=bool)
     for direction in _sparse(vectors[:, ~kept]):
-        taking = np.abs(direction) > TAKES_PART * np.abs(direction).max()
+        taking = np.abs(direction) > FORECAST.takes_part * np.abs(direction).max()
         undetermined |= taking
         directions.append(tuple(int(i) for i in np.flatnonzero(taking)))
     covariance = inverse @ (fit.score / scales) @ inverse / scales
@@ -146,11 +143,11 @@ class _Relative:
 def _relative(fit: Equations, sizes: np.ndarray) -> _Relative:
     scales = np.outer(sizes, sizes)
     values, vectors = np.linalg.eigh(fit.normal * scales)
-    floor = max(OPEN**-2, 1e-15 * float(values[-1]))
+    floor = max(FORECAST.open**-2, 1e-15 * float(values[-1]))
     inverse = (vectors / np.maximum(values, floor)) @ vectors.T
     noise = inverse @ (fit.score * scales) @ inverse
     loose = vectors[:, values < floor]
-    return _Relative(noise + OPEN**2 * loose @ loose.T, inverse, noise)
+    return _Relative(noise + FORECAST.open**2 * loose @ loose.T, inverse, noise)
 
 
 def _sparse(space: np.ndarray) -> np.ndarray:

@@ -16,18 +16,12 @@ from scipy.optimize import linprog
 from bench.basics.errors import BenchError
 from bench.basics.mapper import IN_TURN, Mapper
 from bench.basics.progress import SILENT, Progress
+from bench.excitation.bounds import SEARCH
 from bench.excitation.experiment.linearised import Linearised, coefficient_sizes, linearised, moved
 from bench.excitation.experiment.room import filled
 from bench.excitation.experiment.search import Candidate, Search, Tried
 from bench.model.motion import Motion
 from bench.scenario.trajectory import FourierTrajectory
-
-FIRST, SMALLEST, MOST = 0.1, 1e-4, 0.5  # of the step that is trusted, of the largest size of a coefficient
-ENOUGH, GOOD = 0.1, 0.6  # of what was predicted: to be taken, and to be trusted further
-ALSO_MEAN = 0.03  # weight of all errors' mean next to the largest: where that one cannot fall, others shall
-
-
-ROUNDS = ((8, 0.3), (3, 0.3), (1, 0.4))  # how many go on, and their share of the steps together
 
 
 @dataclass(frozen=True)
@@ -36,13 +30,13 @@ class Descent:
 
     candidate: Candidate
     merit: float
-    trusted: float = FIRST
+    trusted: float = SEARCH.first_step
     about: Linearised | None = None
 
 
 def merit(errors: np.ndarray) -> float:
     """What falls: the largest of the errors' logarithms, and a little of their mean."""
-    return float(errors.max() + ALSO_MEAN * errors.mean())
+    return float(errors.max() + SEARCH.mean_weight * errors.mean())
 
 
 def begun(search: Search, candidate: Candidate) -> Descent:
@@ -60,7 +54,7 @@ def descended(
     """Each so many programs further, fewer where nothing falls any more: all make a step, then all the next."""
     now = list(starts)
     for _ in range(steps):
-        going = [k for k, descent in enumerate(now) if descent.trusted >= SMALLEST]
+        going = [k for k, descent in enumerate(now) if descent.trusted >= SEARCH.smallest_step]
         stepped = _stepped(search, [now[k] for k in going], mapper)
         for k, descent in zip(going, stepped, strict=True):
             now[k] = descent
@@ -96,9 +90,9 @@ def _judged(search: Search, now: Descent, predicted: float, other: Sequence[Trie
         return smaller
     value = merit(search.errors(search.fit(kept)))
     fallen = (now.merit - value) / predicted
-    if fallen < ENOUGH:
+    if fallen < SEARCH.enough:
         return smaller
-    trusted = min(2.0 * now.trusted, MOST) if fallen > GOOD else now.trusted
+    trusted = min(2.0 * now.trusted, SEARCH.largest_step) if fallen > SEARCH.good else now.trusted
     return Descent(kept, value, trusted)
 
 
@@ -107,7 +101,7 @@ def _program(_: Search, asked: tuple[Linearised, float]) -> tuple[np.ndarray, fl
     about, trusted = asked
     errors, limits = about.errors, about.limits
     count = errors.slopes.shape[1]
-    mean = ALSO_MEAN * about.mean
+    mean = SEARCH.mean_weight * about.mean
     rows = np.vstack(
         (
             np.hstack((errors.slopes, -np.ones((len(errors.values), 1)))),
@@ -165,7 +159,7 @@ def best_near(
     halving, Jamieson and Talwalkar 2016), since how good a start is does not tell how far it comes.
     """
     pool = [begun(search, start) for start in starts]
-    for count, share in ROUNDS:
+    for count, share in SEARCH.rounds:
         pool = sorted(pool, key=lambda descent: descent.merit)[:count]
         pool = descended(search, pool, round(share * steps / len(pool)), mapper, progress)
     return min(pool, key=lambda descent: descent.merit).candidate

@@ -12,6 +12,7 @@ from dataclasses import dataclass, fields
 
 import numpy as np
 
+from bench.excitation.bounds import PROOF
 from bench.excitation.experiment.motor_balls import Intervals, MotorBalls
 from bench.model.balls import balls, dense_balls
 from bench.model.closure import Closures, closures_of, loop_bias, loop_jacobian, loop_rows
@@ -19,17 +20,9 @@ from bench.model.configuration import displacements
 from bench.model.geometry import Geometry
 from bench.model.kinematics import frames_of
 from bench.model.mobility import column_scales
-from bench.model.motion import Motion, motion_of
+from bench.model.motion import Motion, blocks_of, motion_of
 from bench.model.scalars import Scalar
 from bench.model.spin import idle_spins
-
-WIDER = 4.0  # times what is passed through: the set of poses, so that the next interval's middle lies in it
-LEAST = 0.5  # of the largest radius of a pose's set: a joint that hardly moves has that
-STARTS = 1e-12  # rad, or of the robot's length: what a closed pose may be off, in addition to its residual
-MOST_TURNED = 0.75  # of I - C A_p, below 1: with less, sets are smaller, with more, speeds in them stray more
-MOST_MOVED = (
-    0.1  # rad, or of the robot's length: of a ball or free joint in its set, whose rates turn with it
-)
 
 
 @dataclass(frozen=True)
@@ -79,13 +72,13 @@ class _Linear:
     def jacobian(self, motion: Motion, middle: np.ndarray) -> np.ndarray:
         """How far J strays from the motion's, (K, passive, n)."""
         active, passive = list(self.closures.active), list(self.closures.passive)
-        passive_jacobian = motion.jacobian[:, passive]
-        off = middle[:, :, active] + middle[:, :, passive] @ passive_jacobian
-        return self.bounded(
-            np.abs(self.inverse @ off)
-            + np.abs(self.inverse)
-            @ (self.radius[:, :, active] + self.radius[:, :, passive] @ np.abs(passive_jacobian))
-        )
+        sizes = np.empty((len(middle), len(passive), len(active)))
+        for part in _cached(middle):
+            jacobian, radius = motion.jacobian[part][:, passive], self.radius[part]
+            off = middle[part][:, :, active] + middle[part][:, :, passive] @ jacobian
+            strays = radius[:, :, active] + radius[:, :, passive] @ np.abs(jacobian)
+            sizes[part] = np.abs(self.inverse[part] @ off) + np.abs(self.inverse[part]) @ strays
+        return self.bounded(sizes)
 
 
 def enclosed(
@@ -107,18 +100,22 @@ def enclosed(
         rates[:, passive] = half * speeds
         return _evened(geometry, rates)
 
-    reach = moved(WIDER * first)
-    least = LEAST * (reach / column_scales(geometry)).max(axis=1, keepdims=True) * column_scales(geometry)
+    reach = moved(PROOF.wider * first)
+    least = (
+        PROOF.least_radius
+        * (reach / column_scales(geometry)).max(axis=1, keepdims=True)
+        * column_scales(geometry)
+    )
     reach[:, passive] = np.maximum(reach, least)[:, passive] + 2.0 * start.bounds
     wide, middle = _linear(geometry, closures, motion, reach, reach, start.inverse)
     passed = moved(first + _by(wide.jacobian(motion, middle), fastest))
     passed[:, passive] += start.bounds
-    held = (wide.largest <= MOST_TURNED) & np.all(passed[:, passive] <= reach[:, passive], axis=1)
+    held = (wide.largest <= PROOF.turned) & np.all(passed[:, passive] <= reach[:, passive], axis=1)
     for part in _vectors(geometry):
-        held &= reach[:, part.start] <= MOST_MOVED * column_scales(geometry)[part.start]
+        held &= reach[:, part.start] <= PROOF.moved * column_scales(geometry)[part.start]
     passed = np.where(held[:, None], passed, reach)
     tight, middle = _linear(geometry, closures, motion, passed, reach, start.inverse)
-    held &= tight.largest <= MOST_TURNED
+    held &= tight.largest <= PROOF.turned
     jacobian = np.zeros_like(motion.jacobian)
     jacobian[:, passive] = tight.jacobian(motion, middle)
     again = moved(first + _by(jacobian[:, passive], fastest))
@@ -212,7 +209,9 @@ def _start(geometry: Geometry, closures: Closures, motion: Motion) -> _Start:
     scales = column_scales(geometry)[passive]
     off = np.abs(np.einsum("kpm,km->kp", inverse, residual)) / scales
     bounds = np.zeros_like(motion.v)
-    bounds[:, passive] = (2.0 / LEAST * off.max(axis=1, keepdims=True, initial=0.0) + STARTS) * scales
+    bounds[:, passive] = (
+        2.0 / PROOF.least_radius * off.max(axis=1, keepdims=True, initial=0.0) + PROOF.closed
+    ) * scales
     return _Start(inverse, _evened(geometry, bounds)[:, passive])
 
 
@@ -241,8 +240,11 @@ def _linear(
     _, middle, radius = _rows(closures, q, len(motion.time))
     passive = geometry.passive
     weights = weights[:, passive]
-    off = np.abs(np.eye(len(passive)) - inverse @ middle[:, :, passive])
-    turned = _by(off, weights) + _by(np.abs(inverse), _by(radius[:, :, passive], weights))
+    turned = np.empty_like(weights)
+    for part in _cached(middle):
+        off = np.abs(np.eye(len(passive)) - inverse[part] @ middle[part][:, :, passive])
+        strays = _by(radius[part][:, :, passive], weights[part])
+        turned[part] = _by(off, weights[part]) + _by(np.abs(inverse[part]), strays)
     largest = (turned / weights).max(axis=1, initial=0.0)
     return _Linear(closures, inverse, radius, turned, weights, largest), middle
 
@@ -263,6 +265,13 @@ def _bias(
     off = np.abs(_by(linear.inverse, values.T + _by(middle[:, :, passive], rest)))
     sizes = sizes.T + _by(linear.radius[:, :, passive], np.abs(rest))
     return linear.bounded((off + _by(np.abs(linear.inverse), sizes))[:, :, None])[:, :, 0]
+
+
+def _cached(matrices: np.ndarray) -> list[slice]:
+    """Parts of matrices (K, r, c) that the processor's cache holds with what is computed of them."""
+    return (
+        blocks_of(len(matrices), max(PROOF.cached // max(matrices[0].nbytes, 1), 1)) if len(matrices) else []
+    )
 
 
 def _by(matrices: np.ndarray, vectors: np.ndarray) -> np.ndarray:

@@ -8,12 +8,10 @@ P = J' w i_q and so on. All of it is smooth, so that the filters of the fit, whi
 
 import numpy as np
 
+from bench.excitation.bounds import FORECAST
 from bench.excitation.experiment.nominal import Nominal, seen
 from bench.model.motion import motion_of
 from bench.scenario.trajectory import FourierTrajectory
-
-STEP = 1e-4  # rad or m and rates: of the difference quotients
-POINTS = 40.0  # samples of a period of the highest harmonic
 
 
 def encoder_score(
@@ -22,7 +20,7 @@ def encoder_score(
     """Covariance (P, P) of the score that the encoders' steps give; weights (n,): of the squares of the currents."""
     geometry, rate = nominal.model.geometry, nominal.noise.rate
     highest = trajectory.harmonics * trajectory.base_frequency
-    count = int(np.ceil(trajectory.duration * POINTS * highest)) + 1
+    count = int(np.ceil(trajectory.duration * FORECAST.encoder_points * highest)) + 1
     time = np.linspace(0.0, trajectory.duration, count)
     interval = time[1]
     states = list(trajectory.evaluate(time))
@@ -36,9 +34,9 @@ def encoder_score(
         before = np.zeros((count, nominal.size))
         for order in range(3):
             moved = [state.copy() for state in states]
-            moved[order][:, joint] += STEP
+            moved[order][:, joint] += FORECAST.encoder_difference
             other = seen(nominal, motion_of(geometry, time, *moved, near=motion), load).current
-            carried = np.einsum("tjp,tj->tp", weighted, (other - what.current) / STEP)
+            carried = np.einsum("tjp,tj->tp", weighted, (other - what.current) / FORECAST.encoder_difference)
             for _ in range(order):
                 carried = -np.gradient(carried, interval, axis=0)
             before += carried

@@ -10,6 +10,7 @@ from bench.basics.errors import BenchError
 from bench.dataset.payload import Payload
 from bench.effects.effect import unit_at
 from bench.effects.select import ROBOT
+from bench.excitation.bounds import FORECAST
 from bench.excitation.experiment.covariance import Determined, determined
 from bench.excitation.experiment.encoder import encoder_score
 from bench.excitation.experiment.nominal import Nominal, equations, pooled_variance, seen
@@ -17,14 +18,9 @@ from bench.excitation.experiment.plan import ExperimentPlan
 from bench.excitation.experiment.planned_log import PlannedRows, planned_rows, row_evidence
 from bench.excitation.experiment.request import PAYLOAD
 from bench.export.prior import cad_prior
+from bench.identification.decision import RULE
 from bench.identification.layout import parameter_layout, payload_parameter_names
 from bench.model.regressor import UNITS
-
-STEPPED = 1.2  # times the standard error by the currents' noise alone: beyond, the encoders' steps matter
-WEAK = 0.3  # of its size: a standard error beyond which a value is not worth much
-MASSES = 1.25  # from one payload to the next that is looked at
-LIGHTEST, HEAVIEST = 0.02, 3.0  # of the robot's moving mass
-LONGEST = 20.0  # times the duration: recordings beyond are no advice
 
 
 @dataclass(frozen=True)
@@ -70,7 +66,7 @@ class ForecastCode(Enum):
     UNDETERMINED = auto()
     """subjects: unknowns that do not show, or only together."""
     WEAK = auto()
-    """subjects: unknowns with standard errors beyond `WEAK` of their size."""
+    """subjects: unknowns with standard errors beyond `RULE.loose` of their size."""
     COARSE_ENCODERS = auto()
     """The encoders' steps matter."""
 
@@ -108,7 +104,7 @@ def covariance_of(plan: ExperimentPlan, rows: Sequence[PlannedRows]) -> tuple[De
         for trial, load in zip(plan.motions, search.loads, strict=True)
     ]
     both = determined(replace(fit, score=fit.score + np.sum(extra, axis=0)))
-    stepped = np.diag(both.covariance) > STEPPED**2 * np.diag(result.covariance)
+    stepped = np.diag(both.covariance) > FORECAST.encoder_steps**2 * np.diag(result.covariance)
     return both, bool(stepped[~result.undetermined].any())
 
 
@@ -160,7 +156,7 @@ def _notes(
         yield ForecastNote(ForecastCode.NO_SCALE)
     yield from (ForecastNote(ForecastCode.UNDETERMINED, names) for names in together)
     aimed = [unknowns[i] for i in plan.targets]
-    weak = tuple(entry.name for entry in aimed if WEAK < entry.relative < float("inf"))
+    weak = tuple(entry.name for entry in aimed if RULE.loose < entry.relative < float("inf"))
     if weak:
         yield ForecastNote(ForecastCode.WEAK, weak)
 
@@ -196,13 +192,13 @@ def enough_for(plan: ExperimentPlan, rows: Sequence[PlannedRows], accuracy: floa
     if planned is not None:
         expected = gain_error(plan, rows, planned.mass)
         times = (expected / accuracy) ** 2
-        seconds = duration * times if times <= LONGEST else None
+        seconds = duration * times if times <= FORECAST.longest else None
     moving = moving_mass(plan.nominal)
-    mass = LIGHTEST * moving
-    while mass <= HEAVIEST * moving:
+    mass = FORECAST.lightest * moving
+    while mass <= FORECAST.heaviest * moving:
         if gain_error(plan, rows, mass) <= accuracy:
             return Enough(accuracy, expected, seconds, mass)
-        mass *= MASSES
+        mass *= FORECAST.masses
     return Enough(accuracy, expected, seconds, None)
 
 

@@ -12,6 +12,7 @@ from itertools import islice
 import numpy as np
 
 from bench.basics.mapper import IN_TURN, Mapper
+from bench.excitation.bounds import LIMITS, SEARCH
 from bench.excitation.current_band import band_shares, current_above, hann
 from bench.excitation.experiment.covariance import ErrorSlopes
 from bench.excitation.experiment.nominal import (
@@ -31,12 +32,6 @@ from bench.model.geometry import Geometry
 from bench.model.mobility import least_held, smallest_singular_values
 from bench.model.motion import Motion, joined, motion_near
 from bench.scenario.trajectory import FourierTrajectory
-
-STEP = 1e-5  # of a joint's room, speed and acceleration: of the difference quotients of the motion
-CHANGE = 1e-4  # of the largest size of a coefficient: of those of the errors
-NEAR = 0.5  # of a limit, and of the largest error: what is less of it may be omitted of one step
-FINER = 3  # times as many samples for ranges, speeds and accelerations
-LOOKED_AT = 64  # poses, those whose closures are least held
 
 
 @dataclass(frozen=True)
@@ -90,7 +85,7 @@ def _joined(search: Search, candidate: Candidate, parts: list[tuple[np.ndarray, 
 def _near(search: Search, fit: Equations) -> tuple[np.ndarray, np.ndarray]:
     """The logarithms (k,) of the errors, and which of them are nearly as large as the largest."""
     errors = search.errors(fit)
-    return errors, np.exp(errors - errors.max()) > NEAR
+    return errors, np.exp(errors - errors.max()) > SEARCH.near
 
 
 def _by_one_motion(search: Search, motion: tuple[Candidate, int]) -> tuple[np.ndarray, Linear]:
@@ -132,7 +127,7 @@ def _perturbed(search: Search, tried: Tried, load: str | None) -> _Perturbed:
     room, geometry, times = search.room, search.nominal.model.geometry, search.shape.times
     states = tried.trajectory.evaluate(times)
     n, count = len(room.home), len(times)
-    steps = STEP * np.array([room.joint.high - room.joint.low, room.velocity, room.acceleration])
+    steps = SEARCH.difference * np.array([room.joint.high - room.joint.low, room.velocity, room.acceleration])
     moved_states = [np.tile(state, (2 * n, 1)) for state in states]
     for order in range(2):
         for j in range(n):
@@ -216,12 +211,12 @@ def _variance_slopes(noise: Noise, probe: _Perturbed, basis: np.ndarray, sizes: 
     current, before = probe.shown.current, noise.deviation(probe.shown.current) ** 2
     slopes = np.zeros((len(before), *sizes.shape))
     for which, j, k in np.ndindex(sizes.shape):
-        amount = CHANGE * sizes[which, j, k] * basis[:, :, which, k]  # (3, N)
+        amount = SEARCH.coefficient_difference * sizes[which, j, k] * basis[:, :, which, k]  # (3, N)
         changed = current + sum(
             amount[order][:, None] * (probe.showing[order][j].current - current) / probe.steps[order, j]
             for order in range(3)
         )
-        slopes[:, which, j, k] = (noise.deviation(changed) ** 2 - before) / CHANGE
+        slopes[:, which, j, k] = (noise.deviation(changed) ** 2 - before) / SEARCH.coefficient_difference
     return slopes
 
 
@@ -267,7 +262,7 @@ def _limits(search: Search, tried: Tried, probe: _Perturbed, basis: np.ndarray, 
 
 def _of_motors(room: Room, trajectory: FourierTrajectory, times: np.ndarray, sizes: np.ndarray) -> Linear:
     """Ranges, speeds and accelerations: exactly linear."""
-    fine = np.linspace(times[0], times[-1], FINER * (len(times) - 1) + 1)
+    fine = np.linspace(times[0], times[-1], SEARCH.finer * (len(times) - 1) + 1)
     basis = _basis(trajectory, fine)
     position, velocity, acceleration = trajectory.evaluate(fine)
     values, slopes = [], []
@@ -280,7 +275,7 @@ def _of_motors(room: Room, trajectory: FourierTrajectory, times: np.ndarray, siz
         for j in range(len(room.home)):
             for sign, limit in ((1.0, most[j]), (-1.0, least[j])):
                 share = sign * state[:, j] / limit
-                near = np.flatnonzero(share > NEAR)
+                near = np.flatnonzero(share > SEARCH.near)
                 slope = np.zeros((len(near), *sizes.shape))
                 slope[:, :, j] = sign * effect[near] * sizes[:, j] / limit
                 values.append(share[near])
@@ -306,7 +301,7 @@ def _whole_robot(search: Search, probe: _Perturbed) -> list[_OfPoses]:
         values: Callable[[Motion, np.ndarray], np.ndarray], samples: np.ndarray, whole: np.ndarray
     ) -> None:
         """Keep the values, `whole` at some samples, that are near their limit."""
-        near, present = samples[whole > NEAR], whole[whole > NEAR]
+        near, present = samples[whole > SEARCH.near], whole[whole > SEARCH.near]
         if len(near):
             moved_values = values(probe.moved_at(near), np.tile(near, len(room.home)))
             slopes = (moved_values.reshape(-1, len(near)) - present) / probe.steps[0][:, None]
@@ -326,7 +321,7 @@ def _whole_robot(search: Search, probe: _Perturbed) -> list[_OfPoses]:
             entries = motion.jacobian.reshape(len(which), -1)[np.arange(len(which)), which]
             return np.asarray(signs[samples] * entries / room.joint.amplification)
 
-        worst, held = least_held(geometry, probe.motion.q, LOOKED_AT)
+        worst, held = least_held(geometry, probe.motion.q, LIMITS.poses)
         of(not_held, worst, room.joint.held / held)
         of(amplified, every, amplified(probe.motion, every))
     for box in room.boxes:
@@ -347,7 +342,7 @@ def _of_torques(search: Search, probe: _Perturbed, basis: np.ndarray, sizes: np.
     present = probe.shown.current * scale
     values, slopes = [], []
     for i in np.flatnonzero(np.isfinite(search.room.torque)):
-        near = np.flatnonzero(np.abs(present[:, i]) > NEAR)
+        near = np.flatnonzero(np.abs(present[:, i]) > SEARCH.near)
         sign = np.sign(present[near, i])
         slope = np.zeros((len(near), *sizes.shape))
         for order in range(3):
@@ -367,7 +362,7 @@ def _of_bands(
     """What of the currents lies above the band: see `band_shares`."""
     rate = search.shape.rate
     values = band_shares(probe.shown.current, rate, trajectory)
-    near = np.flatnonzero(values > NEAR)
+    near = np.flatnonzero(values > SEARCH.near)
     present = probe.shown.current[:, near]
     whole, above = current_above(present, rate, trajectory)
     of_logarithm = hann(len(present))[:, None] * (

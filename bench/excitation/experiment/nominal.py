@@ -9,6 +9,7 @@ from bench.basics.errors import BenchError
 from bench.dataset.payload import Payload
 from bench.dataset.recording import Recording
 from bench.effects import EffectInstance, effect_columns
+from bench.excitation.bounds import FORECAST
 from bench.identification.effect_columns import PresentModel, robot_signals
 from bench.identification.filtered import Measured
 from bench.identification.finding import Finding
@@ -19,9 +20,6 @@ from bench.model.model import IdentificationModel
 from bench.model.motion import Motion
 from bench.model.regressor import projected_regressor
 from bench.signals.settings import FilterSettings
-
-FRICTION_SHARE = 0.1  # of a motor's RMS torque: the size against which a parameter of an effect is held
-SMALLEST = 0.05  # of the largest base parameter of its unit: against which a smaller one is held
 
 
 @dataclass(frozen=True)
@@ -185,22 +183,22 @@ def pooled_variance(recordings: Sequence[Evidence]) -> np.ndarray:
 def reference_sizes(nominal: Nominal, recordings: Sequence[SeenMotion]) -> np.ndarray:
     """The size (P,) against which the standard error of each unknown is held.
 
-    A gain: its value. A base parameter: its value, but at least SMALLEST of the largest of its unit. A payload's: as a
-    base parameter's. An effect's: what makes FRICTION_SHARE of the RMS torque of a motor, over `recordings`.
+    A gain: its value. A base parameter: its value, but at least a share of the largest of its unit. A payload's: as a
+    base parameter's. An effect's: what makes a share of the RMS torque of a motor, over `recordings`.
     """
     layout = nominal.layout
     sizes = np.zeros(nominal.size)
     units = np.array(nominal.model.base.units)
     magnitudes = np.abs(nominal.base)
     largest = {unit: float(magnitudes[units == unit].max()) for unit in sorted(set(units))}
-    sizes[: layout.base] = np.maximum(magnitudes, [SMALLEST * largest[unit] for unit in units])
+    sizes[: layout.base] = np.maximum(magnitudes, [FORECAST.smallest_size * largest[unit] for unit in units])
     torque = np.concatenate([motion.current * nominal.gains for motion in recordings])
     rms = np.sqrt(np.mean(torque**2, axis=0))
     columns = np.concatenate([motion.jacobian for motion in recordings]) * nominal.gains[:, None]
     for at in range(layout.base, layout.size):
         strength = np.sqrt(np.mean(columns[:, :, at] ** 2, axis=0))
         share = np.max(strength / rms)
-        sizes[at] = FRICTION_SHARE / share if share > 0.0 else 1.0
+        sizes[at] = FORECAST.effect_share / share if share > 0.0 else 1.0
     if nominal.gains_fitted:
         sizes[layout.size :] = nominal.gains
     return np.where(sizes > 0.0, sizes, 1.0)

@@ -6,6 +6,7 @@ from enum import StrEnum
 import numpy as np
 
 from bench.basics.errors import BenchError
+from bench.excitation.bounds import PROOF
 from bench.excitation.experiment.enclosed_loops import Enclosure
 from bench.excitation.experiment.enclosed_torques import enclosed_torques
 from bench.excitation.experiment.nominal import Nominal
@@ -17,8 +18,6 @@ from bench.model.kinematics import ancestors, end_of, end_point, frames_of, link
 from bench.model.mobility import column_scales
 from bench.model.nodes import robot_length
 from bench.model.passive_ranges import passive_ranges
-
-ROUNDING = 1e-9  # of a bound: kept free for the rounding of radii and of singular values
 
 
 class Kept(StrEnum):
@@ -54,7 +53,7 @@ def margins(nominal: Nominal, room: Room, payload: str | None, enclosure: Enclos
         by_limit[Kept.AMPLIFICATION, ""] = _below(room.joint.amplification, sizes, sizes + enclosure.jacobian)
         values, straying = _singular_values(geometry, enclosure)
         by_limit[Kept.SINGULAR, ""] = Margin(
-            values - room.joint.held, values * (1.0 - ROUNDING) - straying - room.joint.held
+            values - room.joint.held, values * (1.0 - PROOF.rounding) - straying - room.joint.held
         )
     for limit in passive_ranges(geometry):
         at, radius = limit.at(enclosure.motion.q), enclosure.passed[:, limit.displacement.start]
@@ -73,14 +72,14 @@ def margins(nominal: Nominal, room: Room, payload: str | None, enclosure: Enclos
         for j in limited.tolist():
             most = room.torque[j]
             by_limit[Kept.TORQUE, geometry.robot.joints[j]] = Margin(
-                most - middle[:, j], most - largest[:, j] * (1.0 + ROUNDING)
+                most - middle[:, j], most - largest[:, j] * (1.0 + PROOF.rounding)
             )
     return by_limit
 
 
 def _below(most: float, middle: np.ndarray, largest: np.ndarray) -> Margin:
     """Margin of what is at most so large everywhere; middle, largest (K, nv, n)."""
-    return Margin(most - middle.max(axis=(1, 2)), most - largest.max(axis=(1, 2)) * (1.0 + ROUNDING))
+    return Margin(most - middle.max(axis=(1, 2)), most - largest.max(axis=(1, 2)) * (1.0 + PROOF.rounding))
 
 
 def _singular_values(geometry: Geometry, enclosure: Enclosure) -> tuple[np.ndarray, np.ndarray]:
@@ -106,7 +105,7 @@ def _singular_values(geometry: Geometry, enclosure: Enclosure) -> tuple[np.ndarr
     )
     passive = geometry.passive
     values = np.linalg.svd(middle[:, :, passive], compute_uv=False)[:, -1]
-    return values, np.linalg.norm(radius[:, :, passive], axis=(1, 2)) * (1.0 + ROUNDING)
+    return values, np.linalg.norm(radius[:, :, passive], axis=(1, 2)) * (1.0 + PROOF.rounding)
 
 
 def _tool(geometry: Geometry, enclosure: Enclosure) -> tuple[np.ndarray, np.ndarray]:

@@ -14,6 +14,7 @@ from bench.dataset.names import Use
 from bench.dataset.payload import Payload
 from bench.dataset.robot import Robot, refuse_redundant
 from bench.effects import CATALOGUE, Effect, EffectInstance, places_in, select_effects
+from bench.excitation.bounds import SEARCH
 from bench.excitation.experiment.covariance import RelativeErrors, Volume
 from bench.excitation.experiment.descent import best_near
 from bench.excitation.experiment.nominal import Evidence, Noise, Nominal, reference_sizes, seen
@@ -25,7 +26,6 @@ from bench.excitation.experiment.request import (
 )
 from bench.excitation.experiment.room import Room, room_of
 from bench.excitation.experiment.search import (
-    RANDOM,
     Candidate,
     Proven,
     Search,
@@ -49,10 +49,6 @@ from bench.scenario.trajectory import FourierTrajectory
 
 Criterion = Literal["worst", "d-optimal"]
 ALL, GAINS, PARAMETERS = "all", "gains", "parameters"
-STEPS = 90
-LOOKED_AT = 5  # motions at random that tell how large the torques are
-RANGE = 2.0  # times the base frequency, and its part, that the search may try
-PER_PERIOD = 8.0  # rows of the controller's table in a period of the highest harmonic, at least
 NAMES = ("unloaded", "loaded")
 
 
@@ -66,7 +62,7 @@ class Aim:
 
     wanted: tuple[str, ...] = (ALL,)
     criterion: Criterion = "worst"
-    steps: int = STEPS
+    steps: int = SEARCH.steps
     seed: int = 0
 
     @property
@@ -98,7 +94,7 @@ class ExperimentPlan:
     """An experiment. names, motions, proofs: of every recording to fit its name, its motion, and that
     this keeps all limits; checks: other motions with the same payloads, to judge on; sizes (P,): against which standard
     errors are held; targets: the unknowns that it is for; value: the criterion, relative; random: the same of motions
-    at random, `best` and `median` of `RANDOM`.
+    at random, `best` and `median` of `SEARCH.random`.
     """
 
     robot: Robot
@@ -291,9 +287,9 @@ def started(
     first = Search(nominal, room, shape, loads, known, measure(np.ones(nominal.size), targets))
     check_standing(first)
     check_proven_at_home(first)
-    progress.phase("trying motions at random", 2 * RANDOM)
-    starts = random_candidates(first, RANDOM, aim.seed, mapper=mapper, progress=progress)
-    sparse = random_candidates(first, RANDOM, aim.seed, few=True, mapper=mapper, progress=progress)
+    progress.phase("trying motions at random", 2 * SEARCH.random)
+    starts = random_candidates(first, SEARCH.random, aim.seed, mapper=mapper, progress=progress)
+    sparse = random_candidates(first, SEARCH.random, aim.seed, few=True, mapper=mapper, progress=progress)
     if sizes is None:
         sizes = _sizes(nominal, loads, starts)
     search = Search(nominal, room, shape, loads, known, measure(sizes, targets))
@@ -304,7 +300,7 @@ def _sizes(nominal: Nominal, loads: tuple[str | None, ...], starts: Sequence[Can
     """Against which standard errors are held, by a few motions at random."""
     looked_at = [
         seen(nominal, trial.motion, load)
-        for candidate in starts[:LOOKED_AT]
+        for candidate in starts[: SEARCH.torque_motions]
         for trial, load in zip(candidate, loads, strict=True)
     ]
     return reference_sizes(nominal, looked_at)
@@ -320,8 +316,11 @@ def shape_of(room: Room, table: ExperimentTable) -> Shape:
     if frequency is None or lowest is None or highest is None:
         top = float(np.median(room.acceleration / room.velocity)) / (2.0 * np.pi)
         frequency = max(top / table.harmonics, 1.0 / table.duration)
-        lowest, highest = max(frequency / RANGE, 1.0 / table.duration), RANGE * frequency
-    if PER_PERIOD * highest * table.harmonics > table.rate:
+        lowest, highest = (
+            max(frequency / SEARCH.frequency_range, 1.0 / table.duration),
+            SEARCH.frequency_range * frequency,
+        )
+    if SEARCH.table_points * highest * table.harmonics > table.rate:
         raise BenchError(
             f"rate: {table.rate:g} Hz is too slow for a motion of up to {highest * table.harmonics:.3g} Hz"
         )

@@ -5,13 +5,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from bench.basics.errors import BenchError
-from bench.excitation.experiment.enclosed_loops import (
-    MOST_TURNED,
-    Enclosure,
-    begins_at_home,
-    enclosed,
-    follows,
-)
+from bench.excitation.bounds import PROOF
+from bench.excitation.experiment.enclosed_loops import Enclosure, begins_at_home, enclosed, follows
 from bench.excitation.experiment.motor_balls import Intervals, intervals_of, motor_balls
 from bench.excitation.experiment.nominal import Nominal
 from bench.excitation.experiment.open_limits import Kept, Limit, margins
@@ -20,11 +15,6 @@ from bench.model.geometry import Geometry
 from bench.model.motion import Motion, blocks_of, joined, motion_near, motion_of
 from bench.scenario.trajectory import FourierTrajectory
 
-RATE = 1000.0  # intervals a second, before any is cut
-SHORTEST = 2.0**-10  # of such an interval: none is cut any more
-MOST_PARTS = 16  # into which one is cut at once
-SHORTER = 1.15  # times as many parts as proportion asks for: it is nearly one, and a second cut costs more
-TOGETHER = 4096  # intervals
 LOOPS: Limit = (Kept.LOOPS, "")
 
 
@@ -84,7 +74,7 @@ def prove(promise: Promise) -> Proof | Unproven:
     Ranges, speeds and accelerations of the motors follow from the trajectory alone, see `between_samples`.
     """
     geometry, trajectory = promise.nominal.model.geometry, promise.trajectory
-    intervals = intervals_of(trajectory, RATE)
+    intervals = intervals_of(trajectory, PROOF.rate)
     try:
         motion = motion_of(geometry, intervals.middle, *trajectory.evaluate(intervals.middle))
     except BenchError as error:  # out of reach, or through a singular pose
@@ -98,7 +88,7 @@ def prove(promise: Promise) -> Proof | Unproven:
         undecided = np.asarray(known.open.any(axis=1))
         if not undecided.any():
             return Proof(len(undecided), 2.0 * float(known.intervals.half.min()))
-        if known.exceeded.any() or known.intervals.half.min() < SHORTEST * intervals.half.max():
+        if known.exceeded.any() or known.intervals.half.min() < PROOF.shortest * intervals.half.max():
             return _first(geometry, known)
         parts = known.parts[undecided]
         finer = known.intervals.at(undecided).cut(parts)
@@ -117,7 +107,7 @@ def _looked(promise: Promise, intervals: Intervals, motion: Motion) -> _Looked:
     geometry = promise.nominal.model.geometry
     rates = bool(np.isfinite(promise.room.torque).any())
     parts = []
-    for block in blocks_of(len(intervals.half), TOGETHER):
+    for block in blocks_of(len(intervals.half), PROOF.together):
         in_block = Intervals(intervals.middle[block], intervals.half[block])
         motors = motor_balls(promise.trajectory, in_block)
         enclosure = enclosed(geometry, in_block, motors, motion.at(block), rates=rates)
@@ -147,8 +137,10 @@ def _parts(enclosure: Enclosure) -> np.ndarray:
     """Into how many an interval is cut so that its loops are held: how far I - C A_p strays is nearly in proportion to
     the interval; in two where that is not why it stays open.
     """
-    ratio = np.nan_to_num(SHORTER * enclosure.turned / MOST_TURNED, nan=MOST_PARTS, posinf=MOST_PARTS)
-    parts = np.clip(np.ceil(ratio), 2, MOST_PARTS)
+    ratio = np.nan_to_num(
+        PROOF.more_parts * enclosure.turned / PROOF.turned, nan=PROOF.parts, posinf=PROOF.parts
+    )
+    parts = np.clip(np.ceil(ratio), 2, PROOF.parts)
     return np.where(enclosure.held, 2, parts).astype(int)
 
 

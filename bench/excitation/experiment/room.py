@@ -5,6 +5,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from bench.basics.errors import BenchError
+from bench.excitation.bounds import LIMITS
 from bench.excitation.experiment.between_samples import extremes
 from bench.excitation.experiment.request import Box, ExperimentTable, assumed_units, check_joint, joint_values
 from bench.excitation.limits import Limits, limits_of
@@ -14,10 +15,6 @@ from bench.model.mobility import least_held
 from bench.model.motion import Motion, motion_of
 from bench.model.passive_ranges import passive_ranges
 from bench.scenario.trajectory import FourierTrajectory
-
-CROSSING = 1.0  # s in which a joint crosses its range at the speed that is taken where none is given
-REACHING = 0.1  # s in which it reaches that speed
-LOOKED_AT = 64  # poses of a motion, those whose closures are least held
 
 
 @dataclass(frozen=True)
@@ -62,14 +59,14 @@ def room_of(geometry: Geometry, table: ExperimentTable) -> Room:
     assumed = []
     width = high - low
     if table.velocity is None:
-        velocity = width / CROSSING
-        assumed.append(f"speed: the joint's range in {CROSSING:g} s")
+        velocity = width / LIMITS.crossing
+        assumed.append(f"speed: the joint's range in {LIMITS.crossing:g} s")
     else:
         velocity = joint_values("velocity", table.velocity, joints)
         assumed += assumed_units("velocity", table.velocity, geometry.robot)
     if table.acceleration is None:
-        acceleration = velocity / REACHING
-        assumed.append(f"acceleration: the largest speed within {REACHING:g} s")
+        acceleration = velocity / LIMITS.reaching
+        assumed.append(f"acceleration: the largest speed within {LIMITS.reaching:g} s")
     else:
         acceleration = joint_values("acceleration", table.acceleration, joints)
         assumed += assumed_units("acceleration", table.acceleration, geometry.robot)
@@ -180,7 +177,7 @@ def robot_motion(
     if geometry.closed:
         if np.abs(motion.jacobian).max() > room.joint.amplification:
             return None
-        _, held = least_held(geometry, motion.q, LOOKED_AT)
+        _, held = least_held(geometry, motion.q, LIMITS.poses)
         if held.min() <= room.joint.held:
             return None
     for limit in passive_ranges(geometry):

@@ -9,6 +9,7 @@ from bench.basics.errors import BenchError
 from bench.basics.joint_units import drive_unit
 from bench.basics.mapper import IN_TURN, Mapper
 from bench.basics.progress import SILENT, Progress
+from bench.excitation.bounds import DESIGN, SEARCH
 from bench.excitation.current_band import band_shares
 from bench.excitation.experiment.covariance import Errors
 from bench.excitation.experiment.nominal import Equations, Evidence, Nominal, equations, evidence, seen
@@ -17,19 +18,6 @@ from bench.excitation.experiment.proof_words import limit_in_words
 from bench.excitation.experiment.room import Room, filled, keeps_joints, robot_motion
 from bench.model.motion import Motion, motion_of
 from bench.scenario.trajectory import FourierTrajectory, random_trajectory
-
-RANDOM = 50  # motions at random; the best few of them are improved
-CHECKS = (
-    5  # motions at random to judge on, of which the best is taken: a fit is judged where the robot moves well
-)
-TRIES = 20  # of a random motion, until one keeps the limits at some size
-SHRINK = 0.9
-MOST_SHRINKS = 40
-SMALL_STEPS = 3  # of a motion that cannot be proven yet; then larger ones, since each proof takes seconds
-STANDING = 0.02  # s at home that are looked at before any motion: a few intervals of a proof
-FEW = 3  # harmonics for each joint of a sparse motion
-POINTS = 8.0  # samples of a period of the highest harmonic, in the search
-FEWEST_POINTS = 20  # of a ramp
 
 
 @dataclass(frozen=True)
@@ -48,7 +36,7 @@ class Shape:
     @property
     def times(self) -> np.ndarray:
         """When a motion is looked at in the search, (N,) s."""
-        rate = max(POINTS * self.harmonics * self.highest, FEWEST_POINTS / self.ramp)
+        rate = max(SEARCH.points * self.harmonics * self.highest, SEARCH.ramp_points / self.ramp)
         return np.linspace(0.0, self.duration, int(np.ceil(rate * self.duration)) + 1)
 
     @property
@@ -100,13 +88,13 @@ class Search:
     def shrunk(self, trajectory: FourierTrajectory, load: str | None) -> Tried | None:
         """The same motion, smaller, until it keeps the limits; None if it never does."""
         near = None
-        for _ in range(MOST_SHRINKS):
+        for _ in range(SEARCH.shrinks):
             motion = self._motion(trajectory, near)
             kept = None if motion is None else self._telling(trajectory, load, motion)
             if kept is not None:
                 return kept
             near = motion
-            trajectory = scaled(trajectory, SHRINK)
+            trajectory = scaled(trajectory, DESIGN.shrink)
         return None
 
     def _motion(self, trajectory: FourierTrajectory, near: Motion | None) -> Motion | None:
@@ -145,7 +133,9 @@ def check_standing(search: Search) -> None:
 def check_proven_at_home(search: Search) -> None:
     """Raise BenchError where a limit cannot be proven of standing at home, where every motion begins."""
     none = np.zeros((len(search.room.home), 1))
-    standing = FourierTrajectory(search.room.home, none, none, 1.0 / STANDING, STANDING, 0.5 * STANDING)
+    standing = FourierTrajectory(
+        search.room.home, none, none, 1.0 / SEARCH.standing, SEARCH.standing, 0.5 * SEARCH.standing
+    )
     for load in search.loads:
         proof = prove(Promise(search.nominal, search.room, standing, load))
         if isinstance(proof, Unproven):
@@ -228,7 +218,7 @@ def _largest(search: Search, drawn: _Drawn) -> Candidate:
     motions: list[Tried] = []
     for first, load in zip(drawn.trajectories, search.loads, strict=True):
         trajectory = first
-        for _ in range(TRIES):
+        for _ in range(SEARCH.tries):
             full = filled(search.room, trajectory, grow=True)
             shrunk = search.shrunk(full, load)
             if shrunk is not None:
@@ -236,7 +226,7 @@ def _largest(search: Search, drawn: _Drawn) -> Candidate:
                 break
             trajectory = _drawn(search, first.base_frequency, drawn.few, random)
         else:
-            raise _no_room(search, scaled(full, SHRINK ** (MOST_SHRINKS - 1)), load)
+            raise _no_room(search, scaled(full, DESIGN.shrink ** (SEARCH.shrinks - 1)), load)
     return tuple(motions)
 
 
@@ -255,8 +245,8 @@ def _no_room(search: Search, smallest: FourierTrajectory, load: str | None) -> B
 
 
 def _with_few(trajectory: FourierTrajectory, random: np.random.Generator) -> FourierTrajectory:
-    """The same with FEW harmonics for each joint."""
-    kept = random.random(trajectory.a.shape).argsort(axis=1) < FEW
+    """The same with few harmonics for each joint."""
+    kept = random.random(trajectory.a.shape).argsort(axis=1) < SEARCH.sparse_harmonics
     return replace(trajectory, a=trajectory.a * kept, b=trajectory.b * kept)
 
 
@@ -282,8 +272,8 @@ def _proven(search: Search, motion: tuple[Tried, str | None]) -> Proven:
     trial, load = motion
     given_way: list[Unproven] = []
     trajectory = filled(search.room, trial.trajectory)
-    less = 0.2 * (1.0 - SHRINK)
-    for attempt in range(MOST_SHRINKS):
+    less = 0.2 * (1.0 - DESIGN.shrink)
+    for attempt in range(SEARCH.shrinks):
         proof = prove(Promise(search.nominal, search.room, trajectory, load))
         if isinstance(proof, Unproven):
             given_way.append(proof)
@@ -291,7 +281,7 @@ def _proven(search: Search, motion: tuple[Tried, str | None]) -> Proven:
             kept = search.tried(trajectory, load)
             if kept is not None and keeps_joints(search.room, trajectory):
                 return Proven(kept, proof, tuple(given_way))
-        less = less if attempt < SMALL_STEPS else min(2.0 * less, 1.0 - SHRINK)
+        less = less if attempt < SEARCH.small_shrinks else min(2.0 * less, 1.0 - DESIGN.shrink)
         trajectory = scaled(trajectory, 1.0 - less)
     robot = search.nominal.model.geometry.robot.name
     what = limit_in_words(given_way[-1]) if given_way else "all limits"
@@ -302,7 +292,7 @@ def random_checks(search: Search, seed: int, mapper: Mapper = IN_TURN) -> Candid
     """Motions at random to judge a fit on, one for each payload: of a few that have nothing in common with those of the
     search the ones that tell most.
     """
-    return min(random_candidates(search, CHECKS, seed, stream=2, mapper=mapper), key=search.value)
+    return min(random_candidates(search, SEARCH.validation, seed, stream=2, mapper=mapper), key=search.value)
 
 
 def random_values(search: Search, candidates: Sequence[Candidate]) -> Mapping[str, float]:

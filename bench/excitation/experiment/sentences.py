@@ -2,23 +2,13 @@
 
 import numpy as np
 
-from bench.excitation.experiment.forecast import (
-    LONGEST,
-    WEAK,
-    Enough,
-    Expected,
-    Forecast,
-    ForecastCode,
-    ForecastNote,
-)
-from bench.excitation.experiment.nominal import FRICTION_SHARE
+from bench.excitation.bounds import FORECAST, SEARCH
+from bench.excitation.experiment.forecast import Enough, Expected, Forecast, ForecastCode, ForecastNote
 from bench.excitation.experiment.plan import ExperimentPlan
 from bench.excitation.experiment.proof_words import made_smaller
-from bench.excitation.experiment.search import RANDOM
+from bench.identification.decision import RULE
 from bench.identification.scale_words import scale_sentence
 from bench.identification.wording import and_list, in_percent
-
-MOST_NAMED = 3
 
 
 def sentences(plan: ExperimentPlan, forecast: Forecast) -> list[str]:
@@ -62,7 +52,8 @@ def _compared(plan: ExperimentPlan, forecast: Forecast) -> list[str]:
         lines.append(
             f"The {what} of the requested unknowns is {in_percent(expected, 2)}. With all samples, including those "
             f"near standstill, it is {in_percent(plan.value, 2)}: {better} "
-            f"the median of {RANDOM} random motions inside the same limits ({in_percent(plan.random['median'], 2)}, "
+            f"the median of {SEARCH.random} random motions inside the same limits "
+            f"({in_percent(plan.random['median'], 2)}, "
             f"the best of them {in_percent(plan.random['best'], 2)})."
         )
     if plan.before is not None:
@@ -85,7 +76,7 @@ def note_sentence(note: ForecastNote) -> str:
     if note.code is ForecastCode.WEAK:
         return (
             f"Motions of this kind do not determine these unknowns, whose standard errors exceed "
-            f"{in_percent(WEAK, 2)} of their size: {', '.join(subjects)}."
+            f"{in_percent(RULE.loose, 2)} of their size: {', '.join(subjects)}."
         )
     if note.code is ForecastCode.COARSE_ENCODERS:
         return (
@@ -155,8 +146,8 @@ def _parameters(plan: ExperimentPlan, forecast: Forecast) -> str:
     )
     if not known:
         return ""
-    listed = ", ".join(named(parameter) for parameter in known[:MOST_NAMED])
-    if len(parameters) <= MOST_NAMED:
+    listed = ", ".join(named(parameter) for parameter in known[: FORECAST.named])
+    if len(parameters) <= FORECAST.named:
         return f"Expected standard {'errors' if len(parameters) > 1 else 'error'}: {listed}."
     return f"Of {len(parameters)} parameters the least certain: {listed}."
 
@@ -167,7 +158,7 @@ def _sizes(plan: ExperimentPlan, forecast: Forecast) -> str:
         return ""
     return (
         "The unknown size of an effect's parameter is assumed to produce "
-        f"{in_percent(FRICTION_SHARE, 2)} of a motor's RMS torque."
+        f"{in_percent(FORECAST.effect_share, 2)} of a motor's RMS torque."
     )
 
 
@@ -192,7 +183,8 @@ def enough(needed: Enough) -> list[str]:
             )
         else:
             lines.append(
-                f"With this payload even {LONGEST:g} times the recording time is not enough for gains within {goal}."
+                f"With this payload even {FORECAST.longest:g} times the recording time is not enough for gains "
+                f"within {goal}."
             )
     if needed.mass is not None:
         lines.append(f"At this time a payload of {needed.mass:.2g} kg is enough for gains within {goal}.")
