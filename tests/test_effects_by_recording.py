@@ -149,7 +149,7 @@ def test_the_page_keeps_them_as_they_are(dataset: Dataset) -> None:
     fitted = Carried(data).fit({"viscous_friction:left"})
     expected = identify(prepare(problem_of(dataset, [REQUEST, "viscous_friction:left"])))
     assert fitted.fitted == pytest.approx(expected.error.identify, rel=1e-3)
-    assert fitted.judged == pytest.approx(expected.error.validate, rel=1e-3)
+    assert fitted.held_out == pytest.approx(expected.error.validate, rel=1e-3)
 
 
 def test_the_command_names_it() -> None:

@@ -115,7 +115,7 @@ def record() -> Record:
         0.04,
         rows=(replace(GAIN, std=None),),
         said=("Coulomb friction is missing.",),
-        named_effects=(NamedEffects("coulomb_friction", "missing", ("j1",), ("stribeck_friction",)),),
+        found=(NamedEffects("coulomb_friction", "missing", ("j1",), ("stribeck_friction",)),),
         ladder=(MachineStep((), 0.5, 0.6), MachineStep(("coulomb_friction",), 0.03, 0.04)),
         noise_floor=0.01,
     )

@@ -128,7 +128,7 @@ def test_the_workbench_does_not_hang_on_rounding(dataset, again, digits, monkeyp
     for requests in ((), FOUND, names):
         fits = [one.fit(one.keys(requests)) for one in solvers]
         assert fits[1].fitted == pytest.approx(fits[0].fitted, rel=CARRIED[digits])
-        assert fits[1].judged == pytest.approx(fits[0].judged, rel=CARRIED[digits])
+        assert fits[1].held_out == pytest.approx(fits[0].held_out, rel=CARRIED[digits])
         np.testing.assert_allclose(fits[1].gains, fits[0].gains, rtol=CARRIED[digits])
 
 

@@ -76,7 +76,7 @@ def test_the_page_finds_what_identify_finds(dataset, solver, requests):
     expected = identify(prepare(problem_of(dataset, requests)))
     found = solver.fit(solver.keys(requests))
     assert found.fitted == pytest.approx(expected.error.identify, rel=5e-5)
-    assert found.judged == pytest.approx(expected.error.validate, rel=5e-5)
+    assert found.held_out == pytest.approx(expected.error.validate, rel=5e-5)
     for gain, other in zip(found.gains, expected.drive_gains.values(), strict=True):
         assert gain == pytest.approx(other.value, rel=5e-5)
     for key, values in found.values.items():
@@ -110,7 +110,7 @@ def test_shapes_and_what_follows_the_model_stay_as_found(dataset, diagnosis, car
     ]
     left = sum(float((((one.measured - one.modelled) * one.moving) ** 2).sum()) for one in squares)
     whole = sum(float(((one.measured * one.moving) ** 2).sum()) for one in squares)
-    assert found.judged == pytest.approx(np.sqrt(left / whole), rel=2e-4)
+    assert found.held_out == pytest.approx(np.sqrt(left / whole), rel=2e-4)
 
 
 def test_the_found_set_and_what_is_absorbed_are_told(carried):
@@ -138,7 +138,7 @@ def test_effects_that_there_is_no_room_for_are_named(dataset, diagnosis, monkeyp
     assert without
     assert not set(without) & set(kept)
     assert {"coulomb_friction", "viscous_friction"} <= set(kept)  # what was found stays
-    assert Carried(data).fit(set(FOUND)).judged == pytest.approx(diagnosis.after.error.validate, rel=1e-3)
+    assert Carried(data).fit(set(FOUND)).held_out == pytest.approx(diagnosis.after.error.validate, rel=1e-3)
 
 
 def test_the_model_that_was_found_is_carried_as_its_file_holds_it(carried, diagnosis, dataset, tmp_path):
@@ -186,7 +186,7 @@ def test_effects_of_the_user_are_carried_too(dataset, tmp_path):
     solver = Carried(page_data(Problem(dataset, catalogue), diagnosis))
     expected = identify(prepare(Problem(dataset, catalogue, ("coulomb_friction", "fan_torque"))))
     found = solver.fit(solver.keys(("coulomb_friction", "fan_torque")))
-    assert found.judged == pytest.approx(expected.error.validate, rel=5e-5)
+    assert found.held_out == pytest.approx(expected.error.validate, rel=5e-5)
 
 
 def test_columns_set_apart_are_the_same_model():

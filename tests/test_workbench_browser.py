@@ -126,7 +126,7 @@ def as_found(seen, folder, *requests):
     carried = Carried(json.loads((folder / "page.json").read_text()))
     answer = carried.fit(carried.keys(requests))
     assert seen["error"]["identify"] == pytest.approx(answer.fitted, rel=1e-5), requests
-    assert seen["error"]["validate"] == pytest.approx(answer.judged, rel=1e-5), requests
+    assert seen["error"]["validate"] == pytest.approx(answer.held_out, rel=1e-5), requests
     assert list(seen["gains"].values()) == pytest.approx(list(answer.gains), rel=2e-5), requests
 
 

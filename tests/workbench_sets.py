@@ -25,7 +25,7 @@ def numbers(text, kind="<f4"):
 @dataclass(frozen=True)
 class Answer:
     fitted: float
-    judged: float
+    held_out: float
     gains: np.ndarray
     values: dict
 

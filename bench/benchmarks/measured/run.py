@@ -60,8 +60,8 @@ class MachineStep:
 class MachineRun:
     """One command's answer. seconds: of the processor, from start to end. failed: why there is no answer.
 
-    validated_on: what the errors not fitted are of; said: sentences of a diagnosis, else notes; named_effects, ladder,
-    noise_floor: of a diagnosis.
+    judged: what the errors not fitted are of; said: sentences of a diagnosis, else notes; found, ladder, noise_floor:
+    of a diagnosis. The names of the fields are keys of results/measured/*.json.
     """
 
     command: str
@@ -69,10 +69,10 @@ class MachineRun:
     effects: tuple[str, ...] = ()
     error_identify: float | None = None
     error_validate: float | None = None
-    validated_on: str = "recordings that were not fitted"
+    judged: str = "recordings that were not fitted"
     rows: tuple[AgainstKnown, ...] = ()
     said: tuple[str, ...] = ()
-    named_effects: tuple[NamedEffects, ...] = ()
+    found: tuple[NamedEffects, ...] = ()
     ladder: tuple[MachineStep, ...] = ()
     noise_floor: float | None = None
     failed: str = ""
@@ -151,10 +151,10 @@ def _diagnosed(line: str, seconds: float, answer: dict[str, Any], table: Machine
         tuple(answer["after"]["effects"]),
         ladder[-1].identify,
         ladder[-1].validate,
-        validated_on=answer["judged_on"],
+        judged=answer["judged_on"],
         rows=compared(answer["after"], table.known),
         said=tuple(answer["summary"]),
-        named_effects=tuple(
+        found=tuple(
             NamedEffects(
                 name,
                 ranking[name]["verdict"],

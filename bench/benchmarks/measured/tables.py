@@ -87,7 +87,7 @@ def said_missing(run: MachineRun) -> str:
     """The effects that a diagnosis identified, strongest first."""
     if not run.diagnosis:
         return NONE
-    return "; ".join(map(named, run.named_effects)) if run.named_effects else "nothing"
+    return "; ".join(map(named, run.found)) if run.found else "nothing"
 
 
 def named(effects: NamedEffects) -> str:
