@@ -17,6 +17,7 @@ from bench.document.markdown.tables import rows_in_markdown
 from bench.studies.sweep.work import OK
 
 BEGIN, END = "<!-- evaluation -->", "<!-- end of evaluation -->"
+NO_CASE = "–"
 SPOKEN: Mapping[str, str] = {
     "five_bar": "five-bar",
     "delta": "Delta",
@@ -36,7 +37,9 @@ def readme_block(evaluation: Evaluation) -> str:
     for kind, question in QUESTIONS.items():
         targets = [question.target(evaluation.of(group, [kind])) for group in groups]
         shares = [
-            f"{target.share.count} of {target.share.of}" for target in targets if target.share is not None
+            f"{target.share.count} of {target.share.of}" if target.share.of else NO_CASE
+            for target in targets
+            if target.share is not None
         ]
         lines.append([question.title, *shares[:-1], f"{shares[-1]} ({interval_text(targets[-1])})"])
     table = rows_in_markdown(
