@@ -79,7 +79,7 @@ def test_the_key_of_the_atlas_leads_to_every_effect_and_each_has_its_figure(site
 def test_no_table_of_a_page_is_left_to_be_made(site):
     pages = {path.name: path.read_text(encoding="utf-8") for path in site.rglob("*.html")}
     assert [name for name, text in pages.items() if LEFT.search(text)] == []
-    assert "one hidden effect: named first" in pages["trust.html"]
+    assert "one effect: named first" in pages["trust.html"]
 
 
 def test_schemas_say_what_is_checked(site, project_root):
