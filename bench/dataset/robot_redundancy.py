@@ -92,8 +92,10 @@ def _unlocking(model: mujoco.MjModel, joints: Sequence[str], joint: str) -> str:
     names = [name for owner in locking if not (name := _equality(model, owner)).startswith(OF_MOTORS)]
     said = f" ({listed(names)})" if names else ""
     if still:
-        cure = f"no joint moves body {still[0]!r}, to which they tie it: if it should move, give it a <freejoint/>"
-        return f"{said}; {cure}"
+        mocap = model.body(still[0]).mocapid[0] >= 0
+        which, instead = ("mocap body", 'without mocap="true"') if mocap else ("body", "")
+        cure = f"no joint moves {which} {still[0]!r}, to which they tie it: if it should move, give it a <freejoint/>"
+        return f"{said}; {cure} {instead}".rstrip()
     return f"{said}; a closure is one too many, a joint is missing, or home is a singular pose"
 
 
@@ -107,7 +109,9 @@ def _still_ends(model: mujoco.MjModel, equalities: Sequence[int]) -> list[str]:
     """
     import mujoco  # noqa: PLC0415 - slow to import: only once a robot is really read
 
-    moving = [body for body in range(1, model.nbody) if model.body_weldid[body]]
+    moving = [
+        body for body in range(1, model.nbody) if model.body_weldid[body] and model.body_mocapid[body] < 0
+    ]
     carrying = {above for body in moving for above in _above(model, body)}
     bodies = []
     for index in equalities:
@@ -116,7 +120,8 @@ def _still_ends(model: mujoco.MjModel, equalities: Sequence[int]) -> list[str]:
         for end in (int(model.eq_obj1id[index]), int(model.eq_obj2id[index])):
             by_site = int(model.eq_objtype[index]) == int(mujoco.mjtObj.mjOBJ_SITE)
             body = int(model.site_bodyid[end]) if by_site else end
-            if body and not model.body_weldid[body] and body not in carrying:
+            moves = model.body_weldid[body] and model.body_mocapid[body] < 0
+            if body and not moves and body not in carrying:
                 bodies.append(model.body(body).name)
     return bodies
 

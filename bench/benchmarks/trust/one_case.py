@@ -16,8 +16,7 @@ from bench.studies.trial.work import TrialDesignTask
 
 def case_lines(name: str) -> Iterator[str]:
     """What is hidden in the case ROBOT/QUESTION/NUMBER, and what the diagnosis says. Raises BenchError for no case."""
-    robot, _, kind = name.rpartition("/")[0].rpartition("/")
-    number = name.rpartition("/")[2]
+    robot, kind, number = ["", "", *name.rsplit("/", 2)][-3:]
     if not robot or kind not in KINDS or not number.isdecimal():
         raise BenchError(f"--case {name}: give ROBOT/QUESTION/NUMBER; questions are {', '.join(KINDS)}")
     (setup,) = setups_of([robot]).values()
