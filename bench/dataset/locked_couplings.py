@@ -59,7 +59,7 @@ def drop_equalities(spec: mujoco.MjSpec, plain: mujoco.MjModel, values: Mapping[
     for index, equality in enumerate(list(spec.equalities)):
         equality.name = label = equality.name or f"equality_{index}"
         if equality.type in (mujoco.mjtEq.mjEQ_CONNECT, mujoco.mjtEq.mjEQ_WELD):
-            first, second = (_moved_with(plain, body, held) for body in _bodies(plain, index))
+            first, second = (_moved_with(plain, body, held) for body in held_bodies(plain, index))
             if first != second:
                 continue
             gaps = np.abs(
@@ -85,7 +85,7 @@ def drop_equalities(spec: mujoco.MjSpec, plain: mujoco.MjModel, values: Mapping[
         spec.delete(equality)
 
 
-def _bodies(plain: mujoco.MjModel, equality: int) -> list[int]:
+def held_bodies(plain: mujoco.MjModel, equality: int) -> list[int]:
     """The two bodies that a connect or weld holds together."""
     import mujoco  # noqa: PLC0415 - likewise
 

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from bench.basics.errors import BenchError
+from bench.dataset.locked_couplings import held_bodies
 
 if TYPE_CHECKING:
     import mujoco
@@ -109,20 +110,16 @@ def _still_ends(model: mujoco.MjModel, equalities: Sequence[int]) -> list[str]:
     """
     import mujoco  # noqa: PLC0415 - slow to import: only once a robot is really read
 
-    moving = [
+    moving = {
         body for body in range(1, model.nbody) if model.body_weldid[body] and model.body_mocapid[body] < 0
-    ]
+    }
     carrying = {above for body in moving for above in _above(model, body)}
     bodies = []
     for index in equalities:
         if int(model.eq_type[index]) not in (int(mujoco.mjtEq.mjEQ_CONNECT), int(mujoco.mjtEq.mjEQ_WELD)):
             continue
-        for end in (int(model.eq_obj1id[index]), int(model.eq_obj2id[index])):
-            by_site = int(model.eq_objtype[index]) == int(mujoco.mjtObj.mjOBJ_SITE)
-            body = int(model.site_bodyid[end]) if by_site else end
-            moves = model.body_weldid[body] and model.body_mocapid[body] < 0
-            if body and not moves and body not in carrying:
-                bodies.append(model.body(body).name)
+        still = [body for body in held_bodies(model, index) if body and body not in carrying]
+        bodies += [model.body(body).name for body in still]
     return bodies
 
 

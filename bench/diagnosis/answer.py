@@ -23,7 +23,6 @@ from bench.diagnosis.split_problem import SplitProblem
 from bench.diagnosis.starting import given_wholly
 from bench.diagnosis.unexplained import unexplained
 from bench.diagnosis.verdicts import undecided, verdicts
-from bench.diagnosis.without_log import without_logs
 from bench.identification.errors_in_variables import with_errors_in_variables_checked
 from bench.identification.findings import with_other_values
 from bench.identification.identify import fit
@@ -99,7 +98,6 @@ def answered(case: SplitProblem, finding: SearchResult, progress: Progress = SIL
         superfluous=finding.superfluous,
         unfinished=tuple(unfinished),
         sets=posterior.sets,
-        without_logs=without_logs(model, system, best, proposals),
         something_else=something_else(posterior, system.samples, remaining),
     )
 

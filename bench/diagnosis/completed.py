@@ -1,4 +1,4 @@
-"""What the final answer of a diagnosis has beyond those that were tried: probabilities of places, half of the band."""
+"""What the final answer of a diagnosis has beyond those that were tried: places, logs omitted, half of the band."""
 
 from dataclasses import replace
 
@@ -6,13 +6,14 @@ from bench.diagnosis.alike_places import alike_places
 from bench.diagnosis.place_shares import place_shares
 from bench.diagnosis.result import Diagnosis
 from bench.diagnosis.search_result import SearchResult
+from bench.diagnosis.without_log import without_logs
 from bench.identification.bandwidth import with_band_checked
 from bench.identification.identify import fit
 
 
 def completed(finding: SearchResult, diagnosis: Diagnosis) -> Diagnosis:
     """The final answer with the probability of every place of its effects, the places that the data cannot tell apart,
-    and standard errors that include how far the answer in half of the band is away.
+    the answer with each log omitted, and standard errors that include how far that in half of the band is away.
     """
     last, model = finding.last, finding.model
     alike = alike_places(model, finding.new, last.system.samples)
@@ -21,4 +22,9 @@ def completed(finding: SearchResult, diagnosis: Diagnosis) -> Diagnosis:
         replace(verdict, alike=alike.get(verdict.effect, {}), places=shares.get(verdict.effect, {}))
         for verdict in diagnosis.ranking
     )
-    return replace(diagnosis, ranking=ranking, after=with_band_checked(model, diagnosis.after, fit))
+    return replace(
+        diagnosis,
+        ranking=ranking,
+        after=with_band_checked(model, diagnosis.after, fit),
+        without_logs=without_logs(model, last.system, last.selection, last.proposals),
+    )

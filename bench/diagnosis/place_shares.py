@@ -28,6 +28,7 @@ def place_shares(
     kept: dict[str, set[str]] = {}
     for instance in identified:
         kept.setdefault(instance.effect.name, set()).add(instance.place)
+    whole = _weight(system, chosen, kept)
     result: dict[str, dict[str, float]] = {}
     for i in chosen:
         instances = system.candidates[i].instances
@@ -35,23 +36,14 @@ def place_shares(
         of_answer = kept.get(name, set())
         known = result.setdefault(name, {})
         for instance in sorted(instances, key=lambda instance: instance.place not in of_answer):
-            place = instance.place
-            share = _share(system, chosen, kept, name, place) if of_answer - {place} else 1.0
+            place, share = instance.place, 1.0
+            if of_answer - {place}:
+                other = _weight(system, chosen, {**kept, name: of_answer ^ {place}})
+                share = float(expit(whole - other if place in of_answer else other - whole))
             places = (place, *alike.get(name, {}).get(instance.joint, ()))
             for each in places:
                 known.setdefault(each, share / len(places))
     return result
-
-
-def _share(
-    system: System, chosen: Sequence[int], kept: Mapping[str, set[str]], name: str, place: str
-) -> float:
-    """The probability of one place of an effect, the other places as in the answer."""
-    others = kept[name] - {place}
-    with_it, without = (
-        _weight(system, chosen, {**kept, name: there}) for there in (others | {place}, others)
-    )
-    return float(expit(with_it - without))
 
 
 def _weight(system: System, chosen: Sequence[int], places: Mapping[str, Collection[str]]) -> float:

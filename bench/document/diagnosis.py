@@ -201,19 +201,17 @@ def _places(diagnosis: Diagnosis, verdict: EffectVerdict) -> str:
     """Where an effect shows, in few words: the adjacent sentence has them all. With the probability of a place that is
     not certain.
     """
-    motors = list(diagnosis.after.drive_gains)
-    uncertain = [
-        f"{place} ({verdict.places[place]:.2f})"
-        for place in verdict.actuators
-        if verdict.places.get(place, 1.0) < TEXT.certain
-    ]
-    if list(verdict.actuators) == motors and len(motors) > 1:
-        return ", ".join(("all motors", *uncertain))
-    if len(verdict.actuators) > 3:
-        return ", ".join((f"{len(verdict.actuators)} joints", *uncertain))
-    named = dict(zip(verdict.actuators, verdict.actuators, strict=True))
-    named.update({text.partition(" (")[0]: text for text in uncertain})
-    return ", ".join(named.values())
+    motors, places = list(diagnosis.after.drive_gains), list(verdict.actuators)
+    uncertain = {
+        place: f"{place} ({probability:.2f})"
+        for place, probability in verdict.places.items()
+        if place in places and probability < TEXT.certain
+    }
+    if places == motors and len(motors) > 1:
+        return ", ".join(("all motors", *uncertain.values()))
+    if len(places) > 3:
+        return ", ".join((f"{len(places)} joints", *uncertain.values()))
+    return ", ".join(uncertain.get(place, place) for place in places)
 
 
 def _few(alternatives: Sequence[str]) -> str:

@@ -25,6 +25,12 @@ def joints_in_words(joints: Sequence[Joint]) -> str:
     return " and ".join(parts)
 
 
+def no_motor_in_words(count: int) -> str:
+    """That so many joints are not determined, as the end of a sentence on them."""
+    has, them = ("has", "it") if count == 1 else ("have", "them")
+    return f"{has} no motor, and no loop closure determines {them}"
+
+
 def cure_in_words(cure: Cure | None) -> str:
     """What follows the fault; nothing where there is no cure."""
     if cure is None:

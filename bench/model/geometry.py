@@ -15,7 +15,7 @@ from bench.basics.errors import BenchError
 from bench.dataset.robot import Robot
 from bench.dataset.robot_mjcf import ROTOR
 from bench.model.cures import floating_base, what_to_do
-from bench.model.cures_words import cure_in_words, joints_in_words
+from bench.model.cures_words import cure_in_words, joints_in_words, no_motor_in_words
 from bench.model.supported import unsupported_features
 
 JointKind = Literal["hinge", "slide", "ball", "free"]
@@ -213,10 +213,8 @@ def read_geometry(robot: Robot) -> Geometry:
     if len(geometry.passive) and not geometry.closed:
         free = [joint for joint in joints if joint.v.start not in geometry.active]
         cure = what_to_do(geometry, [joint.name for joint in free], np.zeros((0, len(geometry.passive))), 0)
-        said = "has no motor, and no loop closure determines it"
-        if len(free) > 1:
-            said = "have no motor, and no loop closure determines them"
-        raise BenchError(f"robot {robot.name}: {joints_in_words(free)} {said}{cure_in_words(cure)}")
+        said = f"{joints_in_words(free)} {no_motor_in_words(len(free))}"
+        raise BenchError(f"robot {robot.name}: {said}{cure_in_words(cure)}")
     return geometry
 
 

@@ -9,7 +9,7 @@ from bench.model.bounds import CLOSURE, RANDOM_POSES, RANKS
 from bench.model.closure import loop_jacobian, loop_residual
 from bench.model.configuration import integrate, normalised
 from bench.model.cures import welds_as_connects, what_to_do
-from bench.model.cures_words import cure_in_words, joints_in_words
+from bench.model.cures_words import cure_in_words, joints_in_words, no_motor_in_words
 from bench.model.geometry import Coupling, Geometry
 from bench.model.nodes import robot_length
 
@@ -77,9 +77,7 @@ def check_mobility(geometry: Geometry) -> None:
             )
         closures = jacobian[:, geometry.passive]
         cure = cure_in_words(what_to_do(geometry, undetermined, closures, _rank(closures)))
-        said = "it has no motor, and no loop closure determines it"
-        if len(undetermined) > 1:
-            said = "they have no motor, and no loop closure determines them"
+        said = f"{'it' if len(undetermined) == 1 else 'they'} {no_motor_in_words(len(undetermined))}"
         raise BenchError(
             f"robot {name}: {_in_words(geometry, undetermined)} can move with all motors held: {said}{cure}"
         )

@@ -5,6 +5,8 @@ from collections.abc import Iterator
 import mujoco
 import numpy as np
 
+from bench.dataset.locked_couplings import held_bodies
+
 SUPPORTED = (
     mujoco.mjtEq.mjEQ_CONNECT,
     mujoco.mjtEq.mjEQ_WELD,
@@ -62,9 +64,7 @@ def _held_bodies(compiled: mujoco.MjModel) -> set[int]:
     bodies: set[int] = set()
     for index in range(compiled.neq):
         if compiled.eq_active0[index] and int(compiled.eq_type[index]) in CLOSURES:
-            ends = int(compiled.eq_obj1id[index]), int(compiled.eq_obj2id[index])
-            by_site = int(compiled.eq_objtype[index]) == int(mujoco.mjtObj.mjOBJ_SITE)
-            bodies.update(int(compiled.site_bodyid[end]) if by_site else end for end in ends)
+            bodies.update(held_bodies(compiled, index))
     return bodies
 
 

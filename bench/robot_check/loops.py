@@ -7,6 +7,7 @@ import mujoco
 import numpy as np
 import pinocchio as pin
 
+from bench.dataset.locked_couplings import held_bodies
 from bench.model.closure import loop_jacobian, loop_residual
 from bench.model.geometry import Geometry, Loop
 from bench.model.motion import Motion
@@ -213,10 +214,8 @@ def loop_bodies(geometry: Geometry, compiled: mujoco.MjModel) -> list[tuple[str,
     """The two bodies that each loop of the geometry holds together."""
     pairs = []
     for equality, _ in zip(active_equalities(compiled), geometry.loops, strict=True):
-        ids = int(compiled.eq_obj1id[equality]), int(compiled.eq_obj2id[equality])
-        if compiled.eq_objtype[equality] == mujoco.mjtObj.mjOBJ_SITE:
-            ids = int(compiled.site_bodyid[ids[0]]), int(compiled.site_bodyid[ids[1]])
-        pairs.append((body_label(compiled, ids[0]), body_label(compiled, ids[1])))
+        first, second = held_bodies(compiled, equality)
+        pairs.append((body_label(compiled, first), body_label(compiled, second)))
     return pairs
 
 

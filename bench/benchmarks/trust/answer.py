@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-import json
-
+from bench.benchmarks.trust.stability import CERTAIN, verdicts_of
 from bench.effects.display_names import spoken
 from bench.studies.sweep.journal import Row
 from bench.studies.sweep.work import OK
@@ -24,10 +23,9 @@ def answer_text(row: Row) -> str:
     """Effects with their verdicts where these are not certain, laws, and whether something is unexplained."""
     if row["status"] != OK:
         return f"failed: {row['reason']}"
-    verdicts = {verdict["effect"]: verdict["verdict"] for verdict in json.loads(row["verdicts"])}
     said = [
-        spoken(name) + ("" if verdicts.get(name) == "missing" else f" ({verdicts.get(name)})")
-        for name in names_in(row["missing"])
+        spoken(name) + ("" if verdict == CERTAIN else f" ({verdict})")
+        for name, verdict in verdicts_of(row).items()
     ]
     if row["laws"]:
         said.append(f"{row['laws']} law" + "s" * (row["laws"] > 1))

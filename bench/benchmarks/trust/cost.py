@@ -9,6 +9,8 @@ from bench.benchmarks.trust.work import PROCESSOR
 from bench.document.markdown.tables import rows_in_markdown
 from bench.studies.sweep.journal import Row
 from bench.studies.sweep.progress import duration_text
+from bench.studies.sweep.work import OK
+from bench.studies.trial.cases import Kind
 
 
 def cost_table(evaluation: Evaluation) -> str:
@@ -31,15 +33,15 @@ def cost_of(row: Row) -> float:
     return float(row[PROCESSOR]) + float(row.get(f"{PROCESSOR}.again") or 0.0)
 
 
-def _cell(rows: list[Row], planned: int, kind: str) -> str:
+def _cell(rows: list[Row], planned: int, kind: Kind) -> str:
     if not planned:
         return "none possible"
     if not rows:
         return f"0&nbsp;of&nbsp;{planned}"
     text = f"{len(rows)} of {planned}, {sum(map(cost_of, rows)) / len(rows):.1f} s"
-    failed = sum(row["status"] != "ok" for row in rows)
+    failed = sum(row["status"] != OK for row in rows)
     text += f", {failed} failed" if failed else ""
     if len(rows) < planned:
-        target = next(question for name, question in QUESTIONS.items() if name == kind).target(rows)
+        target = QUESTIONS[kind].target(rows)
         text += f", interval {interval_text(target) if target.share and target.share.of else NO_CASE}"
     return text.replace(" ", "&nbsp;").replace(",&nbsp;", ", ")

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import json
 from collections import Counter
 from collections.abc import Sequence
 
 from bench.benchmarks.trust.questions import QUESTIONS
+from bench.benchmarks.trust.stability import CERTAIN, verdicts_of
 from bench.effects.display_names import begun, spoken
 from bench.studies.sweep.journal import Row
 from bench.studies.trial.compatible import expected, optional
@@ -59,7 +59,7 @@ def _sentence(mistake: Mistake, count: int, robots: Counter[str], judged: Sequen
         return f"{begun(effect)} is not named in {count} of {hiding} cases with it ({where})."
     if what == ADDED:
         without = [row for row in judged if effect not in expected(names_in(row["hidden"]))]
-        sure = sum(_certain(row, effect) for row in without)
+        sure = sum(verdicts_of(row).get(effect) == CERTAIN for row in without)
         return (
             f"{begun(effect)} is named in {count} of {len(without)} cases without it, in {sure} of them with certainty "
             f"({where})."
@@ -68,8 +68,3 @@ def _sentence(mistake: Mistake, count: int, robots: Counter[str], judged: Sequen
         return f"Nothing is said of {spoken(effect)} in {count} of {hiding} cases with it ({where})."
     laws = sum(LAW in names_in(row["hidden"]) for row in judged)
     return f"A law in no catalogue leaves more than the noise in {count} of {laws} cases with one ({where})."
-
-
-def _certain(row: Row, effect: str) -> bool:
-    verdicts = {verdict["effect"]: verdict["verdict"] for verdict in json.loads(row["verdicts"])}
-    return effect in names_in(row["missing"]) and verdicts.get(effect) == "missing"

@@ -8,6 +8,7 @@ from collections.abc import Iterator
 from bench.basics.errors import BenchError
 from bench.benchmarks.trust.answer import answer_text, hidden_text
 from bench.benchmarks.trust.run import setups_of
+from bench.benchmarks.trust.stability import NOISE, SURE, WITHOUT_LOG
 from bench.benchmarks.trust.work import TrustTask
 from bench.studies.sweep.work import OK
 from bench.studies.trial.cases import KINDS
@@ -34,4 +35,4 @@ def case_lines(name: str) -> Iterator[str]:
         probability = verdict["probability"]
         stated = "" if probability is None else f", probability {probability:.3f}"
         yield f"{verdict['effect']}: {verdict['verdict']} at {', '.join(verdict['actuators'])}{stated}"
-    yield f"certain: {row['sure']}; with more noise: {row['sure.noise']}; without a log: {row.get('sure.without_log')}"
+    yield f"certain: {row[SURE]}; with more noise: {row[NOISE]}; without a log: {row.get(WITHOUT_LOG)}"

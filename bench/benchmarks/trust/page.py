@@ -18,7 +18,7 @@ from bench.benchmarks.trust.mistakes import sentences
 from bench.benchmarks.trust.overview import KEY, interval_text, overview, target_text
 from bench.benchmarks.trust.questions import QUESTIONS
 from bench.benchmarks.trust.reliability import reliability
-from bench.benchmarks.trust.stability import NOISE, WITHOUT_LOG, changed
+from bench.benchmarks.trust.stability import NOISE, SURE, WITHOUT_LOG, changed
 from bench.document.markdown.tables import rows_in_markdown
 from bench.studies.sweep.journal import Row
 from bench.studies.sweep.progress import duration_text
@@ -147,7 +147,7 @@ def changed_cases(evaluation: Evaluation) -> str:
     """Cases in which a verdict that is certain goes or comes."""
     rows = evaluation.of(evaluation.robots, tuple(QUESTIONS))
     lines = [
-        (f"`{case_name(row)}`", hidden_text(row), row["sure"] or "–", title, row[change] or "–")
+        (f"`{case_name(row)}`", hidden_text(row), row[SURE] or "–", title, row[change] or "–")
         for change, title in (
             (NOISE, "with a quarter of the noise added"),
             (WITHOUT_LOG, "without the last log"),

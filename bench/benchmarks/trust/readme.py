@@ -11,13 +11,12 @@ from bench.basics.errors import BenchError
 from bench.basics.files.atomic import write_text_atomically
 from bench.benchmarks.trust.evaluation import Evaluation
 from bench.benchmarks.trust.gains import MODELLED
-from bench.benchmarks.trust.overview import interval_text
+from bench.benchmarks.trust.overview import NO_CASE, interval_text
 from bench.benchmarks.trust.questions import QUESTIONS
 from bench.document.markdown.tables import rows_in_markdown
 from bench.studies.sweep.work import OK
 
 BEGIN, END = "<!-- evaluation -->", "<!-- end of evaluation -->"
-NO_CASE = "–"
 SPOKEN: Mapping[str, str] = {
     "five_bar": "five-bar",
     "delta": "Delta",

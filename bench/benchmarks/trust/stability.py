@@ -2,13 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import json
+from collections.abc import Mapping, Sequence
 
 from bench.studies.sweep.journal import Row
 from bench.studies.trial.name_list import names_in
 from bench.studies.trial.target import Share, Target, TargetFigure
 
-NOISE, WITHOUT_LOG = "sure.noise", "sure.without_log"
+SURE, NOISE, WITHOUT_LOG = "sure", "sure.noise", "sure.without_log"
+"""Columns of the names that are certain: at first, with more noise, without the last log."""
+
+CERTAIN = "missing"
+"""The verdict that is certain."""
+
 LEAST = {NOISE: 0.95, WITHOUT_LOG: 0.90}
 FIGURES = {NOISE: TargetFigure.STABLE_NOISE, WITHOUT_LOG: TargetFigure.STABLE_LOG}
 
@@ -17,7 +23,7 @@ def stability(rows: Sequence[Row], change: str) -> Target:
     """Of the verdicts that are certain before or after a change, those that are certain before and after."""
     stay = of = 0
     for row in diagnosed_again(rows, change):
-        before, after = set(names_in(row["sure"])), set(names_in(row[change]))
+        before, after = set(names_in(row[SURE])), set(names_in(row[change]))
         stay += len(before & after)
         of += len(before | after)
     share = Share(stay, of)
@@ -31,4 +37,15 @@ def diagnosed_again(rows: Sequence[Row], change: str) -> list[Row]:
 
 def changed(row: Row, change: str) -> bool:
     """Whether a certain verdict of this case goes or comes."""
-    return row.get(change) is not None and set(names_in(row["sure"])) != set(names_in(row[change]))
+    return row.get(change) is not None and set(names_in(row[SURE])) != set(names_in(row[change]))
+
+
+def verdicts_of(row: Row) -> Mapping[str, str]:
+    """The verdict on every effect that a row names, by name."""
+    verdicts = {verdict["effect"]: verdict["verdict"] for verdict in json.loads(row["verdicts"])}
+    return {name: verdicts.get(name, "") for name in names_in(row["missing"])}
+
+
+def certain_in(verdicts: Mapping[str, str]) -> list[str]:
+    """The effects that are named with certainty, of named ones with their verdicts."""
+    return sorted(name for name, verdict in verdicts.items() if verdict == CERTAIN)
