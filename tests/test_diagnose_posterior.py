@@ -48,6 +48,20 @@ def test_what_no_model_has_is_something_else() -> None:
     assert answer.something_else > 0.99
 
 
+def test_the_more_is_left_the_fewer_samples_count() -> None:
+    """An error that is the model's returns with the motion: its samples do not say the same thing independently."""
+    many = Samples(np.full(2, 5000.0), np.full(2, 3000.0))
+    gained = []
+    for excess in (0.0, 0.3, 1.0):
+        samples = many.beyond(excess)
+        with_effect, without = np.full((2, 2), 0.9), np.ones((2, 2))
+        gained.append(
+            samples.log_posterior(with_effect, 1, RULE.prior) - samples.log_posterior(without, 0, 0.0)
+        )
+    assert gained[0] > 10.0 > 0.0 > gained[2]
+    assert gained[0] > gained[1] > gained[2]
+
+
 @pytest.mark.parametrize(("excess", "low", "high"), [(0.0, 0.0, 1e-6), (0.5, 0.99, 1.0), (np.inf, 1.0, 1.0)])
 def test_something_else_is_as_probable_as_what_is_left(excess: float, low: float, high: float) -> None:
     left = Unexplained(Remainder.PATTERN, 0.01 * np.exp(excess), 0.0 if np.isinf(excess) else 0.01, ())

@@ -34,7 +34,8 @@ def check(
     """Compare the accuracy with the reference; fail if it is worse.
 
     Runs the reference scenarios and compares gains, parameters, errors, coverage and diagnosis with
-    results/reference, seed by seed. The exit code is 1 if anything got worse by more than its tolerance.
+    results/reference, seed by seed; then cases that were right in results/trust. The exit
+    code is 1 if anything got worse by more than its tolerance.
     """
     from bench.basics.errors import BenchError
 
@@ -54,6 +55,23 @@ def check(
         verbose=verbose,
     )
     if not update:
-        return check_accuracy(options, table_console(), identification_work)
+        worse = check_accuracy(options, table_console(), identification_work)
+        everything = not only and reference is None and scenarios is None
+        return max(worse, _kept_cases(workers)) if everything else worse
     update_reference(options, reason or "", table_console(), identification_work)
     return 0
+
+
+def _kept_cases(workers: int | None) -> int:
+    """1 if a case of the evaluation that was right is wrong now."""
+    from bench.benchmarks.trust.kept_cases import check_kept_cases
+    from bench.benchmarks.trust.run import TABLE
+    from bench.studies.sweep.console import table_console
+    from bench.studies.sweep.reference import reference_folder
+    from bench.studies.sweep.workers import Workers
+
+    pool = Workers(workers, None).pool()
+    try:
+        return min(check_kept_cases(reference_folder().parent / "trust" / TABLE, pool, table_console()), 1)
+    finally:
+        pool.close()

@@ -73,7 +73,7 @@ def answered(case: SplitProblem, finding: SearchResult, progress: Progress = SIL
         for verdict in ranking
         if verdict.effect not in known and not (Unfinished.SETS in unfinished and undecided(verdict))
     )
-    posterior = posterior_of(system, best, proposals, scale)
+    posterior = posterior_of(system, best, proposals, scale, remaining.excess)
     probability = {proposals[i].name: float(posterior.probability[i]) for i in best.singles}
     ranking = tuple(
         with_probability(

@@ -11,7 +11,7 @@ from bench.diagnosis.candidates import Proposal
 from bench.diagnosis.evidence import Samples
 from bench.diagnosis.normal_equations import System
 from bench.diagnosis.result import EffectVerdict, ProbableSet, Unexplained
-from bench.diagnosis.search import Selection, held_out_error, possible, score
+from bench.diagnosis.search import Selection, held_out_error, log_posterior, possible, score
 from bench.identification.decision import RULE
 from bench.identification.tolerances import TOLERANCES
 
@@ -30,11 +30,16 @@ class Posterior:
 
 
 def posterior_of(
-    system: System, selection: Selection, proposals: Sequence[Proposal], scale: float = 1.0
+    system: System,
+    selection: Selection,
+    proposals: Sequence[Proposal],
+    scale: float = 1.0,
+    excess: float = 0.0,
 ) -> Posterior:
     """Over the possible sets of usable effects that were solved, about one model: see `Samples.log_posterior`.
 
-    What seems more probable than the best set was converged, and was not. scale: of errors, see `verdicts`.
+    What seems more probable than the best set was converged, and was not. scale: of errors, see `verdicts`. excess: see
+    `Unexplained.excess`; where it is large, the error is that of the model, and few samples are independent.
     """
     usable = {*selection.singles, *selection.selected.fit.chosen}
     solved = [
@@ -45,8 +50,11 @@ def posterior_of(
     ordered = sorted(
         (each for each in solved if each.total <= selection.selected.total), key=lambda each: -each.total
     )
+    samples = system.samples.beyond(excess)
     fits = [each.fit for each in ordered]
-    weights = shares_of([each.total for each in ordered])
+    totals = [log_posterior(system, fit, samples) for fit in fits]
+    order = np.argsort(totals)[::-1]
+    fits, weights = [fits[i] for i in order], shares_of([totals[i] for i in order])
     probability = np.zeros(len(proposals))
     for fit, weight in zip(fits, weights, strict=True):
         probability[list(fit.chosen)] += weight
@@ -83,7 +91,9 @@ def with_probability(
     verdict: EffectVerdict, probability: float | None, sets: Sequence[ProbableSet], reported: Sequence[str]
 ) -> EffectVerdict:
     """The verdict with its probability; an effect of the answer that is less probable than not is undecided between it
-    and what the leading sets without it have. reported: names of all effects of the answer.
+    and what the leading sets without it have, and at most resembles what is missing where these have nothing else.
+
+    reported: names of all effects of the answer.
     """
     verdict = replace(verdict, probability=probability)
     if (
@@ -95,7 +105,9 @@ def with_probability(
         return verdict
     without = [probable.effects for probable in sets if verdict.effect not in probable.effects]
     others = tuple(dict.fromkeys(name for effects in without for name in effects if name not in reported))
-    return replace(verdict, verdict="indistinguishable", alternatives=others) if others else verdict
+    if others:
+        return replace(verdict, verdict="indistinguishable", alternatives=others)
+    return replace(verdict, verdict="resembles")
 
 
 def shares_of(totals: Sequence[float]) -> np.ndarray:

@@ -8,6 +8,7 @@ import numpy as np
 
 from bench.basics.deadline import NEVER, Deadline
 from bench.diagnosis.batched_sets import enlarged, reduced, solve_sets, swapped
+from bench.diagnosis.evidence import Samples
 from bench.diagnosis.normal_equations import Candidate, SetFit, System, solve_set, squared_errors
 from bench.identification.decision import RULE
 from bench.identification.tolerances import TOLERANCES
@@ -28,8 +29,12 @@ def score(system: System, fit: SetFit) -> Scored:
     """
     logs = np.log(fit.by_motor[1] + np.finfo(float).tiny)
     held_out = -0.5 * float(system.held_out.rows_of_motor @ logs) / system.autocorrelation_time
-    prior = system.prior_of(fit.chosen)
-    return Scored(fit, held_out, float(system.samples.log_posterior(fit.by_motor, len(fit.columns), prior)))
+    return Scored(fit, held_out, log_posterior(system, fit, system.samples))
+
+
+def log_posterior(system: System, fit: SetFit, samples: Samples) -> float:
+    """Logarithm of the weight of a set, with samples that count as these do: see `Samples.log_posterior`."""
+    return float(samples.log_posterior(fit.by_motor, len(fit.columns), system.prior_of(fit.chosen)))
 
 
 @dataclass(frozen=True)

@@ -84,7 +84,8 @@ class Effect(ABC):
     without), "bearing" (of those, one whose force follows from the motion), "body" (with a length), "payload", or once
     for the "robot". contains: effects that are special cases of this one; it must earn its extra parameters against
     them. depends_on_model: its columns use the present model's torque or gain. before_torque: it is between the
-    current reference and the torque, and no part of the torque that effects see as needed.
+    current reference and the torque, and no part of the torque that effects see as needed. at_link: it acts on the link
+    of its motor, as all that sits elsewhere does, so that a spring in the drive, or play, carries its torque.
 
     law: a sentence with the law as a formula in written symbols; symbols: what they mean, with their units. Both are
     "" where the effect tells none. shown_by: the motion in which it differs most from the others. seen: how the error
@@ -114,6 +115,7 @@ class Effect(ABC):
     contains: ClassVar[tuple[str, ...]] = ()
     depends_on_model: ClassVar[bool] = False
     before_torque: ClassVar[bool] = False
+    at_link: ClassVar[bool] = False
     bends: ClassVar[bool] = False
     every_sample: ClassVar[bool] = False
     of_velocity: ClassVar[bool] = False

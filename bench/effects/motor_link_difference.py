@@ -16,9 +16,12 @@ SHARE = 1e-3  # of the RMS speed, likewise
 
 
 def torque_of_motor(robot: RobotSignals, joint: str) -> tuple[np.ndarray, np.ndarray]:
-    """At the coarse samples: the present rigid model's torque at a joint, and the joint's acceleration, (K,)."""
+    """At the coarse samples: what the present model's link asks of the drive of a joint, and the joint's acceleration,
+    (K,).
+    """
     at = list(robot.joints).index(joint)
-    return robot.coarse.torque[:, at], robot.coarse.acceleration[:, at]
+    at_link = robot.at_links()[:: robot.every, at]
+    return robot.coarse.torque[:, at] + at_link, robot.coarse.acceleration[:, at]
 
 
 def apparent_inertia(torque: np.ndarray, acceleration: np.ndarray) -> float:

@@ -147,7 +147,8 @@ class RobotSignals:
     `moved` computes `tree`. payload: the name of what it carries, None without; payload_mass kg, as declared, zero
     where unknown; `carried` computes `payload_torque`. torque: the rigid-body torque of the present model, less what
     redundant motors give. joint_reaction: forces in joints by it; in_joints: what its effects need (N, d) in joints
-    without a motor, by name, N*m or N. An effect that depends on the model is linearised about the present one, and the
+    without a motor, by name, N*m or N; at_links: what its effects that act on links need of the motors (N, n), N*m or
+    N. An effect that depends on the model is linearised about the present one, and the
     fit repeats until it converges. gaps: stretches of samples in which each joint does not move. offsets: of the
     present model's encoders by joint, rad or m. log: the recording whose values hold, of effects that have a
     value for each. lasting: rows of effects that do not depend on the present model, kept as long as the recording;
@@ -168,6 +169,7 @@ class RobotSignals:
     gaps: tuple[np.ndarray, ...]
     joint_reaction: ReactionModel
     in_joints: Callable[[], Mapping[str, np.ndarray]]
+    at_links: Callable[[], np.ndarray]
     offsets: Mapping[str, float] = field(default_factory=dict)
     log: str = ""
     redundant: Mapping[str, JointSignals] = field(default_factory=dict)

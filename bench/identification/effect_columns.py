@@ -119,6 +119,7 @@ def robot_signals(model: IdentificationModel, measured: Measured, present: Prese
             lambda: signals.redundant_torque,
         ),
         in_joints,
+        torque_at_links(lambda: signals, present),
         offsets=offsets,
         log=log,
         lasting=measured.kept,
@@ -163,6 +164,23 @@ def needed_torque(seen: Callable[[], RobotSignals], present: PresentModel) -> Ca
         return needed()[:, motor]
 
     return at
+
+
+def torque_at_links(seen: Callable[[], RobotSignals], present: PresentModel) -> Callable[[], np.ndarray]:
+    """What the present model's effects that act on links need of the motors (N, n), N*m or N, in a recording."""
+
+    @cache
+    def needed() -> np.ndarray:
+        signals = seen()
+        total = np.zeros_like(signals.position)
+        for instance, values in present.effects:
+            if instance.effect.at_link or instance.effect.place != "actuator":
+                for part, share in made_of(signals, instance):
+                    columns, motors = columns_at_motors(part, signals)
+                    total[:, motors] += columns @ (share * values)
+        return total
+
+    return needed
 
 
 def torques_in_joints(

@@ -281,6 +281,7 @@ class NearbySignals(RobotSignals):
             torque=torque,
             joint_reaction=joint_reaction,
             in_joints=in_joints,
+            at_links=lambda: self.at_links()[some],
             gaps=gaps,
             lasting=self.nearby.rows[self.index],
             passing=KeptRows(),

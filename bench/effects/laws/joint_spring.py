@@ -26,6 +26,7 @@ class JointSpring(ActuatorEffect):
     in_key = ("a straight line at one motor, or what gravity leaves of it, an S",)
     parameters = (EffectParameter("k", "{effort}/{angle}", positive=True), EffectParameter("kq0", "{effort}"))
     in_mjcf = "stiffness"
+    at_link = True
     contains = ("constant_offset",)
 
     def torque(self, joint: JointSignals) -> np.ndarray:

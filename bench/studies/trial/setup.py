@@ -12,6 +12,7 @@ from bench.basics.joint_units import units_of_gain
 from bench.dataset.catalogue import built_in_scenarios
 from bench.dataset.robot import Robot, load_robot
 from bench.effects import CATALOGUE, Effect, places_in
+from bench.effects.body_length import lengths
 from bench.effects.places import Places
 from bench.model.geometry import read_geometry
 from bench.scenario.file import find_scenario, read_with_bases
@@ -33,8 +34,9 @@ class Setup:
     """Everything that the cases of a trial have in common.
 
     name: of the robot. content: of a scenario file, nothing hidden. motors: actuated joints. passive: joints without a
-    motor. links: joint -> body that it moves, of those with a length. effects: what can be hidden in this robot, by
-    name, those outside the catalogue included. discover: whether laws are searched where nothing remains, too.
+    motor. links: joint -> body that it moves, of those that extend to one side: there, longer has one meaning. effects:
+    what can be hidden in this robot, by name, those outside the catalogue included. discover: whether laws are searched
+    where nothing remains, too.
     """
 
     name: str
@@ -79,10 +81,11 @@ def make_setup(robot: str, scenario: str | None = None, duration: float | None =
     ]
     geometry = read_geometry(description)
     places = places_in(geometry, weighed)
+    long = {name for name, body in lengths(geometry).items() if body.direction is not None}
     links = {
         joint.name: joint.body
         for joint in geometry.joints
-        if joint.body in places.body and joint.kind in ("hinge", "slide")
+        if joint.body in long and joint.kind in ("hinge", "slide")
     }
     setup = Setup(description.name, content, description.joints, places.passive, links, places.payload, ())
     names = tuple(

@@ -1,0 +1,108 @@
+"""Part of the evaluation for `bench check`: cases of the frozen set that were right are run again."""
+
+from __future__ import annotations
+
+import tempfile
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from rich.console import Console
+
+from bench.basics.plural import plural
+from bench.benchmarks.trust.answer import answer_text, hidden_text
+from bench.benchmarks.trust.case_runs import CaseRuns, ListedCases
+from bench.benchmarks.trust.cells import TrustCase, TrustCells
+from bench.benchmarks.trust.cost import cost_of
+from bench.benchmarks.trust.evaluation import Evaluation, read_evaluation
+from bench.benchmarks.trust.questions import QUESTIONS
+from bench.benchmarks.trust.run import setups_of
+from bench.benchmarks.trust.work import TrustWork
+from bench.studies.sweep.journal import Journal, Row
+from bench.studies.sweep.pool import Pool
+from bench.studies.sweep.run_plan import Driver, Work, silent
+
+
+@dataclass(frozen=True)
+class CaseComparison:
+    """A case that was right, as it came out now: its name, whether it is right still, what is hidden, the answer."""
+
+    name: str
+    right: bool
+    hidden: str
+    answer: str
+
+
+def cheapest_right(evaluation: Evaluation, seconds: float) -> list[Row]:
+    """Right cases of the frozen set, one of each question, robot by robot from the cheapest.
+
+    seconds: of one processor, which they may take in all, by what they took in the evaluation.
+    """
+    chosen: list[Row] = []
+    kinds = tuple(QUESTIONS)
+    of_robot = {robot: evaluation.of([robot], kinds, frozen=True) for robot in evaluation.robots}
+    asked = [robot for robot, rows in of_robot.items() if rows]
+    for robot in sorted(asked, key=lambda robot: _mean(of_robot[robot])):
+        for kind in kinds:
+            right = [row for row in of_robot[robot] if row["question"] == kind and _is_right(row)]
+            if right:
+                chosen.append(min(right, key=cost_of))
+                seconds -= cost_of(chosen[-1])
+                if seconds < 0.0:
+                    return chosen[:-1]
+    return chosen
+
+
+def run_again(
+    rows: Sequence[Row], first: int, pool: Pool, make_work: Callable[[TrustCells], Work] = TrustWork
+) -> list[CaseComparison]:
+    """Run the cases of these rows of the frozen set. first: number of the first fresh case of the evaluation."""
+    cells = TrustCells(setups_of([*dict.fromkeys(row["robot"] for row in rows)]), first)
+    cases = [_case(cells, row) for row in rows]
+    with tempfile.TemporaryDirectory(prefix="bench-check-") as folder:
+        journal = Journal(Path(folder) / "cases.jsonl", cells.size)
+        try:
+            plan = ListedCases(CaseRuns(cells), cases)
+            Driver(plan, journal, pool, make_work(cells), Path(folder) / "designs").run(silent)
+            now = {row["run"]: row for row in journal.rows()}
+        finally:
+            journal.close()
+    return [_compared(case, now[case.row]) for case in cases]
+
+
+def _compared(case: TrustCase, row: Row) -> CaseComparison:
+    return CaseComparison(case.name, _is_right(row), hidden_text(row), answer_text(row))
+
+
+def _case(cells: TrustCells, row: Row) -> TrustCase:
+    cell = next(
+        cell
+        for cell in cells.all
+        if cell.frozen and (cell.robot, cell.question.kind) == (row["robot"], row["question"])
+    )
+    return TrustCase(cell, cell.numbers.index(row["number"]))
+
+
+def _is_right(row: Row) -> bool:
+    question = QUESTIONS[row["question"]]
+    return question.counts(row) and not question.wrong(row)
+
+
+def _mean(rows: Iterable[Row]) -> float:
+    costs = [cost_of(row) for row in rows]
+    return sum(costs) / len(costs)
+
+
+def check_kept_cases(table: Path, pool: Pool, console: Console, seconds: float = 60.0) -> int:
+    """Run right cases of an evaluation again, print what came out, and return how many are wrong now."""
+    evaluation = read_evaluation(table)
+    chosen = cheapest_right(evaluation, seconds)
+    compared = run_again(chosen, evaluation.first, pool)
+    wrong = [comparison for comparison in compared if not comparison.right]
+    for comparison in wrong:
+        text = f"{comparison.name}: was right; hidden: {comparison.hidden}; answer: {comparison.answer}"
+        console.print(text, style="red", markup=False, highlight=False, soft_wrap=True)
+    robots = ", ".join(dict.fromkeys(row["robot"] for row in chosen))
+    text = f"{plural(len(compared), 'case')} of the evaluation ({robots}): {len(wrong)} worse"
+    console.print(text, markup=False, highlight=False, soft_wrap=True)
+    return len(wrong)
