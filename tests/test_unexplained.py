@@ -79,6 +79,17 @@ def test_the_encoders_noise_is_carried_through_the_model():
     assert result.error.validate == pytest.approx(np.hypot(floor, encoders), rel=0.15)
 
 
+def test_noise_above_the_band_does_not_hide_a_pattern_below_it(gentle):
+    """As play that rattles: the spectra then promise more noise than the errors have in all."""
+    rattling = _left(gentle, lambda row, noise: 0.1 * noise + 0.3 * row.velocity / row.velocity.std())
+    assert rattling.significant
+    assert "velocity" in rattling.depends_on
+    assert "the noise floor is not known" in unexplained_words(rattling)
+    quiet = _left(gentle, lambda row, noise: 0.3 * noise)
+    assert not quiet.significant
+    assert "is at the noise floor of the currents" in unexplained_words(quiet)
+
+
 def test_errors_that_follow_the_velocity_are_unexplained(gentle):
     left = _left(gentle, lambda row, noise: noise + 5.0 * row.velocity / row.velocity.std())
     assert left.significant
