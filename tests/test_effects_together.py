@@ -59,6 +59,8 @@ def told(dataset: Dataset, hidden: Sequence[Hidden]) -> Identification:
         # a motor's friction is no load of its spring, and what it does at reversals swings the link
         ((SOFT, {"effect": "viscous_friction", "Fv": 0.1}), 3e-4),
         ((SOFT, {"effect": "coulomb_friction", "Fc": 0.1}), 3e-3),
+        # what shakes the link faster than it swings asks for the other sign of a stiff drive's compliance
+        ((SOFT, {"effect": "cogging_torque", "a": 0.0, "b": 0.3, "period": 0.2, **RIGHT}), 2e-3),
         # a spring of the link is a load of the drive's spring
         ((SOFT, {"effect": "joint_spring", "k": 1.0, "q0": -1.0, **LEFT}), 1.5e-4),
         ((SOFT, {"effect": "passive_viscous_friction", "Fv": 0.05}), 3e-4),

@@ -153,6 +153,10 @@ class Effect(ABC):
         known = {name: value for name, value in values.items() if name in field_names}
         return replace(self, **known) if known else self
 
+    def starts(self, robot: RobotSignals, joint: str) -> tuple[Self, ...]:  # noqa: ARG002 - by default as it is
+        """The effect as it is, and linearised about other values from which a search is to begin as well."""
+        return (self,)
+
     def about_values(self) -> dict[str, float]:
         """The values of its linear parameters about which the effect is linearised; none where it is linear."""
         names = {parameter.name for parameter in self.parameters}

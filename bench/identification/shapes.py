@@ -1,6 +1,7 @@
 """The shape in which an effect explains most of what a model leaves."""
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from itertools import product
 
 import numpy as np
@@ -18,8 +19,8 @@ from bench.identification.tolerances import TOLERANCES
 def best_shape(prepared: Prepared, instance: EffectInstance, partial: PartialRegression) -> EffectInstance:
     """The instance with the shape values that explain most of what remains.
 
-    Every combination of discrete values is tried, and with each the other parameters, one after the other. At a motor
-    that does not move the shape stays as it is: nothing there depends on it.
+    Every combination of discrete values is tried, and with each the other parameters, one after the other; all of it
+    from every start of the effect. At a motor that does not move the shape stays as it is: nothing there depends on it.
     """
     if stands_still(prepared, instance):
         return instance
@@ -30,9 +31,13 @@ def best_shape(prepared: Prepared, instance: EffectInstance, partial: PartialReg
         free = list(shape)
     choices = [list(shape_parameter.candidates) for shape_parameter in shape if shape_parameter not in free]
     best, least = instance, np.inf
-    for chosen in product(*choices):
+    starts = [
+        replace(instance, effect=effect)
+        for effect in instance.effect.starts(prepared.signals[0], instance.joint)
+    ]
+    for start, chosen in product(starts, product(*choices)):
         names = [shape_parameter.name for shape_parameter in shape if shape_parameter not in free]
-        tried = reshaped(instance, dict(zip(names, chosen, strict=True)))
+        tried = reshaped(start, dict(zip(names, chosen, strict=True)))
         for parameter in free:
             tried, cost = _searched(prepared, tried, parameter, samples, partial)
         if cost < least:

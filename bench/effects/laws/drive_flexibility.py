@@ -1,7 +1,7 @@
 """A spring between motor and link."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -21,6 +21,7 @@ from bench.effects.signals import RobotSignals
 
 LARGEST = 0.05  # rad or m: deflection up to which the torque is computed as it is, and not in proportion
 MOST_DAMPED = 0.9  # more does not swing
+SWINGS = (2.0, 1.4, 1.0, 0.7, 0.5)  # of the fit's band: frequencies of the swing from which a search begins
 LEAST = 1e-6  # of the largest squared period: one that is always above zero
 
 
@@ -108,6 +109,18 @@ class DriveFlexibility(Effect):
         except BenchError:  # out of reach, or singular
             return np.zeros(columns.shape[:2])
         return np.asarray(change - columns @ values)
+
+    def starts(self, robot: RobotSignals, joint: str) -> tuple["DriveFlexibility", ...]:
+        """A stiff drive, and compliances on which the link swings near the fit's band, the stiffest first.
+
+        What excites the swing above its frequency comes with the other sign, so that no step leads from a stiff drive
+        to the right compliance.
+        """
+        inertia = apparent_inertia(*torque_of_motor(robot, joint))
+        if self.C > 0.0 or not inertia > 0.0:
+            return (self,)
+        rates = 2.0 * np.pi * robot.joints[joint].band * np.array(SWINGS)
+        return (self, *(replace(self, C=float(1.0 / (inertia * rate**2))) for rate in rates))
 
     def brackets(self, parameter: ShapeParameter, samples: Sequence[JointSamples]) -> tuple[Bracket, ...]:  # noqa: ARG002
         """A few damping ratios, from which the fit goes on; none other where nothing swings."""
