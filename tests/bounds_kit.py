@@ -3,9 +3,9 @@
 from dataclasses import replace
 from typing import Any
 
-from bench.identification.tolerances import TOLERANCES, Tolerances
+from bench.identification.tolerances import Tolerances
 
 
 def with_bounds(part: str, **values: Any) -> Tolerances:
     """All tolerances, with other values in one of their parts."""
-    return replace(TOLERANCES, **{part: replace(getattr(TOLERANCES, part), **values)})
+    return replace(Tolerances(), **{part: replace(getattr(Tolerances(), part), **values)})

@@ -10,8 +10,10 @@ from bench.basics.errors import BenchError
 from bench.basics.progress import SILENT, Progress
 from bench.diagnosis.discovery.find import find_missing_effects
 from bench.diagnosis.result import Diagnosis
+from bench.identification.decision import DecisionRule, deciding_by
 from bench.identification.problem import Filters, problem_of
 from bench.identification.shortness import short_recordings
+from bench.identification.tolerances import Tolerances, bounded_by
 
 TIME_LIMIT = 600.0
 """s: several times what a search takes on a robot with six motors, and no longer than one waits for an answer."""
@@ -26,6 +28,8 @@ def diagnose(
     discover: bool | None = None,
     progress: Progress = SILENT,
     time_limit: float | None = TIME_LIMIT,
+    rule: DecisionRule | None = None,
+    tolerances: Tolerances | None = None,
 ) -> Diagnosis:
     """Which physical effects the model lacks, judged on recordings that were not fitted.
 
@@ -34,15 +38,17 @@ def diagnose(
     compete as well as those that the dataset names. discover: whether laws that are in no catalogue compete too;
     omitted, where the catalogue leaves something unexplained. progress: informed how far the search is. time_limit: s,
     after which the best answer so far is given, and says what was not looked at (`finished`, `unfinished`); None:
-    without. Raises BenchError naming what in dataset, robot or files cannot be used.
+    without. rule, tolerances: thresholds and numerical bounds in place of the defaults.
+    Raises BenchError naming what in dataset, robot or files cannot be used.
     """
     if time_limit is not None and not time_limit > 0.0:
         raise BenchError(f"time limit {time_limit:g}: give a positive number of seconds")
     deadline = deadline_in(time_limit)
     progress.phase("reading the recordings")
     dataset = as_dataset(data)
-    problem = problem_of(dataset, effects, filters, effect_files=effect_files)
-    diagnosis = find_missing_effects(problem, discover=discover, progress=progress, deadline=deadline)
-    after = diagnosis.after
-    short = short_recordings(dataset.recordings, after.settings)
+    with deciding_by(rule), bounded_by(tolerances):
+        problem = problem_of(dataset, effects, filters, effect_files=effect_files)
+        diagnosis = find_missing_effects(problem, discover=discover, progress=progress, deadline=deadline)
+        after = diagnosis.after
+        short = short_recordings(dataset.recordings, after.settings)
     return replace(diagnosis, after=replace(after, findings=(*after.findings, *short)))

@@ -16,6 +16,7 @@ from bench.cli.options import (
     in_existing_folder,
     json_option,
     output_option,
+    rule_option,
     with_option,
 )
 from bench.cli.progress import quiet_option, shown_progress
@@ -53,6 +54,7 @@ if TYPE_CHECKING:
     metavar="SECONDS",
     help="Return the best answer after this time, with a list of what was not searched. [default: 600]",
 )
+@rule_option
 @output_option("Folder for report and figures.")
 @quiet_option
 @click.option("-v", "--verbose", is_flag=True, help="Print every effect and every parameter.")
@@ -67,6 +69,7 @@ def diagnose(  # noqa: PLR0913, PLR0917 - an argument for each option
     quiet: bool,
     discover: bool | None,
     time_limit: float | None,
+    rule: tuple[str, ...],
     **filters: Any,
 ) -> None:
     """Name the physical effects that a model lacks, with evidence.
@@ -81,7 +84,9 @@ def diagnose(  # noqa: PLR0913, PLR0917 - an argument for each option
         from bench.api.diagnose import TIME_LIMIT
         from bench.api.diagnose import diagnose as diagnosed
         from bench.dataset.dataset import load_dataset
+        from bench.identification.given_rule import given_rule
 
+        decides, tolerances = given_rule(rule)
         progress.phase("reading the recordings")
         data = load_dataset(dataset)
         diagnosis = diagnosed(
@@ -92,10 +97,12 @@ def diagnose(  # noqa: PLR0913, PLR0917 - an argument for each option
             discover=discover,
             progress=progress,
             time_limit=TIME_LIMIT if time_limit is None else time_limit,
+            rule=decides,
+            tolerances=tolerances,
         )
     from bench.page.section_run import CommandRun
 
-    options = given if time_limit is None else {**given, "time_limit": time_limit}
+    options = {**given, "time_limit": time_limit, "rule": rule or None}
     outcome = _Outcome(diagnosis, data, tuple(effect_files))
     command = CommandRun("diagnose", str(dataset), effects, tuple(map(str, effect_files)), options)
     take_all(

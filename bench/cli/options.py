@@ -98,6 +98,21 @@ json_option = click.option(
 )
 
 
+def _by_commas(_context: click.Context, _option: click.Parameter, given: tuple[str, ...]) -> tuple[str, ...]:
+    """Each of them, however many stand in one."""
+    return tuple(one for text in given for one in text.split(","))
+
+
+rule_option = click.option(
+    "--rule",
+    multiple=True,
+    metavar="NAME=VALUE",
+    callback=_by_commas,
+    help="Threshold or numerical bound in place of the default, as in the JSON answer: prior=12, search.rounds=3. "
+    "Repeat for more.",
+)
+
+
 def filter_options(command: Command) -> Command:
     """The filters: each is chosen from the data's spectra unless it is given."""
     for option in reversed(

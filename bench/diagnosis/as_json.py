@@ -8,10 +8,8 @@ from bench.dataset.robot_locked import locked_as_data
 from bench.diagnosis.reason_words import unexplained_words, validated_on
 from bench.diagnosis.result import Diagnosis, Discovered, EffectVerdict, Unfinished
 from bench.diagnosis.summary import error_share, reason, summary_sentences
-from bench.identification.decision import RULE
 from bench.identification.model_json import to_json
 from bench.identification.result import Identification
-from bench.identification.tolerances import TOLERANCES
 
 MODEL_KEYS = (
     "effects",
@@ -56,8 +54,8 @@ def diagnosis_json(diagnosis: Diagnosis, *, words: bool = True) -> dict[str, Any
         "ranking": [_verdict(diagnosis, verdict, words) for verdict in diagnosis.ranking],
         "something_else": diagnosis.something_else,
         "sets": [asdict(probable) for probable in diagnosis.sets],
-        "decision_rule": asdict(RULE),
-        "tolerances": asdict(TOLERANCES),
+        "decision_rule": asdict(diagnosis.after.rule),
+        "tolerances": asdict(diagnosis.after.tolerances),
         "without_logs": [asdict(without) for without in diagnosis.without_logs],
         "unexplained": _unexplained(diagnosis, words),
         "differs_by_recording": [

@@ -130,7 +130,7 @@ class BaseModel:
     ) -> Prepared:
         return at_its_solution(self._converged(model, effects, present, nearly=nearly))
 
-    def _seen_by(self, other: Prepared, model: Prepared, most: int = TOLERANCES.steps.rounds) -> Prepared:
+    def _seen_by(self, other: Prepared, model: Prepared, most: int | None = None) -> Prepared:
         """A converged model as another sees its effects, who sees them nearby, or as they are. most: rounds."""
         if not settles(model.effects):
             return self._settled(other, model.effects, model.present, nearly=False)

@@ -6,7 +6,7 @@ samples count in full where they are few, and never for more than `DecisionRule.
 """
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -25,7 +25,7 @@ class Samples:
 
     fitted: np.ndarray
     held_out: np.ndarray
-    coarsening: float = RULE.coarsening
+    coarsening: float = field(default_factory=lambda: RULE.coarsening)
 
     def beyond(self, excess: float) -> "Samples":
         """As they count for a model whose error's logarithm exceeds that of the noise by so much."""

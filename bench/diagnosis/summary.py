@@ -14,7 +14,7 @@ from bench.diagnosis.reason_words import reason_sentence, unexplained_words, val
 from bench.diagnosis.result import Diagnosis, EffectVerdict, Remainder, Unfinished
 from bench.diagnosis.unfinished_words import unfinished_sentence
 from bench.effects.display_names import spoken
-from bench.identification.decision import RULE
+from bench.identification.decision import RULE, deciding_by
 from bench.identification.finding import CAUSES
 from bench.identification.finding_words import sentence
 from bench.identification.findings import runaway, unlike
@@ -22,7 +22,7 @@ from bench.identification.result import Identification, Quantity
 from bench.identification.scale_words import cure, nominal_gains, why_nominal
 from bench.identification.scale_words import reason as why_in_words
 from bench.identification.summary import ROBOT
-from bench.identification.tolerances import TOLERANCES
+from bench.identification.tolerances import TOLERANCES, bounded_by
 from bench.identification.wording import and_list, in_percent, or_list, with_error
 
 
@@ -73,7 +73,8 @@ def summary_sentences(diagnosis: Diagnosis) -> list[str]:
 
 def summary_of(diagnosis: Diagnosis) -> DiagnosisSummary:
     """What is missing, what it changes, how sure that is, the residual, and what was not looked at."""
-    return replace(_summary(diagnosis), unfinished=unfinished_sentence(diagnosis))
+    with deciding_by(diagnosis.after.rule), bounded_by(diagnosis.after.tolerances):
+        return replace(_summary(diagnosis), unfinished=unfinished_sentence(diagnosis))
 
 
 def _summary(diagnosis: Diagnosis) -> DiagnosisSummary:

@@ -109,9 +109,13 @@ def minimised(
     gains: np.ndarray,
     weights: np.ndarray,
     fit_gains: Fitted,
-    tolerance: float = TOLERANCES.steps.converged,
+    tolerance: float | None = None,
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Gauss-Newton with step halving on factors (n, r, p + 2), until the cost falls by less than a share."""
+    """Gauss-Newton with step halving on factors (n, r, p + 2), until the cost falls by less than a share.
+
+    tolerance: that share; by default that of a converged model.
+    """
+    tolerance = TOLERANCES.steps.converged if tolerance is None else tolerance
     n, r, p = factors.shape[0], factors.shape[1], len(theta)
     squares = weights**2
     cost = float(squared_errors(factors, theta, gains) @ squares)

@@ -6,6 +6,8 @@ Numerical bounds are in `bench.identification.tolerances`.
 from dataclasses import dataclass
 from math import erfc, exp, sqrt
 
+from bench.basics.in_force import InForce
+
 
 @dataclass(frozen=True)
 class DecisionRule:
@@ -75,4 +77,8 @@ class DecisionRule:
         return self.prior / (self.prior / self.coarsening + self.inexact * excess)
 
 
-RULE = DecisionRule()
+_FORCE = InForce(DecisionRule())
+RULE = _FORCE.read
+"""The rule in force: the default, or what `deciding_by` was given."""
+rule_in_force = _FORCE.value
+deciding_by = _FORCE.during

@@ -6,10 +6,11 @@ from dataclasses import asdict, replace
 from typing import Any
 
 import numpy as np
+from pydantic import TypeAdapter
 
 from bench.basics.plain_data import finite
 from bench.dataset.robot_locked import locked_as_data, locked_from_data
-from bench.identification.decision import RULE
+from bench.identification.decision import DecisionRule
 from bench.identification.finding import Code, Finding, Unknown
 from bench.identification.result import (
     BandPoint,
@@ -21,7 +22,7 @@ from bench.identification.result import (
     Parameter,
     Quantity,
 )
-from bench.identification.tolerances import TOLERANCES
+from bench.identification.tolerances import Tolerances
 from bench.signals.settings import FilterSettings
 
 FORMAT = 1
@@ -86,8 +87,8 @@ def to_json(
             {"name": trace.name, "use": trace.use, "payload": trace.payload}
             for trace in (result.recordings if recordings is None else recordings)
         ],
-        "decision_rule": asdict(RULE),
-        "tolerances": asdict(TOLERANCES),
+        "decision_rule": asdict(result.rule),
+        "tolerances": asdict(result.tolerances),
         "notes": list(result.notes) if words else [],
         "findings": [_finding(finding) for finding in result.findings],
     }
@@ -136,6 +137,8 @@ def from_json(content: dict[str, Any]) -> Identification:
         redundant=tuple(content.get("redundant", ())),
         locked=locked_from_data(content.get("locked", {})),
         bandwidths=tuple(map(_band_point_from, content.get("bandwidths", ()))),
+        rule=TypeAdapter(DecisionRule).validate_python(content.get("decision_rule", {})),
+        tolerances=TypeAdapter(Tolerances).validate_python(content.get("tolerances", {})),
     )
 
 

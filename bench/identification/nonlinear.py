@@ -84,12 +84,12 @@ def converged_from(
     model: Prepared,
     *,
     added_from: int | None = None,
-    most: int = TOLERANCES.steps.rounds,
+    most: int | None = None,
     deadline: Deadline = NEVER,
 ) -> Prepared:
     """The effects of a converged model converged as they are seen otherwise: in place of nearby as they are, say.
 
-    prepared: that sees them so; its effects are not asked for. most: rounds; after fewer than the default a model
+    prepared: that sees them so; its effects are not asked for. most: rounds, by default all; after fewer a model
     that has not settled is `provisional`. added_from: as `converged`.
     """
     return _rounds(prepared, *_begun(model), added_from, most, deadline=deadline)
@@ -120,7 +120,7 @@ def _rounds(
     present: PresentModel,
     before: tuple[np.ndarray, ...] | None,
     added_from: int | None,
-    most: int = TOLERANCES.steps.rounds,
+    most: int | None = None,
     *,
     deadline: Deadline,
 ) -> Prepared:
@@ -129,7 +129,7 @@ def _rounds(
     A model that has settled keeps the columns with which it was seen to have.
     """
     last, settled = instances, False
-    for _ in range(most):
+    for _ in range(TOLERANCES.steps.rounds if most is None else most):
         deadline.check()
         prepared = with_effects(prepared, instances, present, fitted_only=True)
         solved = None if before is None else solved_quickly(prepared)
@@ -158,7 +158,7 @@ def _rounds(
             settled = True
             break
         before = now
-    if not settled and most == TOLERANCES.steps.rounds:
+    if not settled and most is None:
         return replace(with_effects(prepared, instances, present), converged=True)
     return replace(with_judged(prepared), converged=True, provisional=not settled)
 

@@ -10,11 +10,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from bench.dataset.robot_locked import LockedJoint
+from bench.identification.decision import DecisionRule, deciding_by, rule_in_force
 from bench.identification.finding import Finding, Unknown
 from bench.identification.finding_words import note
 from bench.identification.frame import data_frame, html_table
 from bench.identification.standard_errors import Deviations, StdFrom
-from bench.identification.tolerances import TOLERANCES
+from bench.identification.tolerances import TOLERANCES, Tolerances, bounded_by, tolerances_in_force
 from bench.signals.settings import FilterSettings
 
 if TYPE_CHECKING:
@@ -146,6 +147,7 @@ class Identification:
     std_from: what standard deviations stand for. redundant: the motors, last of the drive gains, whose currents are
     given and not modelled, since the motion tells the sum of the powers alone. locked: joints that robot.toml holds.
     bandwidths: the same model in other bands, where that was looked at, the widest first, this one included.
+    rule, tolerances: the thresholds and numerical bounds by which it was made.
     """
 
     robot: str
@@ -172,6 +174,8 @@ class Identification:
     redundant: tuple[str, ...] = ()
     locked: tuple[LockedJoint, ...] = ()
     bandwidths: tuple[BandPoint, ...] = ()
+    rule: DecisionRule = field(default_factory=rule_in_force, repr=False)
+    tolerances: Tolerances = field(default_factory=tolerances_in_force, repr=False)
 
     @property
     def joints(self) -> tuple[str, ...]:
@@ -181,7 +185,8 @@ class Identification:
     @property
     def notes(self) -> tuple[str, ...]:
         """What limits the answer, in words."""
-        return tuple(map(note, self.findings))
+        with deciding_by(self.rule), bounded_by(self.tolerances):
+            return tuple(map(note, self.findings))
 
     def __repr__(self) -> str:
         gains = ", ".join(

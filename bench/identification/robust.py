@@ -74,15 +74,15 @@ def _likeliest(
     theta: np.ndarray,
     gains: np.ndarray,
     fit_gains: Fitted,
-    most: int = TOLERANCES.robust.rounds,
+    most: int | None = None,
 ) -> _Fit:
-    """The nearest maximum of the likelihood, as far as so many rounds lead."""
+    """The nearest maximum of the likelihood, as far as so many rounds lead, by default all."""
     moving, floor = stack.moving, current_floor(stack)
     error = _error(stack, theta, gains)
     scale = np.maximum(_typical(error, moving), floor)
     freedom = np.full(len(gains), TOLERANCES.robust.first_freedom)
     weights = _weights(error / scale, freedom) * moving
-    for _ in range(most):
+    for _ in range(TOLERANCES.robust.rounds if most is None else most):
         factors = weighted_rows(stack, np.sqrt(weights)).factors
         theta, gains = minimised(
             factors, theta, gains, 1.0 / scale, fit_gains, TOLERANCES.steps.between_weights

@@ -5,6 +5,8 @@ What decides between models is in `bench.identification.decision`.
 
 from dataclasses import dataclass, field
 
+from bench.basics.in_force import InForce
+
 
 @dataclass(frozen=True)
 class RankBounds:
@@ -309,4 +311,8 @@ class Tolerances:
     report: ReportBounds = field(default_factory=ReportBounds)
 
 
-TOLERANCES = Tolerances()
+_FORCE = InForce(Tolerances())
+TOLERANCES = _FORCE.read
+"""The bounds in force: the defaults, or what `bounded_by` was given."""
+tolerances_in_force = _FORCE.value
+bounded_by = _FORCE.during

@@ -34,6 +34,7 @@ OPTIONS = {
     "data": "--data",
     "duration": "--duration",
     "time_limit": "--time-limit",
+    "rule": "--rule",
     "widen": "--widen",
     "rate": "--rate",
     "seed": "--seed",

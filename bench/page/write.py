@@ -87,5 +87,5 @@ def write_saved_run(
 def _identify_line(kept: SavedRun) -> str:
     """The command that identifies the diagnosed dataset in the same way, without the effects that the page ticks."""
     each = tuple(effect for effect in kept.after.effects if effect.endswith(TAG))
-    options = {name: value for name, value in kept.run.options.items() if name != "time_limit"}
+    options = {name: value for name, value in kept.run.options.items() if name not in ("time_limit", "rule")}
     return CommandRun("identify", kept.run.dataset, each, kept.run.effect_files, options).line()

@@ -73,9 +73,10 @@ def values_of(series: MotorSeries, variable: Variable) -> np.ndarray:
     return np.asarray(getattr(series, name))
 
 
-def profile(values: np.ndarray, errors: np.ndarray, bins: int = TOLERANCES.statistics.bins) -> Profile:
+def profile(values: np.ndarray, errors: np.ndarray, bins: int | None = None) -> Profile:
     """Bin errors by values, both (N,), into bins with equally many rows."""
-    edges = np.unique(np.quantile(values, np.linspace(0.0, 1.0, bins + 1)))
+    count = TOLERANCES.statistics.bins if bins is None else bins
+    edges = np.unique(np.quantile(values, np.linspace(0.0, 1.0, count + 1)))
     if len(edges) < 2:
         edges = np.array([edges[0] - 0.5, edges[0] + 0.5])
     if len(np.unique(values)) == 2:  # two values are two bins

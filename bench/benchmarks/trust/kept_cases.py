@@ -20,7 +20,7 @@ from bench.benchmarks.trust.run import setups_of
 from bench.benchmarks.trust.work import TrustWork
 from bench.studies.sweep.journal import Journal, Row
 from bench.studies.sweep.pool import Pool
-from bench.studies.sweep.run_plan import Driver, Work, silent
+from bench.studies.sweep.run_plan import Driver, Work
 
 
 @dataclass(frozen=True)
@@ -63,7 +63,7 @@ def run_again(
         journal = Journal(Path(folder) / "cases.jsonl", cells.size)
         try:
             plan = ListedCases(CaseRuns(cells), cases)
-            Driver(plan, journal, pool, make_work(cells), Path(folder) / "designs").run(silent)
+            Driver(plan, journal, pool, make_work(cells), Path(folder) / "designs").run(lambda _: None)
             now = {row["run"]: row for row in journal.rows()}
         finally:
             journal.close()
