@@ -39,22 +39,29 @@ def posterior_of(
     """Over the possible sets of usable effects that were solved, about one model: see `Samples.log_posterior`.
 
     What seems more probable than the best set was converged, and was not. scale: of errors, see `verdicts`. excess: see
-    `Unexplained.excess`; where it is large, the error is that of the model, and few samples are independent.
+    `Unexplained.excess`; where it is large, the error is that of the model, and few samples are independent. A part of
+    the best set may be more probable then.
     """
-    usable = {*selection.singles, *selection.selected.fit.chosen}
+    best = selection.selected
+    usable = {*selection.singles, *best.fit.chosen}
     solved = [
         score(system, fit)
         for fit in system.solved.values()
         if usable.issuperset(fit.chosen) and possible(system, fit)
     ]
-    ordered = sorted(
-        (each for each in solved if each.total <= selection.selected.total), key=lambda each: -each.total
-    )
     samples = system.samples.beyond(excess)
-    fits = [each.fit for each in ordered]
-    totals = [log_posterior(system, fit, samples) for fit in fits]
-    order = np.argsort(totals)[::-1]
-    fits, weights = [fits[i] for i in order], shares_of([totals[i] for i in order])
+    most = log_posterior(system, best.fit, samples)
+    weighed = [
+        (total, each.fit)
+        for each in solved
+        if each.total <= best.total
+        and (
+            (total := log_posterior(system, each.fit, samples)) <= most
+            or {*each.fit.chosen} < {*best.fit.chosen}
+        )
+    ]
+    weighed.sort(key=lambda pair: -pair[0])
+    fits, weights = [fit for _, fit in weighed], shares_of([total for total, _ in weighed])
     probability = np.zeros(len(proposals))
     for fit, weight in zip(fits, weights, strict=True):
         probability[list(fit.chosen)] += weight
