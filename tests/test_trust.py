@@ -21,12 +21,13 @@ from bench.benchmarks.trust.page import page_text, write_page
 from bench.benchmarks.trust.questions import QUESTIONS
 from bench.benchmarks.trust.readme import BEGIN, END, readme_block, with_block
 from bench.benchmarks.trust.run import TABLE, TrustRequest, run_trust, setups_of
+from bench.benchmarks.trust.sizes import drawn_case
 from bench.benchmarks.trust.tally import Tally
 from bench.benchmarks.trust.work import FRESH, FROZEN
 from bench.excitation.scenario import designer
 from bench.scenario.scenario import load_scenario, resolve_trajectories
 from bench.studies.sweep.pool import LocalPool
-from bench.studies.trial.cases import draw_case
+from bench.studies.trial.cases import SHARES, SHARES_OF, draw_case
 from bench.truth.simulate import simulate
 from tests.hidden_kit import STEP
 from tests.sweep_stand_in import Inline
@@ -74,6 +75,26 @@ def test_every_entry_of_the_changelog_has_cases_of_its_own(tmp_path: Path, proje
         changelog_number(path)
     with pytest.raises(BenchError, match="no changelog"):
         changelog_number(tmp_path / "none")
+
+
+def test_a_single_effect_comes_small_and_large(cells: TrustCells) -> None:
+    setup = cells.setups["two_link"]
+    (cell,) = (
+        cell
+        for cell in cells.all
+        if not cell.frozen and cell.robot == "two_link" and cell.question.kind == "one"
+    )
+    shares: dict[str, list[float]] = {}
+    for number in cell.numbers:
+        (hide,) = drawn_case(setup, "one", number).hides
+        shares.setdefault(hide.effect, []).append(hide.share)
+    for effect, sizes in shares.items():
+        low, high = SHARES_OF.get(effect, SHARES)
+        small, large = sorted(sizes)
+        assert low <= small <= np.sqrt(low * high) * 1.001 <= large * 1.002
+        assert large <= high
+    assert drawn_case(setup, "one", 3) == draw_case(setup, "one", 3)
+    assert drawn_case(setup, "two", cell.numbers[0]) == draw_case(setup, "two", cell.numbers[0])
 
 
 def test_single_effects_come_once_each_before_any_comes_twice(cells: TrustCells) -> None:

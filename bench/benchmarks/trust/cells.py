@@ -21,7 +21,7 @@ AGAIN_EVERY = 5
 
 AGAIN = frozenset({"one", "two", "three", "unknown"})
 SIZES = 2
-"""Cases of each single effect, with sizes drawn independently."""
+"""Cases of each single effect: a small and a large one, see `drawn_case`."""
 
 
 @dataclass(frozen=True)

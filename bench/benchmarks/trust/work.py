@@ -9,11 +9,12 @@ from dataclasses import dataclass
 from bench.basics.errors import BenchError
 from bench.benchmarks.trust.again import again_columns
 from bench.benchmarks.trust.cells import TrustCase, TrustCells
+from bench.benchmarks.trust.sizes import drawn_case
 from bench.studies.sweep.journal import Row
 from bench.studies.sweep.plan import Run
 from bench.studies.sweep.pool import Task
 from bench.studies.sweep.work import Trajectories
-from bench.studies.trial.cases import KINDS, Case, draw_case
+from bench.studies.trial.cases import KINDS, Case
 from bench.studies.trial.realise import realised
 from bench.studies.trial.setup import Setup
 from bench.studies.trial.work import ReferenceTask, TrialDesignTask, diagnosed_row, failed_row
@@ -107,4 +108,4 @@ def _since(begun: tuple[float, float]) -> dict[str, float]:
 
 def _case(setup: Setup, place: Mapping[str, str | int]) -> Case:
     kind = next(kind for kind in KINDS if kind == place["question"])
-    return draw_case(setup, kind, int(place["number"]))
+    return drawn_case(setup, kind, int(place["number"]))
