@@ -194,21 +194,17 @@ def _error_slopes(
     jacobian = probe.shown.by_motor
     present = sides @ jacobian  # (n, 2 m, N)
     by_factor, by_normal = present[:, :m], present[:, m:]
-    for_factor = weights[0] * by_normal + 2.0 * weights[1] * by_factor
-    for_normal = weights[0] * by_factor
+    of_each = np.concatenate(
+        (weights[0] * by_normal + 2.0 * weights[1] * by_factor, weights[0] * by_factor), axis=1
+    )
     of_mean = 2.0 * (
         (weights[0] * gradient.mean_by_normal + weights[1] * gradient.mean_by_score) @ jacobian
     )  # (n, P, N)
     slopes = np.zeros((m + 1, *sizes.shape))
     for order, j in np.ndindex(3, n):
         other = probe.showing[order][j].by_motor
-        change = sides @ other - present
-        of_all = np.vstack(
-            (
-                (for_factor * change[:, :m] + for_normal * change[:, m:]).sum(axis=0),
-                np.einsum("ipt,ipt->t", of_mean, other - jacobian),
-            )
-        )
+        by_side = np.einsum("imt,imt->mt", of_each, sides @ other - present)
+        of_all = np.vstack((by_side[:m] + by_side[m:], np.einsum("ipt,ipt->t", of_mean, other - jacobian)))
         by_series = of_all @ basis[order].reshape(len(basis[order]), -1) / probe.steps[order, j]
         slopes[:, :, j] += by_series.reshape(m + 1, 2, -1) * sizes[:, j]
     variances = _variance_slopes(search.nominal.noise, probe, basis, sizes)
