@@ -9,7 +9,7 @@ import pytest
 from bench.basics.errors import BenchError
 from bench.dataset.robot import load_robot
 from bench.excitation.experiment import open_limits, proof
-from bench.excitation.experiment.enclosed_loops import enclosed, follows
+from bench.excitation.experiment.enclosed_loops import enclosed, follows, pose_sets
 from bench.excitation.experiment.enclosed_torques import enclosed_torques
 from bench.excitation.experiment.motor_balls import intervals_of, motor_balls
 from bench.excitation.experiment.nominal import seen
@@ -19,6 +19,7 @@ from bench.excitation.experiment.proof import Promise, Proof, Unproven, prove
 from bench.excitation.experiment.proof_words import limit_in_words, made_smaller
 from bench.excitation.experiment.request import Box, ExperimentTable
 from bench.excitation.experiment.room import filled, robot_motion, room_of, tool_positions
+from bench.model.configuration import displacements, integrate
 from bench.model.mobility import smallest_singular_values
 from bench.model.motion import Motion, motion_of
 from bench.model.passive_ranges import PassiveRange, passive_ranges
@@ -74,6 +75,12 @@ class Case:
     def promise(self, payload=None, **limits):
         return Promise(self.nominal, replace(self.room, **limits), self.trajectory, payload)
 
+    def poses(self, times):
+        """Closed poses (K, nq) at the times (K,)."""
+        time = np.union1d(np.linspace(0.0, DURATION, 4001), times)
+        motion = motion_of(self.geometry, time, *self.trajectory.evaluate(time))
+        return motion.q[np.searchsorted(time, times)]
+
     def dense(self, first=0.0, last=DURATION, rate=DENSE):
         time = np.linspace(first, last, int((last - first) * rate) + 1)
         whole = np.linspace(0.0, DURATION, 4001)
@@ -93,22 +100,32 @@ def case(request):
 def enclosure_of(case, rate=1000.0, window=slice(None)):
     intervals = intervals_of(case.trajectory, rate)
     motion = motion_of(case.geometry, intervals.middle, *case.trajectory.evaluate(intervals.middle))
-    own = intervals.at(np.arange(len(intervals.half))[window])
-    return own, enclosed(case.geometry, own, motor_balls(case.trajectory, own), motion.at(window), rates=True)
+    return enclosure_at(case, intervals.at(np.arange(len(intervals.half))[window]), motion.at(window))
+
+
+def enclosure_at(case, intervals, motion):
+    motors = motor_balls(case.trajectory, intervals)
+    sets = pose_sets(case.geometry, intervals, motors, motion)
+    return intervals, sets, enclosed(case.geometry, intervals, motors, motion, sets, rates=True)
 
 
 def test_intervals_hold_all_that_a_dense_sampling_shows(case):
     """Poses, speeds, accelerations, loop Jacobians and torques at 100 kHz lie in their intervals' bounds."""
     window = slice(3500, 3560)
-    intervals, enclosure = enclosure_of(case, rate=8000.0, window=window)
-    assert enclosure.held.all()
-    assert follows(case.geometry, enclosure.motion.q, enclosure.passed, enclosure.reach).all()
+    intervals, sets, enclosure = enclosure_of(case, rate=8000.0, window=window)
+    assert sets.held.all()
+    assert follows(case.geometry, intervals, enclosure.motion, enclosure.strays, sets.reach).all()
     first, last = intervals.middle[0] - intervals.half[0], intervals.middle[-1] + intervals.half[-1]
     motion = case.dense(first + 1e-9, last - 1e-9)
     at = np.clip(np.searchsorted(intervals.middle + intervals.half, motion.time), 0, len(intervals.half) - 1)
     for name, radius in (("q", enclosure.q), ("v", enclosure.v), ("a", enclosure.a)):
         off = np.abs(getattr(motion, name) - getattr(enclosure.motion, name)[at])
         assert np.all(off <= radius[at] + 1e-9), name
+    for end in (-1.0, 1.0):
+        there = case.poses(intervals.middle + end * intervals.half)
+        goes_on = integrate(case.geometry, enclosure.motion.q.T, end * intervals.half * enclosure.motion.v.T)
+        off = np.abs(displacements(case.geometry, goes_on, there.T)).T
+        assert np.all(off <= enclosure.strays + 1e-9)
     off = np.abs(motion.jacobian - enclosure.motion.jacobian[at])
     assert np.all(off <= enclosure.jacobian[at] + 1e-9)
     load = next(iter(case.nominal.payloads), None)
@@ -235,7 +252,7 @@ def test_ranges_of_ball_joints_are_proven(ball, monkeypatch):
     (limit,) = passive_ranges(ball.geometry)
     assert isinstance(prove(ball.promise()), Proof)
     angle = limit.at(motion.q)
-    _, enclosure = enclosure_of(ball)
+    *_, enclosure = enclosure_of(ball)
     found = margins(ball.nominal, ball.room, None, enclosure)[Kept.PASSIVE_RANGE, "ball"]
     at = np.clip((motion.time * 1000.0).astype(int), 0, len(found.least) - 1)
     assert np.all(limit.high - angle >= found.least[at])
@@ -254,16 +271,17 @@ def test_ranges_of_ball_joints_are_proven(ball, monkeypatch):
 def test_another_assembly_mode_is_none_that_follows():
     """A five-bar whose elbow is on the other side is closed, too, but no motion from home leads there."""
     case = Case("five_bar")
-    _, enclosure = enclosure_of(case)
+    intervals, sets, enclosure = enclosure_of(case)
     q = enclosure.motion.q.copy()
-    assert follows(case.geometry, q, enclosure.passed, enclosure.reach).all()
+    motion = replace(enclosure.motion, q=q)
+    assert follows(case.geometry, intervals, motion, enclosure.strays, sets.reach).all()
     q[700:, case.geometry.passive] += 0.3
-    apart = ~follows(case.geometry, q, enclosure.passed, enclosure.reach)
+    apart = ~follows(case.geometry, intervals, motion, enclosure.strays, sets.reach)
     assert np.flatnonzero(apart).tolist() == [699]
 
 
 def test_margins_are_those_of_the_samples_less_what_lies_between(delta):
-    _, enclosure = enclosure_of(delta)
+    *_, enclosure = enclosure_of(delta)
     wall = Box(low=(-9.0, -9.0, -9.0), high=(9.0, 9.0, 9.0))
     room = replace(delta.room, boxes=(wall,), torque=np.full(3, 100.0))
     found = margins(delta.nominal, room, None, enclosure)
@@ -275,11 +293,11 @@ def test_margins_are_those_of_the_samples_less_what_lies_between(delta):
 
 def test_where_no_interval_holds_its_loops_there_are_no_margins(delta):
     """A block of time in which nothing is known yet is halved, as any other."""
-    _, enclosure = enclosure_of(delta)
+    intervals, _, enclosure = enclosure_of(delta)
     wall = Box(low=(-9.0, -9.0, -9.0), high=(9.0, 9.0, 9.0))
     room = replace(delta.room, boxes=(wall,), torque=np.full(3, 100.0))
-    nothing = enclosure.at(np.zeros(len(enclosure.held), dtype=bool))
-    assert nothing.held.size == 0
+    none = np.arange(0)
+    *_, nothing = enclosure_at(delta, intervals.at(none), enclosure.motion.at(none))
     found = margins(delta.nominal, room, None, nothing)
     assert set(found) == set(margins(delta.nominal, room, None, enclosure))
     assert all(margin.middle.size == margin.least.size == 0 for margin in found.values())

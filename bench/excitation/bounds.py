@@ -137,12 +137,15 @@ class ProofBounds:
     rate: float = 1000.0  # intervals a second, before any is cut
     shortest: float = 2.0**-10  # of such an interval: none shorter is cut
     parts: int = 16  # into which one is cut at once
+    ahead: int = 16  # intervals, by the first of which it is known into how many parts these are cut
     # times as many parts as proportion asks for: it is nearly one, and a second cut costs more
     more_parts: float = 1.15
     together: int = 4096  # intervals
     period_points: float = 60.0  # samples of a period of the highest harmonic
     ramp_points: float = 200.0  # samples of a ramp, at least
-    wider: float = 4.0  # times what is passed through: the set of poses has the next interval's middle in it
+    # times what is passed through at the speeds of the middle: the set of poses has the end of the interval before in
+    # it, and what is passed through at other speeds; with more, it has to be cut sooner
+    wider: float = 3.0
     # share of the largest radius of a pose's set: a joint that hardly moves has that
     least_radius: float = 0.5
     # rad, or share of the robot's length: error of a closed pose, in addition to its residual

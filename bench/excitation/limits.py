@@ -71,7 +71,8 @@ def feasible_motion(
     if np.any(position < limits.low) or np.any(position > limits.high):
         return None
     try:
-        motion = motion_of(geometry, time, position, velocity, acceleration, near=near)
+        most = limits.amplification
+        motion = motion_of(geometry, time, position, velocity, acceleration, near=near, most=most)
     except BenchError:
         return None
     if np.abs(motion.jacobian).max() > limits.amplification:

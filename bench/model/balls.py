@@ -48,6 +48,10 @@ def _difference(a: Ball, b: Ball) -> Ball:
 
 def _product(a: Ball, b: Ball) -> Ball:
     middle = a.middle * b.middle
+    if not b.radius.ndim:
+        a, b = b, a
+    if not a.radius.ndim:  # exact
+        return Ball(middle, np.abs(a.middle) * b.radius + ROUNDING * np.abs(middle))
     radius = (np.abs(a.middle) + a.radius) * b.radius + a.radius * np.abs(b.middle)
     return Ball(middle, radius + ROUNDING * np.abs(middle))
 

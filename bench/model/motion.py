@@ -96,6 +96,7 @@ def motion_of(
     acceleration: np.ndarray,
     *,
     near: Motion | None = None,
+    most: float = np.inf,
 ) -> Motion:
     """Close all loops along a trajectory of the active joints, each (N, n), positions as logged.
 
@@ -103,7 +104,7 @@ def motion_of(
     `NODES.stride`-th sample from their interpolation (or one after the other, where that is too far off), then all
     samples from theirs. Loops are closed to rounding; the Jacobian is taken at most `CLOSURE.closed_rates` away from
     the closed pose, and rates have its relative error. near: the motion of nearly this trajectory or geometry at the
-    same samples, from which the closures are tried at once.
+    same samples, from which the closures are tried at once. most: a loop Jacobian with a larger entry is not wanted.
     Raises BenchError that names the time of a sample which is out of reach or singular.
     """
     if near is not None and geometry.closed:
@@ -112,7 +113,7 @@ def motion_of(
             return _solved(geometry, closures_of(geometry), track, _guess_near(geometry, near, track))
         except BenchError:
             pass  # too far: all the way from home
-    return path_of(geometry, time, position, velocity, acceleration).motion(slice(None))
+    return path_of(geometry, time, position, velocity, acceleration, most).motion(slice(None))
 
 
 def path_of(
@@ -121,24 +122,25 @@ def path_of(
     position: np.ndarray,
     velocity: np.ndarray,
     acceleration: np.ndarray,
+    most: float = np.inf,
 ) -> "Path":
     """The closures followed along a trajectory at few samples; see `motion_of`."""
     closures = closures_of(geometry)
     track = Track(time, position, velocity, acceleration, geometry.active_offset)
     if not geometry.closed:
         return Path(geometry, closures, track, lambda time, _: np.zeros((geometry.nq, len(time))))
-    middle = _middle_level(geometry, closures, track)
+    middle = _middle_level(geometry, closures, track, most)
     return Path(geometry, closures, track, _between(geometry, middle), middle)
 
 
-def _middle_level(geometry: Geometry, closures: Closures, track: Track) -> Motion:
+def _middle_level(geometry: Geometry, closures: Closures, track: Track, most: float) -> Motion:
     """The motion at the nodes of the middle level, from few followed ones; where what lies between those is bent too
     much to be interpolated, all of them are followed. Where nodes would be most of the samples, every sample is one.
     Raises BenchError naming the time of one that cannot be closed.
     """
     travel = travel_of(geometry, track.logged)
     nodes = nodes_along(travel, NODES.travel, len(track.time))
-    reached = followed(geometry, track, nodes).T
+    reached = followed(geometry, track, nodes, most).T
     coarse = _solved(geometry, closures, track.at(nodes), lambda block: reached[:, block], CLOSURE.closed)
     guess = _between(geometry, coarse)
     nodes, enough = nodes_along(travel, NODES.middle_travel, NODES.stride), CLOSURE.closed
@@ -226,6 +228,22 @@ def rates_at(
     nothing = np.zeros(len(geometry.active))
     track = Track(time, q[:, geometry.active_configuration], velocity, acceleration, nothing)
     return _solved(geometry, closures_of(geometry), track, lambda block: q[block].T)
+
+
+def at_speeds(
+    geometry: Geometry, motion: Motion, velocities: Sequence[np.ndarray], acceleration: np.ndarray
+) -> list[Motion]:
+    """A motion at other active velocities, (N, n) each, and the active accelerations (N, n): its poses stay."""
+    closing = closing_of(geometry, len(motion.time))
+    closing.correct(np.ascontiguousarray(motion.q.T))
+    closing.amplify()
+    motions = []
+    for velocity in velocities:
+        v, a = np.empty((2, *motion.v.shape))
+        for index, (speed, growth) in enumerate(zip(*closing.rates(velocity, acceleration), strict=True)):
+            v[:, index], a[:, index] = speed, growth
+        motions.append(Motion(motion.time, motion.q, v, a, motion.jacobian))
+    return motions
 
 
 def _solved(

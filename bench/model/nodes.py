@@ -80,8 +80,10 @@ def nodes_along(travel: np.ndarray, furthest: float, stride: int) -> np.ndarray:
     return np.unique(np.concatenate((np.arange(0, last, stride), chosen, [last])))
 
 
-def followed(geometry: Geometry, track: Track, nodes: np.ndarray) -> np.ndarray:
-    """Nearly closed poses (M, nq) at the nodes (sample indices), each reached from the one before."""
+def followed(geometry: Geometry, track: Track, nodes: np.ndarray, most: float = np.inf) -> np.ndarray:
+    """Nearly closed poses (M, nq) at the nodes (sample indices), each reached from the one before. Raises BenchError
+    where they cannot be closed, or passive joints certainly move more than `most` times as fast as the motors.
+    """
     follower = make_follower(geometry)
     pose = home_pose(follower)
     poses = np.empty((len(nodes), geometry.nq))
@@ -90,6 +92,11 @@ def followed(geometry: Geometry, track: Track, nodes: np.ndarray) -> np.ndarray:
         reached, share = advance(follower, pose, track.position(node), CLOSURE.nearly)
         if share < 1.0:
             reached = _followed_closely(follower, pose, track, range(before + 1, node + 1))
+        if np.abs(reached.amplification).max(initial=0.0) > (1.0 + CLOSURE.correction) * most:
+            raise BenchError(
+                f"t = {track.time[node]:.4f} s: a joint of {geometry.robot.name} moves more than {most:.3g} times as "
+                "fast as a motor"
+            )
         poses[i], pose, before = reached.q, reached, node
     return poses
 

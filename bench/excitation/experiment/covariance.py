@@ -42,14 +42,13 @@ class ErrorSlopes:
     """Derivatives of the errors: how much they change where the normal matrix changes by dN and the score by dS, to
     first order.
 
-    Of each error by itself: for each column of left_factor (L), by_normal and by_score (P, m), L' dN by_normal + L' dS
-    by_score. Of the mean of all: trace(mean_by_normal dN) + trace(mean_by_score dS), (P, P), symmetric. A single
-    error, which is its mean, has no columns.
+    Of each error by itself: for each column of factor (L) and by_normal, (P, m), L' dN by_normal + L' dS L. Of the mean
+    of all: trace(mean_by_normal dN) + trace(mean_by_score dS), (P, P), symmetric. A single error, which is its mean,
+    has no columns.
     """
 
-    left_factor: np.ndarray
+    factor: np.ndarray
     by_normal: np.ndarray
-    by_score: np.ndarray
     mean_by_normal: np.ndarray
     mean_by_score: np.ndarray
 
@@ -69,12 +68,12 @@ class RelativeErrors:
         """About a fit, by themselves those that are `near` (k,); where nothing is determined nothing changes."""
         relative = _relative(fit, self.sizes)
         inverse, noise = _sides(self, relative)
-        left_factor = inverse * (0.5 / self._variances(relative))
-        mean = left_factor / len(self.targets)
+        scale = np.sqrt(0.5 / self._variances(relative))
+        inverse, noise = inverse * scale, noise * scale
+        mean = inverse / len(self.targets)
         return ErrorSlopes(
-            left_factor[:, near],
-            noise[:, near],
             inverse[:, near],
+            noise[:, near],
             _symmetric(mean @ noise.T),
             _symmetric(mean @ inverse.T),
         )
@@ -104,9 +103,7 @@ class Volume:
         inverse, noise = _sides(self, relative)
         left_factor = inverse @ np.linalg.inv(self._block(relative)) * (0.5 / len(self.targets))
         none = np.zeros((len(left_factor), 0))
-        return ErrorSlopes(
-            none, none, none, _symmetric(left_factor @ noise.T), _symmetric(left_factor @ inverse.T)
-        )
+        return ErrorSlopes(none, none, _symmetric(left_factor @ noise.T), _symmetric(left_factor @ inverse.T))
 
     def _block(self, relative: "_Relative") -> np.ndarray:
         return relative.covariance[np.ix_(self.targets, self.targets)]

@@ -97,9 +97,14 @@ def _judged(search: Search, now: Descent, predicted: float, other: Sequence[Trie
 
 
 def _program(_: Search, asked: tuple[Linearised, float]) -> tuple[np.ndarray, float]:
-    """The best step (c,), in units of `coefficient_sizes`, and by how much the merit falls by it."""
+    """The best step (c,), in units of `coefficient_sizes`, and by how much the merit falls by it.
+
+    Without the errors and limits that no step of the trusted size brings to the top.
+    """
     about, trusted = asked
-    errors, limits = about.errors, about.limits
+    strays = trusted * np.abs(about.errors.slopes).sum(axis=1)
+    errors = about.errors.at(about.errors.values + strays >= (about.errors.values - strays).max())
+    limits = about.limits.at(about.limits.values + trusted * np.abs(about.limits.slopes).sum(axis=1) > 1.0)
     count = errors.slopes.shape[1]
     mean = SEARCH.mean_weight * about.mean
     rows = np.vstack(

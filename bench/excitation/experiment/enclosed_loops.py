@@ -16,7 +16,7 @@ from bench.excitation.bounds import PROOF
 from bench.excitation.experiment.motor_balls import Intervals, MotorBalls
 from bench.model.balls import balls, dense_balls
 from bench.model.closure import Closures, closures_of, loop_bias, loop_jacobian, loop_rows
-from bench.model.configuration import displacements
+from bench.model.configuration import displacements, integrate
 from bench.model.geometry import Geometry
 from bench.model.kinematics import frames_of
 from bench.model.mobility import column_scales
@@ -27,10 +27,11 @@ from bench.model.spin import idle_spins
 
 @dataclass(frozen=True)
 class Enclosure:
-    """Intervals' poses q (K, nq) with radii; speeds, accelerations (K, nv) and the Jacobian (K, nv, n) of all joints by
-    motors, about those of `motion`. rows, hold (K, m, nv): the closures' Jacobian in the middle and its radius. reach
-    (K, nv): of the set of poses in which no other closes the loops, passed (K, nv): of that which the motion passes
-    through. held (K,): whether all that is so; the rest counts only there. turned (K,): the norm of I - C A_p in reach.
+    """Intervals whose loops are held: poses q (K, nq) with radii; speeds, accelerations (K, nv) and the Jacobian (K,
+    nv, n) of all joints by motors, about those of `motion`. rows, hold (K, m, nv): the closures' Jacobian in the middle
+    and its radius; inverse (K, passive, m): C; rounding: see `_Linear`. passed (K, nv): of the set of poses that the
+    motion passes through; strays (K, nv): how far it is at the intervals' ends from going on at the speeds in their
+    middles.
     """
 
     motion: Motion
@@ -40,22 +41,38 @@ class Enclosure:
     jacobian: np.ndarray
     rows: np.ndarray
     hold: np.ndarray
+    inverse: np.ndarray
+    rounding: np.ndarray
+    passed: np.ndarray
+    strays: np.ndarray
+
+
+@dataclass(frozen=True)
+class PoseSets:
+    """About the middles of intervals, sets of poses in which no other closes the loops: reach (K, nv). passed (K, nv):
+    of that which the motion passes through; held (K,): whether all that is so; the rest counts only there. excess (K,):
+    how many times too long an interval is for that, nearly. inverse (K, passive, m): C; bounds
+    (K, passive): how far the closed poses are at most from those of the motion; rounding: see `_Linear`.
+    """
+
     reach: np.ndarray
     passed: np.ndarray
     held: np.ndarray
-    turned: np.ndarray
+    excess: np.ndarray
+    inverse: np.ndarray
+    bounds: np.ndarray
+    rounding: np.ndarray
 
-    def at(self, chosen: np.ndarray) -> "Enclosure":
+    def at(self, chosen: np.ndarray) -> "PoseSets":
         """Some of the intervals."""
-        arrays = {
-            field.name: getattr(self, field.name)[chosen] for field in fields(self) if field.name != "motion"
-        }
-        return Enclosure(motion=self.motion.at(chosen), **arrays)
+        return PoseSets(*(getattr(self, field.name)[chosen] for field in fields(self)))
 
 
 @dataclass(frozen=True)
 class _Linear:
-    """A_a, A_p and what they stray, (K, m, nv); how a solution of A_p x = y follows from C y."""
+    """A_a, A_p and what they stray, (K, m, nv); how a solution of A_p x = y follows from C y. rounding (K, passive): of
+    C, |I - C A_p| in the middle times the `column_scales`.
+    """
 
     closures: Closures
     inverse: np.ndarray
@@ -63,6 +80,7 @@ class _Linear:
     turned: np.ndarray
     weights: np.ndarray
     largest: np.ndarray
+    rounding: np.ndarray
 
     def bounded(self, sizes: np.ndarray) -> np.ndarray:
         """Bounds (K, passive, c) of x with |x| <= sizes + |I - C A_p| |x|."""
@@ -81,101 +99,144 @@ class _Linear:
         return self.bounded(sizes)
 
 
-def enclosed(
-    geometry: Geometry, intervals: Intervals, motors: MotorBalls, motion: Motion, *, rates: bool
-) -> Enclosure:
-    """The whole robot in every interval; motion: in their middles. rates: accelerations, too."""
-    closures = closures_of(geometry)
-    passive, active = geometry.passive, geometry.active
-    half = intervals.half[:, None]
-    (_, speed, growth), (_, speeding, growing) = motors.middle, motors.radius
-    start = _start(geometry, closures, motion)
-    passive_jacobian, fastest = np.abs(motion.jacobian[:, passive]), np.abs(speed) + speeding
-    first = np.abs(motion.v[:, passive]) + _by(passive_jacobian, speeding)
-
-    def moved(speeds: np.ndarray) -> np.ndarray:
-        """Movement (K, nv) of all joints, with such speeds of the passive ones."""
-        rates = np.zeros_like(motion.v)
-        rates[:, active] = motors.radius[0]
-        rates[:, passive] = half * speeds
-        return _evened(geometry, rates)
-
-    reach = moved(PROOF.wider * first)
-    least = (
-        PROOF.least_radius
-        * (reach / column_scales(geometry)).max(axis=1, keepdims=True)
-        * column_scales(geometry)
-    )
-    reach[:, passive] = np.maximum(reach, least)[:, passive] + 2.0 * start.bounds
-    wide, middle = _linear(geometry, closures, motion, reach, reach, start.inverse)
-    passed = moved(first + _by(wide.jacobian(motion, middle), fastest))
-    passed[:, passive] += start.bounds
+def pose_sets(geometry: Geometry, intervals: Intervals, motors: MotorBalls, motion: Motion) -> PoseSets:
+    """The sets of poses of every interval; motion: in their middles."""
+    closures, passive = closures_of(geometry), geometry.passive
+    scales = column_scales(geometry)
+    inverse, bounds = _start(geometry, closures, motion)
+    speeds = _Speeds(geometry, intervals, motors, motion)
+    reach = speeds.moved(PROOF.wider * speeds.first)
+    least = PROOF.least_radius * (reach / scales).max(axis=1, keepdims=True) * scales
+    reach[:, passive] = np.maximum(reach, least)[:, passive] + 2.0 * bounds
+    wide, middle = _linear(geometry, closures, motion, reach, reach, inverse)
+    straying = _by(wide.jacobian(motion, middle), speeds.fastest)
+    passed = speeds.moved(speeds.first + straying)
+    passed[:, passive] += bounds
     held = (wide.largest <= PROOF.turned) & np.all(passed[:, passive] <= reach[:, passive], axis=1)
     for part in _vectors(geometry):
-        held &= reach[:, part.start] <= PROOF.moved * column_scales(geometry)[part.start]
-    passed = np.where(held[:, None], passed, reach)
-    tight, middle = _linear(geometry, closures, motion, passed, reach, start.inverse)
-    held &= tight.largest <= PROOF.turned
+        held &= reach[:, part.start] <= PROOF.moved * scales[part.start]
+    excess = wide.largest / PROOF.turned
+    return PoseSets(
+        reach, np.where(held[:, None], passed, reach), held, excess, inverse, bounds, wide.rounding
+    )
+
+
+@dataclass(frozen=True)
+class _Speeds:
+    """Of the passive joints in intervals: first (K, passive), as fast as the Jacobian in the middles lets the motors
+    move them; fastest (K, n): the motors.
+    """
+
+    geometry: Geometry
+    intervals: Intervals
+    motors: MotorBalls
+    motion: Motion
+
+    @property
+    def fastest(self) -> np.ndarray:
+        """Speeds of the motors."""
+        return np.asarray(np.abs(self.motors.middle[1]) + self.motors.radius[1])
+
+    @property
+    def changes(self) -> np.ndarray:
+        """What the motors' changes of speed do to all joints (K, nv), with the Jacobian in the middles."""
+        return _by(np.abs(self.motion.jacobian), self.motors.radius[1])
+
+    @property
+    def first(self) -> np.ndarray:
+        """Speeds of the passive joints."""
+        return np.asarray((np.abs(self.motion.v) + self.changes)[:, self.geometry.passive])
+
+    def moved(self, speeds: np.ndarray) -> np.ndarray:
+        """Movement (K, nv) of all joints, with such speeds of the passive ones."""
+        rates = np.zeros_like(self.motion.v)
+        rates[:, self.geometry.active] = self.motors.radius[0]
+        rates[:, self.geometry.passive] = self.intervals.half[:, None] * speeds
+        return _evened(self.geometry, rates)
+
+
+def enclosed(
+    geometry: Geometry,
+    intervals: Intervals,
+    motors: MotorBalls,
+    motion: Motion,
+    sets: PoseSets,
+    *,
+    rates: bool,
+) -> Enclosure:
+    """The whole robot in every interval, all of which are held; motion: in their middles. rates: accelerations, too."""
+    closures, passive = closures_of(geometry), geometry.passive
+    speeds = _Speeds(geometry, intervals, motors, motion)
+    tight, middle = _linear(geometry, closures, motion, sets.passed, sets.reach, sets.inverse, sets.rounding)
     jacobian = np.zeros_like(motion.jacobian)
     jacobian[:, passive] = tight.jacobian(motion, middle)
-    again = moved(first + _by(jacobian[:, passive], fastest))
-    again[:, passive] += start.bounds
-    passed = np.minimum(passed, again)
-    v = _by(np.abs(motion.jacobian), speeding) + _by(jacobian, fastest)
+    v = speeds.changes + _by(jacobian, speeds.fastest)
+    passed = speeds.moved(speeds.first + _by(jacobian[:, passive], speeds.fastest))
+    strays = speeds.moved(v[:, passive])
+    passed[:, passive] += sets.bounds
+    strays[:, passive] += sets.bounds
+    passed = np.minimum(sets.passed, passed)
+    for joint in geometry.joints:
+        if joint.kind == "free":  # it shifts along axes that turn
+            at = joint.v.start
+            strays[:, at : at + 3] += passed[:, at : at + 1] * passed[:, at + 3 : at + 4]
     a = np.zeros_like(v)
     if rates:
-        a = _by(np.abs(motion.jacobian), growing) + _by(jacobian, np.abs(growth) + growing)
+        _, _, growing = motors.radius
+        a = _by(np.abs(motion.jacobian), growing) + _by(jacobian, np.abs(motors.middle[2]) + growing)
         a[:, passive] += _bias(geometry, motion, tight, middle, passed, v)
+    configurations = _configurations(geometry, passed)
     return Enclosure(
         motion,
-        _configurations(geometry, passed),
+        configurations,
         v,
         a,
         jacobian,
         middle,
         tight.radius,
-        reach,
+        sets.inverse,
+        sets.rounding,
         passed,
-        held,
-        wide.largest,
+        strays,
     )
 
 
-def follows(geometry: Geometry, q: np.ndarray, passed: np.ndarray, reach: np.ndarray) -> np.ndarray:
-    """Whether the motion of each interval but the last goes on as that of the next (K - 1,): then one of the two sets
-    holds what both say of the time between them. q (K, nq): poses in the middles; the others as in `Enclosure`.
+def follows(
+    geometry: Geometry, intervals: Intervals, motion: Motion, strays: np.ndarray, reach: np.ndarray
+) -> np.ndarray:
+    """Whether the motion of each interval but the last goes on as that of the next (K - 1,): then the set of poses of
+    one of them holds where the other's motion is at the time between them, and no other closes the loops there. motion:
+    in the middles; the others as in `Enclosure` and `PoseSets`.
 
     Poses that differ by idle spins of rods are one: closures say nothing of these.
     """
-    passive = geometry.passive
-
-    def overlap(between: np.ndarray, first: np.ndarray) -> np.ndarray:
-        into_first = np.all(between + passed[first + 1][:, passive] <= reach[first][:, passive], axis=1)
-        into_second = np.all(between + passed[first][:, passive] <= reach[first + 1][:, passive], axis=1)
-        return np.asarray(into_first | into_second)
-
-    certain = overlap(_apart(geometry, q[:-1], q[1:])[:, passive], np.arange(len(q) - 1))
-    uncertain = np.flatnonzero(~certain)
-    if len(uncertain) and idle_spins(geometry):
-        certain[uncertain] = overlap(
-            _apart_but_for_spins(geometry, q[uncertain], q[uncertain + 1]), uncertain
-        )
+    passive, q = geometry.passive, motion.q
+    way = intervals.half * motion.v.T
+    ends, starts = integrate(geometry, q.T, way).T, integrate(geometry, q.T, -way).T
+    certain = np.zeros(len(q) - 1, dtype=bool)
+    for measure in (_apart, _apart_but_for_spins) if idle_spins(geometry) else (_apart,):
+        first = np.flatnonzero(~certain)
+        for place, of, into in ((ends, first, first + 1), (starts, first + 1, first)):
+            off = measure(geometry, place[of], q[into])[:, passive] + strays[of][:, passive]
+            certain[first] |= np.all(off <= reach[into][:, passive], axis=1)
     return certain
 
 
 def _apart_but_for_spins(geometry: Geometry, first: np.ndarray, second: np.ndarray) -> np.ndarray:
-    """Displacements (K, passive), evened, from configurations (K, nq) to others, without the rods' idle spins.
+    """Displacements (K, nv), evened, from configurations (K, nq) to others, without the rods' idle spins.
 
-    What spins move is taken away to first order; its square is added.
+    What spins move is taken away to first order; its square is added. It moves no loop, and the rows of the idle spins
+    as all of the way does.
     """
-    spins, passive = len(idle_spins(geometry)), geometry.passive
-    rows = loop_jacobian(geometry, first.T, passive)[:-spins].transpose(2, 0, 1)
-    free = np.linalg.svd(rows)[2][:, -spins:]
+    passive = geometry.passive
+    rows = loop_jacobian(geometry, first.T, passive).transpose(2, 0, 1)
     away = displacements(geometry, first.T, second.T)[passive].T
-    spun = np.einsum("ksp,ks->kp", free, np.einsum("ksp,kp->ks", free, away))
+    moved = _by(rows, away)
+    moved[:, : -len(idle_spins(geometry))] = 0.0
+    spun = _by(_inverse(rows), moved)
     distances = np.zeros((len(first), geometry.nv))
     distances[:, passive] = np.abs(away - spun) + np.abs(spun).max(axis=1, keepdims=True) ** 2
-    return np.asarray(_evened(geometry, distances)[:, passive])
+    return _evened(geometry, distances)
 
 
 def begins_at_home(geometry: Geometry, q: np.ndarray, reach: np.ndarray) -> bool:
@@ -187,32 +248,27 @@ def begins_at_home(geometry: Geometry, q: np.ndarray, reach: np.ndarray) -> bool
     return bool(np.all(off <= reach[:1, geometry.passive]))
 
 
-@dataclass(frozen=True)
-class _Start:
+def _start(geometry: Geometry, closures: Closures, motion: Motion) -> tuple[np.ndarray, np.ndarray]:
     """C (K, passive, m), and how far the closed poses are at most from those of the motion (K, passive)."""
-
-    inverse: np.ndarray
-    bounds: np.ndarray
-
-
-def _start(geometry: Geometry, closures: Closures, motion: Motion) -> _Start:
     samples, passive = len(motion.time), geometry.passive
     residual, middle, _ = _rows(closures, [row if row.any() else 0.0 for row in motion.q.T], samples)
-    matrix = middle[:, :, passive]
-    turned = matrix.transpose(0, 2, 1)
     with np.errstate(all="ignore"):
-        inverse = (
-            np.linalg.inv(matrix)
-            if matrix.shape[1] == matrix.shape[2]
-            else np.linalg.inv(turned @ matrix) @ turned
-        )
+        inverse = _inverse(middle[:, :, passive])
     scales = column_scales(geometry)[passive]
     off = np.abs(np.einsum("kpm,km->kp", inverse, residual)) / scales
     bounds = np.zeros_like(motion.v)
     bounds[:, passive] = (
         2.0 / PROOF.least_radius * off.max(axis=1, keepdims=True, initial=0.0) + PROOF.closed
     ) * scales
-    return _Start(inverse, _evened(geometry, bounds)[:, passive])
+    return inverse, _evened(geometry, bounds)[:, passive]
+
+
+def _inverse(matrices: np.ndarray) -> np.ndarray:
+    """Of matrices (K, m, p), m >= p, as least squares ask for."""
+    if matrices.shape[1] == matrices.shape[2]:
+        return np.linalg.inv(matrices)
+    turned = matrices.transpose(0, 2, 1)
+    return np.asarray(np.linalg.inv(turned @ matrices) @ turned)
 
 
 def _rows(closures: Closures, q: list[Scalar], samples: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -234,19 +290,26 @@ def _linear(
     reach: np.ndarray,
     weights: np.ndarray,
     inverse: np.ndarray,
+    rounding: np.ndarray | None = None,
 ) -> tuple[_Linear, np.ndarray]:
-    """The closures' Jacobian in a set of poses, and in its middle; weights (K, nv): of the norm."""
+    """The closures' Jacobian in a set of poses, and in its middle; weights (K, nv): of the norm; rounding: see
+    `_Linear`, worked out where it is not known.
+    """
     q = balls(motion.q.T, _configurations(geometry, reach).T)
     _, middle, radius = _rows(closures, q, len(motion.time))
     passive = geometry.passive
-    weights = weights[:, passive]
-    turned = np.empty_like(weights)
+    weights, scales = weights[:, passive], column_scales(geometry)[passive]
+    if rounding is None:
+        rounding = np.empty_like(weights)
+        for part in _cached(middle):
+            rounding[part] = (
+                np.abs(np.eye(len(passive)) - inverse[part] @ middle[part][:, :, passive]) @ scales
+            )
+    turned = rounding * (weights / scales).max(axis=1, keepdims=True, initial=0.0)
     for part in _cached(middle):
-        off = np.abs(np.eye(len(passive)) - inverse[part] @ middle[part][:, :, passive])
-        strays = _by(radius[part][:, :, passive], weights[part])
-        turned[part] = _by(off, weights[part]) + _by(np.abs(inverse[part]), strays)
+        turned[part] += _by(np.abs(inverse[part]), _by(radius[part][:, :, passive], weights[part]))
     largest = (turned / weights).max(axis=1, initial=0.0)
-    return _Linear(closures, inverse, radius, turned, weights, largest), middle
+    return _Linear(closures, inverse, radius, turned, weights, largest, rounding), middle
 
 
 def _bias(

@@ -30,7 +30,7 @@ from bench.excitation.experiment.room import Room, outside, tool_positions
 from bench.excitation.experiment.search import Candidate, Search, Tried
 from bench.model.geometry import Geometry
 from bench.model.mobility import least_held, smallest_singular_values
-from bench.model.motion import Motion, joined, motion_near
+from bench.model.motion import Motion, at_speeds, joined, motion_near
 from bench.scenario.trajectory import FourierTrajectory
 
 
@@ -40,6 +40,10 @@ class Linear:
 
     values: np.ndarray
     slopes: np.ndarray
+
+    def at(self, chosen: np.ndarray) -> "Linear":
+        """Some of them."""
+        return Linear(self.values[chosen], self.slopes[chosen])
 
 
 @dataclass(frozen=True)
@@ -128,18 +132,23 @@ def _perturbed(search: Search, tried: Tried, load: str | None) -> _Perturbed:
     states = tried.trajectory.evaluate(times)
     n, count = len(room.home), len(times)
     steps = SEARCH.difference * np.array([room.joint.high - room.joint.low, room.velocity, room.acceleration])
-    moved_states = [np.tile(state, (2 * n, 1)) for state in states]
-    for order in range(2):
-        for j in range(n):
-            at = (order * n + j) * count
-            moved_states[order][at : at + count, j] += steps[order, j]
-    every = np.tile(np.arange(count), 2 * n)
+    every = np.tile(np.arange(count), n)
+    moved_states = [state[every] for state in states]
+    for j in range(n):
+        moved_states[0][j * count : (j + 1) * count, j] += steps[0, j]
     moved_motions = motion_near(geometry, tried.motion.at(every), *moved_states)
-    whole = joined((moved_motions, *(_accelerated(tried.motion, j, steps[2, j]) for j in range(n))))
+    faster = [states[1] + step for step in np.diag(steps[1])]
+    whole = joined(
+        (
+            moved_motions,
+            *at_speeds(geometry, tried.motion, faster, states[2]),
+            *(_accelerated(tried.motion, j, steps[2, j]) for j in range(n)),
+        )
+    )
     each = seen_each(search.nominal, whole, count, load)
     showing = [each[order * n : (order + 1) * n] for order in range(3)]
     shown = seen(search.nominal, tried.motion, load)
-    return _Perturbed(tried.motion, shown, moved_motions.at(slice(n * count)), showing, steps)
+    return _Perturbed(tried.motion, shown, moved_motions, showing, steps)
 
 
 def _accelerated(motion: Motion, j: int, step: float) -> Motion:
@@ -175,35 +184,32 @@ def _error_slopes(
     changes, and with it the weights of the motors. Columns of `gradient` meet the regressor first: nothing has the size
     of a gram for each coefficient.
     """
-    recording, n, m = recordings[number], sizes.shape[1], gradient.left_factor.shape[1]
+    recording, n, m = recordings[number], sizes.shape[1], gradient.factor.shape[1]
     weight = 1.0 / pooled_variance(recordings)
     scale = recording.samples / len(probe.shown.current)
-    of_normal, of_score = scale * weight[:, None], scale * (weight**2 * recording.variance)[:, None]
-    sides = np.hstack((gradient.left_factor, gradient.by_normal, gradient.by_score))
-    by_left, by_normal, by_score = np.split(_times(probe.shown.jacobian, sides), 3, axis=2)  # (N, n, m) each
-    of_mean = 2.0 * (
-        of_normal * (probe.shown.jacobian @ gradient.mean_by_normal)
-        + of_score * (probe.shown.jacobian @ gradient.mean_by_score)
+    weights = (
+        scale * np.array((weight, weight**2 * recording.variance))[:, :, None, None]
+    )  # of normal and score
+    sides = np.hstack((gradient.factor, gradient.by_normal)).T
+    jacobian = probe.shown.by_motor
+    present = sides @ jacobian  # (n, 2 m, N)
+    by_factor, by_normal = present[:, :m], present[:, m:]
+    of_each = np.concatenate(
+        (weights[0] * by_normal + 2.0 * weights[1] * by_factor, weights[0] * by_factor), axis=1
     )
+    of_mean = 2.0 * (
+        (weights[0] * gradient.mean_by_normal + weights[1] * gradient.mean_by_score) @ jacobian
+    )  # (n, P, N)
     slopes = np.zeros((m + 1, *sizes.shape))
+    for order, j in np.ndindex(3, n):
+        other = probe.showing[order][j].by_motor
+        by_side = np.einsum("imt,imt->mt", of_each, sides @ other - present)
+        of_all = np.vstack((by_side[:m] + by_side[m:], np.einsum("ipt,ipt->t", of_mean, other - jacobian)))
+        by_series = of_all @ basis[order].reshape(len(basis[order]), -1) / probe.steps[order, j]
+        slopes[:, :, j] += by_series.reshape(m + 1, 2, -1) * sizes[:, j]
     variances = _variance_slopes(search.nominal.noise, probe, basis, sizes)
-    for order in range(3):
-        for j in range(n):
-            change = (probe.showing[order][j].jacobian - probe.shown.jacobian) / probe.steps[order, j]
-            to_left, to_normal, to_score = np.split(_times(change, sides), 3, axis=2)
-            at_samples = (
-                of_normal * (by_left * to_normal + to_left * by_normal)
-                + of_score * (by_left * to_score + to_left * by_score)
-            ).sum(axis=1)
-            of_all = np.hstack((at_samples, np.einsum("tip,tip->t", of_mean, change)[:, None]))
-            slopes[:, :, j] += np.einsum("tm,twk->mwk", of_all, basis[order]) * sizes[:, j]
     slopes += np.tensordot(_by_variances(gradient, recordings, number, weight), variances, axes=1)
     return slopes.reshape(len(slopes), sizes.size)
-
-
-def _times(rows: np.ndarray, matrix: np.ndarray) -> np.ndarray:
-    """Rows (N, n, P) times a matrix (P, m), as one product instead of N small ones."""
-    return (rows.reshape(-1, rows.shape[2]) @ matrix).reshape(*rows.shape[:2], -1)
 
 
 def _variance_slopes(noise: Noise, probe: _Perturbed, basis: np.ndarray, sizes: np.ndarray) -> np.ndarray:
@@ -230,12 +236,12 @@ def _by_variances(
     share = changed.samples / sum(recording.samples for recording in recordings)
 
     def between(grams: np.ndarray, right: np.ndarray, mean: np.ndarray) -> np.ndarray:
-        each = np.einsum("pm,npm->mn", gradient.left_factor, grams @ right)
+        each = np.einsum("pm,npm->mn", gradient.factor, grams @ right)
         return np.vstack((each, np.einsum("pq,nqp->n", mean, grams)))
 
     whole = sum(recording.grams for recording in recordings)
     noisy = sum(recording.grams * recording.variance[:, None, None] for recording in recordings)
-    by_normal, by_score = gradient.by_normal, gradient.by_score
+    by_normal, by_score = gradient.by_normal, gradient.factor
     return np.asarray(
         weight**2
         * (

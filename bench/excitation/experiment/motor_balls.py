@@ -36,6 +36,10 @@ class MotorBalls:
     middle: np.ndarray
     radius: np.ndarray
 
+    def at(self, chosen: np.ndarray) -> "MotorBalls":
+        """In some of the intervals."""
+        return MotorBalls(self.middle[:, chosen], self.radius[:, chosen])
+
 
 def intervals_of(trajectory: FourierTrajectory, rate: float) -> Intervals:
     """A motion cut into intervals of the same length, at least `rate` of them a second."""

@@ -75,6 +75,11 @@ class SeenMotion:
     jacobian: np.ndarray
     current: np.ndarray
 
+    @property
+    def by_motor(self) -> np.ndarray:
+        """The derivatives (n, P, N), as they lie in memory."""
+        return self.jacobian.transpose(1, 2, 0)
+
 
 def seen(nominal: Nominal, motion: Motion, payload: str | None) -> SeenMotion:
     """Currents along a motion, and how they change with every unknown."""
@@ -87,29 +92,32 @@ def seen_each(nominal: Nominal, motions: Motion, samples: int, payload: str | No
     columns = model.base.columns
     if payload is not None:
         columns = np.concatenate((columns, model.payload_columns))
-    regressor = projected_regressor(model.geometry, motions, columns)
-    nb, n = layout.base, regressor.shape[1]
-    rigid = regressor[:, :, :nb]
-    torque = rigid @ nominal.base
-    jacobian = np.zeros((*regressor.shape[:2], nominal.size))
-    jacobian[:, :, :nb] = rigid
+    regressor = projected_regressor(model.geometry, motions, columns).transpose(
+        1, 2, 0
+    )  # (n, p, N), as it is made
+    nb, n = layout.base, len(regressor)
+    torque = nominal.base @ regressor[:, :nb]  # (n, N)
+    jacobian = np.zeros((n, nominal.size, regressor.shape[2]))
+    jacobian[:, :nb] = regressor[:, :nb]
     if payload is not None:
         if model.payload is None:
             raise BenchError(f"robot {model.geometry.robot.name}: a payload needs [tool] site in robot.toml")
-        loads = regressor[:, :, nb:] @ model.payload
-        torque = torque + loads @ payload_columns(nominal.payloads[payload]).known
+        loads = model.payload.T @ regressor[:, nb:]
+        torque += payload_columns(nominal.payloads[payload]).known @ loads
         if payload in layout.payloads:
-            jacobian[:, :, layout.payload_slice(payload)] = loads[:, :, layout.payloads[payload]]
-    each = [slice(at, at + samples) for at in range(0, len(torque), samples)]
+            jacobian[:, layout.payload_slice(payload)] = loads[:, layout.payloads[payload]]
+    each = [slice(at, at + samples) for at in range(0, torque.shape[1], samples)]
     if nominal.effects:
         first = layout.size - layout.effects
         for motion in each:  # an effect may have a memory
-            jacobian[motion, :, first : layout.size] = _effects(nominal, motions.at(motion), payload)
-    current = torque / nominal.gains
-    jacobian[:, :, : layout.size] /= nominal.gains[:, None]
+            columns = _effects(nominal, motions.at(motion), payload)
+            jacobian[:, first : layout.size, motion] = columns.transpose(1, 2, 0)
+    jacobian[:, : layout.size] /= nominal.gains[:, None, None]
+    current = torque.T / nominal.gains
     if nominal.gains_fitted:
-        jacobian[:, np.arange(n), layout.size + np.arange(n)] = -current / nominal.gains
-    return [SeenMotion(jacobian[motion], current[motion]) for motion in each]
+        own = np.arange(n)
+        jacobian[own, layout.size + own] = -(current / nominal.gains).T
+    return [SeenMotion(jacobian[:, :, motion].transpose(2, 0, 1), current[motion]) for motion in each]
 
 
 def _effects(nominal: Nominal, motion: Motion, payload: str | None) -> np.ndarray:
@@ -155,8 +163,7 @@ class Equations:
 def evidence(nominal: Nominal, what: SeenMotion, duration: float) -> Evidence:
     """What a recording of this duration tells of all unknowns."""
     samples = nominal.noise.rate * duration
-    by_motor = what.jacobian.transpose(1, 0, 2)
-    grams = by_motor.transpose(0, 2, 1) @ by_motor * (samples / len(what.current))
+    grams = what.by_motor @ what.by_motor.transpose(0, 2, 1) * (samples / len(what.current))
     return Evidence(grams, nominal.noise.deviation(what.current) ** 2, samples)
 
 

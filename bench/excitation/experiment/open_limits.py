@@ -51,10 +51,7 @@ def margins(nominal: Nominal, room: Room, payload: str | None, enclosure: Enclos
     if geometry.closed:
         sizes = np.abs(enclosure.motion.jacobian)
         by_limit[Kept.AMPLIFICATION, ""] = _below(room.joint.amplification, sizes, sizes + enclosure.jacobian)
-        values, straying = _singular_values(geometry, enclosure)
-        by_limit[Kept.SINGULAR, ""] = Margin(
-            values - room.joint.held, values * (1.0 - PROOF.rounding) - straying - room.joint.held
-        )
+        by_limit[Kept.SINGULAR, ""] = _singular(geometry, room.joint.held, enclosure)
     for limit in passive_ranges(geometry):
         at, radius = limit.at(enclosure.motion.q), enclosure.passed[:, limit.displacement.start]
         distance = np.minimum(at - limit.low, limit.high - at)
@@ -82,30 +79,37 @@ def _below(most: float, middle: np.ndarray, largest: np.ndarray) -> Margin:
     return Margin(most - middle.max(axis=(1, 2)), most - largest.max(axis=(1, 2)) * (1.0 + PROOF.rounding))
 
 
-def _singular_values(geometry: Geometry, enclosure: Enclosure) -> tuple[np.ndarray, np.ndarray]:
-    """The smallest singular value of the scaled closures by the passive joints in the middles, and how far it strays at
-    most, (K,) each: no further than the norm of what the matrix changes by (Weyl).
+def _singular(geometry: Geometry, least: float, enclosure: Enclosure) -> Margin:
+    """Margin of the smallest singular value of the scaled closures by the passive joints: it strays no further than the
+    norm of what the matrix changes by (Weyl). It is worked out only where one over the inverse's norm, which it is at
+    least, does not prove that it is large enough.
 
     See `scaled_jacobians`; where a row is over its largest entry, both stray.
     """
-    scales = column_scales(geometry)
-    middle, radius = enclosure.rows * scales, enclosure.hold * scales
+    passive = geometry.passive
+    sizes = np.ones((len(enclosure.rows), enclosure.rows.shape[1]))  # that rows are divided by
     row = 0
     for loop in geometry.loops:
-        middle[:, row : row + 3] /= robot_length(geometry)
-        radius[:, row : row + 3] /= robot_length(geometry)
+        sizes[:, row : row + 3] = robot_length(geometry)
         row += loop.size
     gears = slice(row, row + len(geometry.couplings))
-    largest = np.abs(middle[:, gears]).max(axis=2, keepdims=True, initial=0.0)
-    strays = radius[:, gears].max(axis=2, keepdims=True, initial=0.0)
-    middle[:, gears] /= largest
-    below = largest - strays
+    scales = column_scales(geometry)
+    sizes[:, gears] = np.abs(enclosure.rows[:, gears] * scales).max(axis=2, initial=0.0)
+    middle = enclosure.rows[:, :, passive] * scales[passive] / sizes[:, :, None]
+    radius = enclosure.hold[:, :, passive] * scales[passive] / sizes[:, :, None]
+    strays = (enclosure.hold[:, gears] * scales).max(axis=2, initial=0.0) / sizes[:, gears]
     radius[:, gears] = np.where(
-        below > 0.0, (radius[:, gears] + np.abs(middle[:, gears]) * strays) / below, np.inf
+        strays[:, :, None] < 1.0,
+        (radius[:, gears] + np.abs(middle[:, gears]) * strays[:, :, None]) / (1.0 - strays[:, :, None]),
+        np.inf,
     )
-    passive = geometry.passive
-    values = np.linalg.svd(middle[:, :, passive], compute_uv=False)[:, -1]
-    return values, np.linalg.norm(radius[:, :, passive], axis=(1, 2)) * (1.0 + PROOF.rounding)
+    straying = np.linalg.norm(radius, axis=(1, 2)) * (1.0 + PROOF.rounding)
+    inverse = enclosure.inverse / scales[passive, None] * sizes[:, None, :]
+    off = np.linalg.norm(enclosure.rounding / scales[passive], axis=1)
+    values = (1.0 - off) / np.linalg.norm(inverse, axis=(1, 2))
+    open_still = ~(values * (1.0 - PROOF.rounding) - straying > least)
+    values[open_still] = np.linalg.svd(middle[open_still], compute_uv=False)[:, -1]
+    return Margin(values - least, values * (1.0 - PROOF.rounding) - straying - least)
 
 
 def _tool(geometry: Geometry, enclosure: Enclosure) -> tuple[np.ndarray, np.ndarray]:

@@ -6,7 +6,7 @@ import numpy as np
 
 from bench.basics.errors import BenchError
 from bench.excitation.bounds import PROOF
-from bench.excitation.experiment.enclosed_loops import Enclosure, begins_at_home, enclosed, follows
+from bench.excitation.experiment.enclosed_loops import PoseSets, begins_at_home, enclosed, follows, pose_sets
 from bench.excitation.experiment.motor_balls import Intervals, intervals_of, motor_balls
 from bench.excitation.experiment.nominal import Nominal
 from bench.excitation.experiment.open_limits import Kept, Limit, margins
@@ -43,13 +43,14 @@ class Unproven:
 
 @dataclass(frozen=True)
 class _Looked:
-    """Intervals, the motion in their middles, and what `Enclosure` says of them; open, exceeded (K, L): of which of the
-    limits it is not proven that they are kept, and which are not kept in the middle.
+    """Intervals, the motion in their middles, and what `Enclosure` and `PoseSets` say of them; open, exceeded (K, L):
+    of which of the limits it is not proven that they are kept, and which are not kept in the middle; parts (K,): into
+    how many an open one is cut.
     """
 
     intervals: Intervals
     motion: Motion
-    passed: np.ndarray
+    strays: np.ndarray
     reach: np.ndarray
     limits: tuple[Limit, ...]
     open: np.ndarray
@@ -82,7 +83,7 @@ def prove(promise: Promise) -> Proof | Unproven:
     amplified = np.abs(motion.jacobian).max(axis=(1, 2)) > promise.room.joint.amplification
     if geometry.closed and amplified.any():  # before any time is spent on what lies between
         return _amplified(geometry, motion, int(np.argmax(amplified)))
-    known = _looked(promise, intervals, motion)
+    known = _looked(promise, *_cut_ahead(promise, intervals, motion))
     while True:
         known = _followed(geometry, known)
         undecided = np.asarray(known.open.any(axis=1))
@@ -102,6 +103,22 @@ def prove(promise: Promise) -> Proof | Unproven:
         known = _merged(known, ~undecided, _looked(promise, finer, motion))
 
 
+def _cut_ahead(promise: Promise, intervals: Intervals, motion: Motion) -> tuple[Intervals, Motion]:
+    """Intervals, cut where it can be expected that their loops are not held otherwise, by a few of them."""
+    geometry, few = promise.nominal.model.geometry, np.arange(0, len(intervals.half), PROOF.ahead)
+    sampled = intervals.at(few)
+    sets = pose_sets(geometry, sampled, motor_balls(promise.trajectory, sampled), motion.at(few))
+    parts = np.append(np.where(sets.held, 1, _parts(sets)), 1)
+    before = np.arange(len(intervals.half)) // PROOF.ahead
+    parts = np.maximum(parts[before], parts[before + 1])
+    finer = intervals.cut(parts)
+    near = replace(motion.at(np.repeat(np.arange(len(parts)), parts)), time=finer.middle)
+    try:
+        return finer, motion_near(geometry, near, *promise.trajectory.evaluate(finer.middle))
+    except BenchError:  # where it can be told which interval that is
+        return intervals, motion
+
+
 def _looked(promise: Promise, intervals: Intervals, motion: Motion) -> _Looked:
     """What is known of intervals by themselves."""
     geometry = promise.nominal.model.geometry
@@ -109,47 +126,43 @@ def _looked(promise: Promise, intervals: Intervals, motion: Motion) -> _Looked:
     parts = []
     for block in blocks_of(len(intervals.half), PROOF.together):
         in_block = Intervals(intervals.middle[block], intervals.half[block])
-        motors = motor_balls(promise.trajectory, in_block)
-        enclosure = enclosed(geometry, in_block, motors, motion.at(block), rates=rates)
-        held = enclosure.held
-        by_limit = margins(promise.nominal, promise.room, promise.payload, enclosure.at(held))
+        motors, middles = motor_balls(promise.trajectory, in_block), motion.at(block)
+        sets = pose_sets(geometry, in_block, motors, middles)
+        held = sets.held
+        enclosure = enclosed(
+            geometry, in_block.at(held), motors.at(held), middles.at(held), sets.at(held), rates=rates
+        )
+        by_limit = margins(promise.nominal, promise.room, promise.payload, enclosure)
+        strays = np.zeros_like(middles.v)
+        strays[held] = enclosure.strays
         still, exceeded = np.zeros((2, len(held), 1 + len(by_limit)), dtype=bool)
         still[~held] = True
         for k, margin in enumerate(by_limit.values(), start=1):
             still[held, k] = ~(margin.least > 0.0)
             exceeded[held, k] = ~(margin.middle > 0.0)
-        parts.append(
-            _Looked(
-                in_block,
-                motion.at(block),
-                enclosure.passed,
-                enclosure.reach,
-                (LOOPS, *by_limit),
-                still,
-                exceeded,
-                _parts(enclosure),
-            )
-        )
+        limits = (LOOPS, *by_limit)
+        parts.append(_Looked(in_block, middles, strays, sets.reach, limits, still, exceeded, _parts(sets)))
     return _joined(parts)
 
 
-def _parts(enclosure: Enclosure) -> np.ndarray:
+def _parts(sets: PoseSets) -> np.ndarray:
     """Into how many an interval is cut so that its loops are held: how far I - C A_p strays is nearly in proportion to
     the interval; in two where that is not why it stays open.
     """
-    ratio = np.nan_to_num(
-        PROOF.more_parts * enclosure.turned / PROOF.turned, nan=PROOF.parts, posinf=PROOF.parts
-    )
-    parts = np.clip(np.ceil(ratio), 2, PROOF.parts)
-    return np.where(enclosure.held, 2, parts).astype(int)
+    ratio = np.nan_to_num(PROOF.more_parts * sets.excess, nan=PROOF.parts, posinf=PROOF.parts)
+    return np.where(sets.held, 2, np.clip(np.ceil(ratio), 2, PROOF.parts)).astype(int)
 
 
 def _followed(geometry: Geometry, known: _Looked) -> _Looked:
-    """The same, with loops open where it is not proven that one interval's motion goes on in the next."""
+    """The same, with loops open where both of two intervals are held, and it is not proven that the motion of the first
+    goes on in the second.
+    """
     if not geometry.closed:
         return known
-    q, still = known.motion.q, known.open.copy()
-    apart = ~follows(geometry, q, known.passed, known.reach)
+    q, still, held = known.motion.q, known.open.copy(), ~known.open[:, 0]
+    apart = (
+        ~follows(geometry, known.intervals, known.motion, known.strays, known.reach) & held[:-1] & held[1:]
+    )
     still[:-1, 0] |= apart
     still[1:, 0] |= apart
     still[0, 0] |= not begins_at_home(geometry, q, known.reach)
@@ -167,7 +180,7 @@ def _joined(parts: list[_Looked]) -> _Looked:
     return _Looked(
         intervals,
         motion,
-        np.concatenate([part.passed for part in parts]),
+        np.concatenate([part.strays for part in parts]),
         np.concatenate([part.reach for part in parts]),
         parts[0].limits,
         np.concatenate([part.open for part in parts]),
@@ -186,7 +199,7 @@ def _at(known: _Looked, chosen: np.ndarray) -> _Looked:
     return _Looked(
         known.intervals.at(chosen),
         known.motion.at(chosen),
-        known.passed[chosen],
+        known.strays[chosen],
         known.reach[chosen],
         known.limits,
         known.open[chosen],

@@ -171,7 +171,8 @@ def robot_motion(
     """
     position, velocity, acceleration = trajectory.evaluate(time)
     try:
-        motion = motion_of(geometry, time, position, velocity, acceleration, near=near)
+        most = room.joint.amplification
+        motion = motion_of(geometry, time, position, velocity, acceleration, near=near, most=most)
     except BenchError:  # out of reach, or through a singular pose
         return None
     if geometry.closed:
