@@ -1,7 +1,5 @@
 """A dataset: a robot, its payloads and the recordings of its movements, as a folder with dataset.toml."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Changes to a dataset.toml that a user may have written: what is not changed stays, comments and all."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any

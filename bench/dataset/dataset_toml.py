@@ -1,7 +1,5 @@
 """The file dataset.toml: what it may hold, how it is written, how a recording is added to it."""
 
-from __future__ import annotations
-
 import tomllib
 from collections.abc import Sequence
 from pathlib import Path

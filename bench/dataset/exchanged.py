@@ -1,7 +1,5 @@
 """Two columns of positions that lie in each other's ranges: a log in which they are swapped."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from itertools import combinations
 

@@ -1,7 +1,5 @@
 """A payload far heavier than the robot that carries it: grams typed as kilograms."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 from dataclasses import dataclass
 

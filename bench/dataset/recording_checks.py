@@ -6,8 +6,6 @@ that it makes) is allowed for. What a check takes for a fault can still be right
 recording may list checks that its user has looked at: accept = ["saturated"].
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from types import MappingProxyType

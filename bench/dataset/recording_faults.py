@@ -1,7 +1,5 @@
 """All that is wrong with the columns that a recording needs, each fault with what mends it."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from functools import partial
 from itertools import pairwise

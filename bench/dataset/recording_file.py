@@ -1,7 +1,5 @@
 """From a file to a recording that has been checked: everything found is named by file, column and row."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import replace
 from difflib import get_close_matches

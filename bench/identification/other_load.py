@@ -1,7 +1,5 @@
 """Whether a recording carries another load than it is declared to: tried where the model explains little."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Whether two motors' columns of a log were taken for each other: tried where the model explains little."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from itertools import combinations

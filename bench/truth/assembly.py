@@ -1,7 +1,5 @@
 """Poses in which all loops are closed, and what the actuated joints feel there."""
 
-from __future__ import annotations
-
 import mujoco
 import numpy as np
 from numpy.typing import NDArray

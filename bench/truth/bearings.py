@@ -1,7 +1,5 @@
 """Joints without a motor whose friction follows from the force that MuJoCo's constraints make them bear."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass, fields
 

@@ -1,7 +1,5 @@
 """A simulation as a dataset, in memory or as a folder with the truth."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

@@ -1,7 +1,5 @@
 """What the hidden effects of a simulated machine ask of its motors."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 
 import numpy as np

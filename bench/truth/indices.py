@@ -1,7 +1,5 @@
 """Indices into coordinates, and views of the columns that they name."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 import numpy as np

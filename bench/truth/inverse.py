@@ -1,7 +1,5 @@
 """What the motors have to supply for a given movement of their joints, loops closed."""
 
-from __future__ import annotations
-
 import mujoco
 import numpy as np
 from numpy.typing import NDArray

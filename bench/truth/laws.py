@@ -1,7 +1,5 @@
 """The laws of hidden effects, for the joints that have them, over the live state of a simulation."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, fields
 

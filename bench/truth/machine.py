@@ -1,7 +1,5 @@
 """The machine to simulate: the robot's MJCF with motors, a joint controller, a payload and hidden effects."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 

@@ -1,7 +1,5 @@
 """The closed loop, step by step: what the machine really does, before any sensor."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache

@@ -1,7 +1,5 @@
 """A simulation made again from what truth.json holds of it, to the last bit."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from typing import Any
 

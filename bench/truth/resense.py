@@ -1,7 +1,5 @@
 """The same true motion, logged again: other noise, other sensors, another seed."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The closed loop one step at a time, for machines with effects that MuJoCo does not have itself."""
 
-from __future__ import annotations
-
 import copy
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass

@@ -4,8 +4,6 @@ Numbers are read elsewhere and fast; this module answers which line an editor sh
 written there, and it is asked only when something is wrong.
 """
 
-from __future__ import annotations
-
 import csv
 import re
 from collections.abc import Iterable, Iterator

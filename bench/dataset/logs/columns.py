@@ -1,7 +1,5 @@
 """Which names of a log become which columns of a recording, in SI."""
 
-from __future__ import annotations
-
 import shlex
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field

@@ -1,7 +1,5 @@
 """A first look at a large text: its beginning and pieces from all over it, so that its columns are seen at once."""
 
-from __future__ import annotations
-
 import re
 from dataclasses import replace
 from pathlib import Path

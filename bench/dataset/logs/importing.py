@@ -1,7 +1,5 @@
 """Turn a controller's logs into recordings of a dataset."""
 
-from __future__ import annotations
-
 import math
 import os
 import re

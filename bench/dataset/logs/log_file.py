@@ -4,8 +4,6 @@
 columns of a matrix are called NAME[0], NAME[1], ...; the fields of a MATLAB struct NAME.FIELD. ROS bags: see ros_bag.
 """
 
-from __future__ import annotations
-
 import zipfile
 import zlib
 from collections.abc import Iterator, Mapping

@@ -1,7 +1,5 @@
 """A log cut into recordings: at gaps, where time goes back, and where its last part is kept for validation."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from itertools import pairwise

@@ -1,7 +1,5 @@
 """Units that a log may be in, and the factors that turn them into SI."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass
 from math import pi

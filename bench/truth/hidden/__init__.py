@@ -1,7 +1,5 @@
 """Effects that the simulated machine can have and that its log does not tell, one file each."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 
 from bench.truth.hidden.acceleration_dependent_friction import AccelerationDependentFriction

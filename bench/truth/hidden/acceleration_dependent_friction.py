@@ -1,9 +1,6 @@
 """Dry friction that grows with the acceleration; not in the catalogue of effects."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
-from typing import ClassVar
 
 import numpy as np
 
@@ -21,10 +18,10 @@ class AccelerationDependentFriction(JointEffect):
     friction would make the acceleration that makes the friction.
     """
 
-    name: ClassVar[str] = "acceleration_dependent_friction"
-    law: ClassVar[str] = "c |q̈| sign(q̇)"
-    not_negative: ClassVar[tuple[str, ...]] = ("c",)
-    in_catalogue: ClassVar[bool] = False
+    name = "acceleration_dependent_friction"
+    law = "c |q̈| sign(q̇)"
+    not_negative = ("c",)
+    in_catalogue = False
     c: float
 
     def change(self, draft: Draft) -> None:

@@ -1,7 +1,5 @@
 """What a hidden effect is: a change of the MuJoCo model, or laws that are evaluated at every step."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import ClassVar, Literal

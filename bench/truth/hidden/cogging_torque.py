@@ -1,9 +1,6 @@
 """A torque that is periodic in the position of the motor, as MuJoCo's cogging."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
-from typing import ClassVar
 
 import numpy as np
 
@@ -20,9 +17,9 @@ class CoggingTorque(JointEffect):
     a, b: N·m or N.  period: rad or m.
     """
 
-    name: ClassVar[str] = "cogging_torque"
-    law: ClassVar[str] = "a cos(2πq / period) + b sin(2πq / period)"
-    positive: ClassVar[tuple[str, ...]] = ("period",)
+    name = "cogging_torque"
+    law = "a cos(2πq / period) + b sin(2πq / period)"
+    positive = ("period",)
     a: float
     b: float
     period: float

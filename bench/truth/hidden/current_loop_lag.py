@@ -1,9 +1,6 @@
 """A drive whose current follows its reference with a lag."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
-from typing import ClassVar
 
 import numpy as np
 
@@ -21,10 +18,10 @@ class CurrentLoopLag(JointEffect):
     T: time constant, s.
     """
 
-    name: ClassVar[str] = "current_loop_lag"
-    shares: ClassVar[tuple[float, float]] = (0.002, 0.01)
-    law: ClassVar[str] = "T di/dt = i_ref − i"
-    positive: ClassVar[tuple[str, ...]] = ("T",)
+    name = "current_loop_lag"
+    shares = (0.002, 0.01)
+    law = "T di/dt = i_ref − i"
+    positive = ("T",)
     T: float
 
     @staticmethod

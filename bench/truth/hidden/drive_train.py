@@ -1,9 +1,6 @@
 """A motor and a joint that do not turn alike: what drive flexibility and backlash have in common."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
-from typing import ClassVar
 
 import mujoco
 import numpy as np
@@ -24,9 +21,9 @@ class DriveTrain(JointEffect):
     world, with its axis through its centre of mass, so that it feels only its motor and its spring.
     """
 
-    positive: ClassVar[tuple[str, ...]] = ("stiffness",)
-    not_negative: ClassVar[tuple[str, ...]] = ("damping", "rotor_inertia")
-    changes_drives: ClassVar[bool] = True
+    positive = ("stiffness",)
+    not_negative = ("damping", "rotor_inertia")
+    changes_drives = True
 
     def add_rotor(
         self, draft: Draft, stiffness: float, damping: float, rotor_inertia: float, play: float

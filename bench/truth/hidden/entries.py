@@ -1,7 +1,5 @@
 """From the [[hidden]] entries of a scenario to effects."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import MISSING, fields
 from pathlib import Path

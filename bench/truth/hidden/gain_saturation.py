@@ -1,9 +1,6 @@
 """A drive gain that falls as the current rises."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
-from typing import ClassVar
 
 import numpy as np
 
@@ -22,10 +19,10 @@ class GainSaturation(JointEffect):
     k: 1 / (drive unit)², at least 0.
     """
 
-    name: ClassVar[str] = "gain_saturation"
-    shares: ClassVar[tuple[float, float]] = (0.01, 0.1)
-    law: ClassVar[str] = "τ = g i (1 − k i²)"
-    not_negative: ClassVar[tuple[str, ...]] = ("k",)
+    name = "gain_saturation"
+    shares = (0.01, 0.1)
+    law = "τ = g i (1 − k i²)"
+    not_negative = ("k",)
     k: float
 
     @staticmethod

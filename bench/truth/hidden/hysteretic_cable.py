@@ -1,9 +1,6 @@
 """A cable or hose whose bending makes a loop."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
-from typing import ClassVar
 
 import numpy as np
 
@@ -23,9 +20,9 @@ class HystereticCable(JointEffect):
     F: N·m or N.  reach: rad or m.  sharpness: at least 1.
     """
 
-    name: ClassVar[str] = "hysteretic_cable"
-    law: ClassVar[str] = "Bouc and Wen: F z, reach dz/dt = q̇ − |q̇| |z|^(sharpness−1) z"
-    positive: ClassVar[tuple[str, ...]] = ("F", "reach", "sharpness")
+    name = "hysteretic_cable"
+    law = "Bouc and Wen: F z, reach dz/dt = q̇ − |q̇| |z|^(sharpness−1) z"
+    positive = ("F", "reach", "sharpness")
     F: float
     reach: float
     sharpness: float = 2.0

@@ -1,7 +1,5 @@
 """Parameters of effects that change the machine, by inverse dynamics of the machine with and without them."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 

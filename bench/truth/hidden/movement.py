@@ -1,7 +1,5 @@
 """What an actuated joint and its motor do in a movement, and what the sizes of its effects follow from."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

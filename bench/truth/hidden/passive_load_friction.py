@@ -1,9 +1,6 @@
 """Dry friction in a joint without a motor that grows with the force in it."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
-from typing import ClassVar
 
 import mujoco
 import numpy as np
@@ -26,10 +23,10 @@ class PassiveLoadFriction(JointEffect):
     mu: at least 0; N·m/N of a hinge, N/N of a slide.
     """
 
-    name: ClassVar[str] = "passive_load_friction"
-    law: ClassVar[str] = "mu |F| sign(q̇) in a joint without a motor, F the force across its axis"
-    not_negative: ClassVar[tuple[str, ...]] = ("mu",)
-    shares: ClassVar[tuple[float, float]] = (
+    name = "passive_load_friction"
+    law = "mu |F| sign(q̇) in a joint without a motor, F the force across its axis"
+    not_negative = ("mu",)
+    shares = (
         0.004,
         0.02,
     )  # mu of millimetres: 0.1 to 0.2 on a pin of centimetres

@@ -1,9 +1,6 @@
 """A torque at a fixed frequency; not in the catalogue of effects."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
-from typing import ClassVar
 
 import numpy as np
 
@@ -19,10 +16,10 @@ class PeriodicDisturbance(JointEffect):
     size: N·m or N.  frequency: Hz.  phase: rad, 0 if omitted.
     """
 
-    name: ClassVar[str] = "periodic_disturbance"
-    law: ClassVar[str] = "size sin(2π frequency t + phase)"
-    positive: ClassVar[tuple[str, ...]] = ("frequency",)
-    in_catalogue: ClassVar[bool] = False
+    name = "periodic_disturbance"
+    law = "size sin(2π frequency t + phase)"
+    positive = ("frequency",)
+    in_catalogue = False
     size: float
     frequency: float
     phase: float = 0.0

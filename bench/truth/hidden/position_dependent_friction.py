@@ -1,9 +1,6 @@
 """Dry friction that changes with the position."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
-from typing import ClassVar
 
 import numpy as np
 
@@ -22,9 +19,9 @@ class PositionDependentFriction(JointEffect):
     a, b: N·m or N.  harmonic: h, 1 if omitted; 1/rad, or 1/m for a slide.
     """
 
-    name: ClassVar[str] = "position_dependent_friction"
-    law: ClassVar[str] = "(a cos hq + b sin hq) sign(q̇); not negative"
-    positive: ClassVar[tuple[str, ...]] = ("harmonic",)
+    name = "position_dependent_friction"
+    law = "(a cos hq + b sin hq) sign(q̇); not negative"
+    positive = ("harmonic",)
     a: float
     b: float
     harmonic: float = 1.0

@@ -1,10 +1,7 @@
 """A product of powers, a wave, a fading and a memory; not in the catalogue of effects."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,10 +22,10 @@ class ProductLaw(JointEffect):
     of that frequency (rad/s) and damping makes of all this. Friction (direction 1, v 0, omega 0) also sticks.
     """
 
-    name: ClassVar[str] = "product_law"
-    law: ClassVar[str] = "c s |q̇|^v |q̈|^a |τ|^tau …: a product of powers, a wave, a fading and a memory"
-    not_negative: ClassVar[tuple[str, ...]] = ("v", "a", "tau", "others", "q", "wave", "T", "omega", "zeta")
-    in_catalogue: ClassVar[bool] = False
+    name = "product_law"
+    law = "c s |q̇|^v |q̈|^a |τ|^tau …: a product of powers, a wave, a fading and a memory"
+    not_negative = ("v", "a", "tau", "others", "q", "wave", "T", "omega", "zeta")
+    in_catalogue = False
     c: float
     direction: float = 0.0
     odd_tau: float = 0.0

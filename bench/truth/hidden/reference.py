@@ -1,7 +1,5 @@
 """A movement without hidden effects, against which the size of an effect is measured."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from functools import cached_property
 

@@ -1,7 +1,5 @@
 """How large an effect must be to matter: parameters for a given share of the torque, for any robot."""
 
-from __future__ import annotations
-
 import numpy as np
 from numpy.typing import NDArray
 

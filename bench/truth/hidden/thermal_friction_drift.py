@@ -1,9 +1,6 @@
 """Friction that a joint has while it is cold."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
-from typing import ClassVar
 
 import numpy as np
 
@@ -21,10 +18,10 @@ class ThermalFrictionDrift(JointEffect):
     Fv: N·m·s/rad or N·s/m.  Fc: N·m or N; both at least 0, and 0 if omitted.  T: time constant, s.
     """
 
-    name: ClassVar[str] = "thermal_friction_drift"
-    law: ClassVar[str] = "(Fv q̇ + Fc sign(q̇)) exp(−t/T), every recording from cold"
-    positive: ClassVar[tuple[str, ...]] = ("T",)
-    not_negative: ClassVar[tuple[str, ...]] = ("Fv", "Fc")
+    name = "thermal_friction_drift"
+    law = "(Fv q̇ + Fc sign(q̇)) exp(−t/T), every recording from cold"
+    positive = ("T",)
+    not_negative = ("Fv", "Fc")
     T: float
     Fv: float = 0.0
     Fc: float = 0.0

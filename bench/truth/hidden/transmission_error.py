@@ -1,9 +1,6 @@
 """An encoder or gear that is off its centre: what is measured swings about the true position."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
-from typing import ClassVar
 
 import numpy as np
 
@@ -18,9 +15,9 @@ class TransmissionError(JointEffect):
     a, b: rad or m.  period: rad or m; 2π for once a turn.
     """
 
-    name: ClassVar[str] = "transmission_error"
-    law: ClassVar[str] = "logged and controlled position = q + a cos(2πq / period) + b sin(2πq / period)"
-    positive: ClassVar[tuple[str, ...]] = ("period",)
+    name = "transmission_error"
+    law = "logged and controlled position = q + a cos(2πq / period) + b sin(2πq / period)"
+    positive = ("period",)
     a: float
     b: float
     period: float

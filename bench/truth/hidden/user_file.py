@@ -1,7 +1,5 @@
 """User-defined hidden effects: classes in a Python file that a scenario names."""
 
-from __future__ import annotations
-
 import inspect
 import sys
 from collections.abc import Callable, Mapping
