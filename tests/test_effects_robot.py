@@ -10,7 +10,7 @@ from scipy.interpolate import CubicSpline
 from bench.basics.errors import BenchError
 from bench.effects import CATALOGUE, EffectInstance, effect_columns, places_in, select_effects
 from bench.effects.body_length import lengths, with_length
-from bench.effects.on_spring import deflection
+from bench.effects.laws.drive_flexibility import deflection
 from bench.effects.signals import UNCHANGED, Changed, RobotSignals
 from bench.effects.tool_motion import tool_motion, tool_of
 from bench.identification import perturbed_observation

@@ -12,11 +12,10 @@ from math import hypot
 import numpy as np
 
 from bench.basics.chi_squared import exceeded_with
-from bench.identification.by_unknown import estimates, in_both
 from bench.identification.decision import RULE
 from bench.identification.estimators import DEFAULT_METHOD
 from bench.identification.finding import Code, Finding, Unknown
-from bench.identification.model_averaged import model_averaged
+from bench.identification.model_averaged import estimates, in_both, model_averaged
 from bench.identification.prepare import Prepared, prepare, with_effects
 from bench.identification.problem import Problem
 from bench.identification.result import BandPoint, Identification

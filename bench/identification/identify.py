@@ -8,7 +8,6 @@ from bench.basics.errors import BenchError
 from bench.basics.threads import on_one_thread
 from bench.dataset.recording import Recording
 from bench.effects import EffectInstance
-from bench.identification.bad_stretches import bad_stretches
 from bench.identification.bandwidth import with_band_checked
 from bench.identification.bounds import columns_of, within_bounds
 from bench.identification.closed_loop import commanded_currents
@@ -24,6 +23,7 @@ from bench.identification.newton import with_shape_columns
 from bench.identification.nonlinear import converged
 from bench.identification.prepare import Prepared
 from bench.identification.result import CurrentSeries, Identification
+from bench.identification.robust import bad_stretches
 from bench.identification.simulated import columns_at, simulated_columns
 from bench.identification.solution import Solution
 from bench.identification.standard_errors import Deviations, uncertainty

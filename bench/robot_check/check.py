@@ -20,12 +20,18 @@ from bench.robot_check.base_torques import check_base_parameters
 from bench.robot_check.bounds import AGREEMENT, PLAUSIBLE
 from bench.robot_check.features import check_features, locked_lines, notes
 from bench.robot_check.home import check_home, home_at_range_end, with_pose_in_ranges
-from bench.robot_check.listing import check_home_ranges, home_of, joint_lines, loop_lines
 from bench.robot_check.loops import check_closed_motion, check_constraints
 from bench.robot_check.machine import CheckedMachine, make_machine, random_open_poses
 from bench.robot_check.mobility import check_mobility, coupling_lines, mobility_of, spin_notes
 from bench.robot_check.outcome import Check, CheckCode
-from bench.robot_check.report import RobotReport, Singularity
+from bench.robot_check.report import (
+    RobotReport,
+    Singularity,
+    check_home_ranges,
+    home_of,
+    joint_lines,
+    loop_lines,
+)
 from bench.robot_check.rotors import check_rotors
 from bench.robot_check.singularity import SingularitySweep, singularity_of, sweep
 from bench.robot_check.tilts import with_tilts
