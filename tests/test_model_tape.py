@@ -9,9 +9,8 @@ from bench.model.closure import closures_of
 from bench.model.geometry import read_geometry
 from bench.model.motion import rates_at
 from bench.model.regressor import body_columns, projected_regressor, rotor_columns
-from bench.model.scalars import dense, dot, minus_product, plus, times
+from bench.model.scalars import Reused, Tape, dense, dot, minus_product, plus, times
 from bench.model.states import random_motion
-from bench.model.tape import Reused, Tape
 from tests.mechanisms import NAMES, robot_named
 
 ROUNDING = {"rtol": 1e-11, "atol": 1e-13}  # sines may be rounded otherwise in other places of an array

@@ -249,7 +249,7 @@ def followed(geometry, move):
 def velocity_between(geometry, before, after):
     import pinocchio as pin
 
-    from bench.model.tree import build_tree
+    from bench.model.follow import build_tree
 
     return pin.difference(build_tree(geometry), before, after)
 

@@ -10,8 +10,8 @@ from bench.basics.errors import BenchError
 from bench.basics.progress import SILENT, Progress
 from bench.diagnosis.discovery.find import find_missing_effects
 from bench.diagnosis.result import Diagnosis
+from bench.identification.findings import short_recordings
 from bench.identification.problem import Filters, problem_of
-from bench.identification.shortness import short_recordings
 
 TIME_LIMIT = 600.0
 """s: several times what a search takes on a robot with six motors, and no longer than one waits for an answer."""

@@ -3,7 +3,7 @@
 from collections.abc import Callable, Mapping
 
 from bench.basics.sentence import in_percent, say
-from bench.dataset.heavy_payload import HeavyPayload
+from bench.dataset.dataset import HeavyPayload
 from bench.effects.display_names import begun, spoken
 from bench.effects.select import ROBOT, TAG
 from bench.identification.finding import UNBELIEVABLE, Code, Finding, Unknown

@@ -6,12 +6,15 @@ from dataclasses import replace
 
 import numpy as np
 
+from bench.dataset.recording import Recording
 from bench.dataset.robot_locked import LockedJoint
 from bench.effects import EffectInstance
 from bench.identification.decision import RULE
 from bench.identification.finding import Code, Finding, Unknown
 from bench.identification.result import DriveGain, Identification
 from bench.identification.tolerances import TOLERANCES
+from bench.signals.bounds import BANDS
+from bench.signals.settings import FilterSettings
 
 
 def with_findings(
@@ -241,3 +244,23 @@ def periods_not_whole(result: Identification) -> list[Finding]:
                     numbers = {"periods": value.value, "std": value.std}
                     findings.append(Finding(Code.PERIODS_NOT_WHOLE, (effect, place), numbers=numbers))
     return findings
+
+
+def short_recordings(recordings: Sequence[Recording], settings: FilterSettings) -> list[Finding]:
+    """Where the ends that the filter disturbs are more than a twentieth of a fitted recording each."""
+    settling = BANDS.settling / settings.position_cutoff
+    short = {
+        recording.name: float(np.ptp(recording.time))
+        for recording in recordings
+        if recording.use == "identify"
+        and settling > TOLERANCES.findings.disturbed * float(np.ptp(recording.time))
+    }
+    if not short:
+        return []
+    numbers = {
+        "shortest": min(short.values()),
+        "cutoff": settings.position_cutoff,
+        "settling": BANDS.settling,
+        "needed": settling / TOLERANCES.findings.disturbed,
+    }
+    return [Finding(Code.SHORT, tuple(short), numbers=numbers)]

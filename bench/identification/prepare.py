@@ -12,12 +12,17 @@ from bench.dataset.recording import Recording
 from bench.effects import EffectInstance, RobotSignals, places_in, select_effects
 from bench.identification.effect_columns import PresentModel, declared_parameters, robot_signals
 from bench.identification.effect_rows import effect_rows
-from bench.identification.filtered import Measured, contradicted_closures, measure
+from bench.identification.filtered import (
+    Measured,
+    contradicted_closures,
+    logged_velocities,
+    measure,
+    velocity_noise,
+)
 from bench.identification.finding import Finding
 from bench.identification.fixed_columns import FixedColumns
 from bench.identification.fixed_scale import recorded_states, scale_of
 from bench.identification.layout import ParameterLayout, parameter_layout
-from bench.identification.logged_velocities import logged_velocities, velocity_noise
 from bench.identification.observation import Observation, observe
 from bench.identification.payload_parameters import payload_columns
 from bench.identification.perturbations import Nearby

@@ -4,6 +4,11 @@ The scalars are those of bench.model.scalars. Angular velocity w, angular accele
 joint frame's origin, less gravity, follow from those of the joint before it; so do the velocities that unit speed
 of one motor gives. Source of the recursion: W. Khalil and E. Dombre, "Modeling, Identification and Control of
 Robots", 2002, chapter 9.
+
+A rod with ball joints at both ends is free to spin about its line (`bench.model.spin`). Where its balls have friction
+or armature and the rod itself next to no inertia about that line, these decide the spin: it is the one for which the
+angular velocities in its balls are the smallest, their squares added. That is exact for equal viscous friction and for
+equal armature in all balls of the tree that hold the rod, one or two; balls that close a loop have neither.
 """
 
 from collections.abc import Sequence

@@ -1,6 +1,6 @@
 """One step that closes the loops, and the rates at the closed pose, for a block of samples (equations 2-4).
 
-Blocks of few samples replay a tape of this arithmetic, see `bench.model.tape`; long ones fill NumPy's calls by
+Blocks of few samples replay a tape of this arithmetic, see `bench.model.scalars`; long ones fill NumPy's calls by
 themselves, and a tape of theirs would leave the cache.
 """
 
@@ -16,8 +16,7 @@ from bench.model.closure import Closures, closures_of, loop_bias, loop_rows
 from bench.model.elimination import Elimination, Row, eliminate
 from bench.model.geometry import Geometry
 from bench.model.kinematics import Frames, frames_of
-from bench.model.scalars import Rows, Scalar, dot, minus, plus
-from bench.model.tape import Program, Reused, Tape, TapeRun
+from bench.model.scalars import Program, Reused, Rows, Scalar, Tape, TapeRun, dot, minus, plus
 
 
 @dataclass(frozen=True)

@@ -17,8 +17,11 @@ from bench.model.kinematics import IDENTITY as AXES
 from bench.model.kinematics import ZERO, Link, ancestors, link_of
 from bench.model.motion import Motion, blocks_of
 from bench.model.scalars import (
+    Program,
+    Reused,
     Rows,
     Scalar,
+    Tape,
     Vector,
     add,
     constant_vector,
@@ -30,7 +33,6 @@ from bench.model.scalars import (
     subtract,
     times,
 )
-from bench.model.tape import Program, Reused, Tape
 
 PARAMETERS = ("m", "mx", "my", "mz", "Ixx", "Ixy", "Iyy", "Ixz", "Iyz", "Izz")
 UNITS = ("kg", "kg*m", "kg*m", "kg*m", "kg*m^2", "kg*m^2", "kg*m^2", "kg*m^2", "kg*m^2", "kg*m^2")

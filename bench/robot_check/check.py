@@ -22,7 +22,14 @@ from bench.robot_check.features import check_features, locked_lines, notes
 from bench.robot_check.home import check_home, home_at_range_end, with_pose_in_ranges
 from bench.robot_check.loops import check_closed_motion, check_constraints
 from bench.robot_check.machine import CheckedMachine, make_machine, random_open_poses
-from bench.robot_check.mobility import check_mobility, coupling_lines, mobility_of, spin_notes
+from bench.robot_check.mobility import (
+    check_mobility,
+    check_rotors,
+    coupling_lines,
+    mobility_of,
+    spin_notes,
+    with_tilts,
+)
 from bench.robot_check.outcome import Check, CheckCode
 from bench.robot_check.report import (
     RobotReport,
@@ -32,9 +39,7 @@ from bench.robot_check.report import (
     joint_lines,
     loop_lines,
 )
-from bench.robot_check.rotors import check_rotors
 from bench.robot_check.singularity import SingularitySweep, singularity_of, sweep
-from bench.robot_check.tilts import with_tilts
 
 SEED, FRESH = 20120601, 20120605  # FRESH: of states at which nothing was chosen
 

@@ -7,9 +7,9 @@ import numpy as np
 from mujoco.batch import Batch
 from numpy.typing import NDArray
 
+from bench.truth.assembly import Indices, as_slice
 from bench.truth.hidden import HiddenEffect, JointEffect, Law, Signals, has_law
 from bench.truth.hidden.passive_load_friction import FORCE
-from bench.truth.indices import Indices, as_slice
 from bench.truth.machine import Machine
 
 Array = NDArray[np.float64]
@@ -69,9 +69,6 @@ def _evenly_spaced(
         return
     for number, effect in zip(numbers.tolist(), group, strict=True):
         yield slice(number, number + 1), [effect]
-
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)

@@ -9,9 +9,9 @@ from mujoco.batch import Batch
 from numpy.typing import NDArray
 
 from bench.basics.errors import BenchError
+from bench.truth.assembly import as_slice, live_columns
 from bench.truth.balls import balls_of
 from bench.truth.hidden import Clock, Signals
-from bench.truth.indices import as_slice, live_columns
 from bench.truth.laws import bearings_of, joint_laws
 from bench.truth.loops import POINTS, batch_gaps
 from bench.truth.machine import Machine

@@ -8,7 +8,7 @@ from scipy.linalg import solve_banded
 
 from bench.basics.errors import BenchError
 from bench.basics.interpolation import cubic_spline
-from bench.effects.effect import Bracket, Effect, EffectParameter, ShapeParameter
+from bench.effects.effect import Bracket, Effect, EffectParameter, JointSamples, ShapeParameter
 from bench.effects.motor_link_difference import (
     apparent_inertia,
     motion_cutoff,
@@ -17,7 +17,6 @@ from bench.effects.motor_link_difference import (
     torque_behind,
     torque_of_motor,
 )
-from bench.effects.samples import JointSamples
 from bench.effects.signals import RobotSignals
 
 LARGEST = 0.05  # rad or m: deflection up to which the torque is computed as it is, and not in proportion

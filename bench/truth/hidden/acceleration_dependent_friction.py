@@ -5,9 +5,18 @@ from dataclasses import dataclass
 import numpy as np
 
 from bench.basics.errors import BenchError
-from bench.truth.hidden.base import Draft, JointEffect, hard_friction
-from bench.truth.hidden.movement import JointMovement, Sizes, rms, too_large
-from bench.truth.hidden.signals import Law, Parameters, Signals
+from bench.truth.hidden.base import (
+    Draft,
+    JointEffect,
+    JointMovement,
+    Law,
+    Parameters,
+    Signals,
+    Sizes,
+    hard_friction,
+    rms,
+    too_large,
+)
 
 
 @dataclass(frozen=True)

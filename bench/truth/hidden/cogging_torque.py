@@ -4,8 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from bench.truth.hidden.base import Draft, JointEffect, add_dc_motor
-from bench.truth.hidden.movement import JointMovement, Sizes, rms
+from bench.truth.hidden.base import Draft, JointEffect, JointMovement, Sizes, add_dc_motor, rms
 
 
 @dataclass(frozen=True)

@@ -2,8 +2,7 @@
 
 from dataclasses import dataclass
 
-from bench.truth.hidden.base import Draft, JointEffect, add_affine_actuator
-from bench.truth.hidden.movement import JointMovement, Sizes, rms
+from bench.truth.hidden.base import Draft, JointEffect, JointMovement, Sizes, add_affine_actuator, rms
 
 
 @dataclass(frozen=True)

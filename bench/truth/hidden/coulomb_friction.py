@@ -2,8 +2,7 @@
 
 from dataclasses import dataclass
 
-from bench.truth.hidden.base import Draft, JointEffect, hard_friction
-from bench.truth.hidden.movement import JointMovement, Sizes, rms
+from bench.truth.hidden.base import Draft, JointEffect, JointMovement, Sizes, hard_friction, rms
 
 
 @dataclass(frozen=True)

@@ -3,9 +3,7 @@
 from dataclasses import dataclass
 
 from bench.basics.errors import BenchError
-from bench.truth.hidden.base import Draft, JointEffect
-from bench.truth.hidden.movement import JointMovement, Sizes, rms
-from bench.truth.hidden.signals import Law, Parameters, Signals
+from bench.truth.hidden.base import Draft, JointEffect, JointMovement, Law, Parameters, Signals, Sizes, rms
 
 
 @dataclass(frozen=True)

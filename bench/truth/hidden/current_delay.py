@@ -4,9 +4,17 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from bench.truth.hidden.base import Array, JointEffect
-from bench.truth.hidden.movement import JointMovement, Sizes, rms, too_large
-from bench.truth.hidden.signals import Law, Parameters, Signals
+from bench.truth.hidden.base import (
+    Array,
+    JointEffect,
+    JointMovement,
+    Law,
+    Parameters,
+    Signals,
+    Sizes,
+    rms,
+    too_large,
+)
 
 LONGEST_DELAY = 0.05  # s
 

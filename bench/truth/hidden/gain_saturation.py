@@ -4,9 +4,16 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from bench.truth.hidden.base import JointEffect
-from bench.truth.hidden.movement import JointMovement, Sizes, rms, too_large
-from bench.truth.hidden.signals import Law, Parameters, Signals
+from bench.truth.hidden.base import (
+    JointEffect,
+    JointMovement,
+    Law,
+    Parameters,
+    Signals,
+    Sizes,
+    rms,
+    too_large,
+)
 
 
 @dataclass(frozen=True)

@@ -4,9 +4,17 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from bench.truth.hidden.base import Draft, JointEffect, refuse_fast_swing
-from bench.truth.hidden.movement import JointMovement, Sizes, rms
-from bench.truth.hidden.signals import Law, Parameters, Signals
+from bench.truth.hidden.base import (
+    Draft,
+    JointEffect,
+    JointMovement,
+    Law,
+    Parameters,
+    Signals,
+    Sizes,
+    refuse_fast_swing,
+    rms,
+)
 
 
 @dataclass(frozen=True)

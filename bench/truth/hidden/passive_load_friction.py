@@ -6,8 +6,7 @@ import mujoco
 import numpy as np
 
 from bench.dataset.mjcf_neutral import neutral
-from bench.truth.hidden.base import Array, Draft, JointEffect, hard_friction
-from bench.truth.hidden.signals import Parameters
+from bench.truth.hidden.base import Array, Draft, JointEffect, Parameters, hard_friction
 
 FORCE = "hidden:force in joint:"
 """Before the name of a joint: the site and the sensor of the force between the bodies that it joins."""

@@ -4,9 +4,18 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from bench.truth.hidden.base import Draft, JointEffect, hard_friction
-from bench.truth.hidden.movement import JointMovement, Sizes, wave_sizes
-from bench.truth.hidden.signals import Law, Parameters, Signals, harmonic
+from bench.truth.hidden.base import (
+    Draft,
+    JointEffect,
+    JointMovement,
+    Law,
+    Parameters,
+    Signals,
+    Sizes,
+    hard_friction,
+    harmonic,
+    wave_sizes,
+)
 
 
 @dataclass(frozen=True)

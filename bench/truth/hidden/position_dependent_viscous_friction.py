@@ -2,9 +2,16 @@
 
 from dataclasses import dataclass
 
-from bench.truth.hidden.base import JointEffect
-from bench.truth.hidden.movement import JointMovement, Sizes, wave_sizes
-from bench.truth.hidden.signals import Law, Parameters, Signals, harmonic
+from bench.truth.hidden.base import (
+    JointEffect,
+    JointMovement,
+    Law,
+    Parameters,
+    Signals,
+    Sizes,
+    harmonic,
+    wave_sizes,
+)
 
 
 @dataclass(frozen=True)

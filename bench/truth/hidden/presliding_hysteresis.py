@@ -2,8 +2,15 @@
 
 from dataclasses import dataclass
 
-from bench.truth.hidden.base import Draft, JointEffect, add_dc_motor, refuse_fast_swing
-from bench.truth.hidden.movement import JointMovement, Sizes, rms
+from bench.truth.hidden.base import (
+    Draft,
+    JointEffect,
+    JointMovement,
+    Sizes,
+    add_dc_motor,
+    refuse_fast_swing,
+    rms,
+)
 
 
 @dataclass(frozen=True)

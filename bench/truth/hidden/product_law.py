@@ -6,9 +6,17 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from bench.truth.hidden.base import Draft, JointEffect, hard_friction
-from bench.truth.hidden.movement import JointMovement, Sizes, rms
-from bench.truth.hidden.signals import Law, Parameters, Signals
+from bench.truth.hidden.base import (
+    Draft,
+    JointEffect,
+    JointMovement,
+    Law,
+    Parameters,
+    Signals,
+    Sizes,
+    hard_friction,
+    rms,
+)
 
 Array = NDArray[np.float64]
 

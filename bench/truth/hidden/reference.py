@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bench.basics.errors import BenchError
-from bench.truth.hidden.movement import JointMovement
+from bench.truth.hidden.base import JointMovement
 from bench.truth.inverse import motor_torque
 from bench.truth.simulate import Simulation
 

@@ -2,8 +2,7 @@
 
 from dataclasses import dataclass
 
-from bench.truth.hidden.base import Draft, JointEffect
-from bench.truth.hidden.movement import JointMovement, Sizes, rms
+from bench.truth.hidden.base import Draft, JointEffect, JointMovement, Sizes, rms
 
 
 @dataclass(frozen=True)

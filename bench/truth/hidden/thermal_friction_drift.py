@@ -4,9 +4,18 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from bench.truth.hidden.base import Array, Draft, JointEffect, hard_friction
-from bench.truth.hidden.movement import JointMovement, Sizes, rms
-from bench.truth.hidden.signals import Law, Parameters, Signals
+from bench.truth.hidden.base import (
+    Array,
+    Draft,
+    JointEffect,
+    JointMovement,
+    Law,
+    Parameters,
+    Signals,
+    Sizes,
+    hard_friction,
+    rms,
+)
 
 
 @dataclass(frozen=True)

@@ -4,9 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from bench.truth.hidden.base import JointEffect
-from bench.truth.hidden.movement import JointMovement, Sizes, rms
-from bench.truth.hidden.signals import Law, Parameters, Signals
+from bench.truth.hidden.base import JointEffect, JointMovement, Law, Parameters, Signals, Sizes, rms
 from bench.truth.streams import stream
 
 WAVES = 12

@@ -4,9 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from bench.truth.hidden.base import JointEffect
-from bench.truth.hidden.movement import JointMovement, Sizes
-from bench.truth.hidden.signals import Law, Parameters, Signals, harmonic
+from bench.truth.hidden.base import JointEffect, JointMovement, Law, Parameters, Signals, Sizes, harmonic
 
 
 @dataclass(frozen=True)

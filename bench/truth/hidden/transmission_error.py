@@ -4,8 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from bench.truth.hidden.base import JointEffect
-from bench.truth.hidden.signals import Law, Parameters, Signals, harmonic
+from bench.truth.hidden.base import JointEffect, Law, Parameters, Signals, harmonic
 
 
 @dataclass(frozen=True)
