@@ -175,10 +175,7 @@ def shorten_tendons(
 
 
 def _shift(
-    spec: mujoco.MjSpec,
-    equality: mujoco.MjsEquality,
-    travels: Mapping[str, float],
-    empty: set[str],
+    spec: mujoco.MjSpec, equality: mujoco.MjsEquality, travels: Mapping[str, float], empty: set[str]
 ) -> None:
     """An equality first = p(second) of tendons that are shorter by their locked joints' travel from qpos0."""
     label, first, second = equality.name, equality.name1, equality.name2

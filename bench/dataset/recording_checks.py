@@ -24,10 +24,7 @@ CHECKS: tuple[Check, ...] = get_args(Check)
 DEGREES = 180.0 / np.pi
 MILLI = 1000.0
 LARGER: Mapping[str, tuple[tuple[float, str, Remedy], ...]] = {
-    "hinge": (
-        (DEGREES, "degrees", Remedy.FROM_DEGREES),
-        (MILLI, "milliradians", Remedy.FROM_MILLIRADIANS),
-    ),
+    "hinge": ((DEGREES, "degrees", Remedy.FROM_DEGREES), (MILLI, "milliradians", Remedy.FROM_MILLIRADIANS)),
     "slide": (
         (MILLI, "millimetres", Remedy.FROM_MILLIMETRES),
         (MILLI**2, "micrometres", Remedy.FROM_MICROMETRES),
@@ -316,10 +313,5 @@ POSITION_CHECKS: Mapping[str, _Function] = MappingProxyType(
     }
 )
 CURRENT_CHECKS: Mapping[str, _Function] = MappingProxyType(
-    {
-        "constant": constant,
-        "spikes": current_spikes,
-        "units": current_units,
-        "saturated": saturated,
-    }
+    {"constant": constant, "spikes": current_spikes, "units": current_units, "saturated": saturated}
 )

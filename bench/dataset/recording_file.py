@@ -87,15 +87,7 @@ def recording_from_table(
     extra |= {position_column(joints[j].name): position[:, j] for j in range(first, n)}
     positions, currents = (np.ascontiguousarray(values[:, :first]) for values in (position, current))
     return Recording(
-        name,
-        use,
-        payload,
-        time,
-        positions,
-        currents,
-        extra,
-        redundant=current[:, first:],
-        held=held,
+        name, use, payload, time, positions, currents, extra, redundant=current[:, first:], held=held
     )
 
 

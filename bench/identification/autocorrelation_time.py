@@ -18,11 +18,7 @@ Returns = Sequence[float | None]
 
 
 def repeated_covariances(
-    residual: np.ndarray,
-    moving: np.ndarray,
-    starts: Sequence[int],
-    returns: Returns,
-    covariances: np.ndarray,
+    residual: np.ndarray, moving: np.ndarray, starts: Sequence[int], returns: Returns, covariances: np.ndarray
 ) -> np.ndarray | None:
     """Autocovariances (L + 1,) of what one motor's residual (M,) repeats, tapered; None where it repeats nothing.
 

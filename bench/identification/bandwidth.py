@@ -66,8 +66,7 @@ def narrower(prepared: Prepared) -> Prepared | None:
     cutoff = 0.5 * settings.position_cutoff
     border = settled_border(cutoff, fitted[0].rate, shortest)
     half = _with_settings(
-        prepared,
-        replace(settings, position_cutoff=cutoff, decimation=decimation, border=(border, border)),
+        prepared, replace(settings, position_cutoff=cutoff, decimation=decimation, border=(border, border))
     )
     rows = np.sum([observation.moving.sum(axis=0) for observation in half.fitted], axis=0)
     unknowns = half.layout.size + int(half.gains.is_fitted.sum())

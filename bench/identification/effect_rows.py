@@ -16,10 +16,7 @@ from bench.signals.sparse_decimation import decimate_sparse
 
 
 def effect_rows(
-    signals: RobotSignals,
-    decimation: int,
-    effects: Sequence[EffectInstance],
-    deadline: Deadline = NEVER,
+    signals: RobotSignals, decimation: int, effects: Sequence[EffectInstance], deadline: Deadline = NEVER
 ) -> np.ndarray:
     """The columns of effects in one recording, filtered and decimated like the currents, (M, n, ne).
 

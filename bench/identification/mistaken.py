@@ -25,10 +25,7 @@ from bench.identification.tolerances import TOLERANCES
 
 
 def mistaken(
-    problem: Problem,
-    result: Identification,
-    prepared: Prepared | None = None,
-    deadline: Deadline = NEVER,
+    problem: Problem, result: Identification, prepared: Prepared | None = None, deadline: Deadline = NEVER
 ) -> tuple[Finding, ...]:
     """What is probably declared wrongly. With currents in unlike units nothing else is looked for: all is off then.
 
@@ -111,10 +108,7 @@ def rows_with_friction(
 
 @on_one_thread
 def swapped_columns(
-    problem: Problem,
-    result: Identification,
-    prepared: Prepared | None = None,
-    deadline: Deadline = NEVER,
+    problem: Problem, result: Identification, prepared: Prepared | None = None, deadline: Deadline = NEVER
 ) -> list[Finding]:
     """The two motors whose columns, exchanged, bring the error down most; none where none do.
 
@@ -208,10 +202,7 @@ class _ColumnsTrial:
 
 @on_one_thread
 def other_load(
-    problem: Problem,
-    result: Identification,
-    prepared: Prepared | None = None,
-    deadline: Deadline = NEVER,
+    problem: Problem, result: Identification, prepared: Prepared | None = None, deadline: Deadline = NEVER
 ) -> list[Finding]:
     """The recording that carries another load than declared, if with that load some motor's error falls far, and no
     other's rises; none where nothing does.

@@ -54,11 +54,7 @@ def settles(instances: Sequence[EffectInstance]) -> bool:
 
 
 def converged(
-    prepared: Prepared,
-    *,
-    nearly: bool = False,
-    added_from: int | None = None,
-    deadline: Deadline = NEVER,
+    prepared: Prepared, *, nearly: bool = False, added_from: int | None = None, deadline: Deadline = NEVER
 ) -> Prepared:
     """Shape parameters searched and model-dependent columns linearised, in a few rounds; nothing to do without.
 

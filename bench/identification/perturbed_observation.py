@@ -19,11 +19,7 @@ from bench.model.regressor import projected_regressor
 
 
 def perturbed_rows(
-    model: IdentificationModel,
-    measured: Measured,
-    columns: np.ndarray,
-    changed: Changed,
-    every: int,
+    model: IdentificationModel, measured: Measured, columns: np.ndarray, changed: Changed, every: int
 ) -> np.ndarray:
     """Rows (K, n, p) of some columns of the projected regressor at every so many-th sample, N*m or N.
 

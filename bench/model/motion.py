@@ -116,11 +116,7 @@ def motion_of(
 
 
 def path_of(
-    geometry: Geometry,
-    time: np.ndarray,
-    position: np.ndarray,
-    velocity: np.ndarray,
-    acceleration: np.ndarray,
+    geometry: Geometry, time: np.ndarray, position: np.ndarray, velocity: np.ndarray, acceleration: np.ndarray
 ) -> "Path":
     """The closures followed along a trajectory at few samples; see `motion_of`."""
     closures = closures_of(geometry)
@@ -147,11 +143,7 @@ def _middle_level(geometry: Geometry, closures: Closures, track: Track) -> Motio
     finer = track.at(nodes)
     try:
         return _solved(
-            geometry,
-            closures,
-            finer,
-            lambda block: guess(finer.time[block], finer.position(block)),
-            enough,
+            geometry, closures, finer, lambda block: guess(finer.time[block], finer.position(block)), enough
         )
     except BenchError:  # too far between, as where passive joints turn fast for a slide's travel; or singular
         reached = followed(geometry, track, nodes).T
@@ -204,11 +196,7 @@ class Path:
 
 
 def motion_near(
-    geometry: Geometry,
-    near: Motion,
-    position: np.ndarray,
-    velocity: np.ndarray,
-    acceleration: np.ndarray,
+    geometry: Geometry, near: Motion, position: np.ndarray, velocity: np.ndarray, acceleration: np.ndarray
 ) -> Motion:
     """The motion at samples that need not follow each other, from `near` where it is nearly the same.
 

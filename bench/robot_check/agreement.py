@@ -163,10 +163,7 @@ def check_motor_forces(machine: CheckedMachine, motion: Motion) -> Check:
     driven = np.concatenate((geometry.active, geometry.redundant))
     unknown = np.setdiff1d(geometry.passive, driven)  # rotors of which a note tells
     parameters = np.concatenate(
-        [
-            *(inertia.toDynamicParameters() for inertia in list(machine.model.inertias)[1:]),
-            armature[driven],
-        ]
+        [*(inertia.toDynamicParameters() for inertia in list(machine.model.inertias)[1:]), armature[driven]]
     )
     ours = projected_regressor(geometry, motion, np.arange(len(parameters))) @ parameters
     theirs = np.empty_like(ours)

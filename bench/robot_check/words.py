@@ -140,10 +140,7 @@ def _base_agree(parameters: int, difference: float, states: int, neglected: floa
 
 
 def _coupling(
-    coupling: str,
-    first: Mapping[str, float],
-    second: Mapping[str, float],
-    polynomial: Sequence[float],
+    coupling: str, first: Mapping[str, float], second: Mapping[str, float], polynomial: Sequence[float]
 ) -> str:
     """As an equation of joint positions, counted from qpos0."""
     left_side, right_side = (
@@ -188,12 +185,7 @@ def _no_closed_pose(loop: str, gap: float, unit: str, given: int | None, positio
 
 
 def _open_home(
-    loop: str,
-    gap: float,
-    unit: str,
-    given: int | None,
-    positions: int,
-    closed_qpos: Sequence[float],
+    loop: str, gap: float, unit: str, given: int | None, positions: int, closed_qpos: Sequence[float]
 ) -> str:
     return f"{_open(loop, gap, unit, given, positions)}; this pose closes: {_key(closed_qpos)}"
 

@@ -17,19 +17,9 @@ from bench.basics.errors import BenchError
 FloatArray = NDArray[np.float64]
 
 # Coefficients at distance 1, 2, ... from the sample: x' = sum c_k (x[i + k] - x[i - k]) / dt.
-FIRST = {
-    2: (1 / 2,),
-    4: (2 / 3, -1 / 12),
-    6: (3 / 4, -3 / 20, 1 / 60),
-    8: (4 / 5, -1 / 5, 4 / 105, -1 / 280),
-}
+FIRST = {2: (1 / 2,), 4: (2 / 3, -1 / 12), 6: (3 / 4, -3 / 20, 1 / 60), 8: (4 / 5, -1 / 5, 4 / 105, -1 / 280)}
 # x'' = sum c_k (x[i + k] - 2 x[i] + x[i - k]) / dt^2.
-SECOND = {
-    2: (1.0,),
-    4: (4 / 3, -1 / 12),
-    6: (3 / 2, -3 / 20, 1 / 90),
-    8: (8 / 5, -1 / 5, 8 / 315, -1 / 560),
-}
+SECOND = {2: (1.0,), 4: (4 / 3, -1 / 12), 6: (3 / 2, -3 / 20, 1 / 90), 8: (8 / 5, -1 / 5, 8 / 315, -1 / 560)}
 
 
 def central_difference(x: FloatArray, dt: float, order: int = 8) -> FloatArray:

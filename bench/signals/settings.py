@@ -140,10 +140,7 @@ def signal_bands(
 
 
 def choose_settings(
-    positions: Sequence[FloatArray],
-    currents: Sequence[FloatArray],
-    rate: float,
-    bands: Bands | None = None,
+    positions: Sequence[FloatArray], currents: Sequence[FloatArray], rate: float, bands: Bands | None = None
 ) -> FilterSettings:
     """Choose the filters from the spectra of all recordings.
 

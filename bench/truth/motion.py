@@ -74,11 +74,7 @@ class TrueMotion:
 
 
 def simulate_motion(
-    machine: Machine,
-    runs: Sequence[MotionRun],
-    timing: Timing,
-    threads: int = 2,
-    progress: Progress = SILENT,
+    machine: Machine, runs: Sequence[MotionRun], timing: Timing, threads: int = 2, progress: Progress = SILENT
 ) -> tuple[TrueMotion, ...]:
     """The motion of every run, all of them side by side; the number of threads changes nothing but the time.
 

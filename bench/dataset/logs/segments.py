@@ -132,11 +132,7 @@ def _long_enough(time: Array, first: int, end: int, shortest: float) -> bool:
 
 
 def _note_on(
-    time: Array,
-    cuts: list[int],
-    pieces: list[tuple[int, int]],
-    whole: list[tuple[int, int]],
-    shortest: float,
+    time: Array, cuts: list[int], pieces: list[tuple[int, int]], whole: list[tuple[int, int]], shortest: float
 ) -> str:
     gaps = [row for row in cuts if time[row] > time[row - 1]]
     back = [row for row in cuts if row not in gaps]

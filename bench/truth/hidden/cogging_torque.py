@@ -31,8 +31,4 @@ class CoggingTorque(JointEffect):
 
     @staticmethod
     def sized(j: JointMovement, share: float) -> Sizes:
-        return {
-            "a": 0.0,
-            "b": np.sqrt(2) * share * rms(j.torque),
-            "period": j.span / 6,
-        }
+        return {"a": 0.0, "b": np.sqrt(2) * share * rms(j.torque), "period": j.span / 6}

@@ -25,10 +25,7 @@ class PassiveLoadFriction(JointEffect):
     name = "passive_load_friction"
     law = "mu |F| sign(q̇) in a joint without a motor, F the force across its axis"
     not_negative = ("mu",)
-    shares = (
-        0.004,
-        0.02,
-    )  # mu of millimetres: 0.1 to 0.2 on a pin of centimetres
+    shares = (0.004, 0.02)  # mu of millimetres: 0.1 to 0.2 on a pin of centimetres
     where = "passive"
     mu: float
 
@@ -42,10 +39,7 @@ class PassiveLoadFriction(JointEffect):
         mujoco.mju_quatZ2Vec(turn, np.asarray(joint.axis, dtype=float) / np.linalg.norm(joint.axis))
         joint.parent.add_site(neutral(), name=name, pos=joint.pos, quat=turn)
         draft.spec.add_sensor(
-            name=name,
-            type=mujoco.mjtSensor.mjSENS_FORCE,
-            objtype=mujoco.mjtObj.mjOBJ_SITE,
-            objname=name,
+            name=name, type=mujoco.mjtSensor.mjSENS_FORCE, objtype=mujoco.mjtObj.mjOBJ_SITE, objname=name
         )
 
     @staticmethod

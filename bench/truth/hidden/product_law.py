@@ -76,11 +76,7 @@ class ProductLaw(JointEffect):
 
     @staticmethod
     def sized(j: JointMovement, share: float) -> Sizes:
-        return {
-            "c": share * rms(j.torque) / rms(np.abs(j.velocity) ** 1.5),
-            "direction": 1.0,
-            "v": 1.5,
-        }
+        return {"c": share * rms(j.torque) / rms(np.abs(j.velocity) ** 1.5), "direction": 1.0, "v": 1.5}
 
 
 def unit_torque(

@@ -56,7 +56,4 @@ class ThermalFrictionDrift(JointEffect):
     def sized(j: JointMovement, share: float) -> Sizes:
         """Viscous friction that has gone to a third after a third of the recording."""
         cooling = 0.3 * j.duration
-        return {
-            "T": cooling,
-            "Fv": share * rms(j.torque) / rms(j.velocity * np.exp(-j.time / cooling)),
-        }
+        return {"T": cooling, "Fv": share * rms(j.torque) / rms(j.velocity * np.exp(-j.time / cooling))}
