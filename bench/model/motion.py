@@ -9,7 +9,7 @@ import numpy as np
 from bench.basics.errors import BenchError
 from bench.basics.interpolation import FEWEST, cubic_spline
 from bench.model.bounds import CLOSURE, NODES
-from bench.model.closing import Closing, closing_of
+from bench.model.closing import Closing
 from bench.model.closure import Closures, closures_of
 from bench.model.configuration import configuration_rates, hermite, integrate, normalised
 from bench.model.geometry import Geometry
@@ -251,7 +251,7 @@ def _solve_block(
     time = track.time[block]
     pose = np.ascontiguousarray(guess(block))
     pose[geometry.active_configuration] = track.position(block).T
-    closing = closing_of(geometry, len(time))
+    closing = Closing(geometry)
     pose, still_open = _closed(geometry, closing, closures, time, normalised(geometry, pose), enough)
     amplification = closing.amplify()
     _check(geometry, time, amplification)
