@@ -73,7 +73,8 @@ def gain_shares(
     Masses are guessed, and a payload weighs as much as a body of the robot: how much it weighs is no question of rank.
     """
     geometry = model.geometry
-    loads = {name: _as_heavy_as_a_body(payloads[name]) for name in _carried(states)}
+    carried = dict.fromkeys(some.payload for some in states if some.payload is not None)
+    loads = {name: _as_heavy_as_a_body(payloads[name]) for name in carried}
     layout = parameter_layout(model, loads, list(loads), 0)
     actual = {
         name: payload_columns(assumed(load, robot_length(geometry))).known for name, load in loads.items()
@@ -136,10 +137,6 @@ def robot_length(geometry: Geometry) -> float:
     if geometry.tool is not None:
         placements.append(geometry.tool.placement)
     return max(BODIES.shortest, *(float(np.linalg.norm(placement.translation)) for placement in placements))
-
-
-def _carried(states: Sequence[LoadedStates]) -> list[str]:
-    return [name for name in dict.fromkeys(some.payload for some in states) if name is not None]
 
 
 def _as_heavy_as_a_body(payload: Payload) -> Payload:

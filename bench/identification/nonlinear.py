@@ -162,14 +162,11 @@ def _rounds(
 
 def _state(prepared: Prepared, stack: Stack, solution: Solution) -> tuple[np.ndarray, ...]:
     """What must stay as it is for a model to be converged: gains, values that are not linear, and RMS errors."""
-    curves = [_curved_values(instance) for instance in prepared.effects]
+    curves = [
+        (*effect.shape_values().values(), *(effect.about_values().values() if effect.bends else ()))
+        for effect in (instance.effect for instance in prepared.effects)
+    ]
     return solution.gains, np.concatenate(curves), spread(stack, solution)
-
-
-def _curved_values(instance: EffectInstance) -> tuple[float, ...]:
-    effect = instance.effect
-    about = effect.about_values().values() if effect.bends else ()
-    return (*effect.shape_values().values(), *about)
 
 
 def _alike(now: tuple[np.ndarray, ...], before: tuple[np.ndarray, ...], rows: int) -> bool:

@@ -233,21 +233,17 @@ def seen_nearby(prepared: Prepared, nearby: Nearby) -> Prepared:
     return replace(prepared, signals=signals, nearby=nearby, converged=False, provisional=False)
 
 
-def _speeds(model: IdentificationModel, measured: Measured) -> np.ndarray:
-    """Velocities (N, n + r) of all joints with a motor."""
-    extra = model.geometry.redundant
-    return np.hstack((measured.velocity, measured.tree.v[:, extra])) if len(extra) else measured.velocity
-
-
 def _first_model(dataset: Dataset, model: IdentificationModel, measured: Sequence[Measured]) -> PresentModel:
     """Nominal gains and guessed masses, until a fit has better ones."""
     fitted = [entry for entry in measured if entry.recording.use == "identify"] or list(measured)
     declared = declared_parameters(dataset.payloads)
+    extra = model.geometry.redundant
+    speeds = [np.hstack((entry.velocity, entry.tree.v[:, extra])) for entry in fitted]
     return PresentModel(
         gains=dataset.robot.nominal_gains,
         base=model.guessed,
         payloads=declared,
         declared=declared,
-        speeds=np.sqrt(np.concatenate([_speeds(model, entry) ** 2 for entry in fitted]).mean(axis=0)),
+        speeds=np.sqrt(np.concatenate([values**2 for values in speeds]).mean(axis=0)),
         redundant_gains=np.array([entry.gain for entry in dataset.robot.redundant]),
     )

@@ -56,7 +56,8 @@ def robust_error(stack: Stack, start: Solution, nominal: np.ndarray) -> Solution
         theta, gains = best.theta, best.gains
     likeliest = _likeliest(stack, theta, gains, start.gains_fitted)
     moving = stack.moving
-    slopes = (_slopes(likeliest.error / likeliest.scale, likeliest.freedom) * moving).sum(axis=0)
+    squares, nu = (likeliest.error / likeliest.scale) ** 2, likeliest.freedom
+    slopes = ((nu + 1.0) * (nu - squares) / (nu + squares) ** 2 * moving).sum(axis=0)  # of weight times error
     dispersion = likeliest.weights.sum(axis=0) / np.maximum(slopes, np.finfo(float).tiny)
     root = np.sqrt(
         np.divide(likeliest.weights, dispersion, out=np.zeros_like(likeliest.weights), where=dispersion > 0.0)
@@ -146,11 +147,6 @@ def _typical(error: np.ndarray, moving: np.ndarray) -> np.ndarray:
 def _weights(error: np.ndarray, freedom: np.ndarray) -> np.ndarray:
     """Weights (M, n) of errors over their scale."""
     return np.asarray((freedom + 1.0) / (freedom + error**2))
-
-
-def _slopes(error: np.ndarray, freedom: np.ndarray) -> np.ndarray:
-    """Derivatives (M, n) of weight times error by the error."""
-    return np.asarray((freedom + 1.0) * (freedom - error**2) / (freedom + error**2) ** 2)
 
 
 def bad_stretches(

@@ -164,15 +164,11 @@ def _on_factors(stack: Stack, gains: NominalGains, near: np.ndarray) -> Solution
 
     starts = [weighted_least_squares(stack, gains)]
     if np.any(gains.fitted):
+        least = TOLERANCES.rank.square * np.abs(gains.values)
         starts += [] if np.array_equal(near, gains.values) else [held(near)]
-        starts = [start for start in starts if not _none(start.gains, gains.values)] + [held(gains.values)]
+        starts = [start for start in starts if not np.any(np.abs(start.gains) < least)] + [held(gains.values)]
     missed = [_missed(squared_errors(stack.factors, start.theta, start.gains)) for start in starts]
     return current_error(stack, starts[int(np.argmin(missed))])
-
-
-def _none(gains: np.ndarray, nominal: np.ndarray) -> bool:
-    """Whether a gain is negligible compared with its nominal value."""
-    return bool(np.any(np.abs(gains) < TOLERANCES.rank.square * np.abs(nominal)))
 
 
 def _missed(squares: np.ndarray) -> float:

@@ -11,7 +11,7 @@ from bench.identification.result import Identification
 from bench.residuals.autocorrelation import autocorrelation
 from bench.residuals.concentration import Concentration, concentrations
 from bench.residuals.look_alikes import LookAlike, look_alikes
-from bench.residuals.motor import Compared, MotorSeries, compared, relative_error_of, relative_noise
+from bench.residuals.motor import Compared, compared, relative_error_of, relative_noise
 from bench.residuals.opposing_motion import Change, Opposing, by_load, changes, over_warm_up
 from bench.residuals.periods import SpectralLine, lines
 from bench.residuals.profile import Dependence, dependences
@@ -88,7 +88,9 @@ def _of_motor(what: Compared, joint: str, possible: Mapping[str, Effect], has: S
         units=what.units[joint],
         error=error,
         noise=noise,
-        by_recording={trace.recording: _error_and_noise(trace) for trace in series},
+        by_recording={
+            trace.recording: (relative_error_of([trace]) or 0.0, relative_noise([trace])) for trace in series
+        },
         autocorrelation_time=autocorrelation(series).integrated_time / (series[0].rate or 1.0),
         above_noise=above,
         concentrations=patterns[0],
@@ -99,7 +101,3 @@ def _of_motor(what: Compared, joint: str, possible: Mapping[str, Effect], has: S
         by_load=tuple(by_load(series)),
         alike=look_alikes(joint, patterns, possible, has),
     )
-
-
-def _error_and_noise(trace: MotorSeries) -> tuple[float, float]:
-    return relative_error_of([trace]) or 0.0, relative_noise([trace])

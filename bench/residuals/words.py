@@ -61,7 +61,10 @@ def level_sentence(motor: MotorErrors) -> str:
     noise = f"the noise of the current ({in_percent(motor.noise)})"
     if not motor.above_noise:
         return f"{size}, at {noise}: nothing to explain"
-    times = f", {_times(motor.error / motor.noise)} times {noise}" if motor.noise > 0 else ""
+    times = ""
+    if motor.noise > 0:
+        ratio = motor.error / motor.noise
+        times = f", {ratio:.3g} times {noise}" if ratio < 100.0 else f", {ratio:.0f} times {noise}"
     patterns = motor.concentrations or motor.dependences or motor.lines or motor.changes
     return f"{size}{times}" if patterns else f"{size}{times}, spread over the whole motion"
 
@@ -188,10 +191,6 @@ def change_words(change: Change, unit: str) -> str:
         f"{motor_words(first.joint)}: the error opposes the motion by {first.mean:+.2g} {unit} {first.part} and by "
         f"{second.mean:+.2g} {unit} {second.part}: {CHANGES[change.between]}"
     )
-
-
-def _times(ratio: float) -> str:
-    return f"{ratio:.3g}" if ratio < 100.0 else f"{ratio:.0f}"
 
 
 def remaining_errors(what: Compared) -> list[str]:

@@ -140,9 +140,9 @@ def _assembled(report: RobotReport, machine: CheckedMachine) -> RobotReport:
     if swept is not None:
         singularity = singularity_of(geometry, swept)
         report = replace(report, singularity=singularity)
-        report = _with(
-            report, _regular_home(singularity), *_ranges(singularity), *_passive_ranges(geometry, swept)
-        )
+        at = singularity.singular_at
+        met = [] if at is None else [Check(CheckCode.SINGULARITY_WITHIN_RANGES, "note", {"positions": at})]
+        report = _with(report, _regular_home(singularity), *met, *_passive_ranges(geometry, swept))
         report = _with(report, check_constraints(machine, motion.q), check_closed_motion(machine, motion))
     return _with(
         report,
@@ -166,12 +166,6 @@ def _regular_home(singularity: Singularity) -> Check:
     if fastest.value > PLAUSIBLE.fast:
         return Check(CheckCode.HOME_NEAR_SINGULAR, "note", values)
     return Check(CheckCode.HOME_REGULAR, "ok", values)
-
-
-def _ranges(singularity: Singularity) -> list[Check]:
-    if singularity.singular_at is None:
-        return []
-    return [Check(CheckCode.SINGULARITY_WITHIN_RANGES, "note", {"positions": singularity.singular_at})]
 
 
 def _passive_ranges(geometry: Geometry, swept: SingularitySweep) -> list[Check]:

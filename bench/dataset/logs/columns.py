@@ -122,17 +122,13 @@ def _given_factors(file: Path, scale: Mapping[str, float | str], robot: Robot) -
         factor = UNITS[given].factor if isinstance(given, str) else given
         columns = [f"{target}.{joint}" for joint in robot.driven] if target in GROUPS else [target]
         if isinstance(given, str):
-            columns = [column for column in columns if _fits(given, column, robot)]
+            columns = [column for column in columns if measured_by(column, robot) in (None, UNITS[given].of)]
             if not columns:
                 raise BenchError(f"{file}: the scale of {target}: {given!r} is a {UNITS[given].of}")
         if not np.isfinite(factor) or factor == 0.0:
             raise BenchError(f"{file}: the scale of {target} must not be {factor:g}")
         factors |= dict.fromkeys(columns, factor)
     return factors
-
-
-def _fits(unit: str, column: str, robot: Robot) -> bool:
-    return measured_by(column, robot) in (None, UNITS[unit].of)
 
 
 def _stated_factors(

@@ -92,14 +92,10 @@ def read_log(path: str | Path, reading: Reading = AS_FOUND) -> LogFile:
     if bag:
         vectors, notes = read_bag(path, reading.topic)
         return LogFile(path, vectors, notes=notes)
-    log = readers[suffix](path) if suffix in readers else _read_text(path, reading)
+    log = readers[suffix](path) if suffix in readers else text_log(path, _content(path), reading)
     if not log.vectors and not log.texts:
         raise BenchError(f"{path}: holds no numbers")
     return log
-
-
-def _read_text(path: Path, reading: Reading) -> LogFile:
-    return text_log(path, _content(path), reading)
 
 
 def _content(path: Path) -> bytes:

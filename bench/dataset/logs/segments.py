@@ -79,7 +79,7 @@ def cut(
     cuts = [] if cutting.shortest is None else cut_rows(time).tolist()
     starts = sorted({0, *cuts, *([apart] if apart < count else [])})
     pieces = list(pairwise([*starts, count]))
-    notes: tuple[str, ...] = _unmeasured(lost)
+    notes: tuple[str, ...] = (f"{plural(lost, 'row')} without a measurement omitted",) if lost else ()
     if cuts and cutting.shortest is not None:
         whole = [piece for piece in pieces if _long_enough(time, *piece, cutting.shortest)]
         said = _note_on(time, cuts, pieces, whole, cutting.shortest)
@@ -108,11 +108,6 @@ def _measured(columns: Mapping[str, Array]) -> tuple[npt.NDArray[np.intp], int]:
     ]
     good = np.all([np.abs(column) < HUGE for column in needed], axis=0)
     return np.flatnonzero(good), int(np.sum(~good))
-
-
-def _unmeasured(lost: int) -> tuple[str, ...]:
-    rows = "1 row" if lost == 1 else f"{lost} rows"
-    return (f"{rows} without a measurement omitted",) if lost else ()
 
 
 def _costs_little(time: Array) -> bool:
