@@ -3,15 +3,12 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-from bench.basics.threads import on_one_thread
-from bench.dataset.dataset import Dataset
 from bench.effects import Effect
 from bench.identification.decision import RULE
-from bench.identification.result import Identification
 from bench.residuals.autocorrelation import autocorrelation
 from bench.residuals.concentration import Concentration, concentrations
 from bench.residuals.look_alikes import LookAlike, look_alikes
-from bench.residuals.motor import Compared, compared, relative_error_of, relative_noise
+from bench.residuals.motor import Compared, relative_error_of, relative_noise
 from bench.residuals.opposing_motion import Change, Opposing, by_load, changes, over_warm_up
 from bench.residuals.periods import SpectralLine, lines
 from bench.residuals.profile import Dependence, dependences
@@ -50,15 +47,6 @@ class WhereItFails:
 
     robot: str
     motors: tuple[MotorErrors, ...]
-
-
-@on_one_thread
-def where_it_fails(dataset: Dataset, result: Identification) -> WhereItFails:
-    """Where the errors of an identified model are concentrated, motor by motor, and what they follow.
-
-    dataset: the one that it was identified from.
-    """
-    return errors_by_motor(compared(dataset.robot, dataset.recordings, result.recordings, result.settings))
 
 
 def errors_by_motor(

@@ -124,15 +124,9 @@ class RunningFilter:
 def kept_samples(sections: FloatArray, x: FloatArray, order: int, factor: int, first: int) -> FloatArray:
     """What `forward_backward` gives at every so many-th sample of x (N, ...), from a first one below `factor` on.
 
-    Args:
-        sections: shape (n_sections, 6).
-        x: more than 3 * order samples, shape (N, ...).
-        order: of the filter, which sets the length of the extension at the ends.
-        factor: one sample in this many is kept.
-        first: index of the first sample kept.
-
-    Returns:
-        Shape (ceil((N - first) / factor), ...).
+    sections: shape (n_sections, 6). x: more than 3 * order samples, shape (N, ...). order: of the filter, which sets
+    the length of the extension at the ends. factor: one sample in this many is kept. first: index of the first sample
+    kept. Returns shape (ceil((N - first) / factor), ...).
     """
     running = RunningFilter(sections, order, factor, first)
     flat = x.reshape(len(x), -1)

@@ -27,15 +27,8 @@ def decimate(x: FloatArray, factor: int) -> FloatArray:
     The filter is a Chebyshev type I of order 8, ripple 0.05 dB, cut-off at 0.8 of half the new rate, run
     forward and backward along axis 0. The samples kept end with the last one (see `decimated_indices`).
 
-    Args:
-        x: samples, shape (N, ...).
-        factor: 1 returns a copy of x, unfiltered.
-
-    Returns:
-        Shape (ceil(N / factor), ...).
-
-    Raises:
-        BenchError: factor below 1, or N not above 24.
+    x: samples, shape (N, ...). factor: 1 returns a copy of x, unfiltered. Returns shape (ceil(N / factor), ...). Raises
+    BenchError: factor below 1, or N not above 24.
     """
     kept = decimated_indices(len(x), factor)
     x = np.asarray(x, dtype=float)

@@ -23,14 +23,9 @@ def low_pass(x: FloatArray, rate: float, cutoff: float, order: int = 4) -> Float
     1 / (1 + (tan(pi f / rate) / tan(pi cutoff / rate))^(2 order)), one half at the cut-off. Both ends are
     extended by 3 * order samples, reflected through the end points.
 
-    Args:
-        x: samples, shape (N, ...), any unit; every column is filtered alike.
-        rate: sampling rate [Hz].
-        cutoff: cut-off frequency [Hz], below half the sampling rate.
-        order: order of one pass.
-
-    Raises:
-        BenchError: the cut-off is not between 0 and half the sampling rate, or the record is too short.
+    x: samples, shape (N, ...), any unit; every column is filtered alike. rate: sampling rate [Hz]. cutoff: cut-off
+    frequency [Hz], below half the sampling rate. order: order of one pass. Raises BenchError: the cut-off is not
+    between 0 and half the sampling rate, or the record is too short.
     """
     if order < 1:
         raise BenchError(f"low-pass filter: order {order} must be at least 1")
@@ -54,14 +49,9 @@ def forward_backward(sections: FloatArray, x: FloatArray, order: int, what: str)
     Second-order sections and not one ratio of polynomials: at a cut-off of a twelfth of the rate the two
     already differ by 2e-8, and the polynomials lose more the lower the cut-off is.
 
-    Args:
-        sections: shape (n_sections, 6).
-        x: samples, shape (N, ...).
-        order: order of the filter, which sets the length of the extension.
-        what: name of the caller for the message.
-
-    Raises:
-        BenchError: the record has no more than 3 * order samples.
+    sections: shape (n_sections, 6). x: samples, shape (N, ...). order: order of the filter, which sets the length of
+    the extension. what: name of the caller for the message. Raises BenchError: the record has no more than 3 * order
+    samples.
     """
     x = np.asarray(x, dtype=float)
     check_length(x, order, what)

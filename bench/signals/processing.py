@@ -17,10 +17,7 @@ FloatArray = NDArray[np.float64]
 class FilteredMotion:
     """Filtered motion of the measured joints, border samples dropped; each array has shape (M, n).
 
-    Attributes:
-        position: [rad or m].
-        velocity: [1/s].
-        acceleration: [1/s^2].
+    position: [rad or m]. velocity: [1/s]. acceleration: [1/s^2].
     """
 
     position: FloatArray
@@ -36,11 +33,8 @@ def estimate_motion(
     The acceleration is the central difference of the velocity. Source: M. Gautier, ICRA 1997, where this is
     called band-pass differentiation.
 
-    Args:
-        position: measured, shape (N, n).
-        rate: sampling rate [Hz].
-        settings: their border is dropped, so M = N - border[0] - border[1].
-        logged: velocities that are taken in place of differentiated positions, shape (N, n); NaN for none.
+    position: measured, shape (N, n). rate: sampling rate [Hz]. settings: their border is dropped, so M = N - border[0]
+    - border[1]. logged: velocities that are taken in place of differentiated positions, shape (N, n); NaN for none.
     """
     filtered = low_pass(position, rate, settings.position_cutoff, settings.filter_order)
     velocity = central_difference(filtered, 1 / rate, settings.difference_order)
@@ -54,8 +48,7 @@ def estimate_motion(
 def trim(x: FloatArray, settings: FilterSettings) -> FloatArray:
     """Return x, shape (N, ...), without its border samples: what belongs to a `Motion`, such as currents.
 
-    Raises:
-        BenchError: nothing remains.
+    Raises BenchError: nothing remains.
     """
     start, end = settings.border
     if len(x) <= start + end:
