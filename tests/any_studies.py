@@ -11,12 +11,11 @@ from bench.excitation.experiment.forecast import Enough, Expected, Forecast, For
 from bench.excitation.experiment.open_limits import Kept
 from bench.excitation.experiment.proof import Unproven
 from bench.identification.finding import Code
-from bench.residuals.concentration import Concentration
 from bench.residuals.look_alikes import QUESTION, LookAlike
 from bench.residuals.opposing_motion import Change, Opposing
 from bench.residuals.periods import SpectralLine
 from bench.residuals.profile import VARIABLES, Dependence
-from bench.residuals.regions import RegionKind, RegionPlace
+from bench.residuals.regions import Concentration, RegionKind, RegionPlace
 from bench.residuals.residuals import MotorErrors, WhereItFails
 from bench.robot_check.outcome import Check, CheckCode
 from bench.robot_check.report import Amplification, Singularity

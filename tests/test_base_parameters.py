@@ -14,7 +14,7 @@ from bench.model import base as base_module
 from bench.model.base import UndecidedRankError, base_parameters, independent_columns
 from bench.model.geometry import read_geometry
 from bench.model.states import random_motion
-from bench.robot_check.base_torques import check_base_parameters
+from bench.robot_check.agreement import check_base_parameters
 from bench.robot_check.machine import make_machine
 from bench.robot_check.words import detail_of
 from tests.mechanisms import NAMES, robot_named

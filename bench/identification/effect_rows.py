@@ -11,8 +11,7 @@ from bench.effects.checked_columns import columns_at_motors
 from bench.effects.row_cache import KeptRows
 from bench.identification.standstill import whole_interpolation
 from bench.identification.tolerances import TOLERANCES
-from bench.signals.decimation import decimate, decimated_indices
-from bench.signals.sparse_decimation import decimate_sparse
+from bench.signals.decimation import decimate, decimate_sparse, decimated_indices
 
 
 def effect_rows(

@@ -19,8 +19,7 @@ from bench.model.model import IdentificationModel
 from bench.model.motion import LongMotion, Motion, path_of
 from bench.model.reaction import HeldMotion
 from bench.signals.filtering import low_pass
-from bench.signals.logged_velocity import LoggedVelocity, compared_velocity
-from bench.signals.processing import estimate_motion, trim
+from bench.signals.processing import LoggedVelocity, compared_velocity, estimate_motion, trim
 from bench.signals.settings import FilterSettings, signal_bands
 
 

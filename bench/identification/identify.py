@@ -13,10 +13,15 @@ from bench.identification.closed_loop import columns_at, commanded_currents, sim
 from bench.identification.column_errors import column_errors
 from bench.identification.compressed import Stack, stack_observations
 from bench.identification.errors_in_variables import with_errors_in_variables_checked
-from bench.identification.essential_parameters import essential_columns, expanded, reduced, with_zeros
 from bench.identification.estimators import DEFAULT_METHOD, Request, solve
 from bench.identification.filtered import measure
-from bench.identification.identifiability_of_effects import identifiable_columns
+from bench.identification.identifiability_of_effects import (
+    essential_columns,
+    expanded,
+    identifiable_columns,
+    reduced,
+    with_zeros,
+)
 from bench.identification.impossible_payload import with_possible_payloads
 from bench.identification.newton import with_shape_columns
 from bench.identification.nonlinear import columns_of, converged, within_bounds

@@ -61,7 +61,7 @@ def converged(
     At first every shape is searched with the others fixed; then all move together by steps of Gauss and Newton, as long
     as the errors become smaller by them (see newton.py), and are searched again where they do not. nearly: shapes and
     the present model are nearly right, so that no search comes first. added_from: in a search, the first of the effects
-    that it added; these leave the places where they are out of bounds (see out_of_bounds.py). Raises TimeUpError after
+    that it added; these leave the places where they are out of bounds (see `staying`). Raises TimeUpError after
     the deadline.
     """
     instances = prepared.effects

@@ -22,9 +22,8 @@ from bench.identification.bilinear import (
 from bench.identification.compressed import Stack, stack_observations
 from bench.identification.current_error import current_error, error_weights, from_products, squared_errors
 from bench.identification.effect_rows import effect_rows
-from bench.identification.essential_parameters import reduced, with_zeros
 from bench.identification.fixed_columns import FixedColumns, fits, fixed_columns, stacked_with_fixed
-from bench.identification.identifiability_of_effects import identifiable_columns
+from bench.identification.identifiability_of_effects import identifiable_columns, reduced, with_zeros
 from bench.identification.least_squares import weighted_least_squares
 from bench.identification.prepare import Prepared
 from bench.identification.solution import Fitted, NominalGains, Solution

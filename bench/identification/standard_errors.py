@@ -144,7 +144,7 @@ def uncertainty(stack: Stack, solution: Solution, deviations: Deviations) -> Unc
     "autocorrelated": the residual's autocovariance, of every motor and within every recording, is carried
     through the linearised estimator (Newey and West 1987, with Bartlett's window), so that neighbouring
     samples do not count as independent, nor do those between which the motion returns and the error with it (see
-    repeated_errors.py). "independent": the field's customary formula (Gautier 1997), with
+    `repeated_covariances`). "independent": the field's customary formula (Gautier 1997), with
     the deviation of the residual about its mean; too optimistic where errors are coloured. Unknowns that change
     nothing, such as the damping of a drive without a compliance, are omitted, with variances of zero.
 

@@ -6,13 +6,12 @@ from dataclasses import dataclass
 from bench.effects import Effect
 from bench.identification.decision import RULE
 from bench.residuals.autocorrelation import autocorrelation
-from bench.residuals.concentration import Concentration, concentrations
 from bench.residuals.look_alikes import LookAlike, look_alikes
 from bench.residuals.motor import Compared, relative_error_of, relative_noise
 from bench.residuals.opposing_motion import Change, Opposing, by_load, changes, over_warm_up
 from bench.residuals.periods import SpectralLine, lines
 from bench.residuals.profile import Dependence, dependences
-from bench.residuals.regions import regions
+from bench.residuals.regions import Concentration, concentrations, regions
 
 
 @dataclass(frozen=True)

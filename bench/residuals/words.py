@@ -6,13 +6,12 @@ from bench.effects.display_names import spoken
 from bench.identification.decision import RULE
 from bench.identification.wording import in_percent, motor_words, with_error
 from bench.residuals.bounds import NAMING
-from bench.residuals.concentration import Concentration
 from bench.residuals.look_alikes import LookAlike
 from bench.residuals.motor import Compared, relative_error_of, relative_noise
 from bench.residuals.opposing_motion import Change
 from bench.residuals.periods import SpectralLine
 from bench.residuals.profile import Dependence
-from bench.residuals.regions import RegionKind, RegionPlace
+from bench.residuals.regions import Concentration, RegionKind, RegionPlace
 from bench.residuals.residuals import MotorErrors, WhereItFails
 
 MOST_LOOKS, MOST_NAMES = 2, 4

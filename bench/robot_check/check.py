@@ -16,7 +16,7 @@ from bench.model.mobility import check_assembled
 from bench.model.passive_ranges import passive_ranges
 from bench.model.states import random_motion
 from bench.robot_check import agreement
-from bench.robot_check.base_torques import check_base_parameters
+from bench.robot_check.agreement import check_base_parameters
 from bench.robot_check.bounds import AGREEMENT, PLAUSIBLE
 from bench.robot_check.features import check_features, locked_lines, notes
 from bench.robot_check.home import check_home, home_at_range_end, with_pose_in_ranges

@@ -138,8 +138,6 @@ def harmonic(p: Parameters, position: Array, wave_number: Array) -> Array:
     return p["a"] * np.cos(phase) + p["b"] * np.sin(phase)
 
 
-Array = NDArray[np.float64]
-
 PAYLOAD_BODY = "payload of the scenario"
 MOTOR_SIDE = "hidden:motor side:"
 """Before the name of a joint: the rotor of its motor, where a spring or play is between the two."""
