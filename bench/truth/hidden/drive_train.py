@@ -1,6 +1,7 @@
 """A motor and a joint that do not turn alike: what drive flexibility and backlash have in common."""
 
 from dataclasses import dataclass
+from typing import ClassVar
 
 import mujoco
 import numpy as np
@@ -21,7 +22,7 @@ class DriveTrain(JointEffect):
     world, with its axis through its centre of mass, so that it feels only its motor and its spring.
     """
 
-    positive = ("stiffness",)
+    positive: ClassVar[tuple[str, ...]] = ("stiffness",)
     not_negative = ("damping", "rotor_inertia")
     changes_drives = True
 
