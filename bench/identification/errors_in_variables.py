@@ -3,7 +3,7 @@
 Differentiated twice, the noise of a position grows with the fourth power of the frequency. In the observation matrix it
 biases every estimate that takes that matrix for exact. Whether it does is seen as Hausman does ("Specification tests in
 econometrics", 1978): by the distance to an estimate that holds with errors in the variables, too, though it is less
-exact without them. That estimate is by instrumental variables, see `bench.identification.closed_loop`.
+exact without them. That estimate is by instrumental variables, see `bench.identification.instrumental`.
 """
 
 from collections.abc import Callable

@@ -126,12 +126,13 @@ def region_words(where: RegionPlace) -> str:
     return REGIONS[where.part].format(f"{bounds} {where.unit}")
 
 
+def _percent(share: float) -> str:
+    return f"{share:.0%}".replace("%", " %")
+
+
 def concentration_words(concentration: Concentration) -> str:
     """As in "motor left, at reversals: 71 % of the squared error in 6 % of the time"."""
-    error, time = (
-        f"{concentration.error_share:.0%}".replace("%", " %"),
-        f"{concentration.time_share:.0%}".replace("%", " %"),
-    )
+    error, time = _percent(concentration.error_share), _percent(concentration.time_share)
     at = f"{motor_words(concentration.joint)}, {region_words(concentration.where)}: {error}"
     if concentration.of_rest:
         return f"{at} of the remaining squared error in {time} of that time"
@@ -141,7 +142,7 @@ def concentration_words(concentration: Concentration) -> str:
 def dependence_words(dependence: Dependence, units: tuple[str, str]) -> str:
     """How much of the error follows a variable, and from what to what."""
     current, position = units
-    share = f"{dependence.error_share:.0%}".replace("%", " %")
+    share = _percent(dependence.error_share)
     rest = "remaining " if dependence.of_rest else ""
     head = f"{motor_words(dependence.joint)}: {share} of the {rest}squared error"
     if dependence.variable == "constant":
@@ -171,7 +172,7 @@ def dependence_words(dependence: Dependence, units: tuple[str, str]) -> str:
 
 def line_words(line: SpectralLine, units: tuple[str, str]) -> str:
     """What repeats, and how often."""
-    share = f"{line.error_share:.0%}".replace("%", " %")
+    share = _percent(line.error_share)
     size = f"with an amplitude of {line.amplitude:.2g} {units[0]}"
     if line.over == "time":
         frequency = with_error(line.frequency, line.resolution)
