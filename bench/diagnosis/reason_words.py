@@ -68,7 +68,7 @@ def _explains(verdict: EffectVerdict) -> str:
 
 
 def _filled(template: str, verdict: EffectVerdict) -> str:
-    """A template with the names of a verdict's reason, the effect `begun` and `spoken`, and errors `before` and `after`;
+    """A template with the names of a verdict's reason, the effect `begun` and `spoken`, errors `before` and `after`;
     where there are any, its places as `at` and the alternatives as `others`.
     """
     _, *place = verdict.why.names or ("",)
