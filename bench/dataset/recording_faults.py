@@ -84,7 +84,10 @@ def faults_in(
     accepted: frozenset[str],
 ) -> list[Fault]:
     """What the checks find; of a log to be cut in its longest stretch, and at the rate that its time should have."""
-    start, stop = _longest(time) if fault is not None and fault.in_pieces else (0, time.size)
+    start, stop = 0, time.size
+    if fault is not None and fault.in_pieces:
+        pieces = pairwise([0, *cut_rows(time).tolist(), time.size])
+        start, stop = max(pieces, key=lambda piece: piece[1] - piece[0])
     step = float(np.median(np.abs(np.diff(time[start:stop]))))
     if fault is not None and fault.remedy in SECONDS:
         step *= SECONDS[fault.remedy]
@@ -103,11 +106,6 @@ def faults_in(
         else Fault(finding.check, finding.row + start, finding.what, finding.remedy)
         for finding in find(channel, accepted)
     ]
-
-
-def _longest(time: np.ndarray) -> tuple[int, int]:
-    """First row and end of the longest stretch in which time rises without a gap."""
-    return max(pairwise([0, *cut_rows(time).tolist(), time.size]), key=lambda piece: piece[1] - piece[0])
 
 
 def _fault_of(table: FileTable, column: str, finding: Fault) -> RecordingFaultError:

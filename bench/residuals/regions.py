@@ -174,7 +174,10 @@ def concentrations(series: Sequence[MotorSeries], candidates: Sequence[Region]) 
             key=lambda concentration: _divergence(concentration.error_share, concentration.time_share),
             default=None,
         )
-        if best is None or not _counts(best, len(candidates)):
+        if best is None:
+            break
+        telling = _divergence(best.error_share, best.time_share) > NAMING.region_nats
+        if not (telling and best.evidence > NAMING.regions_nats + float(np.log(len(candidates)))):
             break
         named.append(best)
         region = next(candidate for candidate in candidates if candidate.where == best.where)
@@ -210,11 +213,6 @@ def _concentration(
     error_share, time_share = _shares(squares, region.rows, remaining)
     evidence = independent * _divergence(error_share, time_share)
     return Concentration(joint, region.where, error_share, time_share, evidence, of_rest)
-
-
-def _counts(concentration: Concentration, tried: int) -> bool:
-    telling = _divergence(concentration.error_share, concentration.time_share) > NAMING.region_nats
-    return telling and concentration.evidence > NAMING.regions_nats + float(np.log(tried))
 
 
 def _divergence(error_share: float, time_share: float) -> float:

@@ -28,7 +28,7 @@ def as_dataset(simulation: Simulation) -> Dataset:
         payloads={name: payload_declared(name, t) for name, t in scenario.settings.payloads.items()},
         recordings=tuple(
             Recording(
-                _file_name(simulation, r.name),
+                f"{r.name}.{scenario.settings.file_format}",
                 r.table.use,
                 r.table.payload,
                 r.log.time,
@@ -115,7 +115,3 @@ def _write_folder(simulation: Simulation, folder: Path) -> None:
         controller=dataset.controller,
         joints=scenario.robot.joints,
     )
-
-
-def _file_name(simulation: Simulation, name: str) -> str:
-    return f"{name}.{simulation.scenario.settings.file_format}"
