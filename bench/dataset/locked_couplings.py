@@ -62,9 +62,8 @@ def drop_equalities(spec: mujoco.MjSpec, plain: mujoco.MjModel, values: Mapping[
             first, second = (_moved_with(plain, body, held) for body in held_bodies(plain, index))
             if first != second:
                 continue
-            gaps = np.abs(
-                at.efc_pos[of_equality & (at.efc_id == index)]
-            )  # of position, of a weld then of turn
+            # of position, of a weld then of turn
+            gaps = np.abs(at.efc_pos[of_equality & (at.efc_id == index)])
             if gaps.max(initial=0.0) > DIGITS:
                 unit = joint_units(rotates=bool(gaps.argmax() >= 3)).position
                 raise BenchError(

@@ -125,9 +125,8 @@ def _keep(signals: RobotSignals, decimation: int, instance: EffectInstance, rows
 
 def _memory(signals: RobotSignals, instance: EffectInstance) -> KeptRows:
     """Where an effect's rows are kept: with the recording, or only as long as the present model is the same."""
-    alone = (
-        isinstance(instance.effect, ActuatorEffect) and instance.joint in signals.joints
-    )  # which sees its motor, and no other joint move
+    # which sees its motor, and no other joint move
+    alone = isinstance(instance.effect, ActuatorEffect) and instance.joint in signals.joints
     passing = instance.effect.depends_on_model or not (alone or signals.as_measured)
     return signals.passing if passing else signals.lasting
 

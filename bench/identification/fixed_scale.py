@@ -24,9 +24,8 @@ from bench.model.model import IdentificationModel
 from bench.model.regressor import payload_transform
 
 SEED = 20120604  # of the currents of redundant motors at the random states
-ASIDE = np.array(
-    [0.6, -0.48, 0.64]
-)  # unit length, along no axis of a tool: where a body of unknown centre has it
+# unit length, along no axis of a tool: where a body of unknown centre has it
+ASIDE = np.array([0.6, -0.48, 0.64])
 
 
 @dataclass(frozen=True)
@@ -158,9 +157,8 @@ def assumed(payload: Payload, length: float) -> Payload:
     return Payload(payload.name, mass, center, ball if payload.inertia is None else payload.inertia)
 
 
-AWAY = np.array(
-    [0.48, 0.64, -0.6]
-)  # unit length, along no axis of a tool: where a payload fixed elsewhere is
+# unit length, along no axis of a tool: where a payload fixed elsewhere is
+AWAY = np.array([0.48, 0.64, -0.6])
 
 
 def scale_of(

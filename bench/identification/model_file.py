@@ -229,9 +229,8 @@ def applied(problem: Problem, saved: SavedModel) -> tuple[Prepared, Solution]:
             f"{dataset.robot.name} ({', '.join(dataset.robot.driven)})"
         )
     refuse_other_locks(dataset.robot, model.locked, str(saved.path))
-    if (
-        saved.dataset is None or saved.dataset.resolve() != dataset.folder.resolve()
-    ):  # a log of another folder is another log, whatever its name
+    # a log of another folder is another log, whatever its name
+    if saved.dataset is None or saved.dataset.resolve() != dataset.folder.resolve():
         strangers = tuple(
             replace(recording, part_of=str(dataset.folder / recording.log))
             for recording in dataset.recordings

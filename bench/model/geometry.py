@@ -104,9 +104,8 @@ class Coupling:
     polynomial: tuple[float, ...]
 
 
-@dataclass(
-    frozen=True, eq=False
-)  # distinguished by identity, so that what follows from one can be kept for it
+# distinguished by identity, so that what follows from one can be kept for it
+@dataclass(frozen=True, eq=False)
 class Geometry:
     """All that identification knows of a robot besides its measurements.
 

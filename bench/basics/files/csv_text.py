@@ -16,9 +16,8 @@ from bench.basics.errors import BenchError
 from bench.basics.plural import plural
 
 DELIMITERS = ",;\t"
-KEPT = (
-    1 << 25
-)  # characters of a text whose cells are kept once they are asked for; of a larger one they are read anew
+# characters of a text whose cells are kept once they are asked for; of a larger one they are read anew
+KEPT = 1 << 25
 LINE = re.compile(r"[^\r\n]*(?:\r\n|\n|\r)|[^\r\n]+\Z")
 FOREIGN = {
     b"PAR1": "a Parquet file",
