@@ -1,6 +1,6 @@
 """Strategies: whatever a check, a comparison, a plan or a replay may say."""
 
-import inspect
+from string import Formatter
 from types import SimpleNamespace
 from typing import Any, get_args, get_type_hints
 
@@ -11,16 +11,15 @@ from bench.excitation.experiment.forecast import Enough, Expected, Forecast, For
 from bench.excitation.experiment.open_limits import Kept
 from bench.excitation.experiment.proof import Unproven
 from bench.identification.finding import Code
-from bench.residuals.concentration import Concentration
 from bench.residuals.look_alikes import QUESTION, LookAlike
 from bench.residuals.opposing_motion import Change, Opposing
 from bench.residuals.periods import SpectralLine
 from bench.residuals.profile import VARIABLES, Dependence
-from bench.residuals.regions import RegionKind, RegionPlace
+from bench.residuals.regions import Concentration, RegionKind, RegionPlace
 from bench.residuals.residuals import MotorErrors, WhereItFails
 from bench.robot_check.outcome import Check, CheckCode
 from bench.robot_check.report import Amplification, Singularity
-from bench.robot_check.words import TERMS, WORDS, _regular
+from bench.robot_check.words import TERMS, WORDS
 from tests.any_values import effects, errors, findings_of, names, numbers, sizes, some, units
 
 few = some(names)
@@ -95,14 +94,20 @@ def _of_type(kind: Any) -> st.SearchStrategy[Any]:
     return st.lists(_of_type(arguments[0]), max_size=3)
 
 
+def _of_template(words: str) -> dict[str, Any]:
+    """The types of a template's values: numbers have a format, lists of names one of words."""
+    fields = [(field, spec) for _, field, spec, _ in Formatter().parse(words) if field not in (None, "agree")]
+    named = {"quoted": list[str], "": str, "# joint": int, "# force": int}
+    hints = {field: named.get(spec, float) for field, spec in fields}
+    if "bodies" in hints:
+        hints["bodies"] = list[str]
+    return hints | ({"difference": float} if "{agree}" in words else {})
+
+
 def checks_of(code: CheckCode) -> st.SearchStrategy[Check]:
-    _, sentence = WORDS[code]
-    takes_any = any(
-        parameter.kind is inspect.Parameter.VAR_KEYWORD
-        for parameter in inspect.signature(sentence).parameters.values()
-    )
-    hints = get_type_hints(_regular if takes_any else sentence)
-    hints.pop("return")
+    words = WORDS[code]
+    hints = _of_template(words) if isinstance(words, str) else get_type_hints(words[1])
+    hints.pop("return", None)
     values = {
         each: _of_type(kind)
         for each, kind in hints.items()

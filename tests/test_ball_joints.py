@@ -17,8 +17,8 @@ from bench.identification.identify import identify
 from bench.identification.model_file import save_model
 from bench.identification.prepare import prepare
 from bench.identification.problem import problem_of
+from bench.model.body_rates import joint_rates
 from bench.model.geometry import read_geometry
-from bench.model.joint_rates import joint_rates
 from bench.model.motion import motion_of
 from bench.model.regressor import projected_regressor
 from bench.robot_check.check import check_robot

@@ -9,10 +9,10 @@ from bench.basics.chi_squared import WITHIN_95
 from bench.benchmarks.measured.machines import MACHINES
 from bench.benchmarks.measured.repeats import COMPARED, repeats_markdown, repeats_of
 from bench.identification import bandwidth
-from bench.identification.by_unknown import estimates
 from bench.identification.chosen_band import prepare_checked
 from bench.identification.finding import Code, Unknown
 from bench.identification.identify import fit, identify
+from bench.identification.model_averaged import estimates
 from bench.identification.model_json import from_json, to_json
 from bench.identification.prepare import prepare
 from bench.identification.problem import problem_of

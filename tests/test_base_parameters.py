@@ -11,11 +11,10 @@ from bench.basics.errors import BenchError
 from bench.dataset.catalogue import built_in_robots
 from bench.dataset.robot import load_robot
 from bench.model import base as base_module
-from bench.model.base import base_parameters
+from bench.model.base import UndecidedRankError, base_parameters, independent_columns
 from bench.model.geometry import read_geometry
-from bench.model.independent import UndecidedRankError, independent_columns
 from bench.model.states import random_motion
-from bench.robot_check.base_torques import check_base_parameters
+from bench.robot_check.agreement import check_base_parameters
 from bench.robot_check.machine import make_machine
 from bench.robot_check.words import detail_of
 from tests.mechanisms import NAMES, robot_named

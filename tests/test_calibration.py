@@ -5,8 +5,8 @@ import pytest
 
 from bench.dataset.robot import load_robot
 from bench.effects import catalogue_for, places_in, select_effects
-from bench.identification.collinear import collinear
 from bench.identification.finding import Code, Unknown
+from bench.identification.identifiability_of_effects import collinear
 from bench.identification.identify import identify
 from bench.identification.prepare import prepare
 from bench.identification.problem import problem_of

@@ -8,7 +8,7 @@ import pytest
 from bench.cli import main
 from bench.dataset.recording import Recording
 from bench.identification.finding_words import sentence
-from bench.identification.shortness import short_recordings
+from bench.identification.findings import short_recordings
 from bench.signals.settings import FilterSettings
 from bench.truth.dataset import write_simulation
 from tests.good_data import RATE, write_good_dataset

@@ -10,12 +10,11 @@ from bench.effects import CATALOGUE
 from bench.identification.wording import with_error
 from bench.residuals.as_json import where_json
 from bench.residuals.autocorrelation import autocorrelation, correlations, integrated_autocorrelation_time
-from bench.residuals.concentration import concentrations, shares
 from bench.residuals.motor import compared, relative_error_of, relative_noise
 from bench.residuals.opposing_motion import changes
 from bench.residuals.periods import lines, position_spectrum, time_spectrum
 from bench.residuals.profile import binned, dependences, profile
-from bench.residuals.regions import regions
+from bench.residuals.regions import concentrations, regions, shares
 from bench.residuals.residuals import errors_by_motor
 from bench.residuals.words import dependence_words, where_sentences, whole_sentences
 from bench.signals.decimation import noise_bandwidth

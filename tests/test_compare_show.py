@@ -25,7 +25,7 @@ from bench.identification.problem import problem_of
 from bench.residuals.error_breakdown import error_breakdown
 from bench.residuals.motor import compared
 from bench.residuals.profile import profile, values_of
-from bench.residuals.residuals import errors_by_motor, where_it_fails
+from bench.residuals.residuals import errors_by_motor
 from bench.truth.dataset import write_simulation
 from tests.compared_kit import ROWS, SETTINGS, made, one_recording, robot, white
 from tests.hidden_kit import scenario, simulate
@@ -162,7 +162,9 @@ def test_a_saved_model_is_compared_as_it_is(dataset, tmp_path):
     assert main(["compare", str(dataset), "--model", str(model), "--json", str(answer)]) == 0
     content = json.loads(answer.read_text())
     assert content["model"] == str(model)
-    whole = where_it_fails(data := load_dataset(dataset), identify(prepare(problem_of(data))))
+    data = load_dataset(dataset)
+    result = identify(prepare(problem_of(data)))
+    whole = errors_by_motor(compared(data.robot, data.recordings, result.recordings, result.settings))
     assert content["where"]["shoulder"]["error"] == pytest.approx(whole.motors[0].error, rel=1e-6)
 
 

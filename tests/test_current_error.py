@@ -9,7 +9,7 @@ from bench.identification.compressed import Stack, compress
 from bench.identification.current_error import current_error, minimised, squared_errors
 from bench.identification.least_squares import weighted_least_squares
 from bench.identification.solution import NominalGains
-from bench.identification.solved_from_products import solved_from_products
+from bench.identification.solve_only import solved_from_products
 from bench.identification.tolerances import TOLERANCES
 
 TRUE = np.array([3.3, 2.8, 40.0])

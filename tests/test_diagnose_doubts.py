@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import pytest
 
-from bench.dataset.heavy_payload import HeavyPayload
+from bench.dataset.dataset import HeavyPayload
 from bench.dataset.robot import load_robot
 from bench.diagnosis.as_json import diagnosis_json
 from bench.diagnosis.result import LadderStep, Remainder

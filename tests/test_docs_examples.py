@@ -8,7 +8,7 @@ from pyarrow import compute, csv
 
 import bench
 from bench.identification import estimators
-from bench.truth.hidden.user_file import hidden_in
+from bench.truth.hidden.entries import hidden_in
 
 
 def python_of(page):

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from bench.effects.on_spring import deflection
+from bench.effects.laws.drive_flexibility import deflection
 
 INTERVAL = 0.01
 

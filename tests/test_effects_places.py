@@ -19,7 +19,7 @@ OF_THEIR_OWN = {  # what a few effects have and most do without, each with its r
     "bench/studies/trial/compatible.py": "two names for the same part",
     "bench/studies/trial/true_effects.py": "parameters with another name in the model",
     "bench/studies/trial/unknown.py": "what is hidden beside an unknown law",
-    "bench/truth/hidden/machine_sizes.py": "sizes that no parameter is in proportion to",
+    "bench/truth/hidden/sizes.py": "sizes that no parameter is in proportion to",
 }
 FIGURES = (
     "bench/benchmarks/speed/",

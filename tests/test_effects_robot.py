@@ -10,15 +10,15 @@ from scipy.interpolate import CubicSpline
 from bench.basics.errors import BenchError
 from bench.effects import CATALOGUE, EffectInstance, effect_columns, places_in, select_effects
 from bench.effects.body_length import lengths, with_length
-from bench.effects.on_spring import deflection
+from bench.effects.laws.drive_flexibility import deflection
 from bench.effects.signals import UNCHANGED, Changed, RobotSignals
 from bench.effects.tool_motion import tool_motion, tool_of
 from bench.identification import perturbed_observation
 from bench.identification.effect_columns import robot_signals
+from bench.model.follow import build_tree
 from bench.model.geometry import read_geometry
 from bench.model.model import IdentificationModel
 from bench.model.motion import Motion, motion_of
-from bench.model.tree import build_tree
 from tests.bounds_kit import with_bounds
 from tests.effects_kit import PAYLOAD, moving_robot, rigid_torque
 from tests.mechanisms import NAMES, robot_named

@@ -5,12 +5,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from bench.identification.blocks import Block, block_scatter, blocks_in
 from bench.identification.identify import identify
 from bench.identification.model_json import from_json, to_json
 from bench.identification.prepare import prepare
 from bench.identification.problem import problem_of
-from bench.identification.standard_errors import _enlarged
+from bench.identification.standard_errors import Block, _enlarged, block_scatter, blocks_in
 from bench.scenario.scenario import load_scenario
 from bench.truth.dataset import as_dataset
 from bench.truth.machine import true_gains

@@ -13,8 +13,7 @@ from bench.identification.identify import identify
 from bench.identification.prepare import prepare
 from bench.identification.problem import problem_of
 from bench.identification.result import Identification
-from bench.signals.logged_velocity import compared_velocity
-from bench.signals.processing import estimate_motion
+from bench.signals.processing import compared_velocity, estimate_motion
 from bench.signals.settings import FilterSettings
 from bench.truth.dataset import as_dataset
 from bench.truth.resense import sense_again

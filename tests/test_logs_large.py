@@ -6,7 +6,7 @@ import pytest
 from bench.basics.errors import BenchError
 from bench.basics.files import csv_text, table
 from bench.dataset import recording
-from bench.dataset.logs import glimpse
+from bench.dataset.logs import columns as log_columns
 from bench.dataset.logs.columns import LogMap
 from bench.dataset.logs.importing import LogRequest, import_log
 from bench.dataset.logs.log_file import AS_FOUND, read_log
@@ -20,9 +20,9 @@ NEEDED = ["time", "position.left", "position.right", "current.left", "current.ri
 def small(monkeypatch):
     """A log of some hundred kilobytes is a large one."""
     for module, name, size in (
-        (glimpse, "LARGE", 1 << 14),
-        (glimpse, "HEAD", 1 << 12),
-        (glimpse, "PIECE", 1 << 9),
+        (log_columns, "LARGE", 1 << 14),
+        (log_columns, "HEAD", 1 << 12),
+        (log_columns, "PIECE", 1 << 9),
         (table, "BLOCK", 1 << 14),
         (csv_text, "KEPT", 1 << 10),
         (recording, "WRITTEN", 700),
@@ -48,7 +48,7 @@ def write(path, change=lambda lines: None):
 
 def test_the_columns_of_a_large_log_are_seen_from_pieces(tmp_path, small):
     log = write(tmp_path / "log.csv")
-    seen, whole = glimpse.glimpse(log, AS_FOUND), read_log(log)
+    seen, whole = log_columns.glimpse(log, AS_FOUND), read_log(log)
     assert list(seen.vectors) == list(whole.vectors)
     assert seen.units == whole.units
     assert "255 pieces" in seen.notes[-1]
@@ -65,7 +65,7 @@ def test_a_fault_between_the_lines_is_told_as_of_the_whole_log(tmp_path, small):
 
     log = write(tmp_path / "log.csv", cut_short)
     with pytest.raises(BenchError, match="line 2002: has 4 values, the header names 5"):
-        glimpse.glimpse(log, AS_FOUND)
+        log_columns.glimpse(log, AS_FOUND)
 
 
 def test_blocks_and_pieces_give_what_one_read_gives(tmp_path, monkeypatch):

@@ -6,13 +6,12 @@ import pytest
 
 from bench.model.closure import closures_of, loop_bias, loop_jacobian, loop_residual, loop_rows
 from bench.model.elimination import eliminate
-from bench.model.follow import advance, home_pose, make_follower
+from bench.model.follow import advance, build_tree, home_pose, make_follower
 from bench.model.geometry import read_geometry
 from bench.model.kinematics import frames_of
 from bench.model.motion import motion_of, rates_at
 from bench.model.scalars import dense
 from bench.model.states import random_motion
-from bench.model.tree import build_tree
 from tests.mechanisms import LOOPED, NAMES, movement, random_open_poses, robot_named
 
 H = 1e-6

@@ -7,10 +7,10 @@ import pytest
 
 from bench.model.closure import loop_residual
 from bench.model.configuration import configuration_rates, displacements, hermite, integrate
+from bench.model.follow import build_tree
 from bench.model.geometry import read_geometry
 from bench.model.kinematics import end_of, end_point, end_rotation, frames_of, link_of, rates_of
 from bench.model.scalars import dense
-from bench.model.tree import build_tree
 from tests.mechanisms import LOOPED, NAMES, random_open_poses, robot_named, to_mujoco
 
 POSES = 5

@@ -11,6 +11,7 @@ from bench.dataset.robot import load_robot
 from bench.model import regressor as regressor_module
 from bench.model.base import base_parameters
 from bench.model.bounds import MEMORY
+from bench.model.follow import build_tree
 from bench.model.geometry import Anchor, Placement, read_geometry
 from bench.model.motion import motion_of
 from bench.model.regressor import (
@@ -22,7 +23,6 @@ from bench.model.regressor import (
     rotor_columns,
 )
 from bench.model.states import random_motion
-from bench.model.tree import build_tree
 from tests.mechanisms import NAMES, movement, robot_named, to_mujoco
 
 STATES = 12

@@ -13,7 +13,7 @@ from bench.api.identify import identify
 from bench.diagnosis.as_json import diagnosis_json
 from bench.document.terminal.diagnosis import diagnosis_report
 from bench.identification.finding import Code, Finding
-from bench.identification.periods_not_whole import periods_not_whole
+from bench.identification.findings import periods_not_whole
 from bench.truth.dataset import as_dataset
 from tests.hidden_kit import run
 

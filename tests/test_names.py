@@ -93,8 +93,8 @@ def test_whether_gains_are_fitted_travels_with_what_is_asked(project_root: Path)
         ("identify.py", "identify"),
         ("problem.py", "problem_of"),
         ("bilinear.py", "normal_equations"),
-        ("centred.py", "minimised"),
+        ("bilinear.py", "minimised"),
         ("current_error.py", "minimised"),
         ("robust.py", "_likeliest"),
-        ("solved_from_products.py", "_weighted"),
+        ("solve_only.py", "_weighted"),
     }

@@ -7,7 +7,7 @@ import pytest
 from bench.basics.errors import BenchError
 from bench.dataset.robot import load_robot
 from bench.identification.findings import with_findings
-from bench.residuals.next_step import beyond_noise, remaining_errors
+from bench.residuals.words import beyond_noise, remaining_errors
 from bench.truth.dataset import write_simulation
 from tests.compared_kit import NOISE, made
 from tests.shown import dataset_of, identification_of

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from rosbags.rosbag2 import StoragePlugin
 
-from bench.dataset.logs.unit_names import unit_in, units_of
+from bench.dataset.logs.units import unit_in, units_of
 from bench.dataset.robot import load_robot
 from bench.local.checks import Mapped, checked
 from bench.local.columns import guesses, look_at

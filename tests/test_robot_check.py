@@ -16,11 +16,11 @@ from bench.model.geometry import read_geometry
 from bench.model.mobility import smallest_singular_values
 from bench.model.states import random_motion
 from bench.robot_check.check import check_robot
-from bench.robot_check.listing import loop_lines
 from bench.robot_check.loops import check_constraints
 from bench.robot_check.machine import make_machine, random_open_poses, to_mujoco
 from bench.robot_check.mobility import amplification
 from bench.robot_check.outcome import Check, CheckCode
+from bench.robot_check.report import loop_lines
 from bench.robot_check.singularity import singularity_of, sweep
 from bench.robot_check.words import WORDS, detail_of, name_of
 from tests.broken_robots import HOME, edit, edit_mjcf, write_five_bar
@@ -249,7 +249,7 @@ def followed(geometry, move):
 def velocity_between(geometry, before, after):
     import pinocchio as pin
 
-    from bench.model.tree import build_tree
+    from bench.model.follow import build_tree
 
     return pin.difference(build_tree(geometry), before, after)
 

@@ -20,8 +20,7 @@ from bench.document.markdown.tables import markdown
 from bench.identification.finding import Code, Finding
 from bench.identification.finding_words import note, sentence
 from bench.identification.findings import with_findings
-from bench.identification.fixed_scale import scale_of
-from bench.identification.gain_shares import random_states
+from bench.identification.fixed_scale import random_states, scale_of
 from bench.identification.identify import identify
 from bench.identification.model_json import from_json, to_json
 from bench.identification.prepare import prepare

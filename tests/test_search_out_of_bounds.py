@@ -8,8 +8,7 @@ import pytest
 
 from bench.dataset.dataset import load_dataset
 from bench.effects import CATALOGUE, EffectInstance
-from bench.identification.nonlinear import converged
-from bench.identification.out_of_bounds import out_of_bounds, staying
+from bench.identification.nonlinear import converged, out_of_bounds, staying
 from bench.identification.prepare import Prepared, prepare, with_effects
 from bench.identification.problem import problem_of
 from bench.identification.solution import Solution

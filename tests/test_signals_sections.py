@@ -5,7 +5,7 @@ import pytest
 from scipy import signal
 
 from bench.signals.bounds import BLOCKS
-from bench.signals.sections import at_rest, butterworth, chebyshev, filtered, response
+from bench.signals.filtering import at_rest, butterworth, chebyshev, filtered, response
 
 ROUNDING = 1e-11  # a pole at 0.997 makes ten thousand of one
 CUTOFFS = (0.002, 0.05, 0.3, 0.8, 0.97)

@@ -3,9 +3,8 @@
 import numpy as np
 import pytest
 
-from bench.signals.decimation import decimate, decimated_indices, fit_band
+from bench.signals.decimation import decimate, decimate_sparse, decimated_indices, fit_band
 from bench.signals.filtering import low_pass
-from bench.signals.sparse_decimation import decimate_sparse
 
 LENGTH = 5003
 

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from bench.identification.small_change import KEPT, small_change
+from bench.identification.perturbed_observation import KEPT, small_change
 
 SAMPLES, MOTORS, COLUMNS = 30, 3, 8
 

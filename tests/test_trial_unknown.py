@@ -26,7 +26,7 @@ from bench.studies.trial.unknown import FAMILIES, drawn_law, law_along, named_pa
 from bench.studies.trial.unknown_page import unknown_table, write_unknown
 from bench.studies.trial.work import _answer
 from bench.truth.dataset import as_dataset
-from bench.truth.hidden.movement import rms
+from bench.truth.hidden.base import rms
 from bench.truth.hidden.reference import Reference
 from bench.truth.simulate import simulate
 

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from bench.basics.errors import BenchError
-from bench.truth.hidden.user_file import hidden_in
+from bench.truth.hidden.entries import hidden_in
 from tests.hidden_kit import plain, run
 
 

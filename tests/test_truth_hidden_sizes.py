@@ -7,9 +7,8 @@ import pytest
 
 from bench.basics.errors import BenchError
 from bench.truth.hidden import HIDDEN_EFFECTS, JointEffect
-from bench.truth.hidden.machine_sizes import MACHINE_SIZES
 from bench.truth.hidden.reference import Reference
-from bench.truth.hidden.sizes import measured_share, typical
+from bench.truth.hidden.sizes import MACHINE_SIZES, measured_share, typical
 from bench.truth.inverse import motor_torque
 from tests import hidden_kit
 from tests.hidden_kit import BRIEF, SHORT, STEP, cart

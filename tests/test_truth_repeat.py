@@ -12,8 +12,8 @@ from bench.identification.identify import identify
 from bench.identification.prepare import prepare
 from bench.identification.problem import problem_of
 from bench.truth.dataset import truth_path, write_simulation
-from bench.truth.hidden_torque import hidden_torque, plain_machine
-from bench.truth.repeat import repeated
+from bench.truth.inverse import hidden_torque, plain_machine
+from bench.truth.resense import repeated
 from bench.truth.simulate import simulate
 from tests.hidden_kit import scenario
 

@@ -9,7 +9,7 @@ from bench.cli import main
 from bench.dataset.dataset import load_dataset
 from bench.identification.finding import Code
 from bench.identification.finding_words import sentence
-from bench.identification.unlike_units import unlike_units
+from bench.identification.mistaken import unlike_units
 from tests.workbench_kit import RECORDINGS, write_dataset
 
 

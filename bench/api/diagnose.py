@@ -11,8 +11,8 @@ from bench.basics.progress import SILENT, Progress
 from bench.diagnosis.discovery.find import find_missing_effects
 from bench.diagnosis.result import Diagnosis
 from bench.identification.decision import DecisionRule, deciding_by
+from bench.identification.findings import short_recordings
 from bench.identification.problem import Filters, problem_of
-from bench.identification.shortness import short_recordings
 from bench.identification.tolerances import Tolerances, bounded_by
 
 TIME_LIMIT = 600.0

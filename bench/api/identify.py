@@ -9,11 +9,11 @@ from bench.diagnosis.mounting import mounted_otherwise
 from bench.identification.chosen_band import prepare_checked
 from bench.identification.decision import DecisionRule, deciding_by
 from bench.identification.estimators import DEFAULT_METHOD
+from bench.identification.findings import short_recordings
 from bench.identification.identify import identify as fitted
 from bench.identification.mistaken import mistaken
 from bench.identification.problem import Filters, problem_of
 from bench.identification.result import Identification
-from bench.identification.shortness import short_recordings
 from bench.identification.standard_errors import Deviations
 from bench.identification.tolerances import Tolerances, bounded_by
 

@@ -1,7 +1,5 @@
 """Which program made a row."""
 
-from __future__ import annotations
-
 import platform
 import subprocess
 from dataclasses import dataclass

@@ -134,7 +134,7 @@ def _next(
 ) -> str:
     """The command that makes sense after a comparison."""
     from bench.page.section_run import CommandRun
-    from bench.residuals.next_step import DIAGNOSE, KEEP, beyond_noise
+    from bench.residuals.words import DIAGNOSE, KEEP, beyond_noise
 
     files = tuple(map(str, effect_files))
     if beyond_noise(what):

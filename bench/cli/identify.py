@@ -92,7 +92,7 @@ def identify(  # noqa: PLR0913, PLR0917 - an argument for each option
     from bench.identification.finding import MEND_FIRST
     from bench.identification.model_file import model_json
     from bench.residuals.motor import compared
-    from bench.residuals.next_step import remaining_errors
+    from bench.residuals.words import remaining_errors
 
     data = load_dataset(dataset)
     given = given_filters(**filters)
@@ -179,7 +179,7 @@ def _next(
 ) -> str:
     """The command that makes sense after an identification; mend: what the first note says comes before it."""
     from bench.page.section_run import CommandRun
-    from bench.residuals.next_step import DIAGNOSE, KEEP, beyond_noise
+    from bench.residuals.words import DIAGNOSE, KEEP, beyond_noise
 
     files = tuple(map(str, effect_files))
     if mend:

@@ -9,9 +9,9 @@ import numpy as np
 from bench.basics.errors import BenchError
 from bench.dataset.dataset import Dataset
 from bench.truth.dataset import truth_path
-from bench.truth.hidden_torque import hidden_torque, plain_machine
-from bench.truth.repeat import repeated
+from bench.truth.inverse import hidden_torque, plain_machine
 from bench.truth.report import truth
+from bench.truth.resense import repeated
 from bench.truth.simulate import Simulation
 from bench.viewer.context import KnownTruth
 

@@ -1,7 +1,5 @@
 """The law of a joint controller, where it is known: [controller] of dataset.toml."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path

@@ -1,8 +1,6 @@
 """A dataset: a robot, its payloads and the recordings of its movements, as a folder with dataset.toml."""
 
-from __future__ import annotations
-
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -14,13 +12,56 @@ from bench.dataset.controller import ControlLaw, controller_of, references
 from bench.dataset.dataset_toml import DatasetSpec, payload_of
 from bench.dataset.dataset_toml import RecordingEntry as RecordingEntry
 from bench.dataset.dataset_toml import write_dataset_toml as write_dataset_toml
-from bench.dataset.heavy_payload import HeavyPayload, doubted
 from bench.dataset.joint_facts import joint_facts
 from bench.dataset.names import DATASET_FILE, LOGS
 from bench.dataset.payload import Payload
 from bench.dataset.recording import Recording
 from bench.dataset.recording_window import Window
 from bench.dataset.robot import Robot, load_robot
+
+HEAVY = 2.0  # times the mass of the robot's bodies: hardly a robot carries that
+LIGHT = 5.0  # kg: lighter payloads are nothing to ask about, whatever an MJCF says of its bodies
+
+
+@dataclass(frozen=True)
+class HeavyPayload:
+    """What is asked about. mass: as declared, kg; robot_mass: of the robot's bodies in its MJCF, kg."""
+
+    name: str
+    mass: float
+    robot_mass: float
+
+    @property
+    def if_grams(self) -> float:
+        """What it weighs if its mass was typed in grams, kg."""
+        return self.mass / 1e3
+
+    @property
+    def words(self) -> str:
+        """The question."""
+        return (
+            f"the payload {self.name} of {self.mass:g} kg is far heavier than the robot ({self.robot_mass:.3g} kg in "
+            f"its MJCF): is that in grams, {self.if_grams:g} kg?"
+        )
+
+
+def heavy_payload(payload: Payload, robot: Robot) -> HeavyPayload | None:
+    """Whether a payload's mass is one to ask about; None where it is not, or not known."""
+    if payload.mass is None or payload.mass <= LIGHT:
+        return None
+    robot_mass = float(robot.mjcf_model().body_mass.sum())
+    return HeavyPayload(payload.name, payload.mass, robot_mass) if payload.mass > HEAVY * robot_mass else None
+
+
+def doubted(
+    payloads: Iterable[Payload], loads: Iterable[tuple[str | None, Iterable[str]]], robot: Robot
+) -> tuple[HeavyPayload, ...]:
+    """The payloads whose mass is to be asked about. loads: of every log the payload that it carries, and what it is
+    accepted with; a payload that one of them carries with its "mass" accepted is not asked about.
+    """
+    meant = {payload for payload, accepted in loads if "mass" in accepted}
+    heavy = [heavy_payload(payload, robot) for payload in payloads if payload.name not in meant]
+    return tuple(payload for payload in heavy if payload is not None)
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -1,11 +1,10 @@
 """The file dataset.toml: what it may hold, how it is written, how a recording is added to it."""
 
-from __future__ import annotations
-
 import tomllib
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import numpy as np
 from pydantic import Field
@@ -15,12 +14,64 @@ from bench.basics.files.atomic import write_text_atomically
 from bench.basics.files.toml_input import UserTable, read_toml
 from bench.basics.files.toml_output import toml_header, toml_line
 from bench.dataset.controller import ControlLaw, ControllerSpec
-from bench.dataset.dataset_edit import RecordingEntry as RecordingEntry
-from bench.dataset.dataset_edit import edited, payload_keys
 from bench.dataset.names import DATASET_FILE, Check, Use
 from bench.dataset.payload import Payload, payload_fault
 from bench.dataset.recording_window import Spans
 from bench.dataset.robot import Robot, load_robot
+
+OF_THE_OLD = ("window", "exclude")  # stretches of a log that is replaced say nothing of the new one
+
+
+@dataclass(frozen=True)
+class RecordingEntry:
+    """One [[recordings]] table to write: file name relative to the folder, use, payload, accepted checks."""
+
+    file: str
+    use: Use
+    payload: str | None = None
+    accept: tuple[Check, ...] = ()
+
+
+def payload_keys(payload: Payload) -> dict[str, float | list[float]]:
+    """The given values of a payload, under the keys of its table."""
+    keys: dict[str, float | list[float]] = {} if payload.mass is None else {"mass": float(payload.mass)}
+    for key, values in (("center_of_mass", payload.center_of_mass), ("inertia", payload.inertia)):
+        if values is not None:
+            keys[key] = np.asarray(values, dtype=np.float64).tolist()
+    return keys
+
+
+def edited(text: str, entries: Sequence[RecordingEntry], payloads: Sequence[Payload]) -> str:
+    """The dataset.toml `text` in which recordings and payloads that it has already are as given.
+
+    A recording's place in the list stays; its windows go. Of a payload, what is not given stays.
+    """
+    if not (entries or payloads):
+        return text
+    import tomlkit  # noqa: PLC0415 - slow to import: only once a file is changed
+
+    document: Any = tomlkit.parse(text)
+    tables = {table["file"]: table for table in document["recordings"]}
+    for entry in entries:
+        _set(tables[entry.file], entry)
+    for payload in payloads:
+        document["payloads"][payload.name].update(payload_keys(payload))
+    return str(tomlkit.dumps(document))
+
+
+def _set(table: Any, entry: RecordingEntry) -> None:
+    keys: Mapping[str, Any] = {
+        "use": entry.use,
+        "payload": entry.payload,
+        "accept": list(entry.accept) or None,
+        **dict.fromkeys(OF_THE_OLD),
+    }
+    for key, value in keys.items():
+        if value is not None:
+            table[key] = value
+        elif key in table:
+            del table[key]
+
 
 Number = Annotated[float, Field(strict=True, allow_inf_nan=False)]
 

@@ -1,7 +1,5 @@
 """What the MJCF says about the driven joints: kind, range and home."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Literal
 

@@ -62,9 +62,8 @@ def drop_equalities(spec: mujoco.MjSpec, plain: mujoco.MjModel, values: Mapping[
             first, second = (_moved_with(plain, body, held) for body in held_bodies(plain, index))
             if first != second:
                 continue
-            gaps = np.abs(
-                at.efc_pos[of_equality & (at.efc_id == index)]
-            )  # of position, of a weld then of turn
+            # of position, of a weld then of turn
+            gaps = np.abs(at.efc_pos[of_equality & (at.efc_id == index)])
             if gaps.max(initial=0.0) > DIGITS:
                 unit = joint_units(rotates=bool(gaps.argmax() >= 3)).position
                 raise BenchError(
@@ -175,10 +174,7 @@ def shorten_tendons(
 
 
 def _shift(
-    spec: mujoco.MjSpec,
-    equality: mujoco.MjsEquality,
-    travels: Mapping[str, float],
-    empty: set[str],
+    spec: mujoco.MjSpec, equality: mujoco.MjsEquality, travels: Mapping[str, float], empty: set[str]
 ) -> None:
     """An equality first = p(second) of tendons that are shorter by their locked joints' travel from qpos0."""
     label, first, second = equality.name, equality.name1, equality.name2

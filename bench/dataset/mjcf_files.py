@@ -19,9 +19,8 @@ if TYPE_CHECKING:
 
 KEPT = 32  # files: a command reads the same one again and again
 OPENING = re.compile(r"Error opening file '(.+?)'")
-ASSETS = re.compile(
-    r"decoder"
-)  # of a mesh or a picture in a format that MuJoCo does not read, or not a mesh at all
+# of a mesh or a picture in a format that MuJoCo does not read, or not a mesh at all
+ASSETS = re.compile(r"decoder")
 ELEMENT = re.compile(r"Element name '(.+?)'")
 MASSLESS = "mass and inertia of moving bodies"
 

@@ -1,7 +1,5 @@
 """A payload: what is fixed to the tool during a recording, and how much of it is known."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

@@ -6,8 +6,6 @@ that it makes) is allowed for. What a check takes for a fault can still be right
 recording may list checks that its user has looked at: accept = ["saturated"].
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
@@ -26,10 +24,7 @@ CHECKS: tuple[Check, ...] = get_args(Check)
 DEGREES = 180.0 / np.pi
 MILLI = 1000.0
 LARGER: Mapping[str, tuple[tuple[float, str, Remedy], ...]] = {
-    "hinge": (
-        (DEGREES, "degrees", Remedy.FROM_DEGREES),
-        (MILLI, "milliradians", Remedy.FROM_MILLIRADIANS),
-    ),
+    "hinge": ((DEGREES, "degrees", Remedy.FROM_DEGREES), (MILLI, "milliradians", Remedy.FROM_MILLIRADIANS)),
     "slide": (
         (MILLI, "millimetres", Remedy.FROM_MILLIMETRES),
         (MILLI**2, "micrometres", Remedy.FROM_MICROMETRES),
@@ -318,10 +313,5 @@ POSITION_CHECKS: Mapping[str, _Function] = MappingProxyType(
     }
 )
 CURRENT_CHECKS: Mapping[str, _Function] = MappingProxyType(
-    {
-        "constant": constant,
-        "spikes": current_spikes,
-        "units": current_units,
-        "saturated": saturated,
-    }
+    {"constant": constant, "spikes": current_spikes, "units": current_units, "saturated": saturated}
 )

@@ -1,19 +1,16 @@
 """All that is wrong with the columns that a recording needs, each fault with what mends it."""
 
-from __future__ import annotations
-
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from functools import partial
-from itertools import pairwise
+from itertools import combinations, pairwise
 
 import numpy as np
 
 from bench.basics.errors import BenchError
 from bench.basics.files.recording_fault import IN_UNIT, RecordingFaultError, Remedy
 from bench.basics.files.table import FileTable
-from bench.dataset.exchanged import exchanged, without_exchange
 from bench.dataset.joint_facts import JointFacts
-from bench.dataset.recording_checks import Channel, Fault, find
+from bench.dataset.recording_checks import LIMIT_SLACK, Array, Channel, Fault, find
 from bench.dataset.sampling import FEWEST, LIKE, TimeFault, cut_rows, gap_rows, time_fault
 
 MOST_SPANS = 3  # that are reported
@@ -87,7 +84,10 @@ def faults_in(
     accepted: frozenset[str],
 ) -> list[Fault]:
     """What the checks find; of a log to be cut in its longest stretch, and at the rate that its time should have."""
-    start, stop = _longest(time) if fault is not None and fault.in_pieces else (0, time.size)
+    start, stop = 0, time.size
+    if fault is not None and fault.in_pieces:
+        pieces = pairwise([0, *cut_rows(time).tolist(), time.size])
+        start, stop = max(pieces, key=lambda piece: piece[1] - piece[0])
     step = float(np.median(np.abs(np.diff(time[start:stop]))))
     if fault is not None and fault.remedy in SECONDS:
         step *= SECONDS[fault.remedy]
@@ -106,11 +106,6 @@ def faults_in(
         else Fault(finding.check, finding.row + start, finding.what, finding.remedy)
         for finding in find(channel, accepted)
     ]
-
-
-def _longest(time: np.ndarray) -> tuple[int, int]:
-    """First row and end of the longest stretch in which time rises without a gap."""
-    return max(pairwise([0, *cut_rows(time).tolist(), time.size]), key=lambda piece: piece[1] - piece[0])
 
 
 def _fault_of(table: FileTable, column: str, finding: Fault) -> RecordingFaultError:
@@ -165,3 +160,44 @@ def listed(names: Sequence[str], most: int = 12) -> str:
     """Names with commas, the first of many."""
     more = f" and {len(names) - most} more" if len(names) > most else ""
     return ", ".join(names[:most]) + more
+
+
+def exchanged(positions: Mapping[str, Array], joints: Sequence[JointFacts]) -> dict[str, JointFacts]:
+    """Joint -> the one in whose range its positions lie, of each two joints whose positions lie in each other's ranges
+    and not in their joint's. positions: (N,) by joint, rad or m.
+    """
+    by_name: dict[str, JointFacts] = {}
+    there = [joint for joint in joints if joint.name in positions]
+    for first, second in combinations(there, 2):
+        ours, theirs = positions[first.name], positions[second.name]
+        if _inside(ours, first) or _inside(theirs, second):
+            continue
+        if _inside(ours, second) and _inside(theirs, first):
+            by_name |= {first.name: second, second.name: first}
+    return by_name
+
+
+def exchange_fault(other: JointFacts) -> Fault:
+    """What is said of a column that lies in another joint's range, whose column lies in this one's."""
+    return Fault(
+        "limits",
+        None,
+        f"lies in the range of {other.name}, [{other.lower:g}, {other.upper:g}], and position.{other.name} in the "
+        "range of this joint: are the two columns swapped?",
+    )
+
+
+def without_exchange(findings: Sequence[Fault], other: JointFacts | None) -> list[Fault]:
+    """Findings of a column, its unit and limits as one where it is swapped with that of another joint."""
+    if other is None or not any(finding.check in ("units", "limits") for finding in findings):
+        return list(findings)
+    kept = [finding for finding in findings if finding.check not in ("units", "limits")]
+    return [exchange_fault(other), *kept]
+
+
+def _inside(values: Array, joint: JointFacts) -> bool:
+    """Whether positions keep to a joint's range, as the check of limits has it; never where it has none."""
+    if joint.lower is None or joint.upper is None or not values.size:
+        return False
+    slack = LIMIT_SLACK * (joint.upper - joint.lower)
+    return bool(np.nanmin(values) >= joint.lower - slack and np.nanmax(values) <= joint.upper + slack)

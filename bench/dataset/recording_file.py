@@ -1,7 +1,5 @@
 """From a file to a recording that has been checked: everything found is named by file, column and row."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import replace
 from difflib import get_close_matches
@@ -89,15 +87,7 @@ def recording_from_table(
     extra |= {position_column(joints[j].name): position[:, j] for j in range(first, n)}
     positions, currents = (np.ascontiguousarray(values[:, :first]) for values in (position, current))
     return Recording(
-        name,
-        use,
-        payload,
-        time,
-        positions,
-        currents,
-        extra,
-        redundant=current[:, first:],
-        held=held,
+        name, use, payload, time, positions, currents, extra, redundant=current[:, first:], held=held
     )
 
 

@@ -11,8 +11,6 @@ Positions are differentiated twice, so a recording must lie on a uniform grid. R
 - a sample that was lost is a gap and an error: nothing is invented between two samples.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass
 from itertools import pairwise

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Mapping
 
+from bench.basics.sentence import say
 from bench.diagnosis.reason import Because, Doubt
 from bench.diagnosis.result import Diagnosis, EffectVerdict, Remainder, Unexplained
 from bench.effects.display_names import begun, spoken
@@ -18,7 +19,9 @@ DOUBTS: Mapping[Doubt, str] = {
 def reason_sentence(verdict: EffectVerdict) -> str:
     """Why an effect has its verdict, a sentence."""
     doubts = [DOUBTS[doubt] for doubt in verdict.why.doubts]
-    return f"{'; '.join([WORDS[verdict.why.because](verdict), *doubts])}."
+    words = WORDS[verdict.why.because]
+    said = _filled(words, verdict) if isinstance(words, str) else words(verdict)
+    return f"{'; '.join([said, *doubts])}."
 
 
 def validated_on(diagnosis: Diagnosis) -> str:
@@ -62,48 +65,26 @@ def _explains(verdict: EffectVerdict) -> str:
         f"With {spoken(verdict.effect)}{at} the error of recordings that were not fitted falls "
         f"from {in_percent(verdict.error_before)} to {in_percent(verdict.error_after)} of the current"
     )
-    return (
-        f"{said}; these data cannot distinguish it from {_alternatives(verdict)}"
-        if verdict.alternatives
-        else said
-    )
+    others = _alternatives(verdict)
+    return f"{said}; these data cannot distinguish it from {others}" if verdict.alternatives else said
 
 
-def _as_good(verdict: EffectVerdict) -> str:
-    others = _alternatives(verdict) if verdict.alternatives else "the chosen effects"
-    said = f"{begun(verdict.effect)} would explain the data as well as {others}"
-    return f"{said}: these recordings cannot distinguish them"
-
-
-def _as_good_as_a_law(verdict: EffectVerdict) -> str:
-    at = f" at {and_list(verdict.why.names)}" if verdict.why.names else ""
-    return (
-        f"{begun(verdict.effect)} would explain the data as well as the discovered law{at}: these recordings cannot "
-        "distinguish them"
-    )
-
-
-def _adding(verdict: EffectVerdict, gained: str) -> str:
-    return (
-        f"Adding {spoken(verdict.effect)} {gained} on recordings that were not fitted "
-        f"({in_percent(verdict.error_before)} to {in_percent(verdict.error_after)})"
-    )
-
-
-def _taken_up(verdict: EffectVerdict) -> str:
-    by = "".join(f", mainly {name}," for name in verdict.why.names)
-    return (
-        f"The parameters of the model{by} absorb {spoken(verdict.effect)} completely: no data of this robot with these "
-        "payloads can show it"
-    )
-
-
-def _impossible(verdict: EffectVerdict) -> str:
-    parameter, *place = verdict.why.names
-    at = "".join(f" at {name}" for name in place)
-    return (
-        f"{begun(verdict.effect)} would need a negative {parameter}{at} to explain the data, which is physically "
-        "impossible: the cause is a similar effect"
+def _filled(template: str, verdict: EffectVerdict) -> str:
+    """A template with the names of a verdict's reason, the effect `begun` and `spoken`, errors `before` and `after`;
+    where there are any, its places as `at` and the alternatives as `others`.
+    """
+    _, *place = verdict.why.names or ("",)
+    return say(
+        template,
+        names=verdict.why.names,
+        begun=begun(verdict.effect),
+        spoken=spoken(verdict.effect),
+        before=verdict.error_before,
+        after=verdict.error_after,
+        others=_alternatives(verdict) if verdict.alternatives else "the chosen effects",
+        at=f" at {and_list(verdict.why.names)}" if verdict.why.names else "",
+        place="".join(f" at {name}" for name in place),
+        by="".join(f", mainly {name}," for name in verdict.why.names),
     )
 
 
@@ -111,23 +92,22 @@ def _alternatives(verdict: EffectVerdict) -> str:
     return or_list([spoken(name) for name in verdict.alternatives])
 
 
-WORDS: Mapping[Because, Callable[[EffectVerdict], str]] = {
+VALIDATED = " on recordings that were not fitted ({before:%} to {after:%})"
+
+WORDS: Mapping[Because, str | Callable[[EffectVerdict], str]] = {
     Because.EXPLAINS: _explains,
-    Because.AS_GOOD: _as_good,
-    Because.AS_GOOD_AS_A_LAW: _as_good_as_a_law,
-    Because.GAINS_NOTHING: lambda verdict: _adding(verdict, "improves nothing"),
-    Because.GAINS_LITTLE: lambda verdict: _adding(verdict, "improves the error too little to be certain"),
-    Because.TAKEN_UP: _taken_up,
-    Because.IMPOSSIBLE: _impossible,
-    Because.CANCELS: lambda verdict: (
-        f"{begun(verdict.effect)} would need a torque at {verdict.why.names[0]} many times all that the motor gives, "
-        "which other terms of the model would have to cancel"
-    ),
-    Because.MOVES_GAIN: lambda verdict: (
-        f"{begun(verdict.effect)} would change the drive gain of {verdict.why.names[0]}, and explains too little "
-        "for that, compared with what the model leaves unexplained"
-    ),
-    Because.NOT_NEEDED: lambda verdict: (
-        f"{begun(verdict.effect)} is not needed: without it, the other effects explain the data as well"
-    ),
+    Because.AS_GOOD: "{begun} would explain the data as well as {others}: these recordings cannot distinguish them",
+    Because.AS_GOOD_AS_A_LAW: "{begun} would explain the data as well as the discovered law{at}: these recordings "
+    "cannot distinguish them",
+    Because.GAINS_NOTHING: "Adding {spoken} improves nothing" + VALIDATED,
+    Because.GAINS_LITTLE: "Adding {spoken} improves the error too little to be certain" + VALIDATED,
+    Because.TAKEN_UP: "The parameters of the model{by} absorb {spoken} completely: no data of this robot with these "
+    "payloads can show it",
+    Because.IMPOSSIBLE: "{begun} would need a negative {names[0]}{place} to explain the data, which is physically "
+    "impossible: the cause is a similar effect",
+    Because.CANCELS: "{begun} would need a torque at {names[0]} many times all that the motor gives, which other terms "
+    "of the model would have to cancel",
+    Because.MOVES_GAIN: "{begun} would change the drive gain of {names[0]}, and explains too little for that, compared "
+    "with what the model leaves unexplained",
+    Because.NOT_NEEDED: "{begun} is not needed: without it, the other effects explain the data as well",
 }

@@ -7,12 +7,12 @@ from bench.effects.effect import (
     Bracket,
     Effect,
     EffectParameter,
+    JointSamples,
     Place,
     ShapeParameter,
     changes_torque,
 )
 from bench.effects.places import Places, passive_joints, places_in
-from bench.effects.samples import JointSamples
 from bench.effects.select import EffectInstance, select_effects
 from bench.effects.signals import JointSignals, RobotSignals, TorqueModel
 from bench.effects.user_file import catalogue_for, load_effects

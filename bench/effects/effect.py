@@ -9,9 +9,29 @@ import numpy as np
 
 from bench.basics.errors import BenchError
 from bench.basics.joint_units import joint_units
-from bench.effects.samples import JointSamples
 from bench.effects.signals import JointSignals, RobotSignals
 from bench.model.geometry import Geometry
+
+
+@dataclass(frozen=True)
+class JointSamples:
+    """What a search for shape parameters may look at, each (M,), decimated.
+
+    position, velocity: rad or m and rate; motor_torque: gain times current, N*m or N; error: torque that the
+    model lacks, zero where the joint does not move. duration s, of the recording; speed: the joint's RMS over
+    all fitted recordings; travel: between its extreme positions in all of them; band Hz; rotates: a hinge.
+    """
+
+    position: np.ndarray
+    velocity: np.ndarray
+    motor_torque: np.ndarray
+    error: np.ndarray
+    duration: float
+    speed: float
+    travel: float
+    band: float
+    rotates: bool
+
 
 Place = Literal["actuator", "passive", "bearing", "body", "payload", "robot"]
 Seen = Literal["opposes", "fades", "load", "velocity", "repeats", "position", "current", "acceleration"]

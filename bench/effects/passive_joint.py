@@ -7,8 +7,8 @@ import numpy as np
 
 from bench.effects.effect import Effect
 from bench.effects.signals import RobotSignals
+from bench.model.body_rates import JointRates, joint_rates
 from bench.model.geometry import Geometry
-from bench.model.joint_rates import JointRates, joint_rates
 from bench.model.motion import Motion
 
 

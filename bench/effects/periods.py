@@ -4,8 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from bench.effects.effect import Bracket, ShapeParameter
-from bench.effects.samples import JointSamples
+from bench.effects.effect import Bracket, JointSamples, ShapeParameter
 from bench.effects.signals import JointSignals
 
 FEWEST = 0.75  # periods within the travel; slower changes look like gravity

@@ -9,7 +9,7 @@ from bench.export.identified import IdentifiedModel
 from bench.export.prior import Prior, cad_prior, geometric_prior, scaled_to
 from bench.export.pseudo_inertia import pseudo_inertia
 from bench.identification.payload_parameters import payload_columns
-from bench.model.independent import independent_columns
+from bench.model.base import independent_columns
 
 LOAD = "payload "  # what the names of payloads begin with, among those of bodies
 

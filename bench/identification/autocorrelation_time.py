@@ -1,11 +1,106 @@
-"""How many rows of errors that are alike count as one."""
+"""How many rows of errors that are alike count as one.
 
-from collections.abc import Sequence
+A motion that returns makes a model's error return with it. However often it is there, such an error does not
+average out as noise does: rows a period apart are as alike as neighbours are.
+"""
+
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from bench.identification.repeated_errors import Returns, times_repeated
+from bench.basics.interpolation import cubic_spline
+from bench.identification.decision import RULE
 from bench.identification.tolerances import TOLERANCES
+from bench.signals.returning import lagged_products
+
+Returns = Sequence[float | None]
+"""For every recording after how many rows its motion is the same again; None where it never is."""
+
+
+def repeated_covariances(
+    residual: np.ndarray, moving: np.ndarray, starts: Sequence[int], returns: Returns, covariances: np.ndarray
+) -> np.ndarray | None:
+    """Autocovariances (L + 1,) of what one motor's residual (M,) repeats, tapered; None where it repeats nothing.
+
+    Products of rows whole periods and up to L rows apart: noise is not in them. moving (M,): False where the residual
+    is zero since the joint does not move. covariances (L + 1,): of the residual itself.
+    """
+    lags = len(covariances) - 1
+    pairs, counts = np.zeros(lags + 1), np.zeros(lags + 1)
+    for rows, period in _recordings(starts, len(residual), returns):
+        signals = np.column_stack((residual[rows], moving[rows]))
+        sums = _whole_periods_apart(lagged_products(signals), period, lags)
+        pairs += sums[:, 0]
+        counts += sums[:, 1]
+    if counts[0] < 1.0 or pairs[0] <= RULE.shows * covariances[0] * np.sqrt(counts[0]):
+        return None
+    mean = pairs / np.maximum(counts, 1.0)
+    return np.asarray(mean * (1.0 - np.arange(lags + 1) / (lags + 1.0)))
+
+
+def repeated_score(jacobian: np.ndarray, period: float, repeated: np.ndarray) -> np.ndarray:
+    """J' Sigma J (P, P) for derivatives J (M, P) of one recording, with Sigma the covariances of rows whole periods
+    apart: `repeated` (L + 1,) by how many rows they are off.
+    """
+    samples = len(jacobian)
+    at = np.arange(int(np.ceil(0.5 * period)), samples)
+    off = np.abs(at - period * np.maximum(np.round(at / period), 1.0))
+    known = np.concatenate((repeated[:0:-1], repeated, np.zeros(2)))
+    course = cubic_spline(np.arange(len(known)) - (len(repeated) - 1.0), known)
+    near = off < len(repeated)
+    kernel = np.zeros(2 * samples)
+    kernel[at[near]] = course(off[near])
+    kernel[-at] = kernel[at]
+    spectrum = np.fft.rfft(kernel).real
+    total = np.zeros((jacobian.shape[1],) * 2)
+    for k, column in enumerate(jacobian.T):
+        spread = np.fft.irfft(np.fft.rfft(column, 2 * samples) * spectrum, 2 * samples)[:samples]
+        total[:, k] = jacobian.T @ spread
+    return np.asarray(0.5 * (total + total.T))
+
+
+def times_repeated(errors: Sequence[np.ndarray], returns: Returns, reach: int) -> float:
+    """How many rows of the errors (M, n) of all recordings count as one, beyond those next to each other.
+
+    Correlations of rows whole periods apart, summed as those of neighbours are: 1 where errors do not return with the
+    motion, and the number of its periods where they return unchanged. reach: rows over which neighbours are alike.
+    """
+    within = between = squares = count = pairs = 0.0
+    for error, period in zip(errors, returns, strict=True):
+        products = lagged_products(error).sum(axis=1)
+        squares += float(products[0])
+        count += error.size
+        within += float(products[0] + 2.0 * products[1 : reach + 1].sum())
+        if period is not None:
+            sums = _whole_periods_apart(products[:, None], period, reach)[:, 0]
+            pairs += float(sums[0])
+            between += 2.0 * float(sums[0] + sums[1:].sum())
+    if within <= 0.0 or pairs <= RULE.shows * squares / np.sqrt(count):
+        return 1.0
+    return 1.0 + max(between, 0.0) / within
+
+
+def _whole_periods_apart(products: np.ndarray, period: float, reach: int) -> np.ndarray:
+    """For products (M, k) by lag, the sums (reach + 1, k) of those whole periods and so many rows apart, to either
+    side.
+
+    Between two lags they are read off a spline: a period is no whole number of rows.
+    """
+    last = len(products) - 1
+    course = cubic_spline(np.arange(last + 1.0), products)
+    sums = np.zeros((reach + 1, products.shape[1]))
+    for off in range(min(reach, int(0.5 * period)) + 1):
+        for side in (1, -1) if off else (1,):
+            lags = np.arange(period, last + 1.0, period) + side * off
+            sums[off] += course(lags[lags <= last]).sum(axis=0)
+    return sums
+
+
+def _recordings(starts: Sequence[int], rows: int, returns: Returns) -> Iterator[tuple[slice, float]]:
+    """The rows of every recording whose motion returns, and after how many it does."""
+    for a, b, period in zip(starts, (*starts[1:], rows), returns, strict=True):
+        if period is not None:
+            yield slice(a, b), period
 
 
 def autocorrelation_time(errors: Sequence[np.ndarray], returns: Returns = ()) -> float:

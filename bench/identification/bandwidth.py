@@ -12,11 +12,10 @@ from math import hypot
 import numpy as np
 
 from bench.basics.chi_squared import exceeded_with
-from bench.identification.by_unknown import estimates, in_both
 from bench.identification.decision import RULE
 from bench.identification.estimators import DEFAULT_METHOD
 from bench.identification.finding import Code, Finding, Unknown
-from bench.identification.model_averaged import model_averaged
+from bench.identification.model_averaged import estimates, in_both, model_averaged
 from bench.identification.prepare import Prepared, prepare, with_effects
 from bench.identification.problem import Problem
 from bench.identification.result import BandPoint, Identification
@@ -67,8 +66,7 @@ def narrower(prepared: Prepared) -> Prepared | None:
     cutoff = 0.5 * settings.position_cutoff
     border = settled_border(cutoff, fitted[0].rate, shortest)
     half = _with_settings(
-        prepared,
-        replace(settings, position_cutoff=cutoff, decimation=decimation, border=(border, border)),
+        prepared, replace(settings, position_cutoff=cutoff, decimation=decimation, border=(border, border))
     )
     rows = np.sum([observation.moving.sum(axis=0) for observation in half.fitted], axis=0)
     unknowns = half.layout.size + int(half.gains.is_fitted.sum())

@@ -9,7 +9,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from bench.identification.centred import FactorProducts, products_of
+from bench.identification.bilinear import FactorProducts, products_of
 from bench.identification.compressed import Stack
 from bench.identification.least_squares import weighted_least_squares
 from bench.identification.solution import Fitted, NominalGains, Solution, scaled_lstsq

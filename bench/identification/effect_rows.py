@@ -1,6 +1,7 @@
 """The columns of effects at the rate of the fit, each computed once."""
 
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -8,18 +9,13 @@ from bench.basics.deadline import NEVER, Deadline
 from bench.effects import ActuatorEffect, Effect, EffectInstance, RobotSignals
 from bench.effects.checked_columns import columns_at_motors
 from bench.effects.row_cache import KeptRows
-from bench.identification.expansion import made_of
-from bench.identification.standstill_interpolation import whole_interpolation
+from bench.identification.standstill import whole_interpolation
 from bench.identification.tolerances import TOLERANCES
-from bench.signals.decimation import decimate, decimated_indices
-from bench.signals.sparse_decimation import decimate_sparse
+from bench.signals.decimation import decimate, decimate_sparse, decimated_indices
 
 
 def effect_rows(
-    signals: RobotSignals,
-    decimation: int,
-    effects: Sequence[EffectInstance],
-    deadline: Deadline = NEVER,
+    signals: RobotSignals, decimation: int, effects: Sequence[EffectInstance], deadline: Deadline = NEVER
 ) -> np.ndarray:
     """The columns of effects in one recording, filtered and decimated like the currents, (M, n, ne).
 
@@ -129,8 +125,31 @@ def _keep(signals: RobotSignals, decimation: int, instance: EffectInstance, rows
 
 def _memory(signals: RobotSignals, instance: EffectInstance) -> KeptRows:
     """Where an effect's rows are kept: with the recording, or only as long as the present model is the same."""
-    alone = (
-        isinstance(instance.effect, ActuatorEffect) and instance.joint in signals.joints
-    )  # which sees its motor, and no other joint move
+    # which sees its motor, and no other joint move
+    alone = isinstance(instance.effect, ActuatorEffect) and instance.joint in signals.joints
     passing = instance.effect.depends_on_model or not (alone or signals.as_measured)
     return signals.passing if passing else signals.lasting
+
+
+def made_of(signals: RobotSignals, instance: EffectInstance) -> list[tuple[EffectInstance, float]]:
+    """The effects of whose columns an effect's are the sum, with their shares: itself, or in a search of two about its
+    nodes; of none where its value is that of another recording.
+    """
+    if instance.recording:
+        share = instance.share(signals.log)
+        return (
+            [
+                (effect_instance, share * factor)
+                for effect_instance, factor in made_of(signals, instance.everywhere())
+            ]
+            if share
+            else []
+        )
+    nodes = instance.effect.nodes(signals, instance.joint) if signals.expands else None
+    if nodes is None:
+        return [(instance, 1.0)]
+    ((name, value),) = instance.effect.about_values().items()
+    furthest = TOLERANCES.shapes.expansion * nodes[1]
+    share = (float(np.clip(value, -furthest, furthest)) - nodes[0]) / (nodes[1] - nodes[0])
+    low, high = (replace(instance, effect=instance.effect.about({name: node})) for node in nodes)
+    return [(low, 1.0 - share), (high, share)]

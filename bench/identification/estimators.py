@@ -71,13 +71,13 @@ def _oe(request: Request) -> Solution:
 
 
 def _wtls(request: Request) -> Solution:
-    from bench.identification.total_least_squares import weighted_total_least_squares
+    from bench.identification.least_squares import weighted_total_least_squares
 
     return weighted_total_least_squares(request.stack, _wls(request), request.column_errors())
 
 
 def _tls(request: Request) -> Solution:
-    from bench.identification.total_least_squares import total_least_squares
+    from bench.identification.least_squares import total_least_squares
 
     return total_least_squares(request.stack)
 

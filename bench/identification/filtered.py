@@ -2,22 +2,82 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from math import tau
 
 import numpy as np
 
 from bench.basics.errors import BenchError
-from bench.dataset.recording import Recording
+from bench.basics.joint_units import joint_units
+from bench.dataset.recording import Recording, position_column, velocity_column
 from bench.effects.row_cache import KeptRows
-from bench.identification.logged_velocities import logged_velocities, taken_velocities
+from bench.identification.decision import RULE
+from bench.identification.finding import Code, Finding
 from bench.identification.standstill import Gaps, no_gaps, standstills
 from bench.identification.tolerances import TOLERANCES
-from bench.model.geometry import Geometry
+from bench.model.geometry import Geometry, Joint
 from bench.model.model import IdentificationModel
 from bench.model.motion import LongMotion, Motion, path_of
 from bench.model.reaction import HeldMotion
-from bench.signals.logged_velocity import LoggedVelocity
-from bench.signals.processing import estimate_motion, trim
-from bench.signals.settings import FilterSettings
+from bench.signals.filtering import low_pass
+from bench.signals.processing import LoggedVelocity, compared_velocity, estimate_motion, trim
+from bench.signals.settings import FilterSettings, signal_bands
+
+
+def logged_velocities(
+    recording: Recording, joints: Sequence[str], settings: FilterSettings
+) -> dict[str, LoggedVelocity]:
+    """How the velocities that a recording has compare with its positions, by joint."""
+    compared = {}
+    for j, joint in enumerate(joints):
+        velocity = recording.extra.get(velocity_column(joint))
+        if velocity is None or not np.all(np.isfinite(velocity)) or not np.any(velocity):
+            continue
+        compared[joint] = compared_velocity(recording.position[:, j], velocity, recording.rate, settings)
+    return compared
+
+
+def taken_velocities(
+    recording: Recording, joints: Sequence[str], compared: Mapping[str, LoggedVelocity]
+) -> np.ndarray | None:
+    """The logged velocities (N, n) that are taken, NaN for the other joints; None where there is none."""
+    taken = [joint for joint, velocity in compared.items() if velocity.taken]
+    if not taken:
+        return None
+    velocities = np.full(recording.position.shape, np.nan)
+    for joint in taken:
+        velocities[:, list(joints).index(joint)] = recording.extra[velocity_column(joint)]
+    return velocities
+
+
+def velocity_noise(joints: Sequence[str], compared: Mapping[str, LoggedVelocity]) -> np.ndarray:
+    """Density (n,) of the noise of every velocity that is taken, unit^2/s^2/Hz; infinite for the others."""
+    return np.array(
+        [
+            compared[joint].density if joint in compared and compared[joint].taken else np.inf
+            for joint in joints
+        ]
+    )
+
+
+def velocity_findings(of: Sequence[tuple[str, Mapping[str, LoggedVelocity]]]) -> list[Finding]:
+    """Which velocities are taken as logged, and which are not what the positions say. of: recordings by name."""
+    taken = [(joint, velocity) for _, every in of for joint, velocity in every.items() if velocity.taken]
+    findings = []
+    if taken:
+        quieter = float(np.median([1.0 / max(velocity.louder, 1e-12) for _, velocity in taken]))
+        names = tuple(dict.fromkeys(joint for joint, _ in taken))
+        findings.append(Finding(Code.VELOCITY_TAKEN, names, numbers={"quieter": quieter}))
+    unlike = [
+        (name, joint, velocity)
+        for name, every in of
+        for joint, velocity in every.items()
+        if not velocity.agrees
+    ]
+    if unlike:
+        name, joint, worst = max(unlike, key=lambda each: each[2].off)
+        numbers = {"off": worst.off, "scale": worst.scale, "delay": worst.delay, "count": float(len(unlike))}
+        findings.append(Finding(Code.VELOCITY_UNLIKE, (joint, name), numbers=numbers))
+    return findings
 
 
 @dataclass(frozen=True)
@@ -126,3 +186,54 @@ def _passive(geometry: Geometry) -> list[int]:
         for joint in geometry.joints
         if joint.kind in ("hinge", "slide") and joint.v.start not in geometry.active
     ]
+
+
+def contradicted_closures(geometry: Geometry, measured: Sequence[Measured]) -> tuple[Finding, ...]:
+    """Joints of redundant motors that were logged elsewhere than the loop closures put them, the worst recording each.
+
+    Reported where the difference, filtered as the positions are, is more than the encoders' noise and than tolerances
+    are. Joints of which a recording has no position are passed over.
+    """
+    findings = []
+    for actuator in geometry.robot.redundant:
+        joint = geometry.joints[geometry.joint_index(actuator.joint)]
+        logged = [
+            measurement
+            for measurement in measured
+            if position_column(actuator.joint) in measurement.recording.extra
+        ]
+        each = [_contradiction(joint, measurement) for measurement in logged]
+        clear = [finding for finding in each if finding is not None]
+        if clear:
+            findings.append(max(clear, key=lambda finding: finding.numbers["difference"]))
+    return tuple(findings)
+
+
+def _contradiction(joint: Joint, measured: Measured) -> Finding | None:
+    recording, settings = measured.recording, measured.settings
+    logged = recording.extra[position_column(joint.name)]
+    filtered = low_pass(logged, recording.rate, settings.position_cutoff, settings.filter_order)
+    closed = measured.tree.q[:, joint.q.start] + joint.offset
+    difference = trim(filtered, settings) - closed
+    if joint.kind != "slide":
+        difference = difference - tau * np.round(np.median(difference) / tau)
+    size, travel = float(np.sqrt((difference**2).mean())), float(np.ptp(closed))
+    if size <= max(
+        TOLERANCES.findings.closure_error * travel, RULE.certain * _noise(joint, measured, logged)
+    ):
+        return None
+    return Finding(
+        Code.CLOSURE_CONTRADICTED,
+        (joint.name, recording.name),
+        numbers={"difference": size, "mean": float(difference.mean()), "travel": travel},
+        unit=joint_units(joint.kind != "slide").position,
+    )
+
+
+def _noise(joint: Joint, measured: Measured, logged: np.ndarray) -> float:
+    """RMS of the noise that the filter lets through, of this encoder and, through the closures, of the others."""
+    recording = measured.recording
+    positions = np.column_stack((recording.position, logged))
+    density = signal_bands([positions], [recording.current], recording.rate).position_noise
+    follow = (measured.tree.jacobian[:, joint.v.start] ** 2).mean(axis=0)
+    return float(np.sqrt((follow @ density[:-1] + density[-1]) * measured.settings.position_cutoff))

@@ -1,15 +1,14 @@
-"""What limits an answer, in words that say what to do: one sentence or two for each code."""
+"""What limits an answer, in words that say what to do: for each code a template, or a function of the finding."""
 
 from collections.abc import Callable, Mapping
 
-from bench.dataset.heavy_payload import HeavyPayload
+from bench.basics.sentence import in_percent, say
+from bench.dataset.dataset import HeavyPayload
 from bench.effects.display_names import begun, spoken
-from bench.effects.select import ROBOT
-from bench.identification.band_words import BAND_WORDS
+from bench.effects.select import ROBOT, TAG
 from bench.identification.finding import UNBELIEVABLE, Code, Finding, Unknown
-from bench.identification.held_out_words import HELD_OUT_WORDS
 from bench.identification.scale_words import CODES, scale_sentence
-from bench.identification.wording import and_list, in_percent, with_error
+from bench.identification.wording import with_error
 
 
 def note(finding: Finding) -> str:
@@ -20,60 +19,33 @@ def note(finding: Finding) -> str:
 
 def sentence(finding: Finding) -> str:
     """A finding by itself."""
-    return WORDS[finding.code](finding)
+    words = WORDS[finding.code]
+    return words(finding) if callable(words) else _filled(words, finding)
 
 
-def _gain_not_determined(finding: Finding) -> str:
-    gains = and_list([unknown.place for unknown in finding.of])
-    return (
-        f"These data do not determine the drive gain{'s' * (len(finding.of) > 1)} of {gains}: the standard error is "
-        "larger than the value. Declare more of the payload, or record one that loads the motor more."
-    )
+def _filled(template: str, finding: Finding) -> str:
+    """A template with a finding's numbers by name, its `names`, `unit` and its `symbol`, and of what it is `of`:
+    the `places`, the spoken name of the first `effect`, and values of effects as `values`.
+    """
+    values = {
+        "names": finding.names,
+        "of": finding.of,
+        "places": [unknown.place for unknown in finding.of],
+        "effect": spoken(finding.of[0].effect) if finding.of else "",
+        "values": [_of_effect(unknown) for unknown in finding.of],
+        "unit": finding.unit,
+        "symbol": finding.unit.replace("*", "·").replace("^2", "²"),
+    }
+    return say(template, **(values | dict(finding.numbers)))
 
 
-def _gain_runaway(finding: Finding) -> str:
-    return (
-        f"{_gain_came_out(finding)}; its nominal value is {finding.numbers['nominal']:.3g}. If the nominal value is "
-        "right, no drive differs that much from its data sheet."
-    )
-
-
-def _gain_far(finding: Finding) -> str:
-    return (
-        f"{_gain_came_out(finding)}, far from its nominal {finding.numbers['nominal']:.3g}: a physical "
-        "effect is missing in the model, or the payload is not as declared."
-    )
-
-
-def _gain_came_out(finding: Finding) -> str:
-    unit = finding.unit.replace("*", "·")
-    return f"The estimated drive gain of {finding.names[0]} is {finding.numbers['value']:.3g} {unit}"
-
-
-def _without_std(finding: Finding) -> str:
-    return (
-        f"{finding.of[0].name} is estimated as {finding.numbers['value']:.3g} {finding.unit} without a known standard "
-        "error: the data do not determine it."
-    )
-
-
-def _rounding(finding: Finding) -> str:
-    return (
-        f"The scaled observation matrix has a condition number of {finding.numbers['condition']:.0e}: rounding errors "
-        "determine some parameters."
-    )
+def _of_effect(unknown: Unknown) -> str:
+    return f"{unknown.name} of {unknown.effect}" + ("" if unknown.place == ROBOT else f" at {unknown.place}")
 
 
 def _locked(finding: Finding) -> str:
     values = ", ".join(f"{name} = {finding.numbers[name]:g} {finding.unit}" for name in finding.names)
     return f"Locked in robot.toml: {values}."
-
-
-def _ill_conditioned(finding: Finding) -> str:
-    return (
-        f"The scaled observation matrix has a condition number of {finding.numbers['condition']:.0f}: some "
-        "parameters are strongly correlated; a more exciting trajectory helps."
-    )
 
 
 def _swapped(finding: Finding) -> str:
@@ -89,10 +61,9 @@ def _swapped(finding: Finding) -> str:
 def _unlike_units(finding: Finding) -> str:
     small, *large = finding.names
     unit = finding.unit if finding.unit in ("A", "V") else ""
-    many = len(large) > 1
     where = f"in m{unit} and {small} in {unit}" if unit else "in thousandths"
     scale = f"current=m{unit}" if unit else "current=1e-3"
-    they_are, them = ("they are", "them") if many else ("it is", "it")
+    they_are, them = ("they are", "them") if len(large) > 1 else ("it is", "it")
     return (
         f"The currents of {', '.join(large)} are about {finding.numbers['times']:.0f} times those of {small}, at every "
         f"motor: probably {they_are} {where}. Import {them} again with `--scale {scale}`."
@@ -101,8 +72,7 @@ def _unlike_units(finding: Finding) -> str:
 
 def _other_load(finding: Finding) -> str:
     name, joint, declared, other = finding.names
-    was = f"the payload {declared}" if declared else "no payload"
-    load = f"the payload {other}" if other else "no payload"
+    was, load = (f"the payload {payload}" if payload else "no payload" for payload in (declared, other))
     before, after = (in_percent(finding.numbers[key]) for key in ("before", "after"))
     return (
         f"{name} is declared to carry {was} but probably carries {load}: with {load}, the error of {joint} over all "
@@ -119,76 +89,11 @@ def _heavy(finding: Finding) -> str:
 def _physical(finding: Finding) -> str:
     if not finding.numbers["distance"]:
         return "The estimated parameters are physically possible."
-    return (
-        "These are the physically possible parameters nearest to the estimate: "
-        f"{finding.numbers['distance']:.1f} standard errors away; noise explains "
-        f"{finding.numbers['expected']:.1f}. "
-        "Standard errors are those of the unconstrained fit; with the constraint they are no larger."
-    )
-
-
-def _not_from_gain(finding: Finding) -> str:
-    return (
-        f"These data cannot distinguish {spoken(finding.of[0].effect)} at "
-        f"{', '.join(at.place for at in finding.of)} from the drive "
-        "gain of that joint: the model omits the effect, and the gain is the one without it. Record a payload that "
-        "loads the joint more."
-    )
-
-
-def _rank(finding: Finding) -> str:
-    return (
-        f"The data determine only {finding.numbers['rank']:.0f} of {finding.numbers['unknowns']:.0f} "
-        "unknowns: move all "
-        "joints together, with larger and faster motions, or record an unloaded and a loaded trajectory."
-    )
-
-
-def _taken_up(finding: Finding) -> str:
-    names = ", ".join(map(_of_effect, finding.of))
-    return (
-        f"These data cannot show {names}: other parameters of the model have the same effect and absorb it."
-    )
-
-
-def _collinear(finding: Finding) -> str:
-    *others, last = map(_of_effect, finding.of)
-    return (
-        f"These data determine {', '.join(others)} and {last} only in combination: each is "
-        f"{finding.numbers['wider']:.0f} "
-        "times less certain than their joint effect. Omit one, or measure it another way."
-    )
-
-
-def _of_effect(unknown: Unknown) -> str:
-    return f"{unknown.name} of {unknown.effect}" + ("" if unknown.place == ROBOT else f" at {unknown.place}")
-
-
-def _sign(finding: Finding) -> str:
-    joint = finding.names[0]
-    return (
-        f"The estimated drive gain of {joint} is negative, which is impossible: the sign of current.{joint}, or of "
-        f"position.{joint}, is probably reversed (`bench import ... --scale current.{joint}=-1`), or its column "
-        "belongs to another motor."
-    )
-
-
-def _negative(finding: Finding) -> str:
-    joint = finding.names[0]
-    return (
-        f"The estimated drive gain of {joint} is negative, which is impossible: reversing the sign of current.{joint} "
-        "does not explain the current either. The payload probably differs from its declaration or is mounted "
-        "differently, an effect is missing, or the column belongs to another motor."
-    )
-
-
-def _contradicted(finding: Finding) -> str:
-    joint, recording = finding.names
-    n, unit = finding.numbers, finding.unit
-    return (
-        f"The position of {joint} from the loop closures differs from its encoder by {n['difference']:.2g} {unit} RMS "
-        f"in {recording}, {n['mean']:+.2g} {unit} on average, for a travel of {n['travel']:.2g} {unit}. The zero or "
-        "the sign of an encoder, a column or a length is wrong."
+    return _filled(
+        "These are the physically possible parameters nearest to the estimate: {distance:.1f} standard errors away; "
+        "noise explains {expected:.1f}. Standard errors are those of the unconstrained fit; with the constraint they "
+        "are no larger.",
+        finding,
     )
 
 
@@ -211,16 +116,6 @@ def _velocity_unlike(finding: Finding) -> str:
     )
 
 
-def _poorly(finding: Finding) -> str:
-    verb = "is" if finding.numbers["count"] == 1 else "are"
-    return (
-        f"{finding.numbers['count']:.0f} of {finding.numbers['of']:.0f} parameters {verb} poorly "
-        "determined (standard error "
-        f"above {in_percent(finding.numbers['limit'])} of the value); `bench identify --essential` omits parameters "
-        "that the data do not need."
-    )
-
-
 def _short(finding: Finding) -> str:
     shortest, cutoff, settling = (finding.numbers[name] for name in ("shortest", "cutoff", "settling"))
     many = len(finding.names) > 1
@@ -229,40 +124,6 @@ def _short(finding: Finding) -> str:
         f"{shortest * cutoff:.0f} periods of the position filter ({cutoff:.3g} Hz), which needs {settling:g} to "
         "settle at either end: at least a tenth of the rows is disturbed. Record at least "
         f"{finding.numbers['needed']:.2g} s."
-    )
-
-
-def _no_value(finding: Finding) -> str:
-    has, its = ("has", "its") if len(finding.names) == 1 else ("have", "their")
-    return (
-        f"{', '.join(finding.names)} {has} no estimated {spoken(finding.of[0].effect)}, unlike the fitted recordings "
-        f"({', '.join(log.place for log in finding.of)}): {its} best-fitting value among theirs is used."
-    )
-
-
-def _mounted_otherwise(finding: Finding) -> str:
-    payload, parameter, first, second = finding.names
-    unit, n = finding.unit.replace("*", "·").replace("^2", "²"), finding.numbers
-    return (
-        f"The payload {payload} is not mounted the same way in all recordings: {parameter}({payload}), estimated "
-        f"separately, is {n['first']:.3g} ± {n['first_std']:.1g} {unit} in {first} and {n['second']:.3g} ± "
-        f"{n['second_std']:.1g} {unit} in {second}. Use a second payload name in dataset.toml for the other mounting."
-    )
-
-
-def _impossible_inertia(finding: Finding) -> str:
-    unit, n = finding.unit.replace("*", "·").replace("^2", "²"), finding.numbers
-    return (
-        f"The estimated inertia of the payload {finding.names[0]} is physically impossible: one second moment of mass "
-        f"is {n['least']:.2g} ± {n['std']:.1g} {unit}. It absorbs modelling errors, or the declared centre of mass is "
-        "wrong."
-    )
-
-
-def _taken_as_point(finding: Finding) -> str:
-    return (
-        f"{_impossible_inertia(finding)} The program uses a point mass at the declared centre, which fits as well, and "
-        "widens the gains' standard errors to include the other answer. Declare the inertia in dataset.toml."
     )
 
 
@@ -276,97 +137,137 @@ def _not_whole(finding: Finding) -> str:
     )
 
 
-def _noise_through(finding: Finding) -> str:
-    unit, n = finding.unit.replace("*", "·"), finding.numbers
+def _matters(finding: Finding) -> str:
     return (
-        "The filters pass encoder noise: within the band of the fit it has "
-        f"{in_percent(n['share'])} of an acceleration's power. With instrumental variables, which it does not bias, "
-        f"the drive gain of {finding.names[0]} is {n['other']:.4g} {unit} instead of {n['value']:.4g}. Let "
-        "the program choose the filters, or use `--method iv`."
+        f"With half of the band of {finding.numbers['band']:.3g} Hz the parameters differ by more than their standard "
+        "errors, or these are clearly smaller; the stated ones include the difference. Either the accelerations hold "
+        f"noise, or the model lacks an effect: try `--decimation {2 * finding.numbers['decimation']:.0f}`."
     )
 
 
-WORDS: Mapping[Code, Callable[[Finding], str]] = {
-    Code.GAIN_NOT_DETERMINED: _gain_not_determined,
-    Code.GAIN_RUNAWAY: _gain_runaway,
-    Code.PARAMETER_WITHOUT_DEVIATION: _without_std,
-    Code.ROUNDING_DECIDES: _rounding,
+def _unlike(finding: Finding) -> str:
+    _, *payload = finding.names
+    load = f"the payload {payload[0]}" if payload else "no payload"
+    return (
+        f"{_filled(FAR_WORSE, finding)}: it is declared to carry {load}. Check that and its columns, or extend the "
+        "fitted motions to the same range."
+    )
+
+
+def _other_values(finding: Finding) -> str:
+    effects = finding.names[1:]
+    ask = " ".join(f"--with {effect}{TAG}" for effect in effects)
+    return (
+        f"{_filled(FAR_WORSE, finding)}: {', '.join(effects)} differs in it, which hides missing effects; `{ask}` "
+        "estimates one value per recording."
+    )
+
+
+FAR_WORSE = (
+    "The error of recordings that were not fitted ({checked:%}) is far larger than that of fitted ones ({fitted:%}), "
+    "{names[0]} worst"
+)
+GAIN = "The estimated drive gain of {names[0]} is {value:.3g} {symbol}"
+IMPOSSIBLE_INERTIA = (
+    "The estimated inertia of the payload {names[0]} is physically impossible: one second moment of mass is "
+    "{least:.2g} ± {std:.1g} {symbol}. It absorbs modelling errors, or the declared centre of mass is wrong."
+)
+NEGATIVE = "The estimated drive gain of {names[0]} is negative, which is impossible: "
+NOISE = (
+    "The filters pass encoder noise: within the band of the fit it has {share:%} of an acceleration's power. With "
+    "instrumental variables, which it does not bias, the drive gain of {names[0]} is {other:.4g} {symbol} instead of "
+    "{value:.4g}. Let the program choose the filters, or use `--method iv`."
+)
+
+WORDS: Mapping[Code, str | Callable[[Finding], str]] = {
+    Code.GAIN_NOT_DETERMINED: "These data do not determine the drive gain{places:?|s} of {places:and}: the standard "
+    "error is larger than the value. Declare more of the payload, or record one that loads the motor more.",
+    Code.GAIN_RUNAWAY: f"{GAIN}; its nominal value is {{nominal:.3g}}. If the nominal value is right, no drive "
+    "differs that much from its data sheet.",
+    Code.PARAMETER_WITHOUT_DEVIATION: "{of[0].name} is estimated as {value:.3g} {unit} without a known standard "
+    "error: the data do not determine it.",
+    Code.ROUNDING_DECIDES: "The scaled observation matrix has a condition number of {condition:.0e}: rounding errors "
+    "determine some parameters.",
     Code.UNITS_UNLIKE: _unlike_units,
     Code.COLUMNS_SWAPPED: _swapped,
     Code.OTHER_LOAD: _other_load,
     Code.PAYLOAD_HEAVY: _heavy,
-    Code.NOT_REAL: lambda finding: (
-        "The estimated parameters are physically impossible: the nearest possible set, used in this answer, is "
-        f"{finding.numbers['distance']:.1f} "
-        f"standard errors away; noise explains {finding.numbers['expected']:.1f}. "
-        f"{finding.names[0]} would need the most "
-        "negative mass or inertia. The model may lack an effect."
-    ),
-    Code.NOT_FROM_GAIN: _not_from_gain,
-    Code.NOISE_DECIDES: _noise_through,
-    Code.NOISE_LET_THROUGH: _noise_through,
-    Code.PAYLOAD_NOT_DECLARED: lambda finding: (
-        f"Excluded: {', '.join(finding.names)}. "
-        f"{'Their payload' if len(finding.names) > 1 else 'Its payload'} is not "
-        "declared completely, and no fitted recording carries it."
-    ),
-    Code.REDUNDANT: lambda finding: (
-        f"The robot has more motors than degrees of freedom: the currents of {', '.join(finding.names)} "
-        "are used as measured, and errors are those of the other motors."
-    ),
+    Code.NOT_REAL: "The estimated parameters are physically impossible: the nearest possible set, used in this "
+    "answer, is {distance:.1f} standard errors away; noise explains {expected:.1f}. {names[0]} would need the most "
+    "negative mass or inertia. The model may lack an effect.",
+    Code.NOT_FROM_GAIN: "These data cannot distinguish {effect} at {places} from the drive gain of that joint: the "
+    "model omits the effect, and the gain is the one without it. Record a payload that loads the joint more.",
+    Code.NOISE_DECIDES: NOISE,
+    Code.NOISE_LET_THROUGH: NOISE,
+    Code.PAYLOAD_NOT_DECLARED: "Excluded: {names}. {names:?Its|Their} payload is not declared completely, and no "
+    "fitted recording carries it.",
+    Code.REDUNDANT: "The robot has more motors than degrees of freedom: the currents of {names} are used as measured, "
+    "and errors are those of the other motors.",
     Code.LOCKED: _locked,
     **dict.fromkeys(CODES.values(), scale_sentence),
     Code.PERIODS_NOT_WHOLE: _not_whole,
-    **BAND_WORDS,
-    **HELD_OUT_WORDS,
-    Code.RANK_DEFICIENT: _rank,
-    Code.ILL_CONDITIONED: _ill_conditioned,
-    Code.TAKEN_UP: _taken_up,
-    Code.HARDLY_APART: _collinear,
-    Code.NOT_SETTLED: lambda finding: (
-        f"The search for {', '.join(map(_of_effect, finding.of))} did not converge: ignore their values. "
-        "They probably have the same effect on these data: omit one, or measure it another way."
-    ),
-    Code.GAINS_A_THOUSAND: lambda _: (
-        "The estimated drive gains are about a thousand times the nominal ones: is the payload's mass in grams? It "
-        "must be in kg."
-    ),
-    Code.GAINS_A_THOUSANDTH: lambda _: (
-        "The estimated drive gains are about a thousandth of the nominal ones: is the payload's mass in tonnes, or are "
-        "the currents in mA?"
-    ),
-    Code.NO_MODEL_IS_BETTER: lambda finding: (
-        f"The error is {in_percent(finding.numbers['error'])} of the current, more than without a "
-        "model: columns may be swapped, a sign wrong, or the robot a different one."
-    ),
-    Code.SIGN_REVERSED: _sign,
-    Code.GAIN_NEGATIVE: _negative,
-    Code.GAIN_FAR: _gain_far,
-    Code.GAINS_NEGATIVE: lambda _: (
-        "All estimated drive gains are negative, which is impossible: the recordings with and without payload are "
-        "probably swapped in dataset.toml, or the sign of the currents is reversed."
-    ),
-    Code.CLOSURE_CONTRADICTED: _contradicted,
+    Code.ROWS_REPEATED: "Of {names:and} up to {share:%} of the rows repeat the row before, while the robot moves: the "
+    "logger ran faster than the controller. They are not used; check the time base, too.",
+    Code.BAND_NARROWED: "The fit uses frequencies up to {band:.3g} Hz. The spectra suggest {rejected:.3g} Hz, but "
+    "there parameters of rigid bodies and friction move by more than their standard errors when the band is halved: "
+    "the accelerations hold noise. Standard errors include the difference that remains.",
+    Code.BAND_MATTERS: _matters,
+    Code.BAND_UNCHECKED: "The band of {band:.3g} Hz is not checked by its result: half of it would leave too few "
+    "samples. Noise of the positions that is not white would bias the answer by more than its standard errors; longer "
+    "recordings allow the check.",
+    Code.EXTRAPOLATED: "{share:%} of the held-out samples are not judged: the fitted motions do not determine what "
+    "the model gives there. Motions that reach further would.",
+    Code.JUDGED_BEYOND: "In most of the held-out samples of {names:and} the fitted motions do not determine what the "
+    "model gives, so that their error says little about effects. Extend the fitted motions to the same range.",
+    Code.CHECKED_UNLIKE_FITTED: _unlike,
+    Code.CHECKED_HAS_OTHER_VALUES: _other_values,
+    Code.RANK_DEFICIENT: "The data determine only {rank:.0f} of {unknowns:.0f} unknowns: move all joints together, "
+    "with larger and faster motions, or record an unloaded and a loaded trajectory.",
+    Code.ILL_CONDITIONED: "The scaled observation matrix has a condition number of {condition:.0f}: some parameters "
+    "are strongly correlated; a more exciting trajectory helps.",
+    Code.TAKEN_UP: "These data cannot show {values}: other parameters of the model have the same effect and absorb it.",
+    Code.HARDLY_APART: "These data determine {values:and} only in combination: each is {wider:.0f} times less certain "
+    "than their joint effect. Omit one, or measure it another way.",
+    Code.NOT_SETTLED: "The search for {values} did not converge: ignore their values. They probably have the same "
+    "effect on these data: omit one, or measure it another way.",
+    Code.GAINS_A_THOUSAND: "The estimated drive gains are about a thousand times the nominal ones: is the payload's "
+    "mass in grams? It must be in kg.",
+    Code.GAINS_A_THOUSANDTH: "The estimated drive gains are about a thousandth of the nominal ones: is the payload's "
+    "mass in tonnes, or are the currents in mA?",
+    Code.NO_MODEL_IS_BETTER: "The error is {error:%} of the current, more than without a model: columns may be "
+    "swapped, a sign wrong, or the robot a different one.",
+    Code.SIGN_REVERSED: f"{NEGATIVE}the sign of current.{{names[0]}}, or of position.{{names[0]}}, is probably "
+    "reversed (`bench import ... --scale current.{names[0]}=-1`), or its column belongs to another motor.",
+    Code.GAIN_NEGATIVE: f"{NEGATIVE}reversing the sign of current.{{names[0]}} does not explain the current either. "
+    "The payload probably differs from its declaration or is mounted differently, an effect is missing, or the column "
+    "belongs to another motor.",
+    Code.GAIN_FAR: f"{GAIN}, far from its nominal {{nominal:.3g}}: a physical effect is missing in the model, or the "
+    "payload is not as declared.",
+    Code.GAINS_NEGATIVE: "All estimated drive gains are negative, which is impossible: the recordings with and "
+    "without payload are probably swapped in dataset.toml, or the sign of the currents is reversed.",
+    Code.CLOSURE_CONTRADICTED: "The position of {names[0]} from the loop closures differs from its encoder by "
+    "{difference:.2g} {unit} RMS in {names[1]}, {mean:+.2g} {unit} on average, for a travel of {travel:.2g} {unit}. "
+    "The zero or the sign of an encoder, a column or a length is wrong.",
     Code.VELOCITY_UNLIKE: _velocity_unlike,
     Code.VELOCITY_TAKEN: _velocity_taken,
     Code.PHYSICAL: _physical,
-    Code.BAD_STRETCH: lambda finding: (
-        f"The current of {finding.names[0]} in {finding.names[1]} has little weight from "
-        f"{finding.numbers['start']:.4g} to {finding.numbers['end']:.4g} s, where it is far from the model. "
-        "Check that interval, or `exclude` it."
-    ),
-    Code.STANDS_STILL: lambda finding: (
-        f"Joint {finding.names[0]} stands still in all fitted recordings: they do not determine its drive gain, which "
-        "stays nominal, or its effects. Record motions that move it."
-    ),
-    Code.NEVER_REVERSES: lambda finding: (
-        f"Joint {finding.names[0]} never reverses: move it through zero velocity to identify friction."
-    ),
-    Code.POORLY_DETERMINED: _poorly,
+    Code.BAD_STRETCH: "The current of {names[0]} in {names[1]} has little weight from {start:.4g} to {end:.4g} s, "
+    "where it is far from the model. Check that interval, or `exclude` it.",
+    Code.STANDS_STILL: "Joint {names[0]} stands still in all fitted recordings: they do not determine its drive gain, "
+    "which stays nominal, or its effects. Record motions that move it.",
+    Code.NEVER_REVERSES: "Joint {names[0]} never reverses: move it through zero velocity to identify friction.",
+    Code.POORLY_DETERMINED: "{count:.0f} of {of:.0f} parameters {count:?is|are} poorly determined (standard error "
+    "above {limit:%} of the value); `bench identify --essential` omits parameters that the data do not need.",
     Code.SHORT: _short,
-    Code.NO_VALUE_OF_ITS_OWN: _no_value,
-    Code.PAYLOAD_IMPOSSIBLE: _impossible_inertia,
-    Code.PAYLOAD_TAKEN_AS_POINT: _taken_as_point,
-    Code.MOUNTED_OTHERWISE: _mounted_otherwise,
-    Code.TOLD: lambda finding: finding.names[0],
+    Code.NO_VALUE_OF_ITS_OWN: "{names} {names:?has|have} no estimated {effect}, unlike the fitted recordings "
+    "({places}): {names:?its|their} best-fitting value among theirs is used.",
+    Code.PAYLOAD_IMPOSSIBLE: IMPOSSIBLE_INERTIA,
+    Code.PAYLOAD_TAKEN_AS_POINT: f"{IMPOSSIBLE_INERTIA} The program uses a point mass at the declared centre, which "
+    "fits as well, and widens the gains' standard errors to include the other answer. Declare the inertia in "
+    "dataset.toml.",
+    Code.MOUNTED_OTHERWISE: "The payload {names[0]} is not mounted the same way in all recordings: "
+    "{names[1]}({names[0]}), estimated separately, is {first:.3g} ± {first_std:.1g} {symbol} in {names[2]} and "
+    "{second:.3g} ± {second_std:.1g} {symbol} in {names[3]}. Use a second payload name in dataset.toml for the other "
+    "mounting.",
+    Code.TOLD: "{names[0]}",
 }

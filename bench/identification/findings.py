@@ -1,17 +1,20 @@
 """What limits an answer: what its data cannot tell, and what cannot be so."""
 
+import math
 from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
 
+from bench.dataset.recording import Recording
 from bench.dataset.robot_locked import LockedJoint
 from bench.effects import EffectInstance
 from bench.identification.decision import RULE
 from bench.identification.finding import Code, Finding, Unknown
-from bench.identification.periods_not_whole import periods_not_whole
 from bench.identification.result import DriveGain, Identification
 from bench.identification.tolerances import TOLERANCES
+from bench.signals.bounds import BANDS
+from bench.signals.settings import FilterSettings
 
 
 def with_findings(
@@ -217,3 +220,47 @@ def a_thousand(result: Identification) -> Code | None:
         if all(factor / near < abs(ratio) < factor * near for ratio in ratios):
             return code
     return None
+
+
+TURN = "1/turn"  # the unit of such a number, of hinges alone
+
+
+def periods_not_whole(result: Identification) -> list[Finding]:
+    """A finding for each effect and joint whose periods a turn are certainly no whole number; names: effect, joint.
+
+    Poles and teeth of a motor that turns with its joint make a whole number of periods a turn, and so does an eccentric
+    encoder on the joint; what turns faster or slower, behind a gear or a belt, need not.
+    """
+    findings = []
+    for effect, places in result.effect_parameters.items():
+        for place, values in places.items():
+            for value in values.values():
+                away = abs(value.value - round(value.value))
+                if (
+                    value.unit == TURN
+                    and 0.0 < value.std < math.inf
+                    and away > max(TOLERANCES.findings.whole_periods, RULE.certain * value.std)
+                ):
+                    numbers = {"periods": value.value, "std": value.std}
+                    findings.append(Finding(Code.PERIODS_NOT_WHOLE, (effect, place), numbers=numbers))
+    return findings
+
+
+def short_recordings(recordings: Sequence[Recording], settings: FilterSettings) -> list[Finding]:
+    """Where the ends that the filter disturbs are more than a twentieth of a fitted recording each."""
+    settling = BANDS.settling / settings.position_cutoff
+    short = {
+        recording.name: float(np.ptp(recording.time))
+        for recording in recordings
+        if recording.use == "identify"
+        and settling > TOLERANCES.findings.disturbed * float(np.ptp(recording.time))
+    }
+    if not short:
+        return []
+    numbers = {
+        "shortest": min(short.values()),
+        "cutoff": settings.position_cutoff,
+        "settling": BANDS.settling,
+        "needed": settling / TOLERANCES.findings.disturbed,
+    }
+    return [Finding(Code.SHORT, tuple(short), numbers=numbers)]

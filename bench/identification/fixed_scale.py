@@ -13,22 +13,152 @@ from itertools import combinations
 import numpy as np
 
 from bench.dataset.payload import Payload
-from bench.identification.gain_shares import (
-    GainShares,
-    LoadedStates,
-    assumed,
-    gain_shares,
-    random_states,
-    robot_length,
-)
+from bench.identification.layout import parameter_layout
+from bench.identification.observation import Observation
+from bench.identification.payload_parameters import payload_columns
 from bench.identification.scale import Scale, ScaleCase, ScaleRemedy
-from bench.model.geometry import Placement
+from bench.identification.tolerances import TOLERANCES
+from bench.model.bounds import BODIES, RANKS
+from bench.model.geometry import Geometry, Placement
 from bench.model.model import IdentificationModel
 from bench.model.regressor import payload_transform
 
-AWAY = np.array(
-    [0.48, 0.64, -0.6]
-)  # unit length, along no axis of a tool: where a payload fixed elsewhere is
+SEED = 20120604  # of the currents of redundant motors at the random states
+# unit length, along no axis of a tool: where a body of unknown centre has it
+ASIDE = np.array([0.6, -0.48, 0.64])
+
+
+@dataclass(frozen=True)
+class LoadedStates:
+    """States of a robot with one load: the torque (s, n, ...), N*m or N, of each unit of the base parameters (nb), of
+    the payload's standard parameters in the tool frame (10) and of the redundant motors' gains (r).
+    """
+
+    payload: str | None
+    rigid: np.ndarray
+    loads: np.ndarray | None
+    redundant: np.ndarray
+
+
+@dataclass(frozen=True)
+class GainShares:
+    """shares (r + n,): of every motor's torque what its gain alone explains, redundant motors first.
+
+    columns (R, K): those of all unknowns, the gains last, for relative changes of these. Where a share is zero, the
+    gain and other unknowns can change together and leave every torque as it is.
+    """
+
+    shares: np.ndarray
+    columns: np.ndarray
+
+    @property
+    def determined(self) -> np.ndarray:
+        """Whether each gain is, (r + n,)."""
+        return np.asarray(self.shares > RANKS.slack)
+
+    def apart(self, held: np.ndarray) -> bool:
+        """Whether the other gains are the same whatever the held ones, (r + n,) True or False, are taken to be."""
+        others = self.columns.shape[1] - len(held)
+        free = np.append(np.ones(others, dtype=bool), ~held)
+        combinations = np.linalg.lstsq(self.columns[:, free], self.columns[:, ~free])[0]
+        return bool(np.abs(combinations[others:]).max(initial=0.0) < RANKS.slack)
+
+
+def gain_shares(
+    model: IdentificationModel, payloads: Mapping[str, Payload], states: Sequence[LoadedStates]
+) -> GainShares:
+    """With the gains unknown, equation 13 of these states without its last column, the known payload's torque.
+
+    Masses are guessed, and a payload weighs as much as a body of the robot: how much it weighs is no question of rank.
+    """
+    geometry = model.geometry
+    carried = dict.fromkeys(some.payload for some in states if some.payload is not None)
+    loads = {name: _as_heavy_as_a_body(payloads[name]) for name in carried}
+    layout = parameter_layout(model, loads, list(loads), 0)
+    actual = {
+        name: payload_columns(assumed(load, robot_length(geometry))).known for name, load in loads.items()
+    }
+    extra = np.array([actuator.gain for actuator in geometry.robot.redundant])
+    n, r = len(geometry.active), len(extra)
+    size, blocks = layout.size + r + n, []
+    for some in states:
+        block = np.zeros((len(some.rigid), n, size))
+        block[:, :, : layout.base] = some.rigid
+        block[:, :, layout.size : layout.size + r] = some.redundant * extra
+        torque = some.rigid @ model.guessed + some.redundant @ extra
+        if some.payload is not None and some.loads is not None:
+            index = layout.payloads[some.payload]
+            block[:, :, layout.payload_slice(some.payload)] = some.loads[:, :, index]
+            torque = torque + some.loads @ actual[some.payload]
+        block[:, np.arange(n), layout.size + r + np.arange(n)] = -torque
+        blocks.append(block.reshape(-1, block.shape[2]))
+    triangle = np.asarray(np.linalg.qr(np.vstack((*blocks, np.zeros((size, size)))), mode="r"))
+    lengths = np.linalg.norm(triangle, axis=0)
+    lengths[lengths == 0.0] = 1.0
+    unit = triangle / lengths
+    _, singular, vectors = np.linalg.svd(unit)
+    least = np.finfo(float).eps * singular.max(initial=1.0)
+    inverse = np.sqrt(((vectors / np.maximum(singular, least)[:, None]) ** 2).sum(axis=0))
+    shares = np.where(np.linalg.norm(unit, axis=0) > 0.0, 1.0 / inverse, 0.0)[layout.size :]
+    unit[:, layout.size :] = triangle[:, layout.size :]
+    return GainShares(shares, unit)
+
+
+def random_states(model: IdentificationModel, loaded: Sequence[str | None]) -> list[LoadedStates]:
+    """The model's random states with every load; redundant motors have random currents there.
+
+    LoadedStates count alike, whatever their torques: those near a singular pose would outweigh all others.
+    """
+    rigid, loads = model.random_rows
+    redundant = model.random_redundant
+    currents = np.random.default_rng(SEED).normal(size=redundant.shape[::2])
+    torque = np.linalg.norm(rigid @ model.guessed, axis=1)
+    scale = 1.0 / np.where(torque > 0.0, torque, 1.0)[:, None, None]
+    parts = rigid * scale, loads * scale, redundant * currents[:, None] * scale
+    return [LoadedStates(name, *parts) for name in dict.fromkeys(loaded)]
+
+
+def recorded_states(observations: Sequence[Observation]) -> list[LoadedStates]:
+    """Some rows of every recording, where the joints move."""
+    states = []
+    for observation in observations:
+        some = slice(None, None, 1 + len(observation.time) // TOLERANCES.memory.rank_rows)
+        moving = observation.moving[some, :, None]
+        loads = None if observation.payload is None else observation.payload[some] * moving
+        parts = observation.rigid[some] * moving, loads, observation.redundant[some] * moving
+        states.append(LoadedStates(observation.payload_name, *parts))
+    return states
+
+
+def robot_length(geometry: Geometry) -> float:
+    """The largest distance from a joint to the next or to the tool, m."""
+    placements = [joint.placement for joint in geometry.joints]
+    if geometry.tool is not None:
+        placements.append(geometry.tool.placement)
+    return max(BODIES.shortest, *(float(np.linalg.norm(placement.translation)) for placement in placements))
+
+
+def _as_heavy_as_a_body(payload: Payload) -> Payload:
+    if payload.mass is None:
+        return payload
+    inertia = None if payload.inertia is None else payload.inertia * (BODIES.mass / payload.mass)
+    return replace(payload, mass=BODIES.mass, inertia=inertia)
+
+
+def assumed(payload: Payload, length: float) -> Payload:
+    """The payload with values for what is not declared: a ball off the tool; length: the robot's, m."""
+    mass = BODIES.mass if payload.mass is None else payload.mass
+    ball = mass * (TOLERANCES.motion.gyration * length) ** 2 * np.array([1.0, 1.0, 1.0, 0.0, 0.0, 0.0])
+    center = (
+        TOLERANCES.motion.centre * length * ASIDE
+        if payload.center_of_mass is None
+        else payload.center_of_mass
+    )
+    return Payload(payload.name, mass, center, ball if payload.inertia is None else payload.inertia)
+
+
+# unit length, along no axis of a tool: where a payload fixed elsewhere is
+AWAY = np.array([0.48, 0.64, -0.6])
 
 
 def scale_of(

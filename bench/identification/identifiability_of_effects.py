@@ -1,12 +1,17 @@
 """Columns of effects that the model's parameters take up, so that no fit can tell them apart."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from dataclasses import replace
 
 import numpy as np
 
-from bench.identification.compressed import Stack
+from bench.effects import EffectInstance
+from bench.identification.compressed import Stack, triangular_factors
+from bench.identification.decision import RULE
+from bench.identification.finding import Code, Finding, Unknown
 from bench.identification.layout import ParameterLayout
-from bench.identification.solution import NominalGains
+from bench.identification.solution import NominalGains, Solution
+from bench.identification.standard_errors import Deviations, Uncertainty, uncertainty
 from bench.identification.tolerances import TOLERANCES
 
 
@@ -71,3 +76,126 @@ def orthonormal(columns: np.ndarray) -> np.ndarray:
     norms[norms == 0.0] = 1.0
     vectors, singular, _ = np.linalg.svd(columns / norms, full_matrices=False)
     return np.asarray(vectors[:, singular > 1e-12 * singular[0]])
+
+
+def collinear(
+    effects: Sequence[EffectInstance], covariance: np.ndarray, rows: Sequence[Unknown]
+) -> list[Finding]:
+    """A finding for each combination of effects that are changes of the model itself, such as zeros of encoders, a tilt
+    and lengths, whose parameters are known together far better than each.
+
+    covariance (P, P), its rows named. The eigenvector of a small eigenvalue of the correlation between them is the
+    combination that is known; what is known of each by itself is 1 / sqrt(eigenvalue) times less.
+    """
+    changing = {
+        (instance.effect.name, instance.place) for instance in effects if instance.effect.depends_on_model
+    }
+    indices = [
+        i
+        for i, row in enumerate(rows)
+        if row.kind == "effect" and (row.effect, row.place) in changing and covariance[i, i] > 0.0
+    ]
+    if len(indices) < 2:
+        return []
+    std = np.sqrt(np.diag(covariance)[indices])
+    values, vectors = np.linalg.eigh(covariance[np.ix_(indices, indices)] / np.outer(std, std))
+    findings = []
+    for value, vector in zip(values, vectors.T, strict=True):
+        if value * TOLERANCES.findings.widened**2 >= 1.0:
+            break
+        part = np.flatnonzero(np.abs(vector) >= TOLERANCES.findings.takes_part * np.abs(vector).max())
+        together = tuple(rows[indices[i]] for i in part)
+        if len({(unknown.effect, unknown.place) for unknown in together}) > 1:
+            wider = float(1.0 / np.sqrt(max(value, np.finfo(float).eps)))
+            findings.append(Finding(Code.HARDLY_APART, of=together, numbers={"wider": wider}))
+    return findings
+
+
+def unsettled(
+    effects: Sequence[EffectInstance], values: np.ndarray, std: np.ndarray
+) -> list[tuple[int, Unknown]]:
+    """Parameters of effects, by index, that are not where the effect was linearised: the search for them did not end.
+
+    values, std (k,): of all parameters of all effects, one effect after the other.
+    """
+    findings, at = [], 0
+    for instance in effects:
+        about = instance.effect.about_values()
+        for k, parameter in enumerate(instance.effect.parameters):
+            value, place = float(values[at + k]), about.get(parameter.name, 0.0)
+            off = abs(value - place)
+            if (
+                place
+                and off > RULE.shows * std[at + k]
+                and off > TOLERANCES.steps.linearisation_reached * max(abs(value), abs(place))
+            ):
+                findings.append(
+                    (at + k, Unknown("effect", parameter.name, instance.place, instance.effect.name))
+                )
+        at += len(instance.effect.parameters)
+    return findings
+
+
+Solve = Callable[[Stack, np.ndarray], Solution]
+
+
+def reduced(stack: Stack, kept: np.ndarray) -> Stack:
+    """The equations with some columns of phi only, kept (k,) indices."""
+    p = stack.phi.shape[2]
+    factors = triangular_factors(stack.factors[:, :, [*kept, p, p + 1]].swapaxes(0, 1))
+    return replace(stack, phi=stack.phi[:, :, kept], factors=factors)
+
+
+def essential_columns(stack: Stack, candidates: int, solve: Solve, deviations: Deviations) -> np.ndarray:
+    """Indices of the columns to keep: candidates (the first so many) are omitted one by one.
+
+    The one with the largest relative deviation goes first, as long as that deviation is above 30 % and the
+    error of the currents grows by less than 1 % in all (Gautier and Khalil; Khalil and Dombre 2002, 12.3).
+    """
+    kept = np.arange(stack.phi.shape[2])
+    solution = solve(stack, kept)
+    reference = _current_error(stack, solution)
+    current = stack
+    while True:
+        spread = uncertainty(current, solution, deviations)
+        std = np.sqrt(np.maximum(np.diag(spread.covariance)[: len(kept)], 0.0))
+        size = np.abs(solution.theta)
+        relative = np.where(kept < candidates, std / np.maximum(size, np.finfo(float).tiny), 0.0)
+        worst = int(np.argmax(relative))
+        if relative[worst] <= RULE.loose:
+            return kept
+        fewer = np.delete(kept, worst)
+        smaller = reduced(stack, fewer)
+        candidate = solve(smaller, fewer)
+        if _current_error(smaller, candidate) > TOLERANCES.findings.omitted_growth * reference:
+            return kept
+        kept, current, solution = fewer, smaller, candidate
+
+
+def expanded(
+    solution: Solution, spread: Uncertainty, kept: np.ndarray, size: int
+) -> tuple[Solution, Uncertainty]:
+    """The solution with zeros for the parameters that were omitted.
+
+    The covariance, of [kept parameters, shape parameters, gains], is put in the order [all parameters, gains,
+    shape parameters].
+    """
+    theta = with_zeros(solution.theta, kept, size)
+    n, k = len(solution.gains), len(kept)
+    shapes = len(spread.covariance) - k - n
+    index = np.concatenate((kept, size + n + np.arange(shapes), size + np.arange(n)))
+    covariance = np.zeros((size + n + shapes,) * 2)
+    covariance[np.ix_(index, index)] = spread.covariance
+    return replace(solution, theta=theta), replace(spread, covariance=covariance)
+
+
+def with_zeros(values: np.ndarray, kept: np.ndarray, size: int) -> np.ndarray:
+    """Values (k,) at the indices kept (k,) of an array (size,) of zeros."""
+    every = np.zeros(size)
+    every[kept] = values
+    return every
+
+
+def _current_error(stack: Stack, solution: Solution) -> float:
+    modelled = (stack.phi @ solution.theta + stack.kappa) / solution.gains
+    return float(np.sqrt(((stack.current - modelled) ** 2).mean()))

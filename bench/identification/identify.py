@@ -8,23 +8,26 @@ from bench.basics.errors import BenchError
 from bench.basics.threads import on_one_thread
 from bench.dataset.recording import Recording
 from bench.effects import EffectInstance
-from bench.identification.bad_stretches import bad_stretches
 from bench.identification.bandwidth import with_band_checked
-from bench.identification.bounds import columns_of, within_bounds
-from bench.identification.closed_loop import commanded_currents
+from bench.identification.closed_loop import columns_at, commanded_currents, simulated_columns
 from bench.identification.column_errors import column_errors
 from bench.identification.compressed import Stack, stack_observations
 from bench.identification.errors_in_variables import with_errors_in_variables_checked
-from bench.identification.essential_parameters import essential_columns, expanded, reduced, with_zeros
 from bench.identification.estimators import DEFAULT_METHOD, Request, solve
 from bench.identification.filtered import measure
-from bench.identification.identifiability_of_effects import identifiable_columns
+from bench.identification.identifiability_of_effects import (
+    essential_columns,
+    expanded,
+    identifiable_columns,
+    reduced,
+    with_zeros,
+)
 from bench.identification.impossible_payload import with_possible_payloads
 from bench.identification.newton import with_shape_columns
-from bench.identification.nonlinear import converged
+from bench.identification.nonlinear import columns_of, converged, within_bounds
 from bench.identification.prepare import Prepared
 from bench.identification.result import CurrentSeries, Identification
-from bench.identification.simulated import columns_at, simulated_columns
+from bench.identification.robust import bad_stretches
 from bench.identification.solution import Solution
 from bench.identification.standard_errors import Deviations, uncertainty
 from bench.identification.summary import modelled_series, redundant_gains, summarise

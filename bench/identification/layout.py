@@ -9,7 +9,7 @@ from bench.basics.errors import BenchError
 from bench.dataset.payload import Payload
 from bench.identification.observation import Observation
 from bench.identification.payload_parameters import payload_columns
-from bench.model.independent import independent_columns
+from bench.model.base import independent_columns
 from bench.model.model import IdentificationModel
 from bench.model.regressor import PARAMETERS, UNITS
 

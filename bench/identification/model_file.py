@@ -229,7 +229,8 @@ def applied(problem: Problem, saved: SavedModel) -> tuple[Prepared, Solution]:
             f"{dataset.robot.name} ({', '.join(dataset.robot.driven)})"
         )
     refuse_other_locks(dataset.robot, model.locked, str(saved.path))
-    if not _same_folder(dataset, saved):  # a log of another folder is another log, whatever its name
+    # a log of another folder is another log, whatever its name
+    if saved.dataset is None or saved.dataset.resolve() != dataset.folder.resolve():
         strangers = tuple(
             replace(recording, part_of=str(dataset.folder / recording.log))
             for recording in dataset.recordings
@@ -263,11 +264,6 @@ def with_saved_effects(catalogue: Mapping[str, Effect], saved: SavedModel) -> Ma
             raise BenchError(f"{saved.path}: its effect file {file} is missing")
         loaded |= load_effects(file)
     return dict(sorted({**loaded, **catalogue}.items()))
-
-
-def _same_folder(dataset: Dataset, saved: SavedModel) -> bool:
-    """Whether a dataset is the one that the model was identified from."""
-    return saved.dataset is not None and saved.dataset.resolve() == dataset.folder.resolve()
 
 
 def _theta(prepared: Prepared, saved: SavedModel) -> np.ndarray:

@@ -128,7 +128,7 @@ def from_json(content: dict[str, Any]) -> Identification:
         condition=_or_infinite(content["condition"]),
         scaled_condition=_or_infinite(content["scaled_condition"]),
         error=ErrorSummary(**content["error"]),
-        settings=_settings(content["settings"]),
+        settings=FilterSettings(**{**content["settings"], "border": tuple(content["settings"]["border"])}),
         deviations=content["deviations"],
         recordings=(),
         left_out=tuple(content["left_out"]),
@@ -176,10 +176,6 @@ def _findings(content: dict[str, Any]) -> tuple[Finding, ...]:
         )
         for finding in content["findings"]
     )
-
-
-def _settings(content: dict[str, Any]) -> FilterSettings:
-    return FilterSettings(**{**content, "border": tuple(content["border"])})
 
 
 def _quantity(content: dict[str, Any]) -> tuple[float, float, str]:

@@ -7,7 +7,7 @@ import numpy as np
 
 from bench.effects import Bracket, EffectInstance
 from bench.identification.compressed import Stack, compress
-from bench.identification.essential_parameters import with_zeros
+from bench.identification.identifiability_of_effects import with_zeros
 from bench.identification.joint_samples import joint_samples
 from bench.identification.partial_regression import torque_errors
 from bench.identification.prepare import Prepared, with_effects

@@ -1,5 +1,6 @@
 """Effects that are not linear: find their shape parameters, and linearise them about the model they belong to."""
 
+from collections import Counter
 from collections.abc import Sequence
 from dataclasses import replace
 
@@ -8,9 +9,9 @@ import numpy as np
 from bench.basics.deadline import NEVER, Deadline
 from bench.effects import EffectInstance
 from bench.identification.compressed import Stack
+from bench.identification.decision import RULE
 from bench.identification.effect_columns import PresentModel
 from bench.identification.newton import stepped
-from bench.identification.out_of_bounds import staying
 from bench.identification.partial_regression import partial_regression
 from bench.identification.prepare import Prepared, with_effects, with_judged
 from bench.identification.shapes import best_shape
@@ -53,18 +54,14 @@ def settles(instances: Sequence[EffectInstance]) -> bool:
 
 
 def converged(
-    prepared: Prepared,
-    *,
-    nearly: bool = False,
-    added_from: int | None = None,
-    deadline: Deadline = NEVER,
+    prepared: Prepared, *, nearly: bool = False, added_from: int | None = None, deadline: Deadline = NEVER
 ) -> Prepared:
     """Shape parameters searched and model-dependent columns linearised, in a few rounds; nothing to do without.
 
     At first every shape is searched with the others fixed; then all move together by steps of Gauss and Newton, as long
     as the errors become smaller by them (see newton.py), and are searched again where they do not. nearly: shapes and
     the present model are nearly right, so that no search comes first. added_from: in a search, the first of the effects
-    that it added; these leave the places where they are out of bounds (see out_of_bounds.py). Raises TimeUpError after
+    that it added; these leave the places where they are out of bounds (see `staying`). Raises TimeUpError after
     the deadline.
     """
     instances = prepared.effects
@@ -165,14 +162,11 @@ def _rounds(
 
 def _state(prepared: Prepared, stack: Stack, solution: Solution) -> tuple[np.ndarray, ...]:
     """What must stay as it is for a model to be converged: gains, values that are not linear, and RMS errors."""
-    curves = [_curved_values(instance) for instance in prepared.effects]
+    curves = [
+        (*effect.shape_values().values(), *(effect.about_values().values() if effect.bends else ()))
+        for effect in (instance.effect for instance in prepared.effects)
+    ]
     return solution.gains, np.concatenate(curves), spread(stack, solution)
-
-
-def _curved_values(instance: EffectInstance) -> tuple[float, ...]:
-    effect = instance.effect
-    about = effect.about_values().values() if effect.bends else ()
-    return (*effect.shape_values().values(), *about)
 
 
 def _alike(now: tuple[np.ndarray, ...], before: tuple[np.ndarray, ...], rows: int) -> bool:
@@ -221,3 +215,103 @@ def _shaped(prepared: Prepared, deadline: Deadline) -> Prepared:
     if tuple(instances) == prepared.effects:
         return prepared
     return with_effects(prepared, instances, fitted_only=True)
+
+
+def beyond_bounds(prepared: Prepared) -> tuple[EffectInstance, ...]:
+    """The effects of a converged model with a parameter that its data ask to be at its bound or beyond.
+
+    So are those whose motor's gain runs away with them: the two grow together, or swing from one linearisation to the
+    next and never settle, so that a few more are looked at.
+    """
+    if not any(
+        np.isfinite(parameter.below) for each in prepared.effects for parameter in each.effect.parameters
+    ):
+        return ()
+    before, settled = None, TOLERANCES.steps.gains_at_bounds
+    for _ in range(TOLERANCES.steps.linearisations_at_bounds):
+        _, solution = solved_quickly(prepared)
+        outside = out_of_bounds(prepared, solution)
+        if outside or (before is not None and np.allclose(solution.gains, before, rtol=settled, atol=0.0)):
+            return outside
+        before = solution.gains
+        about = linearised(prepared.effects, solution.theta[prepared.layout.size - prepared.layout.effects :])
+        prepared = with_effects(prepared, about, present_model(prepared, solution), fitted_only=True)
+    return ()
+
+
+def within_bounds(prepared: Prepared) -> tuple[Prepared, tuple[EffectInstance, ...]]:
+    """A converged model, and those of its effects that stay zero, since they cannot be distinguished from the drive
+    gain.
+
+    Where the data ask for such a size, gain and effect grow together without end. The others are converged without it.
+    """
+    whole = prepared = converged(prepared)
+    gone: set[tuple[str, str]] = set()
+    while beyond := beyond_bounds(prepared):
+        gone |= {_place(instance) for instance in beyond}
+        kept = [instance for instance in prepared.effects if _place(instance) not in gone]
+        prepared = converged(with_effects(whole, kept))
+    if not gone:
+        return whole, ()
+    remaining = {_place(instance): instance for instance in prepared.effects}
+    every = [remaining.get(_place(instance)) or _nothing(instance) for instance in whole.effects]
+    outside = tuple(instance for instance in every if _place(instance) in gone)
+    return replace(with_effects(prepared, every), converged=True), outside
+
+
+def columns_of(prepared: Prepared, instances: tuple[EffectInstance, ...]) -> np.ndarray:
+    """Where the parameters of some of a model's effects stand among its unknowns."""
+    indices: list[int] = []
+    at = prepared.layout.size - prepared.layout.effects
+    for instance in prepared.effects:
+        size = len(instance.effect.parameters)
+        indices += range(at, at + size) if instance in instances else ()
+        at += size
+    return np.array(indices, dtype=int)
+
+
+def _place(instance: EffectInstance) -> tuple[str, str]:
+    return instance.effect.name, instance.place
+
+
+def _nothing(instance: EffectInstance) -> EffectInstance:
+    effect = instance.effect
+    return replace(instance, effect=effect.about({parameter.name: 0.0 for parameter in effect.parameters}))
+
+
+def out_of_bounds(prepared: Prepared, solution: Solution) -> tuple[EffectInstance, ...]:
+    """The effects that have a bound and are at it or beyond; gain and effect grow together where the data tell only
+    one of them.
+    """
+    robot = prepared.dataset.robot
+    ratios = dict(zip(robot.joints, (solution.gains / robot.nominal_gains).tolist(), strict=True))
+    outside, at = [], prepared.layout.size - prepared.layout.effects
+    for instance in prepared.effects:
+        bounds = [parameter.below for parameter in instance.effect.parameters]
+        values = solution.theta[at : at + len(bounds)]
+        at += len(bounds)
+        if not np.any(np.isfinite(bounds)):
+            continue
+        wild = (
+            prepared.fit_gains and not 1.0 / RULE.gain_far <= ratios.get(instance.joint, 1.0) <= RULE.gain_far
+        )
+        if wild or np.any(np.abs(values) >= bounds):
+            outside.append(instance)
+    return tuple(outside)
+
+
+def staying(prepared: Prepared, solution: Solution, added_from: int) -> list[int]:
+    """Which of a model's effects (indices) stay in a search that added those from `added_from` on.
+
+    One that is out of bounds never settles, and takes its motor's gain with it, so that nothing can be determined with
+    it. It leaves its place, but not the last place that it has.
+    """
+    outside = out_of_bounds(prepared, solution)
+    remaining = Counter(instance.effect.name for instance in prepared.effects)
+    stay = []
+    for i, instance in enumerate(prepared.effects):
+        if i < added_from or instance not in outside or remaining[instance.effect.name] == 1:
+            stay.append(i)
+        else:
+            remaining[instance.effect.name] -= 1
+    return stay

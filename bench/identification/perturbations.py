@@ -20,8 +20,7 @@ from bench.effects.row_cache import KeptRows, LeastAsked
 from bench.effects.signals import OVERSAMPLING, UNCHANGED, Changed, JointReaction, Sparse
 from bench.identification.effect_columns import PresentModel, combined_torque, needed_torque
 from bench.identification.filtered import Measured
-from bench.identification.perturbed_observation import geometry_key
-from bench.identification.small_change import KEPT, SmallChange, small_change
+from bench.identification.perturbed_observation import KEPT, SmallChange, geometry_key, small_change
 from bench.identification.sparse_signals import sparse_gaps, sparse_joint
 from bench.identification.tolerances import TOLERANCES
 from bench.model.bounds import NODES

@@ -4,7 +4,7 @@ which there are few, and of other lengths: for as many motions as are asked for 
 """
 
 from collections.abc import Hashable, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from hashlib import blake2b
 
 import numpy as np
@@ -19,11 +19,7 @@ from bench.model.regressor import projected_regressor
 
 
 def perturbed_rows(
-    model: IdentificationModel,
-    measured: Measured,
-    columns: np.ndarray,
-    changed: Changed,
-    every: int,
+    model: IdentificationModel, measured: Measured, columns: np.ndarray, changed: Changed, every: int
 ) -> np.ndarray:
     """Rows (K, n, p) of some columns of the projected regressor at every so many-th sample, N*m or N.
 
@@ -118,3 +114,30 @@ def _digest(parts: Sequence[np.ndarray | bytes]) -> bytes:
     for part in parts:
         digest.update(part if isinstance(part, bytes) else np.ascontiguousarray(part).tobytes())
     return digest.digest()
+
+
+KEPT = np.float32  # small changes need no more digits
+
+
+@dataclass(frozen=True)
+class SmallChange:
+    """K samples of n motors and p columns each; filled (c,): which of all n p change, values (K, c): by how much."""
+
+    filled: np.ndarray
+    values: np.ndarray
+    shape: tuple[int, int]
+
+    def rows(self, part: slice) -> np.ndarray:
+        """What is added at some of the samples, (P, n, p)."""
+        values = self.values[part]
+        rows = np.zeros((len(values), self.shape[0] * self.shape[1]), dtype=KEPT)
+        rows[:, self.filled] = values
+        return rows.reshape(-1, *self.shape)
+
+
+def small_change(rows: np.ndarray) -> SmallChange:
+    """The small change of what is added to every column, (K, n, p)."""
+    samples, n, p = rows.shape
+    flat = rows.astype(KEPT, order="C").reshape(samples, n * p)
+    filled = np.flatnonzero(flat.any(axis=0))
+    return SmallChange(filled, flat[:, filled], (n, p))

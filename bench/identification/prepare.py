@@ -12,18 +12,21 @@ from bench.dataset.recording import Recording
 from bench.effects import EffectInstance, RobotSignals, places_in, select_effects
 from bench.identification.effect_columns import PresentModel, declared_parameters, robot_signals
 from bench.identification.effect_rows import effect_rows
-from bench.identification.filtered import Measured, measure
+from bench.identification.filtered import (
+    Measured,
+    contradicted_closures,
+    logged_velocities,
+    measure,
+    velocity_noise,
+)
 from bench.identification.finding import Finding
 from bench.identification.fixed_columns import FixedColumns
-from bench.identification.fixed_scale import scale_of
-from bench.identification.gain_shares import recorded_states
+from bench.identification.fixed_scale import recorded_states, scale_of
 from bench.identification.layout import ParameterLayout, parameter_layout
-from bench.identification.logged_velocities import logged_velocities, velocity_noise
 from bench.identification.observation import Observation, observe
 from bench.identification.payload_parameters import payload_columns
 from bench.identification.perturbations import Nearby
 from bench.identification.problem import Problem
-from bench.identification.redundant_encoders import contradicted_closures
 from bench.identification.scale import NOT_WANTED, Scale
 from bench.identification.scale_words import refusal
 from bench.identification.solution import NominalGains
@@ -230,21 +233,17 @@ def seen_nearby(prepared: Prepared, nearby: Nearby) -> Prepared:
     return replace(prepared, signals=signals, nearby=nearby, converged=False, provisional=False)
 
 
-def _speeds(model: IdentificationModel, measured: Measured) -> np.ndarray:
-    """Velocities (N, n + r) of all joints with a motor."""
-    extra = model.geometry.redundant
-    return np.hstack((measured.velocity, measured.tree.v[:, extra])) if len(extra) else measured.velocity
-
-
 def _first_model(dataset: Dataset, model: IdentificationModel, measured: Sequence[Measured]) -> PresentModel:
     """Nominal gains and guessed masses, until a fit has better ones."""
     fitted = [entry for entry in measured if entry.recording.use == "identify"] or list(measured)
     declared = declared_parameters(dataset.payloads)
+    extra = model.geometry.redundant
+    speeds = [np.hstack((entry.velocity, entry.tree.v[:, extra])) for entry in fitted]
     return PresentModel(
         gains=dataset.robot.nominal_gains,
         base=model.guessed,
         payloads=declared,
         declared=declared,
-        speeds=np.sqrt(np.concatenate([_speeds(model, entry) ** 2 for entry in fitted]).mean(axis=0)),
+        speeds=np.sqrt(np.concatenate([values**2 for values in speeds]).mean(axis=0)),
         redundant_gains=np.array([entry.gain for entry in dataset.robot.redundant]),
     )

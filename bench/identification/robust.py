@@ -7,6 +7,7 @@ Little and Taylor, "Robust statistical modeling using the t distribution", 1989;
 of the t distribution using EM and its extensions, ECM and ECME", 1995.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from math import lgamma, log, pi
 
@@ -15,6 +16,8 @@ import numpy as np
 from bench.identification.bounded import minimum_between
 from bench.identification.compressed import Stack, compress
 from bench.identification.current_error import current_error, current_floor, minimised
+from bench.identification.finding import Code, Finding
+from bench.identification.observation import Observation
 from bench.identification.solution import Fitted, Solution, scaled_lstsq, torque_system
 from bench.identification.tolerances import TOLERANCES
 
@@ -53,7 +56,8 @@ def robust_error(stack: Stack, start: Solution, nominal: np.ndarray) -> Solution
         theta, gains = best.theta, best.gains
     likeliest = _likeliest(stack, theta, gains, start.gains_fitted)
     moving = stack.moving
-    slopes = (_slopes(likeliest.error / likeliest.scale, likeliest.freedom) * moving).sum(axis=0)
+    squares, nu = (likeliest.error / likeliest.scale) ** 2, likeliest.freedom
+    slopes = ((nu + 1.0) * (nu - squares) / (nu + squares) ** 2 * moving).sum(axis=0)  # of weight times error
     dispersion = likeliest.weights.sum(axis=0) / np.maximum(slopes, np.finfo(float).tiny)
     root = np.sqrt(
         np.divide(likeliest.weights, dispersion, out=np.zeros_like(likeliest.weights), where=dispersion > 0.0)
@@ -145,6 +149,30 @@ def _weights(error: np.ndarray, freedom: np.ndarray) -> np.ndarray:
     return np.asarray((freedom + 1.0) / (freedom + error**2))
 
 
-def _slopes(error: np.ndarray, freedom: np.ndarray) -> np.ndarray:
-    """Derivatives (M, n) of weight times error by the error."""
-    return np.asarray((freedom + 1.0) * (freedom - error**2) / (freedom + error**2) ** 2)
+def bad_stretches(
+    observations: Sequence[Observation], row_weights: np.ndarray, joints: Sequence[str]
+) -> list[Finding]:
+    """A finding for each stretch of a recording in which a motor's current counts little, in the order of the logs.
+
+    row_weights (M, n): what every row of all recordings counts, 1 where it fits. Rows of a joint at standstill are no
+    finding.
+    """
+    bounds = TOLERANCES.findings
+    findings: list[tuple[int, Finding]] = []
+    start = 0
+    for observation in observations:
+        of_recording = row_weights[start : start + len(observation.time)]
+        start += len(observation.time)
+        for j, joint in enumerate(joints):
+            little = np.flatnonzero((of_recording[:, j] < bounds.bad_weight) & observation.moving[:, j])
+            for part in np.split(little, np.flatnonzero(np.diff(little) > bounds.bridged_rows) + 1):
+                if len(part) >= bounds.bad_rows:
+                    numbers = {
+                        "start": float(observation.time[part[0]]),
+                        "end": float(observation.time[part[-1]]),
+                    }
+                    findings.append(
+                        (len(part), Finding(Code.BAD_STRETCH, (joint, observation.name), numbers=numbers))
+                    )
+    longest = sorted(range(len(findings)), key=lambda i: -findings[i][0])[: TOLERANCES.report.stretches]
+    return [findings[i][1] for i in sorted(longest)]

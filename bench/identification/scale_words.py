@@ -53,7 +53,7 @@ def nominal_gains(finding: Finding) -> str:
     """The gains that stay nominal, with an article."""
     if finding.code is not Code.GAINS_FIXED_FOR_SOME:
         return "the drive gains"
-    return f"the drive gain{'s' * (len(finding.of) > 1)} of {_joints(finding)}"
+    return f"the drive gain{'s' * (len(finding.of) > 1)} of {and_list([unknown.place for unknown in finding.of])}"
 
 
 def reason(finding: Finding) -> str:
@@ -99,10 +99,6 @@ def refusal(scale: Scale) -> str:
     """Why not all drive gains can be fitted, in one line."""
     (finding,) = scale_findings(scale)
     return f"{nominal_gains(finding)} cannot be fitted, because {reason(finding)}. {cure(finding)}".rstrip()
-
-
-def _joints(finding: Finding) -> str:
-    return and_list([unknown.place for unknown in finding.of])
 
 
 def _payloads(names: Sequence[str]) -> str:

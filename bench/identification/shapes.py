@@ -75,20 +75,16 @@ def _searched(
         if all(seen.expands for seen in prepared.signals):
             unexplained = _between_nodes(columns, brackets[best], partial)
         else:
-            unexplained = _exactly(columns, partial)
+
+            def unexplained(value: float) -> float:
+                return -partial.explained(columns([float(value)]))[1]
+
         place, value = minimum_between(
             unexplained, low, high, TOLERANCES.shapes.tolerance * max(abs(low), abs(high))
         )
         if value < cost:
             middle, cost = place, value
     return reshaped(instance, {parameter.name: middle}), cost
-
-
-def _exactly(
-    columns: Callable[[Sequence[float]], np.ndarray], partial: PartialRegression
-) -> Callable[[float], float]:
-    """Minus the squares that are explained with a value, of columns computed for it."""
-    return lambda value: -partial.explained(columns([float(value)]))[1]
 
 
 def _between_nodes(

@@ -1,4 +1,8 @@
-"""Prepared equations solved without deviations, and columns of effects that they do not have."""
+"""Prepared equations solved without deviations, and columns of effects that they do not have.
+
+A search looks at thousands of models: every motor's compressed factors are multiplied once, in a basis in which they
+are nearly orthonormal. Each start, each reweighting and each step then takes sums of these products alone.
+"""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
@@ -6,14 +10,24 @@ from dataclasses import replace
 import numpy as np
 
 from bench.effects import EffectInstance
+from bench.identification.bilinear import (
+    TINY,
+    Centred,
+    FactorProducts,
+    least,
+    products_of,
+    run_away,
+    squares_of,
+)
 from bench.identification.compressed import Stack, stack_observations
+from bench.identification.current_error import current_error, error_weights, from_products, squared_errors
 from bench.identification.effect_rows import effect_rows
-from bench.identification.essential_parameters import reduced, with_zeros
 from bench.identification.fixed_columns import FixedColumns, fits, fixed_columns, stacked_with_fixed
-from bench.identification.identifiability_of_effects import identifiable_columns
+from bench.identification.identifiability_of_effects import identifiable_columns, reduced, with_zeros
+from bench.identification.least_squares import weighted_least_squares
 from bench.identification.prepare import Prepared
-from bench.identification.solution import NominalGains, Solution
-from bench.identification.solved_from_products import solved_from_products
+from bench.identification.solution import Fitted, NominalGains, Solution
+from bench.identification.tolerances import TOLERANCES
 
 FIXED = "fixed columns"
 
@@ -91,3 +105,114 @@ def candidate_columns(prepared: Prepared, effects: Sequence[EffectInstance]) -> 
             if measured.recording.use == "identify"
         ]
     )
+
+
+def solved_from_products(stack: Stack, gains: NominalGains, near: np.ndarray) -> Solution:
+    """The current-domain solution, nearer to the best one than any deviation; near (n,): gains of a model much like it.
+
+    It starts from weighted least squares with the gains among the unknowns, or held near, whichever leaves less. Where
+    a gain runs away from its nominal value, beyond all that products are exact enough for, steps on the factors
+    themselves go another way.
+    """
+    near = gains.with_fitted(near)
+    solution = _minimum(stack, gains, near)
+    if solution is None:
+        return _on_factors(stack, gains, near)
+    return replace(
+        solution, weights=error_weights(stack, squared_errors(stack.factors, solution.theta, solution.gains))
+    )
+
+
+def _minimum(stack: Stack, gains: NominalGains, near: np.ndarray) -> Solution | None:
+    lengths = np.linalg.norm(stack.factors[:, :, -1], axis=1)
+    scale = 1.0 / np.maximum(np.abs(gains.values) * lengths, TINY)
+    products = products_of(stack.factors, scale)
+    starts = []
+    if np.any(gains.fitted):
+        about, values = _held(products, gains.values, lengths)
+        about = products.about(about.theta_at(values), gains.values)  # from where products are exact enough
+        values, first = _weighted(about, lengths, fit_gains=gains.fitted)
+        if not run_away(first / gains.values):
+            starts.append((about.theta_at(values), first))
+    if (not np.any(gains.fitted) or not np.array_equal(near, gains.values)) and not run_away(
+        near / gains.values
+    ):
+        about, values = _held(products, near, lengths)
+        starts.append((about.theta_at(values), near))
+    if not starts:
+        return None
+    errors = [squared_errors(stack.factors, *start) for start in starts]
+    best = int(np.argmin([_missed(squares) for squares in errors]))
+    start = Solution(*starts[best], np.ones(len(near)), "torque", gains.fitted)
+    weights = error_weights(stack, errors[best])
+    ratio = weights / np.abs(start.gains) / scale
+    if ratio.max() > TOLERANCES.steps.scale_ratio * ratio.min():
+        products = products_of(stack.factors, weights / start.gains)
+    unseen = 2.0 * TOLERANCES.steps.creeping_nats / max(int(stack.moving.sum()), 1)
+    minimum = from_products(stack, products, start, weights, unseen=unseen, anew=TOLERANCES.steps.recentred)
+    return None if minimum is None or run_away(minimum.gains / gains.values) else minimum
+
+
+def _on_factors(stack: Stack, gains: NominalGains, near: np.ndarray) -> Solution:
+    """The same by steps on the factors themselves; from nominal gains where they leave less than the other starts."""
+
+    def held(at: np.ndarray) -> Solution:
+        return replace(
+            weighted_least_squares(stack, NominalGains(at, fitted=False)), gains_fitted=gains.fitted
+        )
+
+    starts = [weighted_least_squares(stack, gains)]
+    if np.any(gains.fitted):
+        least = TOLERANCES.rank.square * np.abs(gains.values)
+        starts += [] if np.array_equal(near, gains.values) else [held(near)]
+        starts = [start for start in starts if not np.any(np.abs(start.gains) < least)] + [held(gains.values)]
+    missed = [_missed(squared_errors(stack.factors, start.theta, start.gains)) for start in starts]
+    return current_error(stack, starts[int(np.argmin(missed))])
+
+
+def _missed(squares: np.ndarray) -> float:
+    """How large the motors' current errors are, of their squares (n,), as a likelihood sees them."""
+    return float(np.log(np.maximum(squares, TINY)).sum())
+
+
+def _held(products: FactorProducts, gains: np.ndarray, lengths: np.ndarray) -> tuple[Centred, np.ndarray]:
+    """The same with the gains (n,) held: the system about no parameters, and the values (b,)."""
+    about = products.about(np.zeros(len(products.basis)), gains)
+    return about, _weighted(about, lengths, fit_gains=False)[0]
+
+
+def _weighted(about: Centred, lengths: np.ndarray, *, fit_gains: Fitted) -> tuple[np.ndarray, np.ndarray]:
+    """Values (b,) and gains (n,) of weighted least squares of the torques' errors; see `weighted_least_squares`.
+
+    lengths (n,): of the currents.
+    """
+    start, b, n = about.gains, about.basis.shape[1], len(about.gains)
+    some = bool(np.any(fit_gains))
+    motors = b + np.arange(n) if some else np.arange(0)
+    current = np.zeros((n, b + 2))  # every motor's, of [columns, torque, error]
+    current[:, b], current[:, b + 1] = 1.0 / start, 1.0
+    by_current = (about.inner @ current[:, :, None])[:, :, 0]
+    current_products = (current * by_current).sum(axis=1)
+    towards = about.inner[:, :b, b + 1] * start[:, None]
+    weights, solution = np.ones(n), np.zeros(b + len(motors))
+    normal, right = np.zeros((len(solution), len(solution))), np.zeros(len(solution))
+    for remaining in range(TOLERANCES.steps.reweightings, -1, -1):
+        squares = weights**2
+        normal[:b, :b] = np.tensordot(squares, about.inner[:, :b, :b], axes=1)
+        right[:b] = squares @ towards
+        if some:
+            normal[motors, :b] = -squares[:, None] * by_current[:, :b] * np.reshape(fit_gains, (-1, 1))
+            normal[:b, motors] = normal[motors, :b].T
+            normal[motors, motors] = np.where(fit_gains, squares * current_products, 1.0)
+            right[motors] = -squares * start * by_current[:, b + 1] * fit_gains
+        solution = least(normal, right)
+        gains = start + solution[b:] if some else start
+        if remaining:
+            errors = current * (gains - start)[:, None]
+            errors[:, :b] -= solution[:b]
+            errors[:, b + 1] += start
+            size = lengths * np.abs(gains)
+            weights = 1.0 / np.maximum(
+                np.sqrt(squares_of(about.inner, errors)), TOLERANCES.rank.motor_error * size.max() + TINY
+            )
+    return solution[:b], gains

@@ -8,11 +8,11 @@ from bench.basics.joint_units import drive_unit
 from bench.effects import EffectInstance
 from bench.effects.select import ROBOT as ROBOT
 from bench.identification.by_recording import in_this_recording, without_values_by_log
-from bench.identification.collinear import collinear, unsettled
+from bench.identification.filtered import velocity_findings
 from bench.identification.finding import Code, Finding, Unknown
 from bench.identification.findings import with_findings
+from bench.identification.identifiability_of_effects import collinear, unsettled
 from bench.identification.layout import known_rows, payload_parameters, regressor_rows
-from bench.identification.logged_velocities import velocity_findings
 from bench.identification.observation import Observation
 from bench.identification.prepare import Prepared
 from bench.identification.result import (

@@ -1,17 +1,11 @@
 """Numbers, lists and motors in a sentence."""
 
 import math
-from collections.abc import Sequence
 
+from bench.basics.sentence import and_list as and_list
+from bench.basics.sentence import in_percent as in_percent
+from bench.basics.sentence import or_list as or_list
 from bench.identification.tolerances import TOLERANCES
-
-
-def in_percent(share: float | None, digits: int = 3) -> str:
-    """A share as a percentage of so many digits, all of those before the point; "–" where there is none."""
-    if share is None:
-        return "–"
-    value = 100.0 * share
-    return f"{value:.0f} %" if abs(value) >= 10.0**digits else f"{value:.{digits}g} %"
 
 
 def with_error(value: float, std: float) -> str:
@@ -24,22 +18,6 @@ def with_error(value: float, std: float) -> str:
     std = round(std, digits)
     digits = max(0, 1 - math.floor(math.log10(std)))  # 0.0996 is 0.10
     return f"{value:.{digits}f} ± {std:.{digits}f}"
-
-
-def and_list(names: Sequence[str]) -> str:
-    """Names as in "a, b and c"; "none" where there is no name."""
-    return _joined(names, "and")
-
-
-def or_list(names: Sequence[str]) -> str:
-    """Names as in "a, b or c"; "none" where there is no name."""
-    return _joined(names, "or")
-
-
-def _joined(names: Sequence[str], word: str) -> str:
-    if len(names) < 2:
-        return names[0] if names else "none"
-    return f"{', '.join(names[:-1])} {word} {names[-1]}"
 
 
 def motor_words(joint: str) -> str:

@@ -12,16 +12,14 @@ from bench.basics.errors import BenchError
 from bench.basics.files.recording_fault import IN_UNIT, Remedy
 from bench.basics.files.table import HUGE, release_tables
 from bench.basics.plural import plural
-from bench.dataset.exchanged import exchanged, without_exchange
 from bench.dataset.joint_facts import JointFacts, joint_facts
 from bench.dataset.logs.columns import GROUPS
 from bench.dataset.logs.importing import CUTS
 from bench.dataset.logs.log_file import LogFile, Reading, read_log
 from bench.dataset.logs.segments import SHORTEST, Cutting, cut
-from bench.dataset.logs.unit_names import name_of
-from bench.dataset.logs.units import UNITS, factor_of
+from bench.dataset.logs.units import UNITS, factor_of, name_of
 from bench.dataset.recording_checks import Fault
-from bench.dataset.recording_faults import faults_in
+from bench.dataset.recording_faults import exchanged, faults_in, without_exchange
 from bench.dataset.robot import Robot
 from bench.dataset.sampling import TimeFault, time_fault
 

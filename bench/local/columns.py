@@ -9,12 +9,10 @@ import numpy as np
 
 from bench.basics.files.recording_fault import IN_UNIT
 from bench.dataset.joint_facts import JointFacts, joint_facts
-from bench.dataset.logs.columns import GROUPS
-from bench.dataset.logs.glimpse import glimpse
+from bench.dataset.logs.columns import GROUPS, glimpse
 from bench.dataset.logs.log_file import LogFile, Reading
 from bench.dataset.logs.ros_bag import is_bag, joint_topics
-from bench.dataset.logs.unit_names import LAST, name_of, unit_in, units_of
-from bench.dataset.logs.units import UNITS, measured_by
+from bench.dataset.logs.units import LAST, UNITS, measured_by, name_of, unit_in, units_of
 from bench.dataset.recording_checks import Channel, position_units
 from bench.dataset.robot import Robot
 

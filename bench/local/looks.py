@@ -10,9 +10,8 @@ from bench.basics.files.toml_input import read_toml
 from bench.basics.plain_data import finite
 from bench.basics.program import typed
 from bench.basics.progress import Progress
-from bench.dataset.dataset import Dataset, load_dataset
+from bench.dataset.dataset import Dataset, heavy_payload, load_dataset
 from bench.dataset.dataset_toml import DatasetSpec
-from bench.dataset.heavy_payload import heavy_payload
 from bench.dataset.names import DATASET_FILE
 from bench.dataset.payload import Payload
 from bench.dataset.robot import load_robot

@@ -29,11 +29,9 @@ class Ball(NDArrayOperatorsMixin):
         law = _LAWS.get(ufunc)
         if law is None or method != "__call__":
             return NotImplemented
-        return law(*(value if isinstance(value, Ball) else _exact(value) for value in inputs))
-
-
-def _exact(value: float | np.ndarray) -> Ball:
-    return Ball(np.asarray(value), np.zeros(()))
+        return law(
+            *(value if isinstance(value, Ball) else Ball(np.asarray(value), np.zeros(())) for value in inputs)
+        )
 
 
 def _sum(a: Ball, b: Ball) -> Ball:
@@ -56,18 +54,6 @@ def _product(a: Ball, b: Ball) -> Ball:
     return Ball(middle, radius + ROUNDING * np.abs(middle))
 
 
-def _opposite(a: Ball) -> Ball:
-    return Ball(-a.middle, a.radius)
-
-
-def _sine(a: Ball) -> Ball:
-    return _bent(np.sin(a.middle), np.cos(a.middle), a.radius)
-
-
-def _cosine(a: Ball) -> Ball:
-    return _bent(np.cos(a.middle), np.sin(a.middle), a.radius)
-
-
 def _bent(value: np.ndarray, slope: np.ndarray, radius: np.ndarray) -> Ball:
     """Taylor's polynomial of first order, with a second derivative of at most 1."""
     return Ball(value, np.abs(slope) * radius + 0.5 * radius**2 + ROUNDING)
@@ -77,9 +63,9 @@ _LAWS: dict[np.ufunc, Callable[..., Ball]] = {
     np.add: _sum,
     np.subtract: _difference,
     np.multiply: _product,
-    np.negative: _opposite,
-    np.sin: _sine,
-    np.cos: _cosine,
+    np.negative: lambda a: Ball(-a.middle, a.radius),
+    np.sin: lambda a: _bent(np.sin(a.middle), np.cos(a.middle), a.radius),
+    np.cos: lambda a: _bent(np.cos(a.middle), np.sin(a.middle), a.radius),
 }
 
 

@@ -88,8 +88,6 @@ class KeptBounds:
     geometries: int = 16  # whose constants, base parameters, spins and models are kept
     joints: int = 64  # whose geometry with a free bearing is kept
     block: int = 6144  # samples of a regressor together, at most
-    tape_samples: int = 400  # in a block that a tape is replayed for: a hexapod's 6000 rows take 20 MB then
-    tape_uses: int = 10  # blocks of few samples after which a tape is worth the time to record it
 
 
 CLOSURE = ClosingBounds()

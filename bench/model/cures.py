@@ -1,4 +1,4 @@
-"""What to change where motors and closures do not determine how a robot moves; `bench.model.cures_words` says it."""
+"""What to change where motors and closures do not determine how a robot moves, as a value and in words."""
 
 from __future__ import annotations
 
@@ -9,11 +9,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from bench.basics.sentence import say
 from bench.dataset.joint_facts import joints_with_springs
-from bench.dataset.robot_redundancy import welds_to_connect
+from bench.dataset.robot_redundancy import listed, use_connect, welds_to_connect
 from bench.model.bounds import RANKS
 
-if TYPE_CHECKING:  # geometry asks for cures itself
+if TYPE_CHECKING:
     from bench.model.geometry import Geometry, Joint
 
 
@@ -145,3 +146,47 @@ def _root(joints: Sequence[Joint], index: int) -> int:
     while joints[index].parent >= 0:
         index = joints[index].parent
     return index
+
+
+def joints_in_words(joints: Sequence[Joint]) -> str:
+    """Joints by name, a free joint by its body: it seldom has a name in the MJCF."""
+    named = [joint.name for joint in joints if joint.kind != "free"]
+    bodies = [joint.body for joint in joints if joint.kind == "free" and joint.body is not None]
+    parts = [f"joint{'s' if len(named) > 1 else ''} {listed(named)}"] if named else []
+    if bodies:
+        parts.append(f"the free joint{'s of bodies' if len(bodies) > 1 else ' of body'} {listed(bodies)}")
+    return " and ".join(parts)
+
+
+def no_motor_in_words(count: int) -> str:
+    """That so many joints are not determined, as the end of a sentence on them."""
+    has, them = ("has", "it") if count == 1 else ("have", "them")
+    return f"{has} no motor, and no loop closure determines {them}"
+
+
+def cure_in_words(cure: Cure | None) -> str:
+    """What follows the fault; nothing where there is no cure."""
+    if cure is None:
+        return ""
+    if cure.code == CureCode.CONNECT:
+        return f"; {use_connect(cure.names)}"
+    if cure.code in SENTENCES:
+        return say(SENTENCES[cure.code], names=cure.names)
+    values = ", ".join(f"{name} = {cure.positions[name]:.10g}" for name in cure.names)
+    single = len(cure.names) == 1
+    line = f"lock {'it' if single else 'them'}: [locked] {values} in robot.toml"
+    if cure.code == CureCode.LOCK_SPRINGS:
+        return f"; {'its spring is' if single else 'their springs are'} not in the model, {line}"
+    if cure.others:
+        return f"; a motor, a closure or a lock is missing, for example [locked] {values} in robot.toml"
+    return f"; if {'it is' if single else 'they are'} held, {line}"
+
+
+SENTENCES: Mapping[CureCode, str] = {
+    CureCode.FIX_BASE: "body {names[0]!r} floats: no closure ties its free joint to the world, and it carries motors; "
+    "to fix it to the world, remove its <freejoint/> from the MJCF, and its 7 numbers from the qpos of each keyframe",
+    CureCode.REMOVE_BODY: "; nothing ties body {names[0]!r} to what the motors move: remove this object of the scene "
+    "from the MJCF, and its 7 numbers from the qpos of each keyframe",
+    CureCode.CLOSE_MORE: "; a closure is missing, or is a <connect>, which holds a point only, where a <weld> should "
+    "hold a frame",
+}

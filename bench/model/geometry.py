@@ -14,8 +14,7 @@ import numpy as np
 from bench.basics.errors import BenchError
 from bench.dataset.robot import Robot
 from bench.dataset.robot_mjcf import ROTOR
-from bench.model.cures import floating_base, what_to_do
-from bench.model.cures_words import cure_in_words, joints_in_words, no_motor_in_words
+from bench.model.cures import cure_in_words, floating_base, joints_in_words, no_motor_in_words, what_to_do
 from bench.model.supported import unsupported_features
 
 JointKind = Literal["hinge", "slide", "ball", "free"]
@@ -105,9 +104,8 @@ class Coupling:
     polynomial: tuple[float, ...]
 
 
-@dataclass(
-    frozen=True, eq=False
-)  # distinguished by identity, so that what follows from one can be kept for it
+# distinguished by identity, so that what follows from one can be kept for it
+@dataclass(frozen=True, eq=False)
 class Geometry:
     """All that identification knows of a robot besides its measurements.
 

@@ -8,8 +8,7 @@ from bench.dataset.robot_redundancy import listed
 from bench.model.bounds import CLOSURE, RANDOM_POSES, RANKS
 from bench.model.closure import loop_jacobian, loop_residual
 from bench.model.configuration import integrate, normalised
-from bench.model.cures import welds_as_connects, what_to_do
-from bench.model.cures_words import cure_in_words, joints_in_words, no_motor_in_words
+from bench.model.cures import cure_in_words, joints_in_words, no_motor_in_words, welds_as_connects, what_to_do
 from bench.model.geometry import Coupling, Geometry
 from bench.model.nodes import robot_length
 

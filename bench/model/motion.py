@@ -9,7 +9,7 @@ import numpy as np
 from bench.basics.errors import BenchError
 from bench.basics.interpolation import FEWEST, cubic_spline
 from bench.model.bounds import CLOSURE, NODES
-from bench.model.closing import Closing, closing_of
+from bench.model.closing import Closing
 from bench.model.closure import Closures, closures_of
 from bench.model.configuration import configuration_rates, hermite, integrate, normalised
 from bench.model.geometry import Geometry
@@ -149,11 +149,7 @@ def _middle_level(geometry: Geometry, closures: Closures, track: Track, most: fl
     finer = track.at(nodes)
     try:
         return _solved(
-            geometry,
-            closures,
-            finer,
-            lambda block: guess(finer.time[block], finer.position(block)),
-            enough,
+            geometry, closures, finer, lambda block: guess(finer.time[block], finer.position(block)), enough
         )
     except BenchError:  # too far between, as where passive joints turn fast for a slide's travel; or singular
         reached = followed(geometry, track, nodes).T
@@ -206,11 +202,7 @@ class Path:
 
 
 def motion_near(
-    geometry: Geometry,
-    near: Motion,
-    position: np.ndarray,
-    velocity: np.ndarray,
-    acceleration: np.ndarray,
+    geometry: Geometry, near: Motion, position: np.ndarray, velocity: np.ndarray, acceleration: np.ndarray
 ) -> Motion:
     """The motion at samples that need not follow each other, from `near` where it is nearly the same.
 
@@ -234,7 +226,7 @@ def at_speeds(
     geometry: Geometry, motion: Motion, velocities: Sequence[np.ndarray], acceleration: np.ndarray
 ) -> list[Motion]:
     """A motion at other active velocities, (N, n) each, and the active accelerations (N, n): its poses stay."""
-    closing = closing_of(geometry, len(motion.time))
+    closing = Closing(geometry)
     closing.correct(np.ascontiguousarray(motion.q.T))
     closing.amplify()
     motions = []
@@ -281,7 +273,7 @@ def _solve_block(
     time = track.time[block]
     pose = np.ascontiguousarray(guess(block))
     pose[geometry.active_configuration] = track.position(block).T
-    closing = closing_of(geometry, len(time))
+    closing = Closing(geometry)
     pose, still_open = _closed(geometry, closing, closures, time, normalised(geometry, pose), enough)
     amplification = closing.amplify()
     _check(geometry, time, amplification)

@@ -5,8 +5,7 @@ Ixx Ixy Iyy Ixz Iyz Izz [kg m2].
 """
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
-from functools import lru_cache, partial
+from functools import lru_cache
 
 import numpy as np
 
@@ -30,7 +29,6 @@ from bench.model.scalars import (
     subtract,
     times,
 )
-from bench.model.tape import Program, Reused, Tape
 
 PARAMETERS = ("m", "mx", "my", "mz", "Ixx", "Ixy", "Iyy", "Ixz", "Iyz", "Izz")
 UNITS = ("kg", "kg*m", "kg*m", "kg*m", "kg*m^2", "kg*m^2", "kg*m^2", "kg*m^2", "kg*m^2", "kg*m^2")
@@ -63,16 +61,8 @@ def projected_regressor(geometry: Geometry, motion: Motion, columns: np.ndarray 
         rates = _scalars(motion.v[block].T) + _scalars(motion.a[block].T)
         for j in range(n):
             rates += _scalars(motion.jacobian[block, :, j].T)
-        same = tuple(rate if isinstance(rate, float) else None for rate in rates)
-        record = partial(_taped, geometry, entries, same)
-        tape = _reused(geometry, entries, same).get(q.shape[1], record)
-        if tape is None:
-            for j, place, value in _block(geometry, entries, q, rates):
-                rows[j, place, block] = value
-        else:
-            varying = [rate for rate in rates if not isinstance(rate, float)]
-            outputs = tape.program.replay(q.shape[1]).run(0, [*q, *varying])
-            rows[tape.motors, tape.places, block] = outputs
+        for j, place, value in _block(geometry, entries, q, rates):
+            rows[j, place, block] = value
     joints = np.concatenate((geometry.active, geometry.redundant))
     for place, motor in others:
         joint = joints[motor if motor < len(joints) else motor - len(geometry.redundant)]
@@ -100,32 +90,6 @@ def _links(geometry: Geometry, joints: tuple[int, ...]) -> tuple[Link, ...]:
     """The constants of these joints and of all that carry them."""
     moving = sorted({index for joint in joints for index in ancestors(geometry, joint)})
     return tuple(link_of(index, geometry.joints[index]) for index in moving)
-
-
-@dataclass(frozen=True)
-class _RegressorTape:
-    """The tape of a block's entries, and the motor and place (k,) of each."""
-
-    program: Program
-    motors: np.ndarray
-    places: np.ndarray
-
-
-def _taped(geometry: Geometry, entries: _Entries, same: tuple[float | None, ...]) -> _RegressorTape:
-    """Record `_block`; same: rates that are the same at all samples, None for the others."""
-    tape = Tape()
-    q = tape.inputs(geometry.nq)
-    rates = [tape.inputs(1)[0] if rate is None else rate for rate in same]
-    motors, places, values = zip(*_block(geometry, entries, q, rates), strict=True)
-    tape.end_stage(values)
-    return _RegressorTape(tape.program(), np.array(motors), np.array(places))
-
-
-@lru_cache(maxsize=MEMORY.geometries)
-def _reused(
-    _geometry: Geometry, _entries: _Entries, _same: tuple[float | None, ...]
-) -> Reused[_RegressorTape]:
-    return Reused()
 
 
 def _scalars(values: np.ndarray) -> list[Scalar]:

@@ -3,7 +3,7 @@ joint of the tree or a loop closure.
 
 No loop closure holds such a spin and no motor drives it. With the mass on that line and no friction in the joints
 nothing turns the rod about it either, so that its absolute angular velocity along the line stays as it is: none.
-With friction or armature in the ball joints these drive the spin, see `bench.model.joint_rates`.
+With friction or armature in the ball joints these drive the spin, see `bench.model.body_rates`.
 """
 
 from dataclasses import dataclass

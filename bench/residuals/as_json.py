@@ -23,21 +23,17 @@ def where_json(where: WhereItFails, *, words: bool = True) -> dict[str, Any]:
 
     Opposing errors are in the drive's unit, every finding with a `text`. words: whether with these and the sentences.
     """
+
+    def text(sentence: Callable[..., str], *of: Any) -> str:
+        return sentence(*of) if words else ""
+
     answer = {
         "noise_floor": {motor.joint: motor.noise for motor in where.motors},
-        "where": {motor.joint: _motor(motor, _in_words if words else _in_no_words) for motor in where.motors},
+        "where": {motor.joint: _motor(motor, text) for motor in where.motors},
         "sentences": where_sentences(where) if words else [],
         "shares": overlapping(where) if words else "",
     }
     return dict(finite(answer))
-
-
-def _in_words(sentence: Callable[..., str], *of: Any) -> str:
-    return sentence(*of)
-
-
-def _in_no_words(_sentence: Callable[..., str], *_of: Any) -> str:
-    return ""
 
 
 def _motor(motor: MotorErrors, text: Callable[..., str]) -> dict[str, Any]:

@@ -9,12 +9,11 @@ import numpy as np
 
 from bench.residuals.autocorrelation import Autocorrelation, autocorrelation
 from bench.residuals.bounds import ERROR_GRID
-from bench.residuals.concentration import shares
 from bench.residuals.motor import Compared, MotorSeries, relative_error_of, relative_noise
 from bench.residuals.opposing_motion import Opposing, by_load, over_warm_up
 from bench.residuals.periods import PositionSpectrum, Spectrum, position_spectrum, time_spectrum
 from bench.residuals.profile import Profile, Variable, binned, profile, values_of
-from bench.residuals.regions import regions
+from bench.residuals.regions import regions, shares
 
 Direction = Literal["forwards", "backwards"]
 

@@ -6,11 +6,10 @@ from dataclasses import dataclass
 from bench.effects import Effect
 from bench.effects.effect import Seen
 from bench.identification.problem import Problem, places_of
-from bench.residuals.concentration import Concentration
 from bench.residuals.opposing_motion import Change
 from bench.residuals.periods import SpectralLine
 from bench.residuals.profile import Dependence
-from bench.residuals.regions import RegionKind
+from bench.residuals.regions import Concentration, RegionKind
 
 QUESTION: Mapping[Seen, int] = {
     "opposes": 1,

@@ -82,10 +82,7 @@ class Compared:
 
 
 def compared(
-    robot: Robot,
-    recordings: Sequence[Recording],
-    series: Sequence[CurrentSeries],
-    settings: FilterSettings,
+    robot: Robot, recordings: Sequence[Recording], series: Sequence[CurrentSeries], settings: FilterSettings
 ) -> Compared:
     """Take measured and modelled currents apart by motor.
 

@@ -3,19 +3,15 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-from bench.basics.threads import on_one_thread
-from bench.dataset.dataset import Dataset
 from bench.effects import Effect
 from bench.identification.decision import RULE
-from bench.identification.result import Identification
 from bench.residuals.autocorrelation import autocorrelation
-from bench.residuals.concentration import Concentration, concentrations
 from bench.residuals.look_alikes import LookAlike, look_alikes
-from bench.residuals.motor import Compared, MotorSeries, compared, relative_error_of, relative_noise
+from bench.residuals.motor import Compared, relative_error_of, relative_noise
 from bench.residuals.opposing_motion import Change, Opposing, by_load, changes, over_warm_up
 from bench.residuals.periods import SpectralLine, lines
 from bench.residuals.profile import Dependence, dependences
-from bench.residuals.regions import regions
+from bench.residuals.regions import Concentration, concentrations, regions
 
 
 @dataclass(frozen=True)
@@ -52,15 +48,6 @@ class WhereItFails:
     motors: tuple[MotorErrors, ...]
 
 
-@on_one_thread
-def where_it_fails(dataset: Dataset, result: Identification) -> WhereItFails:
-    """Where the errors of an identified model are concentrated, motor by motor, and what they follow.
-
-    dataset: the one that it was identified from.
-    """
-    return errors_by_motor(compared(dataset.robot, dataset.recordings, result.recordings, result.settings))
-
-
 def errors_by_motor(
     what: Compared, possible: Mapping[str, Effect] | None = None, has: Sequence[str] = ()
 ) -> WhereItFails:
@@ -88,7 +75,9 @@ def _of_motor(what: Compared, joint: str, possible: Mapping[str, Effect], has: S
         units=what.units[joint],
         error=error,
         noise=noise,
-        by_recording={trace.recording: _error_and_noise(trace) for trace in series},
+        by_recording={
+            trace.recording: (relative_error_of([trace]) or 0.0, relative_noise([trace])) for trace in series
+        },
         autocorrelation_time=autocorrelation(series).integrated_time / (series[0].rate or 1.0),
         above_noise=above,
         concentrations=patterns[0],
@@ -99,7 +88,3 @@ def _of_motor(what: Compared, joint: str, possible: Mapping[str, Effect], has: S
         by_load=tuple(by_load(series)),
         alike=look_alikes(joint, patterns, possible, has),
     )
-
-
-def _error_and_noise(trace: MotorSeries) -> tuple[float, float]:
-    return relative_error_of([trace]) or 0.0, relative_noise([trace])

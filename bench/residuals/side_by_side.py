@@ -1,7 +1,5 @@
 """Several models applied to the same recordings, and what is different between them."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass

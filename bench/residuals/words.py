@@ -3,13 +3,15 @@
 import math
 
 from bench.effects.display_names import spoken
+from bench.identification.decision import RULE
 from bench.identification.wording import in_percent, motor_words, with_error
-from bench.residuals.concentration import Concentration
+from bench.residuals.bounds import NAMING
 from bench.residuals.look_alikes import LookAlike
+from bench.residuals.motor import Compared, relative_error_of, relative_noise
 from bench.residuals.opposing_motion import Change
 from bench.residuals.periods import SpectralLine
 from bench.residuals.profile import Dependence
-from bench.residuals.regions import RegionKind, RegionPlace
+from bench.residuals.regions import Concentration, RegionKind, RegionPlace
 from bench.residuals.residuals import MotorErrors, WhereItFails
 
 MOST_LOOKS, MOST_NAMES = 2, 4
@@ -58,7 +60,10 @@ def level_sentence(motor: MotorErrors) -> str:
     noise = f"the noise of the current ({in_percent(motor.noise)})"
     if not motor.above_noise:
         return f"{size}, at {noise}: nothing to explain"
-    times = f", {_times(motor.error / motor.noise)} times {noise}" if motor.noise > 0 else ""
+    times = ""
+    if motor.noise > 0:
+        ratio = motor.error / motor.noise
+        times = f", {ratio:.3g} times {noise}" if ratio < 100.0 else f", {ratio:.0f} times {noise}"
     patterns = motor.concentrations or motor.dependences or motor.lines or motor.changes
     return f"{size}{times}" if patterns else f"{size}{times}, spread over the whole motion"
 
@@ -121,12 +126,13 @@ def region_words(where: RegionPlace) -> str:
     return REGIONS[where.part].format(f"{bounds} {where.unit}")
 
 
+def _percent(share: float) -> str:
+    return f"{share:.0%}".replace("%", " %")
+
+
 def concentration_words(concentration: Concentration) -> str:
     """As in "motor left, at reversals: 71 % of the squared error in 6 % of the time"."""
-    error, time = (
-        f"{concentration.error_share:.0%}".replace("%", " %"),
-        f"{concentration.time_share:.0%}".replace("%", " %"),
-    )
+    error, time = _percent(concentration.error_share), _percent(concentration.time_share)
     at = f"{motor_words(concentration.joint)}, {region_words(concentration.where)}: {error}"
     if concentration.of_rest:
         return f"{at} of the remaining squared error in {time} of that time"
@@ -136,7 +142,7 @@ def concentration_words(concentration: Concentration) -> str:
 def dependence_words(dependence: Dependence, units: tuple[str, str]) -> str:
     """How much of the error follows a variable, and from what to what."""
     current, position = units
-    share = f"{dependence.error_share:.0%}".replace("%", " %")
+    share = _percent(dependence.error_share)
     rest = "remaining " if dependence.of_rest else ""
     head = f"{motor_words(dependence.joint)}: {share} of the {rest}squared error"
     if dependence.variable == "constant":
@@ -166,7 +172,7 @@ def dependence_words(dependence: Dependence, units: tuple[str, str]) -> str:
 
 def line_words(line: SpectralLine, units: tuple[str, str]) -> str:
     """What repeats, and how often."""
-    share = f"{line.error_share:.0%}".replace("%", " %")
+    share = _percent(line.error_share)
     size = f"with an amplitude of {line.amplitude:.2g} {units[0]}"
     if line.over == "time":
         frequency = with_error(line.frequency, line.resolution)
@@ -187,5 +193,25 @@ def change_words(change: Change, unit: str) -> str:
     )
 
 
-def _times(ratio: float) -> str:
-    return f"{ratio:.3g}" if ratio < 100.0 else f"{ratio:.0f}"
+def remaining_errors(what: Compared) -> list[str]:
+    """One sentence for every motor whose error is far above the noise of its current."""
+    lines = []
+    for joint in what.joints:
+        series = what.of(joint)
+        error, noise = relative_error_of(series) or 0.0, relative_noise(series)
+        if error > NAMING.unasked * noise > 0.0:
+            times = f"{error / noise:.3g} times the noise of the current ({100.0 * noise:.3g} %)"
+            lines.append(f"{motor_words(joint)}: error {100.0 * error:.3g} %, {times}")
+    return lines
+
+
+DIAGNOSE = "names the physical effect that the model lacks"
+KEEP = "keeps the model"
+
+
+def beyond_noise(what: Compared) -> bool:
+    """Whether errors remain that noise does not account for."""
+    errors = [
+        (relative_error_of(what.of(joint)) or 0.0, relative_noise(what.of(joint))) for joint in what.joints
+    ]
+    return any(error > RULE.beyond_noise * noise for error, noise in errors)

@@ -16,19 +16,30 @@ from bench.model.mobility import check_assembled
 from bench.model.passive_ranges import passive_ranges
 from bench.model.states import random_motion
 from bench.robot_check import agreement
-from bench.robot_check.base_torques import check_base_parameters
+from bench.robot_check.agreement import check_base_parameters
 from bench.robot_check.bounds import AGREEMENT, PLAUSIBLE
 from bench.robot_check.features import check_features, locked_lines, notes
 from bench.robot_check.home import check_home, home_at_range_end, with_pose_in_ranges
-from bench.robot_check.listing import check_home_ranges, home_of, joint_lines, loop_lines
 from bench.robot_check.loops import check_closed_motion, check_constraints
 from bench.robot_check.machine import CheckedMachine, make_machine, random_open_poses
-from bench.robot_check.mobility import check_mobility, coupling_lines, mobility_of, spin_notes
+from bench.robot_check.mobility import (
+    check_mobility,
+    check_rotors,
+    coupling_lines,
+    mobility_of,
+    spin_notes,
+    with_tilts,
+)
 from bench.robot_check.outcome import Check, CheckCode
-from bench.robot_check.report import RobotReport, Singularity
-from bench.robot_check.rotors import check_rotors
+from bench.robot_check.report import (
+    RobotReport,
+    Singularity,
+    check_home_ranges,
+    home_of,
+    joint_lines,
+    loop_lines,
+)
 from bench.robot_check.singularity import SingularitySweep, singularity_of, sweep
-from bench.robot_check.tilts import with_tilts
 
 SEED, FRESH = 20120601, 20120605  # FRESH: of states at which nothing was chosen
 
@@ -129,9 +140,9 @@ def _assembled(report: RobotReport, machine: CheckedMachine) -> RobotReport:
     if swept is not None:
         singularity = singularity_of(geometry, swept)
         report = replace(report, singularity=singularity)
-        report = _with(
-            report, _regular_home(singularity), *_ranges(singularity), *_passive_ranges(geometry, swept)
-        )
+        at = singularity.singular_at
+        met = [] if at is None else [Check(CheckCode.SINGULARITY_WITHIN_RANGES, "note", {"positions": at})]
+        report = _with(report, _regular_home(singularity), *met, *_passive_ranges(geometry, swept))
         report = _with(report, check_constraints(machine, motion.q), check_closed_motion(machine, motion))
     return _with(
         report,
@@ -155,12 +166,6 @@ def _regular_home(singularity: Singularity) -> Check:
     if fastest.value > PLAUSIBLE.fast:
         return Check(CheckCode.HOME_NEAR_SINGULAR, "note", values)
     return Check(CheckCode.HOME_REGULAR, "ok", values)
-
-
-def _ranges(singularity: Singularity) -> list[Check]:
-    if singularity.singular_at is None:
-        return []
-    return [Check(CheckCode.SINGULARITY_WITHIN_RANGES, "note", {"positions": singularity.singular_at})]
 
 
 def _passive_ranges(geometry: Geometry, swept: SingularitySweep) -> list[Check]:

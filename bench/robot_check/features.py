@@ -68,7 +68,10 @@ def _notes(compiled: mujoco.MjModel, robot: Robot) -> Iterator[tuple[CheckCode, 
             unfitted = free if CATALOGUE[_effect_of(term, "passive")].in_balls else [*balls, *free]
             fitted = [joint for joint in joints if joint not in unfitted]
             driven_first = sorted(fitted, key=lambda joint: joint not in robot.driven)
-            effects = [f"{_effect_of(term, _place(joint, robot))}:{joint}" for joint in driven_first]
+            effects = [
+                f"{_effect_of(term, 'actuator' if joint in robot.driven else 'passive')}:{joint}"
+                for joint in driven_first
+            ]
             as_a_whole = balls if term == "frictionloss" else []
             values = {
                 "term": term,
@@ -121,10 +124,6 @@ def _of_kind(compiled: mujoco.MjModel, kind: mujoco.mjtJoint) -> list[str]:
         for joint in range(compiled.njnt)
         if int(compiled.jnt_type[joint]) == int(kind)
     ]
-
-
-def _place(joint: str, robot: Robot) -> Place:
-    return "actuator" if joint in robot.driven else "passive"
 
 
 def _effect_of(term: MjcfTerm, place: Place) -> str:

@@ -39,7 +39,11 @@ def check_home(geometry: Geometry, loops: tuple[LoopLine, ...], source: HomeSour
         return Check(CheckCode.HOME_CLOSED, "ok", opening)
     opening["loop"] = widest.name
     closed = closed_pose(geometry)
-    if closed is None and gap < CLOSURE.slack and _repeated(geometry):
+    if (
+        closed is None
+        and gap < CLOSURE.slack
+        and len(loop_residual(geometry, geometry.home[:, None])) > len(geometry.passive)
+    ):
         return Check(CheckCode.HOME_OPEN_AS_LOOPS_DISAGREE, "note", opening)
     verdict: Verdict = "note" if gap < ASSEMBLED else "failed"
     if closed is None:
@@ -190,8 +194,3 @@ def _within_ranges(geometry: Geometry, q: np.ndarray, margin: float = 0.0) -> np
         room = margin * (high - low) if joint.v.start in geometry.active else 0.0
         within &= (at >= low + room) & (at <= high - room)
     return within
-
-
-def _repeated(geometry: Geometry) -> bool:
-    """Whether there are more equations than joints to close them."""
-    return len(loop_residual(geometry, geometry.home[:, None])) > len(geometry.passive)

@@ -9,9 +9,9 @@ import pinocchio as pin
 
 from bench.dataset.locked_couplings import held_bodies
 from bench.model.closure import loop_jacobian, loop_residual
+from bench.model.follow import loop_constraints
 from bench.model.geometry import Geometry, Loop
 from bench.model.motion import Motion
-from bench.model.tree import loop_constraints
 from bench.robot_check.bounds import AGREEMENT
 from bench.robot_check.machine import CheckedMachine, body_label, rotation_matrix, set_pose
 from bench.robot_check.outcome import Check, CheckCode

@@ -6,9 +6,9 @@ import mujoco
 import numpy as np
 import pinocchio as pin
 
+from bench.model.follow import build_tree
 from bench.model.geometry import Geometry, Placement
 from bench.model.supported import label_of
-from bench.model.tree import build_tree
 from bench.robot_check.bounds import AGREEMENT
 
 

@@ -1,15 +1,21 @@
 """Degrees of freedom: what the closures leave over, whether the motors hold all of it, and how well."""
 
+from collections.abc import Iterator
+from dataclasses import replace
+
 import numpy as np
 
 from bench.basics.errors import BenchError
+from bench.model.base import BaseParameters
 from bench.model.bounds import RANKS
 from bench.model.geometry import Geometry
 from bench.model.mobility import check_mobility as require_mobility
 from bench.model.mobility import column_scales, scaled_jacobians
+from bench.model.regressor import rotor_columns
 from bench.model.spin import idle_spins
+from bench.robot_check.bounds import PLAUSIBLE
 from bench.robot_check.outcome import Check, CheckCode
-from bench.robot_check.report import Amplification, Mobility
+from bench.robot_check.report import Amplification, Mobility, RobotReport
 
 AXES = ("x", "y", "z", "turning about x", "turning about y", "turning about z")
 
@@ -99,3 +105,44 @@ def amplification(geometry: Geometry, q: np.ndarray) -> Amplification:
 def _is_length(geometry: Geometry, v: int) -> bool:
     joint = next(joint for joint in geometry.joints if joint.v.start <= v < joint.v.stop)
     return joint.kind == "slide" or (joint.kind == "free" and v < joint.v.start + 3)
+
+
+def check_rotors(geometry: Geometry, base: BaseParameters) -> Check:
+    """A rotor turns with its motor alone: where no body's inertia can represent it, it is identified itself."""
+    kept = set(base.columns.tolist())
+    identified: list[str] = []
+    within_bodies: list[str] = []
+    for joint, column in zip(geometry.robot.driven, rotor_columns(geometry).tolist(), strict=True):
+        (identified if column in kept else within_bodies).append(joint)
+    return Check(CheckCode.ROTOR_INERTIA, "ok", {"identified": identified, "within_bodies": within_bodies})
+
+
+def with_tilts(report: RobotReport, geometry: Geometry) -> RobotReport:
+    """The report with the hinges that are tilted most: a note, but the first fault where something else fails, or where
+    closures make a motor redundant, since such hinges take freedom.
+    """
+    widest = max(_tilts(geometry), key=lambda tilt: tilt[2], default=None) if geometry.closed else None
+    if widest is None:
+        return report
+    first, second, angle = widest
+    values = {"first": first, "second": second, "angle": angle}
+    if not report.failures and not geometry.robot.redundant:
+        return replace(report, checks=(*report.checks, Check(CheckCode.NEARLY_PARALLEL, "note", values)))
+    at = report.checks.index(report.failures[0]) if report.failures else len(report.checks)
+    tilted = Check(CheckCode.NEARLY_PARALLEL, "failed", values)
+    return replace(report, checks=(*report.checks[:at], tilted, *report.checks[at:]))
+
+
+def _tilts(geometry: Geometry) -> Iterator[tuple[str, str, float]]:
+    """Pairs of hinges, one on the other or both on one body, whose axes are nearly parallel, in all poses alike."""
+    hinges = [(index, joint) for index, joint in enumerate(geometry.joints) if joint.kind == "hinge"]
+    for place, (_, joint) in enumerate(hinges):
+        for other_index, other in hinges[:place]:
+            if joint.parent not in (other_index, other.parent):
+                continue
+            on_it = joint.parent == other_index
+            axes = [joint.placement.rotation @ joint.axis]
+            axes.append(other.axis if on_it else other.placement.rotation @ other.axis)
+            angle = float(np.linalg.norm(np.cross(*axes)))
+            if PLAUSIBLE.rounded_tilt < angle < PLAUSIBLE.meant_tilt:
+                yield other.name, joint.name, angle

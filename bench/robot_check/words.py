@@ -1,11 +1,15 @@
-"""What the checks of a robot found, in words: for each code what was looked at, and a sentence from its values."""
+"""What the checks of a robot found, in words: for each code what was looked at, and a sentence from its values.
+
+A template is both, "what: sentence".
+"""
 
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
+from bench.basics.plural import plural
+from bench.basics.sentence import say
 from bench.dataset.robot_locked import locked_from_data, locked_in_words
 from bench.dataset.robot_redundancy import use_connect
-from bench.robot_check.agreement_words import AGREEMENT_WORDS, count
 from bench.robot_check.bounds import PLAUSIBLE
 from bench.robot_check.outcome import Check, CheckCode
 from bench.robot_check.report import Singularity
@@ -20,14 +24,21 @@ TERMS = {  # of an MJCF's joint
 
 def name_of(check: Check) -> str:
     """What was looked at, in a word or two."""
-    name, _ = WORDS[check.code]
+    words = WORDS[check.code]
+    name = words.partition(": ")[0] if isinstance(words, str) else words[0]
     return name.format(**check.values)
 
 
 def detail_of(check: Check) -> str:
     """What was measured, or what is wrong and where."""
-    _, sentence = WORDS[check.code]
-    return sentence(**check.values)
+    words = WORDS[check.code]
+    if not isinstance(words, str):
+        return words[1](**check.values)
+    difference = check.values.get("difference")
+    sentence = words.partition(": ")[2]
+    return say(
+        sentence, **check.values, agree=f"agree to {difference:.0e}" if difference else "agree exactly"
+    )
 
 
 def nearest_singularity(singularity: Singularity) -> str:
@@ -46,25 +57,14 @@ def nearest_singularity(singularity: Singularity) -> str:
     )
 
 
-# --- the MJCF -----------------------------------------------------------------------------------------------
-
-
-def _supported() -> str:
-    return "only bodies, joints and supported equalities"
-
-
 def _unsupported(features: Sequence[str]) -> str:
     others = features[1:]
     return "".join(features[:1]) + (f" (and {len(others)} more: {'; '.join(others)})" if others else "")
 
 
-def _fault(fault: str) -> str:
-    return fault
-
-
 def _files_left_out(files: Sequence[str], bodies: Sequence[str]) -> str:
     said = (
-        f"{count(len(files), 'file')} of meshes or textures cannot be read ({_first(files)}): read without them, as "
+        f"{plural(len(files), 'file')} of meshes or textures cannot be read ({_first(files)}): read without them, as "
         "identification needs no shapes"
     )
     if bodies:
@@ -94,10 +94,6 @@ def _first(names: Sequence[str]) -> str:
     return ", ".join(names[: PLAUSIBLE.named]) + more
 
 
-def _equality_inactive(equality: str) -> str:
-    return f"equality {equality!r} is inactive and ignored"
-
-
 def _joint_force(
     term: str,
     joints: Sequence[str],
@@ -125,13 +121,6 @@ def _locked(joints: Mapping[str, Mapping[str, Any]]) -> str:
     return locked_in_words(locked_from_data(joints))
 
 
-def _lengths_large(length: float) -> str:
-    return (
-        f"lengths of up to {length:.3g} m: an MJCF is in metres, and lengths look like millimetres or inches; "
-        "divide every pos by 1000, or by 39.37"
-    )
-
-
 def _masses_large(masses: Mapping[str, float]) -> str:
     heavy = ", ".join(f"body {body!r} {mass:.3g} kg" for body, mass in masses.items())
     return (
@@ -140,46 +129,18 @@ def _masses_large(masses: Mapping[str, float]) -> str:
     )
 
 
-def _medium(density: float, viscosity: float) -> str:
-    return "the simulator applies air drag (density, viscosity), the model does not contain it"
-
-
-def _plugins(plugins: int) -> str:
-    return f"{plugins} MuJoCo plug-ins: the model does not contain them"
-
-
-def _actuators(actuators: int) -> str:
-    return f"{actuators} actuators of the MJCF are not used: robot.toml names the motors"
-
-
-def _tendon(tendon: str) -> str:
-    return f"tendon {tendon!r} is ignored"
-
-
-# --- loops --------------------------------------------------------------------------------------------------
-
-
-def _loop_counts(mujoco: int, model: int) -> str:
-    return f"MuJoCo has {mujoco} loops, the model {model}"
-
-
-def _closures_agree(poses: int, difference: float) -> str:
-    return f"residuals and Jacobians at {poses} closed poses agree to {difference:.0e}"
-
-
-def _closures_differ(closure: str, residual: float, jacobian: float) -> str:
-    return f"{closure!r}: MuJoCo's residual differs by {residual:.2e}, its Jacobian by {jacobian:.2e}"
-
-
-def _opening(velocity: float, acceleration: float) -> str:
-    return f"velocities open the loops by {velocity:.0e} of their size, accelerations by {acceleration:.0e}"
+def _base_agree(parameters: int, difference: float, states: int, neglected: float) -> str:
+    slack = (
+        f"; closure errors of the drawing, {neglected:.0e} of the largest, are neglected" if neglected else ""
+    )
+    return (
+        f"{parameters} reproduce MuJoCo's motor torques at {states} closed states, for every body's mass, to "
+        f"{difference:.0e} of the largest{slack}"
+    )
 
 
 def _coupling(
-    coupling: str,
-    first: Mapping[str, float],
-    second: Mapping[str, float],
-    polynomial: Sequence[float],
+    coupling: str, first: Mapping[str, float], second: Mapping[str, float], polynomial: Sequence[float]
 ) -> str:
     """As an equation of joint positions, counted from qpos0."""
     left_side, right_side = (
@@ -189,9 +150,6 @@ def _coupling(
         return f"{coupling}: {left_side} = {right_side}"
     powers = [f"{c:g}" if k == 0 else f"{c:g} x^{k}" for k, c in enumerate(polynomial) if c]
     return f"{coupling}: {left_side} = {' + '.join(powers) or '0'}{f' with x = {right_side}' if right_side else ''}"
-
-
-# --- the home pose ------------------------------------------------------------------------------------------
 
 
 def _source(given: int | None, positions: int) -> str:
@@ -212,22 +170,13 @@ def _closed(gap: float, unit: str, given: int | None, positions: int) -> str:
     return f"widest gap {gap:.1e} {unit} ({source})" if gap else f"no gap ({source})"
 
 
-def _rounded(gap: float) -> str:
-    return (
-        f"as drawn, home is open by {gap:.1e} m or rad, a rounding error that is corrected when the robot is read; "
-        "the loops of the model and of the simulated machine close"
-    )
-
-
 def _open(loop: str, gap: float, unit: str, given: int | None, positions: int) -> str:
     return f"loop {loop!r} is open by {gap:.3g} {unit} ({_source(given, positions)})"
 
 
 def _loops_disagree(loop: str, gap: float, unit: str, given: int | None, positions: int) -> str:
-    return (
-        f"{_open(loop, gap, unit, given, positions)}; redundant loops disagree, "
-        "even after a least-squares closure"
-    )
+    said = _open(loop, gap, unit, given, positions)
+    return f"{said}; redundant loops disagree, even after a least-squares closure"
 
 
 def _no_closed_pose(loop: str, gap: float, unit: str, given: int | None, positions: int) -> str:
@@ -236,12 +185,7 @@ def _no_closed_pose(loop: str, gap: float, unit: str, given: int | None, positio
 
 
 def _open_home(
-    loop: str,
-    gap: float,
-    unit: str,
-    given: int | None,
-    positions: int,
-    closed_qpos: Sequence[float],
+    loop: str, gap: float, unit: str, given: int | None, positions: int, closed_qpos: Sequence[float]
 ) -> str:
     return f"{_open(loop, gap, unit, given, positions)}; this pose closes: {_key(closed_qpos)}"
 
@@ -249,17 +193,6 @@ def _open_home(
 def _weld_too_much(welds: Sequence[str], motors: Sequence[str]) -> str:
     redundant = f", so that {', '.join(motors)} cannot move independently" if motors else ""
     return f"{use_connect(welds)}{redundant}"
-
-
-def _nearly_parallel(first: str, second: str, angle: float) -> str:
-    return (
-        f"hinges {first!r} and {second!r} are {angle:.1e} rad from parallel, as an angle such as 1.57 or 3.14 makes "
-        "them: if they are parallel in the robot, write the angle with all digits (1.5707963267948966)"
-    )
-
-
-def _within_ranges(ranged: int, joints: int) -> str:
-    return f"{ranged} of {joints} joints have a range"
 
 
 def _outside_range(
@@ -281,32 +214,10 @@ def _key(qpos: Sequence[float]) -> str:
     return f'<key name="home" qpos="{" ".join(f"{value:.16g}" for value in qpos)}"/>'
 
 
-def _regular(singular_value: float, passive: str, amplification: float, unit: str, motor: str) -> str:
-    return f"smallest singular value {singular_value:.2g}; {passive} moves at {amplification:.3g} {unit} of {motor}"
-
-
-def _near_singular(**conditioning: Any) -> str:
-    return f"home is near a singularity: {_regular(**conditioning)}"
-
-
-def _singular(**conditioning: Any) -> str:
-    return f"home is singular or nearly so: {_regular(**conditioning)}"
-
-
-# --- freedom and ranges -------------------------------------------------------------------------------------
-
-
 def _mobility(tree: int, rank: int, spins: int, remaining: int, motors: int, redundant: Sequence[str]) -> str:
-    less = f"{rank} of rank" + (f" and {count(spins, 'idle spin')}" if spins else "")
+    less = f"{rank} of rank" + (f" and {plural(spins, 'idle spin')}" if spins else "")
     redundant_text = f" and redundant ones at {', '.join(redundant)}" if redundant else ""
-    return f"{tree} of the tree minus {less} are {remaining}, for {count(motors, 'motor')}{redundant_text}"
-
-
-def _spins(bodies: Sequence[str]) -> str:
-    return (
-        f"{', '.join(map(repr, bodies))}: free to spin about the line through the joints at both ends, "
-        "the motors held. The model assumes no spin, which is exact if a rod's mass lies on that line"
-    )
+    return f"{tree} of the tree minus {less} are {remaining}, for {plural(motors, 'motor')}{redundant_text}"
 
 
 def _rotors(identified: Sequence[str], within_bodies: Sequence[str]) -> str:
@@ -324,61 +235,89 @@ def _singularity(positions: Mapping[str, float]) -> str:
     )
 
 
-def _passive_range(joint: str, lowest: float, highest: float, lower: float, upper: float) -> str:
-    return (
-        f"passive joint {joint!r} moves from {lowest:.3g} to {highest:.3g} within the motors' ranges, "
-        f"its range is [{lower:g}, {upper:g}]: the model has no end stops"
-    )
-
-
 def _positions(positions: Mapping[str, float], sign: str = "") -> str:
     return ", ".join(f"{name} {value:{sign}.3g}" for name, value in positions.items())
 
 
-Sentence = Callable[..., str]
-"""From the values of a check, by name."""
+REGULAR = (
+    "smallest singular value {singular_value:.2g}; {passive} moves at {amplification:.3g} {unit} of {motor}"
+)
 
-WORDS: dict[CheckCode, tuple[str, Sentence]] = {
-    CheckCode.MJCF_SUPPORTED: ("supported MJCF", _supported),
+WORDS: Mapping[CheckCode, str | tuple[str, Callable[..., str]]] = {
+    CheckCode.MJCF_SUPPORTED: "supported MJCF: only bodies, joints and supported equalities",
     CheckCode.MJCF_UNSUPPORTED: ("supported MJCF", _unsupported),
-    CheckCode.GEOMETRY_UNREADABLE: ("geometry", _fault),
+    CheckCode.GEOMETRY_UNREADABLE: "geometry: {fault}",
     CheckCode.FILES_LEFT_OUT: ("note", _files_left_out),
     CheckCode.RANGES_IN_DEGREES: ("note", _ranges_in_degrees),
     CheckCode.KEYFRAMES_UNUSED: ("note", _keyframes_unused),
-    CheckCode.EQUALITY_INACTIVE: ("note", _equality_inactive),
+    CheckCode.EQUALITY_INACTIVE: "note: equality {equality!r} is inactive and ignored",
     CheckCode.JOINT_FORCE_NOT_MODELLED: ("note", _joint_force),
-    CheckCode.MEDIUM_NOT_MODELLED: ("note", _medium),
-    CheckCode.PLUGINS_NOT_MODELLED: ("note", _plugins),
-    CheckCode.ACTUATORS_UNUSED: ("note", _actuators),
-    CheckCode.TENDON_UNUSED: ("note", _tendon),
-    CheckCode.LENGTHS_LARGE: ("note", _lengths_large),
+    CheckCode.MEDIUM_NOT_MODELLED: "note: the simulator applies air drag (density, viscosity), the model does not "
+    "contain it",
+    CheckCode.PLUGINS_NOT_MODELLED: "note: {plugins} MuJoCo plug-ins: the model does not contain them",
+    CheckCode.ACTUATORS_UNUSED: "note: {actuators} actuators of the MJCF are not used: robot.toml names the motors",
+    CheckCode.TENDON_UNUSED: "note: tendon {tendon!r} is ignored",
+    CheckCode.LENGTHS_LARGE: "note: lengths of up to {length:.3g} m: an MJCF is in metres, and lengths look like "
+    "millimetres or inches; divide every pos by 1000, or by 39.37",
     CheckCode.MASSES_LARGE: ("note", _masses_large),
     CheckCode.JOINTS_LOCKED: ("locked", _locked),
-    **AGREEMENT_WORDS,
-    CheckCode.LOOP_COUNTS_DIFFER: ("loop closures", _loop_counts),
-    CheckCode.LOOP_CLOSURES_AGREE: ("loop closures", _closures_agree),
-    CheckCode.LOOP_CLOSURES_DIFFER: ("loop closures", _closures_differ),
-    CheckCode.LOOP_OPENING_IN_MOTION: ("closed motion", _opening),
+    CheckCode.JOINT_TREES_AGREE: "joint tree: {joints:# joint}, {roots} on the base, the same in both",
+    CheckCode.JOINT_COUNTS_DIFFER: "joint tree: MuJoCo has {mujoco} joints, Pinocchio {pinocchio}",
+    CheckCode.JOINT_NAMES_DIFFER: "joint tree: joint {mujoco!r} is {pinocchio!r} in Pinocchio",
+    CheckCode.JOINT_KINDS_DIFFER: "joint tree: joint {joint!r} is a {mujoco}, in Pinocchio a {pinocchio}",
+    CheckCode.JOINT_COORDINATES_DIFFER: "joint tree: joint {joint!r} has different coordinates in Pinocchio",
+    CheckCode.JOINT_PARENTS_DIFFER: "joint tree: joint {joint!r} has a different parent in Pinocchio",
+    CheckCode.JOINT_AXES_AGREE: "joint places and axes: {joints:# joint} at {poses} poses {agree}",
+    CheckCode.JOINT_AXES_DIFFER: "joint places and axes: joint {joint!r}: place differs by {place:.2e} m, axis by "
+    "{axis:.2e}",
+    CheckCode.BODY_POSES_AGREE: "body poses, {tree}: bodies at {poses} poses {agree}",
+    CheckCode.BODY_POSES_DIFFER: "body poses, {tree}: the pose of body {body!r} differs by {difference:.2e}",
+    CheckCode.TOTAL_MASSES_AGREE: "total mass: {mass:.6g} kg of moving bodies {agree}",
+    CheckCode.TOTAL_MASSES_DIFFER: "total mass: {pinocchio:.9g} kg in Pinocchio, {mujoco:.9g} kg in MuJoCo",
+    CheckCode.MASS_MATRICES_AGREE: "masses and inertias: mass matrices {size} × {size} at {poses} poses {agree}",
+    CheckCode.MASS_MATRICES_DIFFER: "masses and inertias: the inertia that joint {joint!r} moves differs by "
+    "{difference:.2e} of the largest entry",
+    CheckCode.BIAS_FORCES_AGREE: "gravity and Coriolis forces: {forces:# force} at {states} states {agree}",
+    CheckCode.BIAS_FORCES_DIFFER: "gravity and Coriolis forces: joint {joint!r} differs by {difference:.2e} of the "
+    "largest force",
+    CheckCode.MOTOR_FORCES_AGREE: "motor forces: regressor and dynamics at {states} closed states {agree}",
+    CheckCode.MOTOR_FORCES_DIFFER: "motor forces: motor {motor!r} differs by {difference:.2e} of the largest force",
+    CheckCode.BASE_PARAMETERS_AGREE: ("base parameters", _base_agree),
+    CheckCode.BASE_PARAMETERS_DIFFER: "base parameters: {parameters} do not reproduce the motor torques of {bodies}: "
+    "they differ from MuJoCo's by up to {difference:.0e} of the largest; give the joints narrower ranges around "
+    "home, away from singular poses",
+    CheckCode.LOOP_COUNTS_DIFFER: "loop closures: MuJoCo has {mujoco} loops, the model {model}",
+    CheckCode.LOOP_CLOSURES_AGREE: "loop closures: residuals and Jacobians at {poses} closed poses agree to "
+    "{difference:.0e}",
+    CheckCode.LOOP_CLOSURES_DIFFER: "loop closures: {closure!r}: MuJoCo's residual differs by {residual:.2e}, its "
+    "Jacobian by {jacobian:.2e}",
+    CheckCode.LOOP_OPENING_IN_MOTION: "closed motion: velocities open the loops by {velocity:.0e} of their size, "
+    "accelerations by {acceleration:.0e}",
     CheckCode.COUPLING: ("coupling", _coupling),
     CheckCode.HOME_WITHOUT_LOOPS: ("home assembled", _no_loops),
     CheckCode.HOME_CLOSED: ("home assembled", _closed),
-    CheckCode.DRAWING_ROUNDED: ("note", _rounded),
+    CheckCode.DRAWING_ROUNDED: "note: as drawn, home is open by {gap:.1e} m or rad, a rounding error that is "
+    "corrected when the robot is read; the loops of the model and of the simulated machine close",
     CheckCode.WELD_TOO_MUCH: ("loop closures", _weld_too_much),
-    CheckCode.NEARLY_PARALLEL: ("axes", _nearly_parallel),
+    CheckCode.NEARLY_PARALLEL: "axes: hinges {first!r} and {second!r} are {angle:.1e} rad from parallel, as an angle "
+    "such as 1.57 or 3.14 makes them: if they are parallel in the robot, write the angle with all digits "
+    "(1.5707963267948966)",
     CheckCode.HOME_OPEN: ("home assembled", _open_home),
     CheckCode.HOME_OPEN_AND_NO_CLOSED_POSE: ("home assembled", _no_closed_pose),
     CheckCode.HOME_OPEN_AS_LOOPS_DISAGREE: ("home assembled", _loops_disagree),
-    CheckCode.HOME_WITHIN_RANGES: ("home within ranges", _within_ranges),
+    CheckCode.HOME_WITHIN_RANGES: "home within ranges: {ranged} of {joints} joints have a range",
     CheckCode.HOME_OUTSIDE_RANGE: ("home within ranges", _outside_range),
     CheckCode.HOME_AT_RANGE_END: ("note", _at_range_end),
-    CheckCode.HOME_REGULAR: ("home is regular", _regular),
-    CheckCode.HOME_NEAR_SINGULAR: ("home is regular", _near_singular),
-    CheckCode.HOME_SINGULAR: ("home is regular", _singular),
+    CheckCode.HOME_REGULAR: f"home is regular: {REGULAR}",
+    CheckCode.HOME_NEAR_SINGULAR: f"home is regular: home is near a singularity: {REGULAR}",
+    CheckCode.HOME_SINGULAR: f"home is regular: home is singular or nearly so: {REGULAR}",
     CheckCode.MOBILITY: ("degrees of freedom", _mobility),
-    CheckCode.MOBILITY_FAULT: ("degrees of freedom", _fault),
-    CheckCode.ROD_SPINS: ("note", _spins),
-    CheckCode.MOTION_FAULT: ("motion within the joint ranges", _fault),
+    CheckCode.MOBILITY_FAULT: "degrees of freedom: {fault}",
+    CheckCode.ROD_SPINS: "note: {bodies:quoted}: free to spin about the line through the joints at both ends, the "
+    "motors held. The model assumes no spin, which is exact if a rod's mass lies on that line",
+    CheckCode.MOTION_FAULT: "motion within the joint ranges: {fault}",
     CheckCode.ROTOR_INERTIA: ("rotor inertia", _rotors),
     CheckCode.SINGULARITY_WITHIN_RANGES: ("note", _singularity),
-    CheckCode.PASSIVE_RANGE_LEFT: ("note", _passive_range),
+    CheckCode.PASSIVE_RANGE_LEFT: "note: passive joint {joint!r} moves from {lowest:.3g} to {highest:.3g} within the "
+    "motors' ranges, its range is [{lower:g}, {upper:g}]: the model has no end stops",
 }

@@ -1,7 +1,5 @@
 """Reading a scenario file: its base, its relative paths, and the defaults of its designed trajectories."""
 
-from __future__ import annotations
-
 import json
 import tomllib
 from collections.abc import Mapping, Sequence

@@ -1,7 +1,5 @@
 """A scenario: one experiment to simulate, as a TOML file that names everything the experiment depends on."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path

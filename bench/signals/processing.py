@@ -1,4 +1,8 @@
-"""From measured positions to positions, velocities and accelerations for the model, and to the fit's rows."""
+"""From measured positions to positions, velocities and accelerations for the model, and to the fit's rows.
+
+Differentiated once, noise of density s on a velocity has the power (2 pi)^2 s f^3 / 3 in the acceleration up to f;
+differentiated twice, that on a position has (2 pi)^4 s f^5 / 5.
+"""
 
 from dataclasses import dataclass
 
@@ -6,9 +10,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bench.basics.errors import BenchError
+from bench.signals.bounds import LOGGED
 from bench.signals.differentiation import central_difference
 from bench.signals.filtering import low_pass
 from bench.signals.settings import FilterSettings
+from bench.signals.spectrum import noise_density, quantisation_density
 
 FloatArray = NDArray[np.float64]
 
@@ -17,10 +23,7 @@ FloatArray = NDArray[np.float64]
 class FilteredMotion:
     """Filtered motion of the measured joints, border samples dropped; each array has shape (M, n).
 
-    Attributes:
-        position: [rad or m].
-        velocity: [1/s].
-        acceleration: [1/s^2].
+    position: [rad or m]. velocity: [1/s]. acceleration: [1/s^2].
     """
 
     position: FloatArray
@@ -36,11 +39,8 @@ def estimate_motion(
     The acceleration is the central difference of the velocity. Source: M. Gautier, ICRA 1997, where this is
     called band-pass differentiation.
 
-    Args:
-        position: measured, shape (N, n).
-        rate: sampling rate [Hz].
-        settings: their border is dropped, so M = N - border[0] - border[1].
-        logged: velocities that are taken in place of differentiated positions, shape (N, n); NaN for none.
+    position: measured, shape (N, n). rate: sampling rate [Hz]. settings: their border is dropped, so M = N - border[0]
+    - border[1]. logged: velocities that are taken in place of differentiated positions, shape (N, n); NaN for none.
     """
     filtered = low_pass(position, rate, settings.position_cutoff, settings.filter_order)
     velocity = central_difference(filtered, 1 / rate, settings.difference_order)
@@ -54,10 +54,71 @@ def estimate_motion(
 def trim(x: FloatArray, settings: FilterSettings) -> FloatArray:
     """Return x, shape (N, ...), without its border samples: what belongs to a `Motion`, such as currents.
 
-    Raises:
-        BenchError: nothing remains.
+    Raises BenchError: nothing remains.
     """
     start, end = settings.border
     if len(x) <= start + end:
         raise BenchError(f"filter settings: border {settings.border} leaves nothing of {len(x)} samples")
     return x[start : len(x) - end]
+
+
+@dataclass(frozen=True)
+class LoggedVelocity:
+    """How one joint's logged velocity compares with its differentiated position, up to the position cut-off.
+
+    scale: by which it is larger; delay: by which it is later, s; off: RMS difference over the RMS velocity, noise
+    aside; density: of its noise [unit^2/Hz]; louder: power of this noise in the acceleration over that of the
+    position's.
+    """
+
+    scale: float
+    delay: float
+    off: float
+    density: float
+    louder: float
+
+    @property
+    def agrees(self) -> bool:
+        """Whether it is the rate of the position, as far as noise lets it be seen."""
+        return self.off <= LOGGED.agrees
+
+    @property
+    def taken(self) -> bool:
+        """Whether it is taken in place of the differentiated position: it agrees, and has clearly less noise."""
+        return self.agrees and self.louder < LOGGED.quieter
+
+
+def compared_velocity(
+    position: FloatArray, velocity: FloatArray, rate: float, settings: FilterSettings
+) -> LoggedVelocity:
+    """A logged velocity (N,) compared with the position (N,) at a rate [Hz]."""
+    motion = estimate_motion(position[:, None], rate, settings)
+    derived, acceleration = motion.velocity[:, 0], motion.acceleration[:, 0]
+    cutoff, order = settings.position_cutoff, settings.filter_order
+    logged = trim(low_pass(velocity, rate, cutoff, order), settings)
+    columns = np.column_stack((derived, acceleration))
+    lengths = np.linalg.norm(columns, axis=0)
+    lengths[lengths == 0.0] = 1.0
+    scale, late = np.linalg.lstsq(columns / lengths, logged)[0] / lengths
+    turned = 2.0 * np.pi * cutoff
+    of_position = _density(position, rate) * turned**2 * cutoff / 3.0
+    remaining = float(np.mean((logged - columns @ np.array([scale, late])) ** 2))
+    density = max(_density(velocity, rate), (remaining - of_position) / cutoff)
+    chance = LOGGED.noise * (of_position + density * cutoff)
+    off = max(float(np.mean((logged - derived) ** 2)) - chance, 0.0)
+    moved = float(np.mean(derived**2))
+    once, twice = density * turned**2 * cutoff / 3.0, of_position * turned**2 * 3.0 / 5.0
+    tiny = float(np.finfo(float).tiny)
+    return LoggedVelocity(
+        scale=float(scale),
+        delay=-float(late) / (float(scale) or 1.0),
+        off=float(np.sqrt(off / max(moved, tiny))),
+        density=float(density),
+        louder=float(once / max(twice, tiny)),
+    )
+
+
+def _density(signal: FloatArray, rate: float) -> float:
+    """Of the white noise of a signal (N,) [unit^2/Hz]."""
+    channel = signal[:, None]
+    return float(max(noise_density(channel, rate)[0], quantisation_density(channel, rate)[0]))

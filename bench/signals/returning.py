@@ -39,9 +39,8 @@ def rows_until_return(position: FloatArray) -> float | None:
     inner = by_row[1:-1]
     least = 1 + np.flatnonzero((inner <= by_row[:-2]) & (inner <= by_row[2:]) & (inner < RETURNING.near))
     for i in (1 + least[least > gone[0]]).tolist():
-        pace = np.abs(np.diff(scaled[i - 1 :], axis=0)).max(
-            axis=1
-        )  # as far as a part of a sample can take it
+        # as far as a part of a sample can take it
+        pace = np.abs(np.diff(scaled[i - 1 :], axis=0)).max(axis=1)
         off = np.abs(scaled[i:] - scaled[: len(scaled) - i]).max(axis=1)
         if np.mean(off <= RETURNING.same + pace) <= RETURNING.mostly:
             continue

@@ -27,14 +27,11 @@ FloatArray = NDArray[np.float64]
 class FilterSettings:
     """Settings of the filters that lead from measured positions and currents to the rows of the fit.
 
-    Attributes:
-        position_cutoff: cut-off of the low-pass on positions [Hz].
-        decimation: one sample in this many is kept, after its low-pass.
-        filter_order: order of one pass of the position filter.
-        difference_order: order of the central differences: 2, 4, 6 or 8.
-        border: samples dropped at the start and at the end after differentiation, before decimation.
-        keep_standstill: whether rows of a joint that does not move are fitted and judged; there friction takes
-            any value up to its limit.
+    position_cutoff: cut-off of the low-pass on positions [Hz]. decimation: one sample in this many is kept, after its
+    low-pass. filter_order: order of one pass of the position filter. difference_order: order of the central
+    differences: 2, 4, 6 or 8. border: samples dropped at the start and at the end after differentiation, before
+    decimation. keep_standstill: whether rows of a joint that does not move are fitted and judged; there friction takes
+    any value up to its limit.
     """
 
     position_cutoff: float
@@ -67,13 +64,10 @@ class FilterSettings:
 class Bands:
     """What the spectra of all recordings say, frequencies in Hz.
 
-    Attributes:
-        current: above it lies less than a thousandth of the power of every current, noise aside.
-        motion: above it lies less than a hundredth of the power of every acceleration.
-        fit_limit: below it, noise is at most 1e-5 of the power of every acceleration.
-        filter_limit: the same for 1e-3.
-        position_noise: density of the white noise of each position, shape (n,) [unit^2/Hz].
-        current_noise: density of the white noise of each current, shape (n,) [unit^2/Hz].
+    current: above it lies less than a thousandth of the power of every current, noise aside. motion: above it lies less
+    than a hundredth of the power of every acceleration. fit_limit: below it, noise is at most 1e-5 of the power of
+    every acceleration. filter_limit: the same for 1e-3. position_noise: density of the white noise of each position,
+    shape (n,) [unit^2/Hz]. current_noise: density of the white noise of each current, shape (n,) [unit^2/Hz].
     """
 
     current: float
@@ -92,12 +86,9 @@ def signal_bands(
 ) -> Bands:
     """Read the bands of signals and noise off the spectra of all recordings.
 
-    Args:
-        positions: one array of shape (N, n) for each recording [rad or m].
-        currents: likewise [drive unit].
-        rate: sampling rate [Hz].
-        velocity_noise: of each recording, the density of the noise of every velocity that was logged and is taken
-            [unit^2/s^2/Hz], shape (n,), infinite for the others.
+    positions: one array of shape (N, n) for each recording [rad or m]. currents: likewise [drive unit]. rate: sampling
+    rate [Hz]. velocity_noise: of each recording, the density of the noise of every velocity that was logged and is
+    taken [unit^2/s^2/Hz], shape (n,), infinite for the others.
     """
     if not positions or len(positions) != len(currents):
         raise BenchError(f"filter settings: {len(positions)} positions, {len(currents)} currents: want pairs")
@@ -140,10 +131,7 @@ def signal_bands(
 
 
 def choose_settings(
-    positions: Sequence[FloatArray],
-    currents: Sequence[FloatArray],
-    rate: float,
-    bands: Bands | None = None,
+    positions: Sequence[FloatArray], currents: Sequence[FloatArray], rate: float, bands: Bands | None = None
 ) -> FilterSettings:
     """Choose the filters from the spectra of all recordings.
 
@@ -155,14 +143,9 @@ def choose_settings(
     the band the filter then takes off less than 1e-4. Source of the rule of five: M. Gautier, "Dynamic
     identification of robots with power model", ICRA 1997.
 
-    Args:
-        positions: one array of shape (N, n) for each recording [rad or m].
-        currents: likewise [drive unit].
-        rate: sampling rate [Hz].
-        bands: what `signal_bands` says of the same recordings, where that is known already.
-
-    Raises:
-        BenchError: recordings not in pairs, or one of fewer than 100 samples.
+    positions: one array of shape (N, n) for each recording [rad or m]. currents: likewise [drive unit]. rate: sampling
+    rate [Hz]. bands: what `signal_bands` says of the same recordings, where that is known already. Raises BenchError:
+    recordings not in pairs, or one of fewer than 100 samples.
     """
     if bands is None:
         bands = signal_bands(positions, currents, rate)

@@ -30,12 +30,7 @@ HIGH_PASS = _high_pass()
 def power_spectrum(x: FloatArray, rate: float) -> tuple[FloatArray, FloatArray]:
     """Return frequencies [Hz], shape (F,), and one-sided power densities [unit^2/Hz], shape (F, n).
 
-    Args:
-        x: samples at a uniform rate, shape (N, n).
-        rate: sampling rate [Hz].
-
-    Raises:
-        BenchError: fewer than 100 samples.
+    x: samples at a uniform rate, shape (N, n). rate: sampling rate [Hz]. Raises BenchError: fewer than 100 samples.
     """
     x = np.asarray(x, dtype=float)
     if len(x) < SPECTRA.shortest:
@@ -88,9 +83,7 @@ def noise_density(x: FloatArray, rate: float) -> FloatArray:
     deviations are omitted with their neighbours, again and again until no more go. A spectrum could not
     tell their tail from noise.
 
-    Args:
-        x: samples at a uniform rate, shape (N, n).
-        rate: sampling rate [Hz].
+    x: samples at a uniform rate, shape (N, n). rate: sampling rate [Hz].
     """
     x = np.asarray(x, dtype=float)
     if len(x) < SPECTRA.shortest:
@@ -124,10 +117,7 @@ def noise_floor(x: FloatArray, rate: float, band: float) -> FloatArray:
     that is not white (a controller that amplifies encoder noise into the current, drift) is not seen.
     For what remains after decimation by a factor, band is noise_bandwidth(factor) * rate / 2.
 
-    Args:
-        x: samples, shape (N, n), any unit.
-        rate: sampling rate [Hz].
-        band: upper end of the band [Hz], at most rate / 2.
+    x: samples, shape (N, n), any unit. rate: sampling rate [Hz]. band: upper end of the band [Hz], at most rate / 2.
     """
     if not 0 < band <= rate / 2:
         raise BenchError(f"noise floor: band {band:g} Hz must lie between 0 and {rate / 2:g} Hz")
@@ -177,10 +167,8 @@ def leading_signal_density(density: FloatArray, floor: FloatArray) -> FloatArray
 def band_edge(frequency: FloatArray, density: FloatArray, loss: float) -> float:
     """Return the lowest frequency [Hz] above which no channel has more than a share `loss` of its power.
 
-    Args:
-        frequency: uniform from 0, shape (F,) [Hz].
-        density: power densities of the signal alone, shape (F, n); channels without power are passed over.
-        loss: between 0 and 1.
+    frequency: uniform from 0, shape (F,) [Hz]. density: power densities of the signal alone, shape (F, n); channels
+    without power are passed over. loss: between 0 and 1.
     """
     below = np.cumsum(density, axis=0)
     total = below[-1]
@@ -201,9 +189,7 @@ def noise_from(frequency: FloatArray, position: FloatArray) -> FloatArray:
     while only. What counts is the largest density within an octave, as a repeated motion has lines with nothing
     between them.
 
-    Args:
-        frequency: uniform from 0, shape (F,) [Hz].
-        position: power densities without white noise, shape (F, n) [unit^2/Hz].
+    frequency: uniform from 0, shape (F,) [Hz]. position: power densities without white noise, shape (F, n) [unit^2/Hz].
     """
     omega = 2 * np.pi * frequency
     limits = np.full(position.shape[1], np.inf)

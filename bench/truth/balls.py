@@ -4,8 +4,6 @@ MuJoCo brakes each of a ball's three velocity coordinates by itself: up to 1.7 t
 another, by how the ball's frame happens to be turned in its body. A ball and its socket have no such frame.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import mujoco

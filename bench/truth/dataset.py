@@ -1,7 +1,5 @@
 """A simulation as a dataset, in memory or as a folder with the truth."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np
@@ -30,7 +28,7 @@ def as_dataset(simulation: Simulation) -> Dataset:
         payloads={name: payload_declared(name, t) for name, t in scenario.settings.payloads.items()},
         recordings=tuple(
             Recording(
-                _file_name(simulation, r.name),
+                f"{r.name}.{scenario.settings.file_format}",
                 r.table.use,
                 r.table.payload,
                 r.log.time,
@@ -117,7 +115,3 @@ def _write_folder(simulation: Simulation, folder: Path) -> None:
         controller=dataset.controller,
         joints=scenario.robot.joints,
     )
-
-
-def _file_name(simulation: Simulation, name: str) -> str:
-    return f"{name}.{simulation.scenario.settings.file_format}"

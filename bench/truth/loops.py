@@ -1,7 +1,5 @@
 """How far the loops of a simulated machine stand open."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 
 import mujoco

@@ -1,7 +1,5 @@
 """The machine to simulate: the robot's MJCF with motors, a joint controller, a payload and hidden effects."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
@@ -16,20 +14,11 @@ from bench.dataset.payload import Payload, inertia_matrix
 from bench.dataset.robot import Robot
 from bench.scenario.scenario import Scenario, payload_truth, per_joint
 from bench.scenario.tables import Controller, PayloadTable
-from bench.truth.assembly import felt_inertia
+from bench.truth.assembly import Indices, felt_inertia
 from bench.truth.balls import ball_joints, refuse_too_light
-from bench.truth.hidden import (
-    LAWS,
-    PAYLOAD_BODY,
-    Draft,
-    EncoderOffset,
-    HiddenEffect,
-    JointEffect,
-    has_law,
-)
+from bench.truth.hidden import LAWS, PAYLOAD_BODY, Draft, EncoderOffset, HiddenEffect, JointEffect, has_law
 from bench.truth.hidden.base import harden_friction
 from bench.truth.hidden.entries import hidden_effects
-from bench.truth.indices import Indices
 from bench.truth.streams import stream
 
 Array = NDArray[np.float64]

@@ -1,7 +1,5 @@
 """The closed loop, step by step: what the machine really does, before any sensor."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
@@ -76,11 +74,7 @@ class TrueMotion:
 
 
 def simulate_motion(
-    machine: Machine,
-    runs: Sequence[MotionRun],
-    timing: Timing,
-    threads: int = 2,
-    progress: Progress = SILENT,
+    machine: Machine, runs: Sequence[MotionRun], timing: Timing, threads: int = 2, progress: Progress = SILENT
 ) -> tuple[TrueMotion, ...]:
     """The motion of every run, all of them side by side; the number of threads changes nothing but the time.
 

@@ -1,7 +1,5 @@
 """The truth about a simulation, as plain data for truth.json: what a perfect identification would find."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import asdict
 from typing import Any

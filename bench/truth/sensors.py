@@ -1,7 +1,5 @@
 """From the true motion to what a robot's controller logs."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 

@@ -1,7 +1,5 @@
 """A scenario, simulated: the true motions, and what is logged of them."""
 
-from __future__ import annotations
-
 import time
 from collections.abc import Mapping
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """Random streams that do not depend on each other, nor on the order in which they are used."""
 
-from __future__ import annotations
-
 from zlib import crc32
 
 import numpy as np

@@ -10,12 +10,8 @@ import mujoco
 def unwarned() -> Iterator[None]:
     """No warning goes to the screen and to a file MUJOCO_LOG.TXT: the error that `simulate` raises says it."""
     before = mujoco.get_mju_user_warning()
-    mujoco.set_mju_user_warning(_ignored)
+    mujoco.set_mju_user_warning(lambda _: None)
     try:
         yield
     finally:
         mujoco.set_mju_user_warning(before)
-
-
-def _ignored(_: str) -> None:
-    pass

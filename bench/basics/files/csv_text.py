@@ -4,8 +4,6 @@ Numbers are read elsewhere and fast; this module answers which line an editor sh
 written there, and it is asked only when something is wrong.
 """
 
-from __future__ import annotations
-
 import csv
 import re
 from collections.abc import Iterable, Iterator
@@ -18,9 +16,8 @@ from bench.basics.errors import BenchError
 from bench.basics.plural import plural
 
 DELIMITERS = ",;\t"
-KEPT = (
-    1 << 25
-)  # characters of a text whose cells are kept once they are asked for; of a larger one they are read anew
+# characters of a text whose cells are kept once they are asked for; of a larger one they are read anew
+KEPT = 1 << 25
 LINE = re.compile(r"[^\r\n]*(?:\r\n|\n|\r)|[^\r\n]+\Z")
 FOREIGN = {
     b"PAR1": "a Parquet file",

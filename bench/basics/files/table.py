@@ -4,8 +4,6 @@ CSV: UTF-8 (a byte order mark is fine), one header line, comma, semicolon or tab
 semicolon or tab a decimal comma is read too. Blank lines are skipped. Parquet: flat columns of numbers.
 """
 
-from __future__ import annotations
-
 import io
 import re
 from collections import Counter

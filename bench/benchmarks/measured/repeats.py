@@ -12,9 +12,9 @@ import numpy as np
 from bench.basics.files.atomic import write_json_atomically
 from bench.dataset.dataset import Dataset, load_dataset
 from bench.effects import CATALOGUE
-from bench.identification.by_unknown import in_both
 from bench.identification.chosen_band import prepare_checked, usual_friction
 from bench.identification.identify import identify
+from bench.identification.model_averaged import in_both
 from bench.identification.problem import problem_of
 
 FRICTION = tuple(usual_friction(CATALOGUE))

@@ -16,9 +16,9 @@ from bench.basics.errors import BenchError
 from bench.export.c_code import c_name, c_text
 from bench.export.feedforward import Feedforward
 from bench.export.identified import IdentifiedModel, load_identified
+from bench.model.follow import build_tree
 from bench.model.geometry import Geometry
 from bench.model.motion import motion_of
-from bench.model.tree import build_tree
 
 SAMPLES, PERIOD, SWING = 1000, 1.0, 0.1  # of a motion at 1 kHz about home: s, and rad, or 0.3 of it in m
 OPEN_LOOP = """

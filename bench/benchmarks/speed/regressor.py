@@ -18,11 +18,11 @@ from bench.basics.files.atomic import atomic_path
 from bench.basics.versions import versions
 from bench.dataset.robot import load_robot
 from bench.model.base import base_parameters
+from bench.model.follow import build_tree
 from bench.model.geometry import Geometry, read_geometry
 from bench.model.motion import Motion, motion_of
 from bench.model.regressor import projected_regressor
 from bench.model.states import active_ranges
-from bench.model.tree import build_tree
 from bench.signals.processing import estimate_motion
 from bench.signals.settings import FilterSettings
 from bench.studies.sweep.console import table_console

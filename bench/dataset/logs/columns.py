@@ -1,10 +1,9 @@
 """Which names of a log become which columns of a recording, in SI."""
 
-from __future__ import annotations
-
+import re
 import shlex
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from difflib import get_close_matches
 from pathlib import Path
 
@@ -13,9 +12,9 @@ import numpy.typing as npt
 
 from bench.basics.errors import BenchError, meant, refuse
 from bench.basics.plural import plural
-from bench.dataset.logs.log_file import LogFile
-from bench.dataset.logs.unit_names import unit_in, units_of
-from bench.dataset.logs.units import UNITS, factor_of, measured_by
+from bench.dataset.logs.log_file import LogFile, Reading, read_log, text_log
+from bench.dataset.logs.units import UNITS, factor_of, measured_by, unit_in, units_of
+from bench.dataset.names import TEXTS
 from bench.dataset.recording import velocity_column
 from bench.dataset.robot import Robot
 
@@ -123,17 +122,13 @@ def _given_factors(file: Path, scale: Mapping[str, float | str], robot: Robot) -
         factor = UNITS[given].factor if isinstance(given, str) else given
         columns = [f"{target}.{joint}" for joint in robot.driven] if target in GROUPS else [target]
         if isinstance(given, str):
-            columns = [column for column in columns if _fits(given, column, robot)]
+            columns = [column for column in columns if measured_by(column, robot) in (None, UNITS[given].of)]
             if not columns:
                 raise BenchError(f"{file}: the scale of {target}: {given!r} is a {UNITS[given].of}")
         if not np.isfinite(factor) or factor == 0.0:
             raise BenchError(f"{file}: the scale of {target} must not be {factor:g}")
         factors |= dict.fromkeys(columns, factor)
     return factors
-
-
-def _fits(unit: str, column: str, robot: Robot) -> bool:
-    return measured_by(column, robot) in (None, UNITS[unit].of)
 
 
 def _stated_factors(
@@ -240,3 +235,38 @@ def _inventory(log: LogFile, most: int = 30) -> str:
     names = [f"{name} ({values.size})" for name, values in log.vectors.items()]
     names += [f"{name} (with text)" for name in log.texts]
     return ", ".join(names[:most]) + (f" and {len(names) - most} more" if len(names) > most else "")
+
+
+LARGE = 1 << 25  # bytes of a text from which on its first look is at pieces
+HEAD, PIECE, PIECES = 1 << 18, 1 << 14, 255  # bytes at the beginning, bytes of a piece behind it, how many
+WHOLE_LINES = re.compile(rb"[\r\n](.*[\r\n])", re.DOTALL)
+
+
+def glimpse(path: Path, reading: Reading) -> LogFile:
+    """The log as `read_log` gives it; of a large text only the rows of its beginning and of evenly spaced pieces.
+
+    A note says so. A text that cannot be read by pieces is read whole. Raises BenchError as `read_log` does.
+    """
+    if path.suffix.lower() not in TEXTS or not path.is_file() or (size := path.stat().st_size) <= LARGE:
+        return read_log(path, reading)
+    try:
+        log = text_log(path, _pieces(path, size), reading)
+    except BenchError:  # a fault in a piece, whose place only the whole text tells
+        return read_log(path, reading)
+    said = (
+        f"{size / 2**20:.0f} MB: the beginning and {PIECES} pieces from all over it are shown; every row is read when "
+        "the columns are checked, and again when it is imported"
+    )
+    return replace(log, notes=(*log.notes, said))
+
+
+def _pieces(path: Path, size: int) -> bytes:
+    """The beginning and evenly spaced pieces, all of whole lines."""
+    with path.open("rb") as file:
+        head = file.read(HEAD)
+        parts = [head[: max(head.rfind(b"\n"), head.rfind(b"\r")) + 1]]
+        for start in np.linspace(HEAD, size - PIECE, PIECES).astype(int):
+            file.seek(start)
+            if match := WHOLE_LINES.search(file.read(PIECE)):
+                parts.append(match.group(1).lstrip(b"\r\n"))
+    return b"".join(parts)

@@ -1,7 +1,5 @@
 """Turn a controller's logs into recordings of a dataset."""
 
-from __future__ import annotations
-
 import math
 import os
 import re
@@ -17,8 +15,8 @@ from bench.basics.files.table import FileTable
 from bench.basics.files.toml_input import read_toml
 from bench.basics.progress import SILENT, Progress
 from bench.dataset.catalogue import built_in_robots
+from bench.dataset.dataset import doubted
 from bench.dataset.dataset_toml import DatasetSpec, RecordingEntry, extended_toml
-from bench.dataset.heavy_payload import doubted
 from bench.dataset.joint_facts import JointFacts, joint_facts
 from bench.dataset.logs.columns import LogMap, columns_of
 from bench.dataset.logs.log_file import AS_FOUND, Reading, read_log

@@ -4,8 +4,6 @@
 columns of a matrix are called NAME[0], NAME[1], ...; the fields of a MATLAB struct NAME.FIELD. ROS bags: see ros_bag.
 """
 
-from __future__ import annotations
-
 import zipfile
 import zlib
 from collections.abc import Iterator, Mapping
@@ -94,14 +92,10 @@ def read_log(path: str | Path, reading: Reading = AS_FOUND) -> LogFile:
     if bag:
         vectors, notes = read_bag(path, reading.topic)
         return LogFile(path, vectors, notes=notes)
-    log = readers[suffix](path) if suffix in readers else _read_text(path, reading)
+    log = readers[suffix](path) if suffix in readers else text_log(path, _content(path), reading)
     if not log.vectors and not log.texts:
         raise BenchError(f"{path}: holds no numbers")
     return log
-
-
-def _read_text(path: Path, reading: Reading) -> LogFile:
-    return text_log(path, _content(path), reading)
 
 
 def _content(path: Path) -> bytes:

@@ -18,8 +18,6 @@ files = "held_*.csv"                 # a file or a pattern relative to this file
 payload = "disc"
 """
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Annotated
 

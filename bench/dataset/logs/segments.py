@@ -1,7 +1,5 @@
 """A log cut into recordings: at gaps, where time goes back, and where its last part is kept for validation."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from itertools import pairwise
@@ -81,7 +79,7 @@ def cut(
     cuts = [] if cutting.shortest is None else cut_rows(time).tolist()
     starts = sorted({0, *cuts, *([apart] if apart < count else [])})
     pieces = list(pairwise([*starts, count]))
-    notes: tuple[str, ...] = _unmeasured(lost)
+    notes: tuple[str, ...] = (f"{plural(lost, 'row')} without a measurement omitted",) if lost else ()
     if cuts and cutting.shortest is not None:
         whole = [piece for piece in pieces if _long_enough(time, *piece, cutting.shortest)]
         said = _note_on(time, cuts, pieces, whole, cutting.shortest)
@@ -112,11 +110,6 @@ def _measured(columns: Mapping[str, Array]) -> tuple[npt.NDArray[np.intp], int]:
     return np.flatnonzero(good), int(np.sum(~good))
 
 
-def _unmeasured(lost: int) -> tuple[str, ...]:
-    rows = "1 row" if lost == 1 else f"{lost} rows"
-    return (f"{rows} without a measurement omitted",) if lost else ()
-
-
 def _costs_little(time: Array) -> bool:
     """Whether a log has gaps, and the pieces between them that are long enough hold nearly all of it."""
     if np.any(np.diff(time) <= 0.0) or not (gaps := gap_rows(time).tolist()):
@@ -134,11 +127,7 @@ def _long_enough(time: Array, first: int, end: int, shortest: float) -> bool:
 
 
 def _note_on(
-    time: Array,
-    cuts: list[int],
-    pieces: list[tuple[int, int]],
-    whole: list[tuple[int, int]],
-    shortest: float,
+    time: Array, cuts: list[int], pieces: list[tuple[int, int]], whole: list[tuple[int, int]], shortest: float
 ) -> str:
     gaps = [row for row in cuts if time[row] > time[row - 1]]
     back = [row for row in cuts if row not in gaps]

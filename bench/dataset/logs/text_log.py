@@ -9,8 +9,6 @@ mA ...) holds the units. Values are separated by comma, semicolon, tab or blanks
 mark, or Windows-1252.
 """
 
-from __future__ import annotations
-
 import csv
 import re
 from collections import Counter

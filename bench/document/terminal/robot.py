@@ -4,12 +4,12 @@ from rich.console import Console
 from rich.table import Table as Grid
 from rich.text import Text
 
+from bench.basics.plural import plural
 from bench.document.layout import TEXT
 from bench.document.numbers import pretty_unit
 from bench.document.table import Column, Table
 from bench.document.terminal.identification import section
 from bench.document.terminal.tables import printed
-from bench.robot_check.agreement_words import count
 from bench.robot_check.outcome import Check
 from bench.robot_check.report import JointLine, Mobility, RobotReport, Singularity
 from bench.robot_check.words import detail_of, name_of, nearest_singularity
@@ -23,8 +23,8 @@ def robot_report(report: RobotReport, console: Console | None = None, *, verbose
     verbose: the base parameters, each with its grouping.
     """
     console = console or Console()
-    loops = count(len(report.loops), "loop") if report.loops else "no loops"
-    facts = f"{count(len(report.joints), 'joint')} · {count(len(report.robot.driven), 'motor')} · {loops}"
+    loops = plural(len(report.loops), "loop") if report.loops else "no loops"
+    facts = f"{plural(len(report.joints), 'joint')} · {plural(len(report.robot.driven), 'motor')} · {loops}"
     console.print()
     console.print(Text.assemble((report.robot.name, "bold"), "  ", (facts, "dim")))
     section(console, "Joints", printed(joints_table(report), console.width))
@@ -85,7 +85,7 @@ def mobility_in_words(mobility: Mobility) -> str:
     return (
         f"{mobility.tree} of the tree - {mobility.rank} (rank of {mobility.equations} closure equations) "
         f"{f'- {mobility.spins} (idle spins) ' if mobility.spins else ''}"
-        f"= {mobility.remaining} {sign} {count(mobility.motors, 'motor')}"
+        f"= {mobility.remaining} {sign} {plural(mobility.motors, 'motor')}"
     )
 
 

@@ -16,7 +16,7 @@ class PassiveCoulombFriction(PassiveEffect):
     three coordinates by itself, up to 1.7 times as much about one axis as about another by how the ball's frame is
     turned in its body, and that frame spins with a rod: no fit can know it, and no ball has one. The simulated machine
     reads the frictionloss of a ball as this law. Valid while the joint turns, and in the balls at both ends of a rod
-    where they have nearly the same friction, see `bench.model.joint_rates`; a bearing under load has more. Source:
+    where they have nearly the same friction, see `bench.model.body_rates`; a bearing under load has more. Source:
     Briot and Khalil, "Dynamics of Parallel Robots", 2015, chapter 8 (principle of virtual work).
     """
 

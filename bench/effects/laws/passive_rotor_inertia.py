@@ -16,7 +16,7 @@ class PassiveRotorInertia(PassiveEffect):
     and all of it where one of the two never turns about the joint's axis, as of the base. In a ball joint it acts on
     each component of the angular velocity in the body's frame, as MuJoCo's armature does. Valid for a stiff gear, and
     in the balls at both ends of a rod where they have the same inertia and the rod next to none about its line
-    (`bench.model.joint_rates`). Source: Khalil and Dombre, "Modeling, Identification and Control of Robots", 2002, 9.3
+    (`bench.model.body_rates`). Source: Khalil and Dombre, "Modeling, Identification and Control of Robots", 2002, 9.3
     (inertia of a rotor); Briot and Khalil, "Dynamics of Parallel Robots", 2015, chapter 8 (principle of virtual work).
     """
 

@@ -5,9 +5,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from bench.effects.effect import ActuatorEffect, Bracket, EffectParameter, ShapeParameter
+from bench.effects.effect import ActuatorEffect, Bracket, EffectParameter, JointSamples, ShapeParameter
 from bench.effects.periods import wave
-from bench.effects.samples import JointSamples
 from bench.effects.signals import JointSignals
 
 

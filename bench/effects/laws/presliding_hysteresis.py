@@ -48,9 +48,8 @@ def dahl_state(position: np.ndarray, displacement: float) -> np.ndarray:
     if not len(moving):
         return np.zeros(len(position))
     direction = np.sign(step[moving])
-    first = moving[
-        np.append(0, np.flatnonzero(np.diff(direction)) + 1)
-    ]  # steps with which a direction starts
+    # steps with which a direction starts
+    first = moving[np.append(0, np.flatnonzero(np.diff(direction)) + 1)]
     way = np.append(0.0, np.cumsum(np.abs(step))) / displacement
     stretch = np.searchsorted(first, np.arange(len(step)), side="right") - 1
     state, starts = 0.0, np.empty(len(first))

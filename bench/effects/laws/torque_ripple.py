@@ -5,9 +5,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from bench.effects.effect import ActuatorEffect, Bracket, EffectParameter, ShapeParameter
+from bench.effects.effect import ActuatorEffect, Bracket, EffectParameter, JointSamples, ShapeParameter
 from bench.effects.periods import PERIODS, followed_wave, next_to, strongest_periods
-from bench.effects.samples import JointSamples
 from bench.effects.signals import JointSignals
 
 LEAST = 0.2  # of the gain, that remains where the ripple takes most

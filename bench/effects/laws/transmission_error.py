@@ -5,10 +5,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from bench.effects.effect import Bracket, Effect, EffectParameter, ShapeParameter
+from bench.effects.effect import Bracket, Effect, EffectParameter, JointSamples, ShapeParameter
 from bench.effects.motor_link_difference import slopes
 from bench.effects.periods import next_to, phase, strongest_periods, wave
-from bench.effects.samples import JointSamples
 from bench.effects.signals import WIDER, RobotSignals
 
 ORDER = 8  # of the roll-off of waves that are faster than the fit sees

@@ -40,8 +40,7 @@ from bench.excitation.experiment.search import (
 )
 from bench.export.prior import cad_prior
 from bench.identification.finding import Finding
-from bench.identification.fixed_scale import scale_of
-from bench.identification.gain_shares import random_states
+from bench.identification.fixed_scale import random_states, scale_of
 from bench.identification.layout import parameter_layout
 from bench.identification.scale_words import scale_findings, scale_sentence
 from bench.model.model import IdentificationModel, build_model

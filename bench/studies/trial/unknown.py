@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping
 import numpy as np
 
 from bench.basics.errors import BenchError
-from bench.truth.hidden.movement import rms
+from bench.truth.hidden.base import rms
 from bench.truth.hidden.product_law import unit_torque
 from bench.truth.hidden.reference import Reference
 

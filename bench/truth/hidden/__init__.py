@@ -1,7 +1,5 @@
 """Effects that the simulated machine can have and that its log does not tell, one file each."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 
 from bench.truth.hidden.acceleration_dependent_friction import AccelerationDependentFriction
@@ -11,9 +9,13 @@ from bench.truth.hidden.base import (
     LAWS,
     MOTOR_SIDE,
     PAYLOAD_BODY,
+    Clock,
     Draft,
     HiddenEffect,
     JointEffect,
+    Law,
+    Parameters,
+    Signals,
     has_law,
 )
 from bench.truth.hidden.base_tilt import BaseTilt
@@ -45,7 +47,6 @@ from bench.truth.hidden.product_law import ProductLaw
 from bench.truth.hidden.quadratic_drag import QuadraticDrag
 from bench.truth.hidden.rotor_inertia import RotorInertia
 from bench.truth.hidden.shear_thinning_friction import ShearThinningFriction
-from bench.truth.hidden.signals import Clock, Law, Parameters, Signals
 from bench.truth.hidden.speed_dependent_gain import SpeedDependentGain
 from bench.truth.hidden.stribeck_friction import StribeckFriction
 from bench.truth.hidden.thermal_friction_drift import ThermalFrictionDrift

@@ -1,15 +1,10 @@
 """Viscous friction that differs with the direction, as a torque law."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
-from typing import ClassVar
 
 import numpy as np
 
-from bench.truth.hidden.base import JointEffect
-from bench.truth.hidden.movement import JointMovement, Sizes, rms
-from bench.truth.hidden.signals import Law, Parameters, Signals
+from bench.truth.hidden.base import JointEffect, JointMovement, Law, Parameters, Signals, Sizes, rms
 
 
 @dataclass(frozen=True)
@@ -19,9 +14,9 @@ class AsymmetricViscousFriction(JointEffect):
     Fv_plus, Fv_minus: N·m·s/rad or N·s/m, at least 0.
     """
 
-    name: ClassVar[str] = "asymmetric_viscous_friction"
-    law: ClassVar[str] = "Fv_plus q̇ for q̇ > 0, Fv_minus q̇ for q̇ < 0"
-    not_negative: ClassVar[tuple[str, ...]] = ("Fv_plus", "Fv_minus")
+    name = "asymmetric_viscous_friction"
+    law = "Fv_plus q̇ for q̇ > 0, Fv_minus q̇ for q̇ < 0"
+    not_negative = ("Fv_plus", "Fv_minus")
     Fv_plus: float
     Fv_minus: float
 

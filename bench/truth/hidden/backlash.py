@@ -1,9 +1,6 @@
 """Play between motor and joint."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
-from typing import ClassVar
 
 from bench.truth.hidden.base import Draft
 from bench.truth.hidden.drive_train import DriveTrain
@@ -20,10 +17,10 @@ class Backlash(DriveTrain):
     rotor_inertia: kg·m² or kg, 0 if omitted.
     """
 
-    name: ClassVar[str] = "backlash"
-    shares: ClassVar[tuple[float, float]] = (0.002, 0.02)
-    law: ClassVar[str] = "play between motor and joint, with flanks as stiff as given"
-    positive: ClassVar[tuple[str, ...]] = ("play", "stiffness")
+    name = "backlash"
+    shares = (0.002, 0.02)
+    law = "play between motor and joint, with flanks as stiff as given"
+    positive = ("play", "stiffness")
     play: float
     stiffness: float
     damping: float

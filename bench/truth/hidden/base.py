@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
 from typing import ClassVar, Literal
 
 import mujoco
@@ -14,10 +14,129 @@ from bench.basics.errors import BenchError
 from bench.dataset.mjcf_neutral import neutral
 from bench.dataset.payload import Payload
 from bench.dataset.robot import Robot
-from bench.truth.hidden.movement import JointMovement, Sizes
-from bench.truth.hidden.signals import Law, Parameters, Signals
 
 Array = NDArray[np.float64]
+Sizes = dict[str, float]
+"""Parameters of an effect by name."""
+
+
+@dataclass(frozen=True, eq=False)
+class JointMovement:
+    """One actuated joint of a reference; N samples of all recordings, SI units."""
+
+    joint: str
+    slide: bool
+    time: Array
+    """(N,) in each recording from 0."""
+    period: float
+    position: Array
+    velocity: Array
+    acceleration: Array
+    torque: Array
+    """Of the motor, as its first and second derivative with time below."""
+    torque_rate: Array
+    torque_bend: Array
+    current: Array
+    current_rate: Array
+    other_torques: Array
+    """Sum of the torques of the other motors."""
+    inertia: float
+    """That the joint feels at home, loops closed."""
+    armature: float
+    stiffness: float
+    """kp of the controller."""
+    damping: float
+    """kv of the controller."""
+
+    @property
+    def duration(self) -> float:
+        """Of the longest recording, s."""
+        return float(self.time.max())
+
+    @property
+    def span(self) -> float:
+        """From the least to the greatest position."""
+        return float(np.ptp(self.position))
+
+
+def rms(values: Array) -> float:
+    """Root mean square."""
+    return float(np.sqrt(np.mean(np.square(values))))
+
+
+def wave_sizes(j: JointMovement, factor: np.ndarray, share: float) -> Sizes:
+    """a, b and harmonic of a wave times a factor (N,); it falls towards the greatest position, positive all along.
+
+    One harmonic in the position of a hinge, unless it turns so far that this would change its sign.
+    """
+    reach = 0.9 * np.pi
+    harmonic = reach / j.span if j.slide or j.span > reach else 1.0
+    phase = harmonic * j.position.max() - reach / 2
+    size = share * rms(j.torque) / rms(np.cos(harmonic * j.position - phase) * factor)
+    waves = {"a": size * np.cos(phase), "b": size * np.sin(phase)}
+    return waves if harmonic == 1.0 else waves | {"harmonic": harmonic}
+
+
+def too_large(effect: str, j: JointMovement, share: float, why: str) -> BenchError:
+    """What is said where an effect cannot have such a share of the torque."""
+    return BenchError(f"{effect} of joint {j.joint}: a share of {share:g} of its torque is too large: {why}")
+
+
+Law = Callable[[], Array]
+"""What an effect makes of its signals at the present step; it may keep a state from step to step."""
+
+Parameters = Mapping[str, Array]
+"""Parameters of an effect in m joints, by name, (m,) each."""
+
+
+@dataclass(eq=False)
+class Clock:
+    """The time of the present step, s; 0 where the log begins."""
+
+    time: float = 0.0
+
+
+@dataclass(frozen=True, eq=False)
+class Signals:
+    """State of m motors in R recordings at the present step, (R, m) each.
+
+    A motor moves as its joint does unless there is a spring or play between; its encoder tells its position.
+    The arrays are views that change from step to step.
+    """
+
+    step: float
+    """s."""
+    recordings: tuple[str, ...]
+    """(R,) names."""
+    joints: tuple[str, ...]
+    """(m,) names."""
+    clock: Clock
+    position: Array
+    """rad or m."""
+    velocity: Array
+    acceleration: Array
+    """One step ago: that of the present step is not known before its forces are."""
+    current: Array
+    """What flows, in the drive's unit."""
+    torque: Array
+    """Of the motor."""
+    all_torques: Array
+    """(R, n) of all motors."""
+
+    def columns(self, columns: slice) -> Signals:
+        """The same for some of the joints."""
+        views = {
+            name: getattr(self, name)[:, columns]
+            for name in ("position", "velocity", "acceleration", "current", "torque")
+        }
+        return replace(self, joints=self.joints[columns], **views)
+
+
+def harmonic(p: Parameters, position: Array, wave_number: Array) -> Array:
+    """a cos(κ q) + b sin(κ q), (R, m), with κ = wave_number (m,) in 1/rad or 1/m."""
+    phase = wave_number * position
+    return p["a"] * np.cos(phase) + p["b"] * np.sin(phase)
+
 
 PAYLOAD_BODY = "payload of the scenario"
 MOTOR_SIDE = "hidden:motor side:"

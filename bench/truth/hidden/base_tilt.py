@@ -1,9 +1,6 @@
 """A base that does not stand level."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
-from typing import ClassVar
 
 import numpy as np
 
@@ -19,11 +16,9 @@ class BaseTilt(HiddenEffect):
     about_x, about_y: rad.
     """
 
-    name: ClassVar[str] = "base_tilt"
-    shares: ClassVar[tuple[float, float]] = (0.01, 0.15)
-    law: ClassVar[str] = (
-        "the base turned about its y axis, then about the x axis of the floor; of the whole machine"
-    )
+    name = "base_tilt"
+    shares = (0.01, 0.15)
+    law = "the base turned about its y axis, then about the x axis of the floor; of the whole machine"
     about_x: float = 0.0
     about_y: float = 0.0
 

@@ -1,14 +1,10 @@
 """A torque that is periodic in the position of the motor, as MuJoCo's cogging."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
-from typing import ClassVar
 
 import numpy as np
 
-from bench.truth.hidden.base import Draft, JointEffect, add_dc_motor
-from bench.truth.hidden.movement import JointMovement, Sizes, rms
+from bench.truth.hidden.base import Draft, JointEffect, JointMovement, Sizes, add_dc_motor, rms
 
 
 @dataclass(frozen=True)
@@ -20,9 +16,9 @@ class CoggingTorque(JointEffect):
     a, b: N·m or N.  period: rad or m.
     """
 
-    name: ClassVar[str] = "cogging_torque"
-    law: ClassVar[str] = "a cos(2πq / period) + b sin(2πq / period)"
-    positive: ClassVar[tuple[str, ...]] = ("period",)
+    name = "cogging_torque"
+    law = "a cos(2πq / period) + b sin(2πq / period)"
+    positive = ("period",)
     a: float
     b: float
     period: float
@@ -35,8 +31,4 @@ class CoggingTorque(JointEffect):
 
     @staticmethod
     def sized(j: JointMovement, share: float) -> Sizes:
-        return {
-            "a": 0.0,
-            "b": np.sqrt(2) * share * rms(j.torque),
-            "period": j.span / 6,
-        }
+        return {"a": 0.0, "b": np.sqrt(2) * share * rms(j.torque), "period": j.span / 6}

@@ -1,12 +1,8 @@
 """A constant torque, as an actuator that nobody commands."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
-from typing import ClassVar
 
-from bench.truth.hidden.base import Draft, JointEffect, add_affine_actuator
-from bench.truth.hidden.movement import JointMovement, Sizes, rms
+from bench.truth.hidden.base import Draft, JointEffect, JointMovement, Sizes, add_affine_actuator, rms
 
 
 @dataclass(frozen=True)
@@ -16,9 +12,9 @@ class ConstantOffset(JointEffect):
     c: N·m or N, either sign; what the motor has to supply, so that -c acts on the joint.
     """
 
-    name: ClassVar[str] = "constant_offset"
-    shares: ClassVar[tuple[float, float]] = (0.01, 0.3)
-    law: ClassVar[str] = "c"
+    name = "constant_offset"
+    shares = (0.01, 0.3)
+    law = "c"
     c: float
 
     def change(self, draft: Draft) -> None:

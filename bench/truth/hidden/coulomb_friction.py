@@ -1,12 +1,8 @@
 """Coulomb friction, as a friction constraint of the joint."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
-from typing import ClassVar
 
-from bench.truth.hidden.base import Draft, JointEffect, hard_friction
-from bench.truth.hidden.movement import JointMovement, Sizes, rms
+from bench.truth.hidden.base import Draft, JointEffect, JointMovement, Sizes, hard_friction, rms
 
 
 @dataclass(frozen=True)
@@ -18,9 +14,9 @@ class CoulombFriction(JointEffect):
     Fc: N·m or N, at least 0.
     """
 
-    name: ClassVar[str] = "coulomb_friction"
-    law: ClassVar[str] = "Fc sign(q̇)"
-    not_negative: ClassVar[tuple[str, ...]] = ("Fc",)
+    name = "coulomb_friction"
+    law = "Fc sign(q̇)"
+    not_negative = ("Fc",)
     Fc: float
 
     def change(self, draft: Draft) -> None:

@@ -1,14 +1,9 @@
 """A torque from the currents of the other motors; not in the catalogue of effects."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
-from typing import ClassVar
 
 from bench.basics.errors import BenchError
-from bench.truth.hidden.base import Draft, JointEffect
-from bench.truth.hidden.movement import JointMovement, Sizes, rms
-from bench.truth.hidden.signals import Law, Parameters, Signals
+from bench.truth.hidden.base import Draft, JointEffect, JointMovement, Law, Parameters, Signals, Sizes, rms
 
 
 @dataclass(frozen=True)
@@ -18,10 +13,10 @@ class CurrentCrosstalk(JointEffect):
     c: -, either sign (between a hinge and a slide 1/m or m).
     """
 
-    name: ClassVar[str] = "current_crosstalk"
-    law: ClassVar[str] = "c · (sum of the torques of the other motors)"
+    name = "current_crosstalk"
+    law = "c · (sum of the torques of the other motors)"
     needs = "motors"
-    in_catalogue: ClassVar[bool] = False
+    in_catalogue = False
     c: float
 
     def change(self, draft: Draft) -> None:

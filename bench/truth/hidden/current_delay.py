@@ -1,15 +1,20 @@
 """A current that acts later than it is commanded, or was logged later."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
-from typing import ClassVar
 
 import numpy as np
 
-from bench.truth.hidden.base import Array, JointEffect
-from bench.truth.hidden.movement import JointMovement, Sizes, rms, too_large
-from bench.truth.hidden.signals import Law, Parameters, Signals
+from bench.truth.hidden.base import (
+    Array,
+    JointEffect,
+    JointMovement,
+    Law,
+    Parameters,
+    Signals,
+    Sizes,
+    rms,
+    too_large,
+)
 
 LONGEST_DELAY = 0.05  # s
 
@@ -24,9 +29,9 @@ class CurrentDelay(JointEffect):
     T: s, either sign.
     """
 
-    name: ClassVar[str] = "current_delay"
-    shares: ClassVar[tuple[float, float]] = (0.002, 0.02)
-    law: ClassVar[str] = "the current acts T late; T < 0: it was logged |T| late"
+    name = "current_delay"
+    shares = (0.002, 0.02)
+    law = "the current acts T late; T < 0: it was logged |T| late"
     T: float
 
     @staticmethod

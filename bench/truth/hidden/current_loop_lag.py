@@ -1,15 +1,20 @@
 """A drive whose current follows its reference with a lag."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
-from typing import ClassVar
 
 import numpy as np
 
-from bench.truth.hidden.base import Array, JointEffect
-from bench.truth.hidden.movement import JointMovement, Sizes, rms, too_large
-from bench.truth.hidden.signals import Law, Parameters, Signals
+from bench.truth.hidden.base import (
+    Array,
+    JointEffect,
+    JointMovement,
+    Law,
+    Parameters,
+    Signals,
+    Sizes,
+    rms,
+    too_large,
+)
 
 
 @dataclass(frozen=True)
@@ -21,10 +26,10 @@ class CurrentLoopLag(JointEffect):
     T: time constant, s.
     """
 
-    name: ClassVar[str] = "current_loop_lag"
-    shares: ClassVar[tuple[float, float]] = (0.002, 0.01)
-    law: ClassVar[str] = "T di/dt = i_ref − i"
-    positive: ClassVar[tuple[str, ...]] = ("T",)
+    name = "current_loop_lag"
+    shares = (0.002, 0.01)
+    law = "T di/dt = i_ref − i"
+    positive = ("T",)
     T: float
 
     @staticmethod

@@ -1,9 +1,6 @@
 """A spring between motor and joint."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
-from typing import ClassVar
 
 from bench.truth.hidden.base import Draft
 from bench.truth.hidden.drive_train import DriveTrain
@@ -19,9 +16,9 @@ class DriveFlexibility(DriveTrain):
     rotor_inertia: kg·m² or kg, 0 if omitted.
     """
 
-    name: ClassVar[str] = "drive_flexibility"
-    shares: ClassVar[tuple[float, float]] = (0.001, 0.008)
-    law: ClassVar[str] = "a spring and a damper between motor and joint, the encoder on the motor"
+    name = "drive_flexibility"
+    shares = (0.001, 0.008)
+    law = "a spring and a damper between motor and joint, the encoder on the motor"
     stiffness: float
     damping: float
     rotor_inertia: float = 0.0

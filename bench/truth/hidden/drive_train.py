@@ -1,7 +1,5 @@
 """A motor and a joint that do not turn alike: what drive flexibility and backlash have in common."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import ClassVar
 
@@ -25,8 +23,8 @@ class DriveTrain(JointEffect):
     """
 
     positive: ClassVar[tuple[str, ...]] = ("stiffness",)
-    not_negative: ClassVar[tuple[str, ...]] = ("damping", "rotor_inertia")
-    changes_drives: ClassVar[bool] = True
+    not_negative = ("damping", "rotor_inertia")
+    changes_drives = True
 
     def add_rotor(
         self, draft: Draft, stiffness: float, damping: float, rotor_inertia: float, play: float

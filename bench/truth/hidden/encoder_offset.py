@@ -1,9 +1,6 @@
 """A joint position whose zero is wrong."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
-from typing import ClassVar
 
 from bench.truth.hidden.base import JointEffect
 
@@ -15,7 +12,7 @@ class EncoderOffset(JointEffect):
     offset: rad or m.
     """
 
-    name: ClassVar[str] = "encoder_offset"
-    shares: ClassVar[tuple[float, float]] = (0.004, 0.08)
-    law: ClassVar[str] = "logged and controlled position = q + offset"
+    name = "encoder_offset"
+    shares = (0.004, 0.08)
+    law = "logged and controlled position = q + offset"
     offset: float

@@ -1,15 +1,19 @@
 """A drive gain that falls as the current rises."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
-from typing import ClassVar
 
 import numpy as np
 
-from bench.truth.hidden.base import JointEffect
-from bench.truth.hidden.movement import JointMovement, Sizes, rms, too_large
-from bench.truth.hidden.signals import Law, Parameters, Signals
+from bench.truth.hidden.base import (
+    JointEffect,
+    JointMovement,
+    Law,
+    Parameters,
+    Signals,
+    Sizes,
+    rms,
+    too_large,
+)
 
 
 @dataclass(frozen=True)
@@ -22,10 +26,10 @@ class GainSaturation(JointEffect):
     k: 1 / (drive unit)², at least 0.
     """
 
-    name: ClassVar[str] = "gain_saturation"
-    shares: ClassVar[tuple[float, float]] = (0.01, 0.1)
-    law: ClassVar[str] = "τ = g i (1 − k i²)"
-    not_negative: ClassVar[tuple[str, ...]] = ("k",)
+    name = "gain_saturation"
+    shares = (0.01, 0.1)
+    law = "τ = g i (1 − k i²)"
+    not_negative = ("k",)
     k: float
 
     @staticmethod

@@ -1,9 +1,6 @@
 """A link that is longer than its MJCF says."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
-from typing import ClassVar
 
 import mujoco
 import numpy as np
@@ -26,10 +23,10 @@ class GeometricError(JointEffect):
     error: m, either sign.
     """
 
-    name: ClassVar[str] = "geometric_error"
-    shares: ClassVar[tuple[float, float]] = (0.001, 0.01)
-    law: ClassVar[str] = "the link that the joint moves is longer than in the MJCF; for any joint"
-    scaled: ClassVar[tuple[str, float] | None] = ("error", 1e-3)
+    name = "geometric_error"
+    shares = (0.001, 0.01)
+    law = "the link that the joint moves is longer than in the MJCF; for any joint"
+    scaled = ("error", 1e-3)
     where = "any"
     error: float
 

@@ -1,15 +1,20 @@
 """A cable or hose whose bending makes a loop."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
-from typing import ClassVar
 
 import numpy as np
 
-from bench.truth.hidden.base import Draft, JointEffect, refuse_fast_swing
-from bench.truth.hidden.movement import JointMovement, Sizes, rms
-from bench.truth.hidden.signals import Law, Parameters, Signals
+from bench.truth.hidden.base import (
+    Draft,
+    JointEffect,
+    JointMovement,
+    Law,
+    Parameters,
+    Signals,
+    Sizes,
+    refuse_fast_swing,
+    rms,
+)
 
 
 @dataclass(frozen=True)
@@ -23,9 +28,9 @@ class HystereticCable(JointEffect):
     F: N·m or N.  reach: rad or m.  sharpness: at least 1.
     """
 
-    name: ClassVar[str] = "hysteretic_cable"
-    law: ClassVar[str] = "Bouc and Wen: F z, reach dz/dt = q̇ − |q̇| |z|^(sharpness−1) z"
-    positive: ClassVar[tuple[str, ...]] = ("F", "reach", "sharpness")
+    name = "hysteretic_cable"
+    law = "Bouc and Wen: F z, reach dz/dt = q̇ − |q̇| |z|^(sharpness−1) z"
+    positive = ("F", "reach", "sharpness")
     F: float
     reach: float
     sharpness: float = 2.0

@@ -1,14 +1,10 @@
 """A spring at a joint, as an actuator that nobody commands."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
-from typing import ClassVar
 
 import numpy as np
 
-from bench.truth.hidden.base import Draft, JointEffect, add_affine_actuator
-from bench.truth.hidden.movement import JointMovement, Sizes, rms
+from bench.truth.hidden.base import Draft, JointEffect, JointMovement, Sizes, add_affine_actuator, rms
 
 
 @dataclass(frozen=True)
@@ -18,10 +14,10 @@ class JointSpring(JointEffect):
     k: N·m/rad or N/m, at least 0.  q0: where it is relaxed, rad or m.
     """
 
-    name: ClassVar[str] = "joint_spring"
-    shares: ClassVar[tuple[float, float]] = (0.02, 0.4)
-    law: ClassVar[str] = "k (q − q0)"
-    not_negative: ClassVar[tuple[str, ...]] = ("k",)
+    name = "joint_spring"
+    shares = (0.02, 0.4)
+    law = "k (q − q0)"
+    not_negative = ("k",)
     k: float
     q0: float
 

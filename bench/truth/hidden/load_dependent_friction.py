@@ -1,15 +1,19 @@
 """Dry friction that grows with the transmitted torque."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
-from typing import ClassVar
 
 import numpy as np
 
-from bench.truth.hidden.base import Draft, JointEffect, hard_friction
-from bench.truth.hidden.movement import JointMovement, Sizes
-from bench.truth.hidden.signals import Law, Parameters, Signals
+from bench.truth.hidden.base import (
+    Draft,
+    JointEffect,
+    JointMovement,
+    Law,
+    Parameters,
+    Signals,
+    Sizes,
+    hard_friction,
+)
 
 
 @dataclass(frozen=True)
@@ -23,9 +27,9 @@ class LoadDependentFriction(JointEffect):
     mu: at least 0, less than 1.
     """
 
-    name: ClassVar[str] = "load_dependent_friction"
-    law: ClassVar[str] = "mu |τ| sign(q̇), τ of the motor"
-    not_negative: ClassVar[tuple[str, ...]] = ("mu",)
+    name = "load_dependent_friction"
+    law = "mu |τ| sign(q̇), τ of the motor"
+    not_negative = ("mu",)
     mu: float
 
     def change(self, draft: Draft) -> None:

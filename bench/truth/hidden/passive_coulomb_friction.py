@@ -1,9 +1,6 @@
 """Coulomb friction in a joint without a motor."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
-from typing import ClassVar
 
 from bench.truth.hidden.base import Draft, JointEffect, hard_friction
 
@@ -17,12 +14,12 @@ class PassiveCoulombFriction(JointEffect):
     Fc: N·m or N, at least 0. Balls that close a loop are no joints of the machine: none there.
     """
 
-    name: ClassVar[str] = "passive_coulomb_friction"
-    law: ClassVar[str] = "Fc q̇/|q̇| in a joint without a motor, balls included"
-    scaled: ClassVar[tuple[str, float] | None] = ("Fc", 0.01)
-    not_negative: ClassVar[tuple[str, ...]] = ("Fc",)
+    name = "passive_coulomb_friction"
+    law = "Fc q̇/|q̇| in a joint without a motor, balls included"
+    scaled = ("Fc", 0.01)
+    not_negative = ("Fc",)
     where = "passive"
-    in_balls: ClassVar[bool] = True
+    in_balls = True
     Fc: float
 
     def change(self, draft: Draft) -> None:

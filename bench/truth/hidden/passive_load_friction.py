@@ -1,16 +1,12 @@
 """Dry friction in a joint without a motor that grows with the force in it."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
-from typing import ClassVar
 
 import mujoco
 import numpy as np
 
 from bench.dataset.mjcf_neutral import neutral
-from bench.truth.hidden.base import Array, Draft, JointEffect, hard_friction
-from bench.truth.hidden.signals import Parameters
+from bench.truth.hidden.base import Array, Draft, JointEffect, Parameters, hard_friction
 
 FORCE = "hidden:force in joint:"
 """Before the name of a joint: the site and the sensor of the force between the bodies that it joins."""
@@ -26,13 +22,10 @@ class PassiveLoadFriction(JointEffect):
     mu: at least 0; N·m/N of a hinge, N/N of a slide.
     """
 
-    name: ClassVar[str] = "passive_load_friction"
-    law: ClassVar[str] = "mu |F| sign(q̇) in a joint without a motor, F the force across its axis"
-    not_negative: ClassVar[tuple[str, ...]] = ("mu",)
-    shares: ClassVar[tuple[float, float]] = (
-        0.004,
-        0.02,
-    )  # mu of millimetres: 0.1 to 0.2 on a pin of centimetres
+    name = "passive_load_friction"
+    law = "mu |F| sign(q̇) in a joint without a motor, F the force across its axis"
+    not_negative = ("mu",)
+    shares = (0.004, 0.02)  # mu of millimetres: 0.1 to 0.2 on a pin of centimetres
     where = "passive"
     mu: float
 
@@ -46,10 +39,7 @@ class PassiveLoadFriction(JointEffect):
         mujoco.mju_quatZ2Vec(turn, np.asarray(joint.axis, dtype=float) / np.linalg.norm(joint.axis))
         joint.parent.add_site(neutral(), name=name, pos=joint.pos, quat=turn)
         draft.spec.add_sensor(
-            name=name,
-            type=mujoco.mjtSensor.mjSENS_FORCE,
-            objtype=mujoco.mjtObj.mjOBJ_SITE,
-            objname=name,
+            name=name, type=mujoco.mjtSensor.mjSENS_FORCE, objtype=mujoco.mjtObj.mjOBJ_SITE, objname=name
         )
 
     @staticmethod

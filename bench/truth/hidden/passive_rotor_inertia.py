@@ -1,9 +1,6 @@
 """Inertia of a rotor in a joint without a motor, as armature of the joint."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
-from typing import ClassVar
 
 from bench.truth.hidden.base import Draft, JointEffect
 
@@ -16,13 +13,13 @@ class PassiveRotorInertia(JointEffect):
     Ia: kg·m² or kg, at least 0. Balls that close a loop are no joints of the machine: none there.
     """
 
-    name: ClassVar[str] = "passive_rotor_inertia"
-    law: ClassVar[str] = "Ia q̈ in a joint without a motor, balls included"
-    shares: ClassVar[tuple[float, float]] = (0.01, 0.1)
-    scaled: ClassVar[tuple[str, float] | None] = ("Ia", 0.01)
-    not_negative: ClassVar[tuple[str, ...]] = ("Ia",)
+    name = "passive_rotor_inertia"
+    law = "Ia q̈ in a joint without a motor, balls included"
+    shares = (0.01, 0.1)
+    scaled = ("Ia", 0.01)
+    not_negative = ("Ia",)
     where = "passive"
-    in_balls: ClassVar[bool] = True
+    in_balls = True
     Ia: float
 
     def change(self, draft: Draft) -> None:

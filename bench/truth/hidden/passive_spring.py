@@ -1,9 +1,6 @@
 """A spring in a joint without a motor, as an actuator that nobody commands."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
-from typing import ClassVar
 
 from bench.truth.hidden.base import Draft, JointEffect, add_affine_actuator
 
@@ -16,10 +13,10 @@ class PassiveSpring(JointEffect):
     machine: none there.
     """
 
-    name: ClassVar[str] = "passive_spring"
-    shares: ClassVar[tuple[float, float]] = (0.02, 0.4)
-    law: ClassVar[str] = "k (q − q0) in a joint without a motor"
-    not_negative: ClassVar[tuple[str, ...]] = ("k",)
+    name = "passive_spring"
+    shares = (0.02, 0.4)
+    law = "k (q − q0) in a joint without a motor"
+    not_negative = ("k",)
     where = "passive"
     k: float
     q0: float

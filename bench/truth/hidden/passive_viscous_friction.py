@@ -1,9 +1,6 @@
 """Viscous friction in a joint without a motor."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
-from typing import ClassVar
 
 from bench.truth.hidden.base import Draft, JointEffect, add_damping
 
@@ -15,12 +12,12 @@ class PassiveViscousFriction(JointEffect):
     Fv: N·m·s/rad or N·s/m, at least 0. Balls that close a loop are no joints of the machine: none there.
     """
 
-    name: ClassVar[str] = "passive_viscous_friction"
-    law: ClassVar[str] = "Fv q̇ in a joint without a motor, balls included"
-    scaled: ClassVar[tuple[str, float] | None] = ("Fv", 0.01)
-    not_negative: ClassVar[tuple[str, ...]] = ("Fv",)
+    name = "passive_viscous_friction"
+    law = "Fv q̇ in a joint without a motor, balls included"
+    scaled = ("Fv", 0.01)
+    not_negative = ("Fv",)
     where = "passive"
-    in_balls: ClassVar[bool] = True
+    in_balls = True
     Fv: float
 
     def change(self, draft: Draft) -> None:

@@ -1,9 +1,6 @@
 """A payload that does not weigh what was declared."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
-from typing import ClassVar
 
 from bench.basics.errors import BenchError
 from bench.dataset.payload import Payload
@@ -19,10 +16,10 @@ class PayloadMassError(HiddenEffect):
     error: kg, either sign, for every payload of the scenario.
     """
 
-    name: ClassVar[str] = "payload_mass_error"
-    law: ClassVar[str] = "every payload weighs this much more than its table says; of the whole machine"
+    name = "payload_mass_error"
+    law = "every payload weighs this much more than its table says; of the whole machine"
     needs = "payload"
-    scaled: ClassVar[tuple[str, float] | None] = ("error", 0.01)
+    scaled = ("error", 0.01)
     error: float
 
     def change(self, draft: Draft) -> None:

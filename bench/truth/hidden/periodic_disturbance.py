@@ -1,15 +1,10 @@
 """A torque at a fixed frequency; not in the catalogue of effects."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
-from typing import ClassVar
 
 import numpy as np
 
-from bench.truth.hidden.base import JointEffect
-from bench.truth.hidden.movement import JointMovement, Sizes, rms
-from bench.truth.hidden.signals import Law, Parameters, Signals
+from bench.truth.hidden.base import JointEffect, JointMovement, Law, Parameters, Signals, Sizes, rms
 
 
 @dataclass(frozen=True)
@@ -19,10 +14,10 @@ class PeriodicDisturbance(JointEffect):
     size: N·m or N.  frequency: Hz.  phase: rad, 0 if omitted.
     """
 
-    name: ClassVar[str] = "periodic_disturbance"
-    law: ClassVar[str] = "size sin(2π frequency t + phase)"
-    positive: ClassVar[tuple[str, ...]] = ("frequency",)
-    in_catalogue: ClassVar[bool] = False
+    name = "periodic_disturbance"
+    law = "size sin(2π frequency t + phase)"
+    positive = ("frequency",)
+    in_catalogue = False
     size: float
     frequency: float
     phase: float = 0.0

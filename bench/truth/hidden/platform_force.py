@@ -1,9 +1,6 @@
 """A force at the tool, as actuators that nobody commands."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
-from typing import ClassVar
 
 import mujoco
 import numpy as np
@@ -23,11 +20,11 @@ class PlatformForce(HiddenEffect):
     fx, fy, fz: N, in the frame of the base.  k: N/m, at least 0. Each 0 if omitted.
     """
 
-    name: ClassVar[str] = "platform_force"
-    shares: ClassVar[tuple[float, float]] = (0.02, 0.3)
-    law: ClassVar[str] = "f − k (x − x_home) acts on the tool; of the whole machine"
+    name = "platform_force"
+    shares = (0.02, 0.3)
+    law = "f − k (x − x_home) acts on the tool; of the whole machine"
     needs = "tool"
-    not_negative: ClassVar[tuple[str, ...]] = ("k",)
+    not_negative = ("k",)
     fx: float = 0.0
     fy: float = 0.0
     fz: float = 0.0

@@ -1,15 +1,21 @@
 """Dry friction that changes with the position."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
-from typing import ClassVar
 
 import numpy as np
 
-from bench.truth.hidden.base import Draft, JointEffect, hard_friction
-from bench.truth.hidden.movement import JointMovement, Sizes, wave_sizes
-from bench.truth.hidden.signals import Law, Parameters, Signals, harmonic
+from bench.truth.hidden.base import (
+    Draft,
+    JointEffect,
+    JointMovement,
+    Law,
+    Parameters,
+    Signals,
+    Sizes,
+    hard_friction,
+    harmonic,
+    wave_sizes,
+)
 
 
 @dataclass(frozen=True)
@@ -22,9 +28,9 @@ class PositionDependentFriction(JointEffect):
     a, b: N·m or N.  harmonic: h, 1 if omitted; 1/rad, or 1/m for a slide.
     """
 
-    name: ClassVar[str] = "position_dependent_friction"
-    law: ClassVar[str] = "(a cos hq + b sin hq) sign(q̇); not negative"
-    positive: ClassVar[tuple[str, ...]] = ("harmonic",)
+    name = "position_dependent_friction"
+    law = "(a cos hq + b sin hq) sign(q̇); not negative"
+    positive = ("harmonic",)
     a: float
     b: float
     harmonic: float = 1.0

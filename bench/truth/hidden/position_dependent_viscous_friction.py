@@ -1,13 +1,17 @@
 """Viscous friction that changes with the position; not in the catalogue of effects."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
-from typing import ClassVar
 
-from bench.truth.hidden.base import JointEffect
-from bench.truth.hidden.movement import JointMovement, Sizes, wave_sizes
-from bench.truth.hidden.signals import Law, Parameters, Signals, harmonic
+from bench.truth.hidden.base import (
+    JointEffect,
+    JointMovement,
+    Law,
+    Parameters,
+    Signals,
+    Sizes,
+    harmonic,
+    wave_sizes,
+)
 
 
 @dataclass(frozen=True)
@@ -17,10 +21,10 @@ class PositionDependentViscousFriction(JointEffect):
     a, b: N·m·s/rad or N·s/m.  harmonic: h, 1 if omitted; 1/rad, or 1/m for a slide.
     """
 
-    name: ClassVar[str] = "position_dependent_viscous_friction"
-    law: ClassVar[str] = "(a cos hq + b sin hq) q̇"
-    positive: ClassVar[tuple[str, ...]] = ("harmonic",)
-    in_catalogue: ClassVar[bool] = False
+    name = "position_dependent_viscous_friction"
+    law = "(a cos hq + b sin hq) q̇"
+    positive = ("harmonic",)
+    in_catalogue = False
     a: float
     b: float
     harmonic: float = 1.0

@@ -1,12 +1,16 @@
 """Friction that is a spring before it slides, as MuJoCo's LuGre model."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
-from typing import ClassVar
 
-from bench.truth.hidden.base import Draft, JointEffect, add_dc_motor, refuse_fast_swing
-from bench.truth.hidden.movement import JointMovement, Sizes, rms
+from bench.truth.hidden.base import (
+    Draft,
+    JointEffect,
+    JointMovement,
+    Sizes,
+    add_dc_motor,
+    refuse_fast_swing,
+    rms,
+)
 
 
 @dataclass(frozen=True)
@@ -21,9 +25,9 @@ class PreslidingHysteresis(JointEffect):
     Fc: N·m or N.  stiffness: σ, N·m/rad or N/m; most of Fc is there after 3 Fc / σ.
     """
 
-    name: ClassVar[str] = "presliding_hysteresis"
-    law: ClassVar[str] = "Dahl: a spring until it slides with Fc"
-    positive: ClassVar[tuple[str, ...]] = ("Fc", "stiffness")
+    name = "presliding_hysteresis"
+    law = "Dahl: a spring until it slides with Fc"
+    positive = ("Fc", "stiffness")
     Fc: float
     stiffness: float
 

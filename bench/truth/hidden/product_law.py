@@ -1,17 +1,22 @@
 """A product of powers, a wave, a fading and a memory; not in the catalogue of effects."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-from bench.truth.hidden.base import Draft, JointEffect, hard_friction
-from bench.truth.hidden.movement import JointMovement, Sizes, rms
-from bench.truth.hidden.signals import Law, Parameters, Signals
+from bench.truth.hidden.base import (
+    Draft,
+    JointEffect,
+    JointMovement,
+    Law,
+    Parameters,
+    Signals,
+    Sizes,
+    hard_friction,
+    rms,
+)
 
 Array = NDArray[np.float64]
 
@@ -25,10 +30,10 @@ class ProductLaw(JointEffect):
     of that frequency (rad/s) and damping makes of all this. Friction (direction 1, v 0, omega 0) also sticks.
     """
 
-    name: ClassVar[str] = "product_law"
-    law: ClassVar[str] = "c s |q̇|^v |q̈|^a |τ|^tau …: a product of powers, a wave, a fading and a memory"
-    not_negative: ClassVar[tuple[str, ...]] = ("v", "a", "tau", "others", "q", "wave", "T", "omega", "zeta")
-    in_catalogue: ClassVar[bool] = False
+    name = "product_law"
+    law = "c s |q̇|^v |q̈|^a |τ|^tau …: a product of powers, a wave, a fading and a memory"
+    not_negative = ("v", "a", "tau", "others", "q", "wave", "T", "omega", "zeta")
+    in_catalogue = False
     c: float
     direction: float = 0.0
     odd_tau: float = 0.0
@@ -71,11 +76,7 @@ class ProductLaw(JointEffect):
 
     @staticmethod
     def sized(j: JointMovement, share: float) -> Sizes:
-        return {
-            "c": share * rms(j.torque) / rms(np.abs(j.velocity) ** 1.5),
-            "direction": 1.0,
-            "v": 1.5,
-        }
+        return {"c": share * rms(j.torque) / rms(np.abs(j.velocity) ** 1.5), "direction": 1.0, "v": 1.5}
 
 
 def unit_torque(

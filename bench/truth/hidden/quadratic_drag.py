@@ -1,12 +1,8 @@
 """Drag that grows with the square of the speed, as damping of the joint."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
-from typing import ClassVar
 
-from bench.truth.hidden.base import Draft, JointEffect, add_damping
-from bench.truth.hidden.movement import JointMovement, Sizes, rms
+from bench.truth.hidden.base import Draft, JointEffect, JointMovement, Sizes, add_damping, rms
 
 
 @dataclass(frozen=True)
@@ -16,9 +12,9 @@ class QuadraticDrag(JointEffect):
     c: N·m·s²/rad² or N·s²/m², at least 0.
     """
 
-    name: ClassVar[str] = "quadratic_drag"
-    law: ClassVar[str] = "c q̇ |q̇|"
-    not_negative: ClassVar[tuple[str, ...]] = ("c",)
+    name = "quadratic_drag"
+    law = "c q̇ |q̇|"
+    not_negative = ("c",)
     c: float
 
     def change(self, draft: Draft) -> None:

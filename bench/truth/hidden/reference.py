@@ -1,7 +1,5 @@
 """A movement without hidden effects, against which the size of an effect is measured."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -10,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bench.basics.errors import BenchError
-from bench.truth.hidden.movement import JointMovement
+from bench.truth.hidden.base import JointMovement
 from bench.truth.inverse import motor_torque
 from bench.truth.simulate import Simulation
 

@@ -1,12 +1,8 @@
 """Inertia of the motor's rotor, as armature of its joint."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
-from typing import ClassVar
 
-from bench.truth.hidden.base import Draft, JointEffect
-from bench.truth.hidden.movement import JointMovement, Sizes, rms
+from bench.truth.hidden.base import Draft, JointEffect, JointMovement, Sizes, rms
 
 
 @dataclass(frozen=True)
@@ -16,9 +12,9 @@ class RotorInertia(JointEffect):
     Ia: kg·m² or kg, at least 0.
     """
 
-    name: ClassVar[str] = "rotor_inertia"
-    law: ClassVar[str] = "Ia q̈"
-    not_negative: ClassVar[tuple[str, ...]] = ("Ia",)
+    name = "rotor_inertia"
+    law = "Ia q̈"
+    not_negative = ("Ia",)
     Ia: float
 
     def change(self, draft: Draft) -> None:

@@ -1,15 +1,10 @@
 """Friction of a grease that thins under shear, as a torque law."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
-from typing import ClassVar
 
 import numpy as np
 
-from bench.truth.hidden.base import JointEffect
-from bench.truth.hidden.movement import JointMovement, Sizes, rms
-from bench.truth.hidden.signals import Law, Parameters, Signals
+from bench.truth.hidden.base import JointEffect, JointMovement, Law, Parameters, Signals, Sizes, rms
 
 
 @dataclass(frozen=True)
@@ -19,10 +14,10 @@ class ShearThinningFriction(JointEffect):
     Fa: N·m or N, at least 0.  va: rad/s or m/s.
     """
 
-    name: ClassVar[str] = "shear_thinning_friction"
-    law: ClassVar[str] = "Fa asinh(q̇/va)"
-    positive: ClassVar[tuple[str, ...]] = ("va",)
-    not_negative: ClassVar[tuple[str, ...]] = ("Fa",)
+    name = "shear_thinning_friction"
+    law = "Fa asinh(q̇/va)"
+    positive = ("va",)
+    not_negative = ("Fa",)
     Fa: float
     va: float
 

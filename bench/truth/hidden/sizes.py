@@ -1,15 +1,20 @@
 """How large an effect must be to matter: parameters for a given share of the torque, for any robot."""
 
-from __future__ import annotations
+from collections.abc import Callable, Mapping
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from bench.basics.errors import BenchError
+from bench.scenario.scenario import Scenario
+from bench.scenario.tables import Hidden
 from bench.truth.hidden import HIDDEN_EFFECTS, JointEffect
-from bench.truth.hidden.machine_sizes import machine_sizes
+from bench.truth.hidden.base import HiddenEffect, JointMovement, Sizes, rms
 from bench.truth.hidden.reference import Reference
-from bench.truth.simulate import Simulation
+from bench.truth.inverse import motor_torque
+from bench.truth.machine import build_machine
+from bench.truth.simulate import Simulation, simulate
 
 Array = NDArray[np.float64]
 DIGITS = 4  # that a parameter is given with
@@ -53,3 +58,225 @@ def measured_share(simulation: Simulation, reference: Reference) -> Array:
     current = np.concatenate([recording.current for recording in without])
     ratio = np.mean(np.concatenate(change) ** 2, axis=0) / np.mean(current**2, axis=0)
     return np.asarray(np.sqrt(ratio))
+
+
+CLOSE = 0.02  # of the wished share
+FURTHEST = np.log(100.0)  # step of a search, as a logarithm
+ROTOR = 0.1  # of the inertia that the joint feels
+
+
+def passive_spring_size(reference: Reference, effect: str, joint: str | None, share: float) -> Sizes:
+    """Relaxed in the middle of the movement, or all of them at joint position zero."""
+    q0 = 0.0
+    if joint is not None:
+        address = int(reference.simulation.machine.models[None].joint(joint).qposadr[0])
+        q0 = float(np.mean(np.concatenate([s.pose[:, address] for s in reference.samples])))
+    return _scaled(reference, effect, joint, None, share, lambda x: {"k": x, "q0": q0}, 0.1)
+
+
+def base_tilt_size(reference: Reference, effect: str, _joint: str | None, share: float) -> Sizes:
+    """About the axis that the motors feel more."""
+    keys = ("about_x", "about_y")
+    felt = {key: _felt(reference, effect, None, None, {key: 0.02}) for key in keys}
+    key = max(keys, key=lambda k: felt[k])
+    return _scaled(reference, effect, None, None, share, lambda x: {key: x}, 0.02)
+
+
+def platform_force_size(reference: Reference, effect: str, _joint: str | None, share: float) -> Sizes:
+    """A constant force, level where the motors feel that, along the axis that they feel most."""
+    felt = {key: _felt(reference, effect, None, None, {key: 1.0}) for key in ("fx", "fy", "fz")}
+    level = max(("fx", "fy"), key=lambda k: felt[k])
+    key = level if felt[level] > 0.2 * felt["fz"] else "fz"
+    return _scaled(reference, effect, None, None, share, lambda x: {key: x}, 1.0)
+
+
+def encoder_offset_size(reference: Reference, _effect: str, joint: str | None, share: float) -> Sizes:
+    """As if the joint had moved elsewhere."""
+    movement = _movement(reference, joint)
+    offset = 0.01
+
+    def felt(x: float) -> float:
+        return _shifted(
+            reference, movement, [np.full(len(movement.time), -x), *(np.zeros(len(movement.time)),) * 2]
+        )
+
+    solution = _solved(felt, offset, share, 1)
+    if abs(solution) > movement.span:
+        raise BenchError(f"the torque of joint {movement.joint} hardly depends on its zero")
+    return {"offset": solution}
+
+
+def drive_flexibility_size(reference: Reference, _effect: str, joint: str | None, share: float) -> Sizes:
+    """As if the joint moved as far from its motor as the spring gives way; the rotor's inertia aside."""
+    j = _movement(reference, joint)
+
+    def felt(stiffness: float) -> float:
+        return _shifted(reference, j, [-x / stiffness for x in (j.torque, j.torque_rate, j.torque_bend)])
+
+    rotor = 0.0 if j.armature > 0 else ROTOR * j.inertia
+    stiffness = _solved(felt, 100 * rms(j.torque) / j.span, share, -1)
+    return _rotor({"stiffness": stiffness, "damping": 0.1 * np.sqrt(stiffness * j.inertia)}, rotor)
+
+
+def backlash_size(reference: Reference, effect: str, joint: str | None, share: float) -> Sizes:
+    """From simulations, compared with a rotor without play: how the joint changes flanks has no simpler rule.
+
+    Flanks that give way by a tenth of the play, or less stiff ones if the step asks for it.
+    """
+    j = _movement(reference, joint)
+    step = reference.simulation.scenario.settings.step
+    rotor = 0.0 if j.armature > 0 else ROTOR * j.inertia
+    without = _again(reference, "rotor_inertia", joint, {"Ia": rotor}) if rotor else reference.simulation
+    i = without.robot.driven.index(j.joint)
+
+    def sizes(play: float) -> Sizes:
+        stiffness = min(10 * rms(j.torque) / play, 0.2 * (rotor + j.armature) / step**2)
+        damping = 0.2 * np.sqrt(stiffness * (rotor + j.armature))
+        return _rotor({"play": play, "stiffness": stiffness, "damping": damping}, rotor)
+
+    def felt(play: float) -> float:
+        pairs = zip(_again(reference, effect, joint, sizes(play)).recordings, without.recordings, strict=True)
+        return rms(np.concatenate([(a.current - b.current)[:, i] for a, b in pairs])) / rms(j.current)
+
+    return sizes(_solved(felt, 0.02 * j.span, share, 1))
+
+
+def passive_load_friction_size(reference: Reference, effect: str, joint: str | None, share: float) -> Sizes:
+    """From simulations: what a joint bears, no rule of a movement tells."""
+    without = reference.simulation
+
+    def felt(mu: float) -> float:
+        pairs = zip(_again(reference, effect, joint, {"mu": mu}).recordings, without.recordings, strict=True)
+        change = np.concatenate([a.current - b.current for a, b in pairs])
+        return rms(change) / rms(np.concatenate([recording.current for recording in without.recordings]))
+
+    return {"mu": _solved(felt, 1e-3, share, 1)}
+
+
+def transmission_error_size(reference: Reference, _effect: str, joint: str | None, share: float) -> Sizes:
+    """As if the joint had swung about its movement, three times over its span."""
+    j = _movement(reference, joint)
+    period = j.span / 3
+    steepness = 2 * np.pi / period
+    wave, slope = np.sin(steepness * j.position), steepness * np.cos(steepness * j.position)
+    rate = slope * j.acceleration - steepness**2 * wave * j.velocity**2
+
+    def felt(x: float) -> float:
+        return _shifted(reference, j, [-x * values for values in (wave, slope * j.velocity, rate)])
+
+    return {"a": 0.0, "b": _solved(felt, 1e-3 * period, share, 1), "period": period}
+
+
+MACHINE_SIZES: Mapping[str, Callable[[Reference, str, str | None, float], Sizes]] = {
+    "backlash": backlash_size,
+    "base_tilt": base_tilt_size,
+    "drive_flexibility": drive_flexibility_size,
+    "encoder_offset": encoder_offset_size,
+    "passive_load_friction": passive_load_friction_size,
+    "passive_spring": passive_spring_size,
+    "platform_force": platform_force_size,
+    "transmission_error": transmission_error_size,
+}
+"""Rules of effects whose torques do not grow in proportion with one parameter alone."""
+
+
+def machine_sizes(kind: type[HiddenEffect], reference: Reference, joint: str | None, share: float) -> Sizes:
+    """Parameters for a share of the torque of `joint`, or of all motors."""
+    if kind.name in MACHINE_SIZES:
+        return MACHINE_SIZES[kind.name](reference, kind.name, joint, share)
+    if kind.scaled is None:
+        raise BenchError("no rule gives its size")
+    name, start = kind.scaled
+    actuated = joint if joint in reference.simulation.robot.joints else None
+    return _scaled(reference, kind.name, joint, actuated, share, lambda x: {name: x}, start)
+
+
+def _felt(
+    reference: Reference, effect: str, joint: str | None, motor: str | None, parameters: Sizes
+) -> float:
+    """Share of the torque of a motor (of all, if None) that the effect changes in the same movement."""
+    scenario = _with(reference, effect, joint, parameters)
+    machine = build_machine(scenario)
+    columns = slice(None) if motor is None else machine.robot.joints.index(motor)
+    changes, torques = [], []
+    for s in reference.samples:
+        with_it = motor_torque(machine, s.payload, s.pose, s.q, s.qd, s.qdd)
+        changes.append((with_it - s.torque)[:, columns])
+        torques.append(s.torque[:, columns])
+    return rms(np.concatenate(changes)) / rms(np.concatenate(torques))
+
+
+def _with(reference: Reference, effect: str, joint: str | None, parameters: Sizes) -> Scenario:
+    """The scenario of the reference with an effect."""
+    scenario = reference.simulation.scenario
+    hidden = Hidden(effect=effect, joint=joint, **parameters)
+    return replace(scenario, settings=scenario.settings.model_copy(update={"hidden": (hidden,)}))
+
+
+def _again(reference: Reference, effect: str, joint: str | None, parameters: Sizes) -> Simulation:
+    trajectories = {recording.name: recording.trajectory for recording in reference.simulation.recordings}
+    return simulate(_with(reference, effect, joint, parameters), trajectories)
+
+
+def _shifted(reference: Reference, j: JointMovement, shifts: list[Array]) -> float:
+    """Share of its torque that changes if the joint's position, velocity, acceleration shift (N,) each."""
+    machine = reference.simulation.machine
+    if j.joint not in machine.robot.joints:
+        raise BenchError(
+            f"the motor of joint {j.joint} is redundant: its torque does not follow from the motion"
+        )
+    i = machine.robot.joints.index(j.joint)
+    changes, torques = [], []
+    for s in reference.samples:
+        moved = []
+        for values, shift in zip((s.q, s.qd, s.qdd), shifts, strict=True):
+            moved.append(values.copy())
+            moved[-1][:, i] += shift[s.first + s.rows]
+        moved_torque = motor_torque(machine, s.payload, s.pose, *moved)
+        changes.append((moved_torque - s.torque)[:, i])
+        torques.append(s.torque[:, i])
+    return rms(np.concatenate(changes)) / rms(np.concatenate(torques))
+
+
+def _scaled(
+    reference: Reference,
+    effect: str,
+    joint: str | None,
+    motor: str | None,
+    share: float,
+    parameters: Callable[[float], Sizes],
+    start: float,
+) -> Sizes:
+    def felt(x: float) -> float:
+        return _felt(reference, effect, joint, motor, parameters(x))
+
+    return parameters(_solved(felt, start, share, 1))
+
+
+def _solved(felt: Callable[[float], float], start: float, share: float, exponent: float) -> float:
+    """x with felt(x) within some percent of `share`; felt goes about with x^exponent, found out on the way."""
+    x, level = start, felt(start)
+    for _ in range(4):
+        if not level > 0:
+            raise BenchError("the effect changes no motor torque in this motion")
+        if abs(level / share - 1) < CLOSE:
+            break
+        before, x = (
+            (x, level),
+            x * float(np.exp(np.clip(np.log(share / level) / exponent, -FURTHEST, FURTHEST))),
+        )
+        level = felt(x)
+        if level > 0 and level != before[1]:
+            slope = np.log(level / before[1]) / np.log(x / before[0])
+            exponent = float(np.clip(slope / exponent, 0.3, 3.0)) * exponent
+    return x
+
+
+def _movement(reference: Reference, joint: str | None) -> JointMovement:
+    if joint is None:
+        raise BenchError(f"name a joint: one of {', '.join(reference.simulation.robot.driven)}")
+    return reference.movement(joint)
+
+
+def _rotor(sizes: Sizes, inertia: float) -> Sizes:
+    return sizes | {"rotor_inertia": inertia} if inertia > 0 else sizes

@@ -1,15 +1,10 @@
 """A drive gain that falls with the speed; not in the catalogue of effects."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
-from typing import ClassVar
 
 import numpy as np
 
-from bench.truth.hidden.base import JointEffect
-from bench.truth.hidden.movement import JointMovement, Sizes, rms
-from bench.truth.hidden.signals import Law, Parameters, Signals
+from bench.truth.hidden.base import JointEffect, JointMovement, Law, Parameters, Signals, Sizes, rms
 
 
 @dataclass(frozen=True)
@@ -19,10 +14,10 @@ class SpeedDependentGain(JointEffect):
     v0: the speed at which nothing remains, rad/s or m/s.
     """
 
-    name: ClassVar[str] = "speed_dependent_gain"
-    law: ClassVar[str] = "τ = g i (1 − |q̇|/v0)"
-    positive: ClassVar[tuple[str, ...]] = ("v0",)
-    in_catalogue: ClassVar[bool] = False
+    name = "speed_dependent_gain"
+    law = "τ = g i (1 − |q̇|/v0)"
+    positive = ("v0",)
+    in_catalogue = False
     v0: float
 
     @staticmethod

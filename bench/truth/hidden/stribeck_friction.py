@@ -1,15 +1,20 @@
 """Dry friction that falls with the speed."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
-from typing import ClassVar
 
 import numpy as np
 
-from bench.truth.hidden.base import Draft, JointEffect, hard_friction
-from bench.truth.hidden.movement import JointMovement, Sizes, rms
-from bench.truth.hidden.signals import Law, Parameters, Signals
+from bench.truth.hidden.base import (
+    Draft,
+    JointEffect,
+    JointMovement,
+    Law,
+    Parameters,
+    Signals,
+    Sizes,
+    hard_friction,
+    rms,
+)
 
 
 @dataclass(frozen=True)
@@ -21,10 +26,10 @@ class StribeckFriction(JointEffect):
     Fc, Fs: N·m or N, at least 0.  vs: Stribeck velocity, rad/s or m/s.  delta: 2 (Gaussian) if omitted.
     """
 
-    name: ClassVar[str] = "stribeck_friction"
-    law: ClassVar[str] = "(Fc + Fs exp(−|q̇/vs|^delta)) sign(q̇)"
-    positive: ClassVar[tuple[str, ...]] = ("vs", "delta")
-    not_negative: ClassVar[tuple[str, ...]] = ("Fc", "Fs")
+    name = "stribeck_friction"
+    law = "(Fc + Fs exp(−|q̇/vs|^delta)) sign(q̇)"
+    positive = ("vs", "delta")
+    not_negative = ("Fc", "Fs")
     Fc: float
     Fs: float
     vs: float

@@ -1,15 +1,21 @@
 """Friction that a joint has while it is cold."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
-from typing import ClassVar
 
 import numpy as np
 
-from bench.truth.hidden.base import Array, Draft, JointEffect, hard_friction
-from bench.truth.hidden.movement import JointMovement, Sizes, rms
-from bench.truth.hidden.signals import Law, Parameters, Signals
+from bench.truth.hidden.base import (
+    Array,
+    Draft,
+    JointEffect,
+    JointMovement,
+    Law,
+    Parameters,
+    Signals,
+    Sizes,
+    hard_friction,
+    rms,
+)
 
 
 @dataclass(frozen=True)
@@ -21,10 +27,10 @@ class ThermalFrictionDrift(JointEffect):
     Fv: N·m·s/rad or N·s/m.  Fc: N·m or N; both at least 0, and 0 if omitted.  T: time constant, s.
     """
 
-    name: ClassVar[str] = "thermal_friction_drift"
-    law: ClassVar[str] = "(Fv q̇ + Fc sign(q̇)) exp(−t/T), every recording from cold"
-    positive: ClassVar[tuple[str, ...]] = ("T",)
-    not_negative: ClassVar[tuple[str, ...]] = ("Fv", "Fc")
+    name = "thermal_friction_drift"
+    law = "(Fv q̇ + Fc sign(q̇)) exp(−t/T), every recording from cold"
+    positive = ("T",)
+    not_negative = ("Fv", "Fc")
     T: float
     Fv: float = 0.0
     Fc: float = 0.0
@@ -50,7 +56,4 @@ class ThermalFrictionDrift(JointEffect):
     def sized(j: JointMovement, share: float) -> Sizes:
         """Viscous friction that has gone to a third after a third of the recording."""
         cooling = 0.3 * j.duration
-        return {
-            "T": cooling,
-            "Fv": share * rms(j.torque) / rms(j.velocity * np.exp(-j.time / cooling)),
-        }
+        return {"T": cooling, "Fv": share * rms(j.torque) / rms(j.velocity * np.exp(-j.time / cooling))}

@@ -1,9 +1,6 @@
 """The drag of a fluid on the tool, by MuJoCo's model of a small sphere in it."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
-from typing import ClassVar
 
 import mujoco
 import numpy as np
@@ -23,11 +20,11 @@ class ToolDrag(HiddenEffect):
     c: N·s²/m², at least 0.
     """
 
-    name: ClassVar[str] = "tool_drag"
-    law: ClassVar[str] = "c v |v| acts against the velocity v of the tool; of the whole machine"
+    name = "tool_drag"
+    law = "c v |v| acts against the velocity v of the tool; of the whole machine"
     needs = "tool"
-    scaled: ClassVar[tuple[str, float] | None] = ("c", 1.0)
-    not_negative: ClassVar[tuple[str, ...]] = ("c",)
+    scaled = ("c", 1.0)
+    not_negative = ("c",)
     c: float
 
     def change(self, draft: Draft) -> None:

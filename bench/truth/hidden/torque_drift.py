@@ -1,15 +1,10 @@
 """A torque that wanders slowly and at random; not in the catalogue of effects."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
-from typing import ClassVar
 
 import numpy as np
 
-from bench.truth.hidden.base import JointEffect
-from bench.truth.hidden.movement import JointMovement, Sizes, rms
-from bench.truth.hidden.signals import Law, Parameters, Signals
+from bench.truth.hidden.base import JointEffect, JointMovement, Law, Parameters, Signals, Sizes, rms
 from bench.truth.streams import stream
 
 WAVES = 12
@@ -25,11 +20,11 @@ class TorqueDrift(JointEffect):
     size: N·m or N.  T: s, the faster half of the waves takes between 3 T and 6 T.  seed: a whole number.
     """
 
-    name: ClassVar[str] = "torque_drift"
-    law: ClassVar[str] = "slow and random, another course in each recording"
-    positive: ClassVar[tuple[str, ...]] = ("T",)
-    not_negative: ClassVar[tuple[str, ...]] = ("seed",)
-    in_catalogue: ClassVar[bool] = False
+    name = "torque_drift"
+    law = "slow and random, another course in each recording"
+    positive = ("T",)
+    not_negative = ("seed",)
+    in_catalogue = False
     size: float
     T: float
     seed: float = 0.0

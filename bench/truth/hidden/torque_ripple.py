@@ -1,15 +1,10 @@
 """A drive gain that is periodic in the position of the motor."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
-from typing import ClassVar
 
 import numpy as np
 
-from bench.truth.hidden.base import JointEffect
-from bench.truth.hidden.movement import JointMovement, Sizes
-from bench.truth.hidden.signals import Law, Parameters, Signals, harmonic
+from bench.truth.hidden.base import JointEffect, JointMovement, Law, Parameters, Signals, Sizes, harmonic
 
 
 @dataclass(frozen=True)
@@ -19,9 +14,9 @@ class TorqueRipple(JointEffect):
     a, b: shares of the torque.  period: rad or m.
     """
 
-    name: ClassVar[str] = "torque_ripple"
-    law: ClassVar[str] = "τ = g i (1 + a cos(2πq / period) + b sin(2πq / period))"
-    positive: ClassVar[tuple[str, ...]] = ("period",)
+    name = "torque_ripple"
+    law = "τ = g i (1 + a cos(2πq / period) + b sin(2πq / period))"
+    positive = ("period",)
     a: float
     b: float
     period: float

@@ -1,14 +1,10 @@
 """An encoder or gear that is off its centre: what is measured swings about the true position."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
-from typing import ClassVar
 
 import numpy as np
 
-from bench.truth.hidden.base import JointEffect
-from bench.truth.hidden.signals import Law, Parameters, Signals, harmonic
+from bench.truth.hidden.base import JointEffect, Law, Parameters, Signals, harmonic
 
 
 @dataclass(frozen=True)
@@ -18,9 +14,9 @@ class TransmissionError(JointEffect):
     a, b: rad or m.  period: rad or m; 2π for once a turn.
     """
 
-    name: ClassVar[str] = "transmission_error"
-    law: ClassVar[str] = "logged and controlled position = q + a cos(2πq / period) + b sin(2πq / period)"
-    positive: ClassVar[tuple[str, ...]] = ("period",)
+    name = "transmission_error"
+    law = "logged and controlled position = q + a cos(2πq / period) + b sin(2πq / period)"
+    positive = ("period",)
     a: float
     b: float
     period: float

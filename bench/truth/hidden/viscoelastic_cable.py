@@ -1,15 +1,10 @@
 """A spring that gives way with time; not in the catalogue of effects."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
-from typing import ClassVar
 
 import numpy as np
 
-from bench.truth.hidden.base import JointEffect
-from bench.truth.hidden.movement import JointMovement, Sizes, rms
-from bench.truth.hidden.signals import Law, Parameters, Signals
+from bench.truth.hidden.base import JointEffect, JointMovement, Law, Parameters, Signals, Sizes, rms
 
 
 @dataclass(frozen=True)
@@ -21,11 +16,11 @@ class ViscoelasticCable(JointEffect):
     k: N·m/rad or N/m, at least 0.  T: relaxation time, s.
     """
 
-    name: ClassVar[str] = "viscoelastic_cable"
-    law: ClassVar[str] = "k z, dz/dt = q̇ − z/T"
-    positive: ClassVar[tuple[str, ...]] = ("T",)
-    not_negative: ClassVar[tuple[str, ...]] = ("k",)
-    in_catalogue: ClassVar[bool] = False
+    name = "viscoelastic_cable"
+    law = "k z, dz/dt = q̇ − z/T"
+    positive = ("T",)
+    not_negative = ("k",)
+    in_catalogue = False
     k: float
     T: float
 

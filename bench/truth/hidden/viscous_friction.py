@@ -1,12 +1,8 @@
 """Viscous friction, as damping of the joint."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
-from typing import ClassVar
 
-from bench.truth.hidden.base import Draft, JointEffect, add_damping
-from bench.truth.hidden.movement import JointMovement, Sizes, rms
+from bench.truth.hidden.base import Draft, JointEffect, JointMovement, Sizes, add_damping, rms
 
 
 @dataclass(frozen=True)
@@ -16,9 +12,9 @@ class ViscousFriction(JointEffect):
     Fv: N·m·s/rad or N·s/m, at least 0.
     """
 
-    name: ClassVar[str] = "viscous_friction"
-    law: ClassVar[str] = "Fv q̇"
-    not_negative: ClassVar[tuple[str, ...]] = ("Fv",)
+    name = "viscous_friction"
+    law = "Fv q̇"
+    not_negative = ("Fv",)
     Fv: float
 
     def change(self, draft: Draft) -> None:
