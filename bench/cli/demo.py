@@ -4,15 +4,14 @@ from pathlib import Path
 
 import click
 
-from bench.cli.completion import scenarios
 from bench.cli.last_lines import next_line, say
+from bench.cli.options import path_option, scenarios
 
 
 @click.command("demo")
-@click.option(
+@path_option(
     "-o",
     "--output",
-    type=click.Path(path_type=Path),
     default=Path("results/demo"),
     show_default=True,
     metavar="DIR",
@@ -27,7 +26,7 @@ def demo(output: Path, scenario: str) -> None:
 
     from bench.api.diagnose import diagnose
     from bench.dataset.dataset import load_dataset
-    from bench.document.figures.currents import write_current_figure
+    from bench.document.figures.comparison import write_current_figure
     from bench.document.terminal.identification import identification_report
     from bench.excitation.scenario import load_designed
     from bench.identification.identify import fit
@@ -36,7 +35,7 @@ def demo(output: Path, scenario: str) -> None:
     from bench.identification.problem import problem_of
     from bench.page.section_run import CommandRun
     from bench.page.write import write_diagnosis_report
-    from bench.studies.sweep.true_parameters import true_values
+    from bench.studies.sweep.accuracy import true_values
     from bench.truth.dataset import write_simulation
     from bench.truth.report import truth
     from bench.truth.simulate import simulate

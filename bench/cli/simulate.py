@@ -5,21 +5,14 @@ from pathlib import Path
 import click
 
 from bench.basics.plural import plural
-from bench.cli.completion import scenarios
 from bench.cli.last_lines import next_line, say, wrote
+from bench.cli.options import path_option, scenarios
 from bench.cli.progress import quiet_option, shown_progress
 
 
 @click.command("simulate")
 @click.argument("scenario", shell_complete=scenarios)
-@click.option(
-    "-o",
-    "--output",
-    type=click.Path(path_type=Path),
-    required=True,
-    metavar="DIR",
-    help="Dataset folder to write.",
-)
+@path_option("-o", "--output", required=True, metavar="DIR", help="Dataset folder to write.")
 @click.option("--seed", type=int, help="Seed for gains and noise, instead of the scenario's.")
 @click.option("--overwrite", is_flag=True, help="Replace an existing dataset in DIR.")
 @quiet_option

@@ -1,12 +1,16 @@
 """Where a model fails, in a terminal."""
 
+from collections.abc import Sequence
+
 from rich.console import Console
 from rich.text import Text
 
+from bench.document.side_by_side import compared_errors_table, compared_gains_table
 from bench.document.table import Column, Table
-from bench.document.terminal.identification import sentences_list
+from bench.document.terminal.identification import section, sentences_list
 from bench.document.terminal.tables import printed
 from bench.residuals.residuals import WhereItFails
+from bench.residuals.side_by_side import SideBySide
 from bench.residuals.words import overlapping, where_sentences
 
 
@@ -46,3 +50,22 @@ def motors_table(where: WhereItFails) -> Table:
 def _ratio(error: float, noise: float) -> str:
     ratio = error / noise if noise > 0 else float("inf")
     return f"{ratio:.2f}" if ratio < 10.0 else f"{ratio:.0f}" if ratio < float("inf") else "–"
+
+
+def side_by_side_report(
+    comparison: SideBySide, changed: Sequence[str], console: Console | None = None
+) -> None:
+    """Print errors and gains of every model, and what changed."""
+    console = console or Console()
+    console.print()
+    console.print(
+        Text.assemble((comparison.robot, "bold"), "  ", (f"{len(comparison.models)} models", "dim"))
+    )
+    section(
+        console,
+        "Error of the modelled current, RMS(error) / RMS(measured)",
+        printed(compared_errors_table(comparison), console.width),
+    )
+    section(console, "Drive gains [95 % intervals]", printed(compared_gains_table(comparison), console.width))
+    section(console, "What changed", sentences_list(changed))
+    console.print()

@@ -1,7 +1,5 @@
 """The runs of a sweep, by number: computed when asked for, so that a large sweep takes no memory."""
 
-from __future__ import annotations
-
 import hashlib
 import json
 from collections.abc import Callable, Iterator, Mapping

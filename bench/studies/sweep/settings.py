@@ -1,7 +1,5 @@
 """Settings by dotted path: `sensors.current_noise_ratio`, `recordings.loaded.design.span`, `hidden.0.Fv`."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
