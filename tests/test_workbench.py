@@ -14,10 +14,9 @@ from bench.identification.problem import Problem, problem_of
 from bench.identification.solve_only import solved_quickly
 from bench.identification.summary import modelled_series
 from bench.page.workbench import page_data as page_module
-from bench.page.workbench.diagnosed_model import diagnosed_model
 from bench.page.workbench.page_data import instances_of, page_data, with_command
 from bench.page.workbench.page_files import script, style
-from bench.page.workbench.system import set_apart
+from bench.page.workbench.system import diagnosed_model, set_apart
 from tests.workbench_kit import ABSORBED, FOUND, diagnosis_of, write_dataset
 from tests.workbench_sets import Carried, numbers
 

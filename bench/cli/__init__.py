@@ -48,7 +48,7 @@ COMMANDS = {
             ("replay", "replay:replay", "Simulate an exported model in MuJoCo along a dataset's motions."),
         ),
         "Simulated machines and studies": (
-            ("demo", "demo:demo", "Simulate a robot, identify it, and compare with the truth."),
+            ("demo", "simulate:demo", "Simulate a robot, identify it, and compare with the truth."),
             ("simulate", "simulate:simulate", "Simulate a scenario and write its measurements as a dataset."),
             ("sweep", "sweep:sweep", "Run a sweep of scenarios: noise, gains, payloads, estimators."),
             ("table", "sweep:table", "Summarise the runs of a sweep by axis."),

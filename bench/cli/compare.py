@@ -77,8 +77,7 @@ def _of_one(
     from bench.api.compare import compare as errors_of
     from bench.cli.next_steps import Source
     from bench.dataset.dataset import load_dataset
-    from bench.document.terminal.comparison import where_report
-    from bench.document.terminal.identification import comparison_report
+    from bench.document.terminal.identification import comparison_report, where_report
     from bench.identification.model_file import comparison_json, load_model
     from bench.residuals.as_json import where_json
 
@@ -148,7 +147,7 @@ def _side_by_side(
 
     from bench.dataset.dataset import load_dataset
     from bench.document.side_by_side import changed_sentences
-    from bench.document.terminal.comparison import side_by_side_report
+    from bench.document.terminal.identification import side_by_side_report
     from bench.identification.problem import problem_of
     from bench.residuals.side_by_side import side_by_side, side_by_side_json
 

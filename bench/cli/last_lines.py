@@ -10,10 +10,10 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from bench.basics.errors import BenchError, FaultsError, lines_of
+
 if TYPE_CHECKING:
     from bench.diagnosis.result import Diagnosis
-
-from bench.basics.errors import BenchError, FaultsError, lines_of
 
 STANDARD_OUTPUT = Path("-")
 AGAIN = "again, after correcting what the first note says"

@@ -15,10 +15,10 @@ from bench.basics.files.atomic import atomic_path
 from bench.dataset.mjcf_neutral import neutral
 from bench.dataset.robot_locked import locked_in_words
 from bench.dataset.robot_mjcf import INERTIA, MASS, ROTOR
+from bench.export.bodies import about_center
 from bench.export.identified import unknown_payload
 from bench.export.physical import PhysicalSet
 from bench.export.placed import JointTerms, Placed, not_placed_lines, placed_effects
-from bench.export.pseudo_inertia import about_center
 from bench.identification.payload_parameters import payload_columns
 from bench.model.geometry import Placement
 from bench.twin.file import STEPS_TO_STICK, STIFF

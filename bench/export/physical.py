@@ -15,10 +15,9 @@ import numpy as np
 
 from bench.basics.chi_squared import exceeded_with
 from bench.basics.errors import BenchError
-from bench.export.bodies import BodyEquations, equations_of
+from bench.export.bodies import BodyEquations, equations_of, pseudo_inertia
 from bench.export.identified import IdentifiedModel, identified_model
 from bench.export.programs import Programs
-from bench.export.pseudo_inertia import pseudo_inertia
 from bench.identification.finding import Code, Finding
 from bench.identification.model_file import SavedModel, apply_model
 from bench.identification.problem import Problem

@@ -24,8 +24,7 @@ from bench.identification.perturbations import Nearby
 from bench.identification.prepare import with_effects
 from bench.identification.problem import Problem
 from bench.identification.result import Identification
-from bench.page.workbench.diagnosed_model import DiagnosedModel, diagnosed_model
-from bench.page.workbench.system import PageSystem, build
+from bench.page.workbench.system import DiagnosedModel, PageSystem, build, diagnosed_model
 
 MOST_BYTES = 1_400_000  # of all triangles together
 NUMBER = 4  # bytes

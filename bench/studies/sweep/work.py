@@ -24,9 +24,8 @@ from bench.studies.sweep.hidden_share import with_sized_effect, without_share
 from bench.studies.sweep.identified_run import IdentifiedRun
 from bench.studies.sweep.journal import Row
 from bench.studies.sweep.metrics import METRICS
-from bench.studies.sweep.plan import Run
+from bench.studies.sweep.plan import Run, flat_settings, plain
 from bench.studies.sweep.pool import Task
-from bench.studies.sweep.settings import flat_settings, plain
 from bench.truth.dataset import as_dataset
 from bench.truth.machine import true_gains
 from bench.truth.resense import sense_again
