@@ -13,10 +13,10 @@ if TYPE_CHECKING:
     from bench.api.diagnose import diagnose as diagnose
     from bench.api.figures import figures as figures
     from bench.api.identify import identify as identify
-    from bench.api.models import save_model as save_model
     from bench.api.report import Report as Report
     from bench.api.report import report as report
     from bench.api.simulate import simulate as simulate
+    from bench.api.sources import save_model as save_model
     from bench.basics.errors import BenchError as BenchError
     from bench.dataset.dataset import Dataset as Dataset
     from bench.dataset.dataset import load_dataset as load_dataset
@@ -48,7 +48,7 @@ _HOME_OF = {
     "load_model": "bench.identification.model_file",
     "load_robot": "bench.dataset.robot",
     "report": "bench.api.report",
-    "save_model": "bench.api.models",
+    "save_model": "bench.api.sources",
     "simulate": "bench.api.simulate",
 }
 """Public name -> the module that defines it; in step with the imports above, which type checkers read."""

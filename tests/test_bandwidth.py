@@ -16,7 +16,7 @@ from bench.identification.model_averaged import estimates
 from bench.identification.model_json import from_json, to_json
 from bench.identification.prepare import prepare
 from bench.identification.problem import problem_of
-from bench.page.section_band import band_figure
+from bench.page.section_parameters import band_figure
 from bench.scenario.scenario import load_scenario
 from bench.truth.dataset import as_dataset
 from bench.truth.simulate import simulate

@@ -9,7 +9,7 @@ import pytest
 from bench.basics.errors import BenchError, FaultsError
 from bench.basics.files import atomic
 from bench.cli import main
-from bench.cli.steps import take_all
+from bench.cli.last_lines import take_all
 from bench.dataset.dataset import load_dataset
 from bench.identification.model_file import load_model
 from bench.truth.dataset import write_simulation

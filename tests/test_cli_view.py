@@ -2,12 +2,13 @@
 
 import json
 import shutil
+import subprocess
 import sys
 
 import numpy as np
 import pytest
 
-from bench.cli import main, open_viewer
+from bench.cli import main
 from bench.dataset.dataset import load_dataset
 from bench.identification.identify import identify
 from bench.identification.prepare import prepare
@@ -150,14 +151,14 @@ def test_a_mistake_is_one_line(data, swept, tmp_path, capsys, arguments, said):
 def test_it_opens_in_a_window_of_its_own_where_there_is_a_screen(data, tmp_path, monkeypatch, capsys):
     shutil.copytree(data, tmp_path / "arm")
     started = []
-    monkeypatch.setattr(open_viewer.subprocess, "Popen", lambda command, **_: started.append(command))
+    monkeypatch.setattr(subprocess, "Popen", lambda command, **_: started.append(command))
     monkeypatch.setenv("DISPLAY", ":0")
     viewed(tmp_path / "arm")
     assert started[0][1] == str(tmp_path / "arm.rrd")
     assert "Opened in the Rerun viewer" in capsys.readouterr().out
     monkeypatch.delenv("DISPLAY")
     monkeypatch.delenv("WAYLAND_DISPLAY", raising=False)
-    monkeypatch.setattr(open_viewer.sys, "platform", "linux")
+    monkeypatch.setattr(sys, "platform", "linux")
     viewed(tmp_path / "arm")
     assert len(started) == 1
     assert f"rerun --web-viewer {tmp_path / 'arm.rrd'}" in capsys.readouterr().out

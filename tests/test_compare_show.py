@@ -18,7 +18,7 @@ from bench.document.charts.motor import against_chart
 from bench.document.figures.comparison import currents_figure, errors_figure, write_comparison_figures
 from bench.document.figures.draw import draw, worth_drawing
 from bench.document.layout import SCREEN
-from bench.document.terminal.comparison import where_report
+from bench.document.terminal.identification import where_report
 from bench.identification.identify import identify
 from bench.identification.prepare import prepare
 from bench.identification.problem import problem_of

@@ -9,7 +9,7 @@ import pytest
 from bench.basics.errors import BenchError
 from bench.dataset.dataset import load_dataset
 from bench.dataset.sampling import FEWEST
-from bench.page.digest import dataset_digest
+from bench.page.folder import dataset_digest
 from tests.good_data import COUNT, RATE, write_good_dataset
 
 END = (COUNT - 1) / RATE

@@ -18,7 +18,7 @@ from bench.document.table import Column, Kind, Table
 from bench.document.terminal.tables import printed
 from bench.document.typeset import typeset
 from bench.identification.result import DriveGain, Quantity
-from bench.page.tables import on_page
+from bench.page.parts import on_page
 from tests.report_kit import diagnosis
 from tests.shown import dataset_of, identification_of
 

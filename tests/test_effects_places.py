@@ -14,10 +14,10 @@ MADE = {"bench/effects/README.md", "scenarios/README.md"}  # python docs/made/re
 LISTS = {"bench/effects/catalogue.py", "bench/truth/hidden/__init__.py"}
 OF_THEIR_OWN = {  # what a few effects have and most do without, each with its reason
     "bench/diagnosis/discovery/named.py": "the names of laws that a search finds",
-    "bench/export/c_laws.py": "what a law is in C",
+    "bench/export/c_code.py": "what a law is in C",
     "bench/export/placed.py": "what a joint of MuJoCo holds",
     "bench/studies/trial/compatible.py": "two names for the same part",
-    "bench/studies/trial/true_effects.py": "parameters with another name in the model",
+    "bench/studies/trial/intervals.py": "parameters with another name in the model",
     "bench/studies/trial/unknown.py": "what is hidden beside an unknown law",
     "bench/truth/hidden/sizes.py": "sizes that no parameter is in proportion to",
 }

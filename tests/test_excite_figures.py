@@ -5,8 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from bench.studies.excite_figures import ROBOTS
-from bench.studies.excite_page import PAGE, kept_figures, page
+from bench.studies.excite_figures import PAGE, ROBOTS, kept_figures, page
 
 ROOT = Path(__file__).resolve().parents[1]
 KEPT = ROOT / "results" / "excite"

@@ -25,8 +25,7 @@ from bench.identification.problem import problem_of
 from bench.model.motion import motion_of
 from bench.scenario.scenario import load_scenario, resolve_trajectories
 from bench.scenario.trajectory import random_trajectory
-from bench.studies.excite_forecast import by_chance, monte_carlo, planned_scenario
-from bench.studies.logged_again import with_other_currents
+from bench.studies.excite_figures import by_chance, monte_carlo, planned_scenario, with_other_currents
 from bench.truth.dataset import as_dataset
 from bench.truth.resense import sense_again
 from bench.truth.simulate import simulate

@@ -18,8 +18,7 @@ from bench.excitation.experiment.plan import Aim, plan_experiment
 from bench.excitation.experiment.request import ExperimentTable
 from bench.excitation.experiment.simulated import FIRST, SimulatedDrive
 from bench.scenario.scenario import load_scenario
-from bench.studies.rehearsal import rehearse, scenario_of
-from bench.studies.rehearsal_words import rehearsal_sentence
+from bench.studies.rehearsal import rehearsal_sentence, rehearse, scenario_of
 from bench.truth.simulate import simulate
 from tests.small_robots import write_robot
 

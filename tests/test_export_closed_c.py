@@ -7,8 +7,7 @@ import pytest
 
 from bench.effects import CATALOGUE
 from bench.effects.passive_joint import PassiveEffect
-from bench.export.c_code import c_name, c_text
-from bench.export.c_laws import PASSIVE_LAWS
+from bench.export.c_code import PASSIVE_LAWS, c_name, c_text
 from bench.export.feedforward import Feedforward
 from bench.model.model import build_model
 from tests.c_kit import Closed, library

@@ -5,7 +5,7 @@ import pytest
 
 from bench.api.identify import identify
 from bench.basics.errors import BenchError
-from bench.export.constrained import physically_consistent
+from bench.export.physical import physically_consistent
 from bench.identification.finding import Code
 from bench.identification.problem import problem_of
 from tests.export_kit import simulated

@@ -13,8 +13,7 @@ from bench.cli import main
 from bench.dataset.robot import load_robot
 from bench.effects import CATALOGUE
 from bench.effects.passive_joint import PassiveEffect
-from bench.export.c_code import c_text
-from bench.export.c_laws import LAWS
+from bench.export.c_code import LAWS, c_text
 from bench.export.feedforward import Feedforward, chosen_effects
 from bench.export.identified import declaring
 from bench.export.mjcf import write_mjcf

@@ -20,11 +20,11 @@ from bench.dataset.dataset import load_dataset
 from bench.dataset.robot import load_robot
 from bench.effects import CATALOGUE
 from bench.effects.select import EffectInstance
+from bench.export.bodies import cad_prior
 from bench.export.identified import EffectValues, load_identified
 from bench.export.mjcf import write_mjcf
 from bench.export.physical import physical_set
 from bench.export.placed import RULES, not_placed_lines, placed_effects
-from bench.export.prior import cad_prior
 from bench.export.urdf import urdf_text
 from bench.identification.identify import identify
 from bench.identification.model_file import save_model

@@ -8,10 +8,9 @@ import pytest
 from bench.basics.errors import BenchError
 from bench.cli import main
 from bench.dataset.dataset import load_dataset
+from bench.export.bodies import about_center, cad_prior, from_scaled, pseudo_inertia, standard_parameters
 from bench.export.identified import load_identified
 from bench.export.physical import physical_set
-from bench.export.prior import cad_prior
-from bench.export.pseudo_inertia import about_center, from_scaled, pseudo_inertia, standard_parameters
 from bench.identification.identify import identify
 from bench.identification.model_file import save_model
 from bench.identification.prepare import prepare

@@ -21,8 +21,7 @@ from bench.identification.model_json import to_json
 from bench.identification.prepare import Prepared, prepare
 from bench.identification.problem import problem_of
 from bench.scenario.scenario import load_scenario, resolve_trajectories
-from bench.studies.sweep.accuracy import accuracy
-from bench.studies.sweep.true_parameters import true_base_parameters
+from bench.studies.sweep.accuracy import accuracy, true_base_parameters
 from bench.truth.dataset import as_dataset
 from bench.truth.report import truth
 from bench.truth.simulate import Simulation, simulate

@@ -10,8 +10,8 @@ from bench.basics.errors import BenchError
 from bench.benchmarks.measured import __main__ as program
 from bench.benchmarks.measured.known import AgainstKnown, KnownValue, compared, known_machines
 from bench.benchmarks.measured.machines import MACHINES
-from bench.benchmarks.measured.markdown import measured_markdown
 from bench.benchmarks.measured.run import MachineRun, MachineStep, NamedEffects, Record, keep, kept
+from bench.benchmarks.measured.tables import measured_markdown
 from bench.effects import CATALOGUE
 
 GAIN = AgainstKnown("drive_gain", "j1", "N*m/A", 11.0, 0.3, 10.0, 0.02, 0.05)

@@ -9,10 +9,9 @@ from concurrent.futures import ThreadPoolExecutor
 import pytest
 
 from bench.basics.errors import BenchError
-from bench.local.folder import Folder
+from bench.local.folder import Folder, take
 from bench.local.server import _listening
 from bench.local.steps import command_of
-from bench.local.upload import take
 from tests.open_kit import opened
 
 CSV = b"time,a\n0,1\n"

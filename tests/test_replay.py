@@ -16,10 +16,10 @@ from bench.cli.replay_report import replay_report
 from bench.dataset.dataset import load_dataset
 from bench.dataset.payload import Payload
 from bench.dataset.robot import load_robot
-from bench.export.gravity import still_determined
 from bench.export.identified import declaring, load_identified
 from bench.export.mjcf import write_mjcf
 from bench.export.physical import physical_set
+from bench.export.placed import still_determined
 from bench.export.replay.replay import replay
 from bench.identification.identify import identify
 from bench.identification.model_file import apply_model, load_model, save_model

@@ -12,11 +12,11 @@ import pytest
 from bench.diagnosis.result import Remainder, Unexplained
 from bench.document.typeset import effect_name, share, typeset
 from bench.identification.problem import problem_of
+from bench.page.chart_spec import extremes, rounded, thinned
 from bench.page.pages import diagnosis_page
 from bench.page.parts import Figure, Page, PageTable, Section, Text
 from bench.page.render import Workbench, render_page
 from bench.page.section_run import CommandRun
-from bench.page.thinned import extremes, rounded, thinned
 from bench.page.verdict import diagnosis_verdict
 from tests.report_kit import (
     AGAIN,

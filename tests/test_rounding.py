@@ -16,7 +16,7 @@ from bench.identification.identify import identify
 from bench.identification.partial_regression import PartialRegression
 from bench.identification.prepare import prepare
 from bench.identification.problem import Problem, problem_of
-from bench.page.workbench import room
+from bench.page.workbench import page_data as page_module
 from bench.page.workbench.page_data import page_data
 from tests.workbench_kit import diagnosis_of, write_dataset
 from tests.workbench_sets import Carried
@@ -119,7 +119,7 @@ def test_diagnose_does_not_hang_on_rounding(dataset, again):
 @pytest.mark.parametrize("digits", CARRIED)
 def test_the_workbench_does_not_hang_on_rounding(dataset, again, digits, monkeypatch):
     if digits == "short":
-        monkeypatch.setattr(room, "MOST_BYTES", 0)
+        monkeypatch.setattr(page_module, "MOST_BYTES", 0)
     names = ("cogging_torque", "coulomb_friction", "stribeck_friction", "viscous_friction")
     solvers = [
         Carried(json.loads(json.dumps(page_data(problem_of(each), diagnosis_of(each, FOUND, names)))))

@@ -9,8 +9,7 @@ from bench.dataset.recording import Recording
 from bench.model.geometry import from_mujoco, read_geometry, to_mujoco
 from bench.model.motion import motion_of
 from bench.signals.settings import FilterSettings
-from bench.viewer.body_motion import body_motion, placed
-from bench.viewer.geoms import DARKEST, shapes, visible_geoms
+from bench.viewer.body_motion import DARKEST, body_motion, placed, shapes, visible_geoms
 from tests.mechanisms import NAMES, movement, robot_named
 
 SHAPES = """

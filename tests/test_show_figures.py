@@ -7,7 +7,7 @@ from matplotlib import pyplot as plt
 from bench.basics.errors import BenchError
 from bench.dataset.robot import load_robot
 from bench.document.colours import ON_DARK, ON_WHITE, rgb
-from bench.document.figures.currents import current_figure, write_current_figure
+from bench.document.figures.comparison import current_figure, write_current_figure
 from bench.document.numbers import error_std, percent
 from bench.identification.result import relative_error
 from tests.shown import dataset_of, identification_of

@@ -11,17 +11,17 @@ import pytest
 from matplotlib import pyplot as plt
 
 from bench.cli import main
-from bench.document.figures.diagnosis_panels import moved
+from bench.document.figures.diagnosis import moved
 from bench.document.figures.paper import (
     WIDTHS,
     PaperFigure,
     PaperPanel,
     csv_of,
+    error_figures,
     file_part,
     paper_figure,
     write_paper_figures,
 )
-from bench.document.figures.paper_errors import error_figures
 from bench.document.figures.paper_model import diagnosis_figures, gain_figure
 from bench.document.layout import PAPER
 from tests.compared_kit import made, white

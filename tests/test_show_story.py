@@ -10,9 +10,9 @@ from bench.dataset.robot import load_robot
 from bench.document.colours import scale_colours
 from bench.identification.effect_torques import EffectTorques
 from bench.viewer.context import KnownTruth, LadderModel, ViewContext
-from bench.viewer.phases import BACKWARDS, FORWARDS, REVERSAL, STILL, lanes, motion_states
 from bench.viewer.recording import ViewedRun, write_rrd, write_side_by_side
 from bench.viewer.scene import error_share
+from bench.viewer.tracks import BACKWARDS, FORWARDS, REVERSAL, STILL, lanes, motion_states
 from tests.rrd_reader import batches, columns, numbers, origins, static_value, verified
 from tests.shown import dataset_of, identification_of
 

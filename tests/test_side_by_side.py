@@ -11,7 +11,7 @@ from rich.console import Console
 from bench.cli import main
 from bench.dataset.robot import load_robot
 from bench.document.side_by_side import changed_sentences, compared_errors_table, compared_gains_table
-from bench.document.terminal.side_by_side import side_by_side_report
+from bench.document.terminal.identification import side_by_side_report
 from bench.identification.result import Quantity
 from bench.residuals.side_by_side import (
     ComparedModel,

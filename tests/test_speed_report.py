@@ -1,6 +1,6 @@
 """The robot with six motors on which the report is measured is one that the bench can model."""
 
-from bench.benchmarks.speed.hexapod import LEGS, write_hexapod
+from bench.benchmarks.speed.report import LEGS, write_hexapod
 from bench.dataset.robot import load_robot
 from bench.robot_check.check import check_robot
 

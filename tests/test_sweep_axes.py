@@ -5,7 +5,7 @@ import pytest
 
 from bench.basics.errors import BenchError
 from bench.studies.sweep.axes import DrawnAxis, GridAxis, read_axes
-from bench.studies.sweep.settings import flat_settings, with_setting
+from bench.studies.sweep.plan import flat_settings, with_setting
 
 
 def values_of(axis):

@@ -14,12 +14,12 @@ from bench.studies.sweep import check as command
 from bench.studies.sweep.check import CheckOptions, check_accuracy, update_reference
 from bench.studies.sweep.reference import (
     ReferenceLine,
+    compare_line,
     load_reference,
     reference_folder,
     reference_sweeps,
     save_reference,
 )
-from bench.studies.sweep.regression import compare_line
 from tests.sweep_stand_in import Inline, StandIn
 
 SWEEP = """

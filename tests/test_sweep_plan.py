@@ -7,7 +7,7 @@ import pytest
 
 from bench.basics.errors import BenchError
 from bench.effects.catalogue import CATALOGUE
-from bench.studies.sweep.cost import extent
+from bench.studies.sweep.command import extent
 from bench.studies.sweep.plan import make_plan
 from bench.studies.sweep.preflight import check_plan
 from bench.studies.sweep.sweep_file import IdentifyTable, SweepTable, built_in_sweeps, load_sweep

@@ -4,10 +4,18 @@ from types import SimpleNamespace
 
 import pytest
 
-from bench.studies.sweep import accuracy, measure
+from bench.studies.sweep import accuracy, work
 from bench.studies.sweep.charts import metric_axis
-from bench.studies.sweep.metrics import METRICS, Metric, is_relative, is_share, what_is_measured
-from bench.studies.sweep.titles import axis_title, axis_words, metric_title
+from bench.studies.sweep.metrics import (
+    METRICS,
+    Metric,
+    axis_title,
+    axis_words,
+    is_relative,
+    is_share,
+    metric_title,
+    what_is_measured,
+)
 
 
 def test_a_metric_is_told_from_its_one_line():
@@ -29,7 +37,7 @@ def test_a_metric_has_one_place(monkeypatch):
     monkeypatch.setattr(accuracy, "accuracy", lambda *_: {"gain_within.arm": 1.0, "gain_error.arm": 0.0})
     settings = SimpleNamespace(position_cutoff=100.0, decimation=4)
     result = SimpleNamespace(drive_gains={"arm": None}, settings=settings, unknowns=7)
-    found = measure.measure(None, None, result, ("accuracy",))
+    found = work.measure(None, None, result, ("accuracy",))
     assert (found["unknowns"], found["decimation"], found["position_cutoff"]) == (7, 4.0, 100.0)
     assert metric_axis("unknowns").title == "Number of unknowns [1]"
     assert what_is_measured("unknowns") == "unknowns of the fit"

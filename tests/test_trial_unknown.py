@@ -18,10 +18,9 @@ from bench.excitation.scenario import designer
 from bench.identification.prepare import prepare, with_effects
 from bench.identification.problem import problem_of
 from bench.scenario.scenario import load_scenario, resolve_trajectories
-from bench.studies.trial import law_judged
+from bench.studies.trial import judge
 from bench.studies.trial.cases import Case, Hide
-from bench.studies.trial.judge import Named, judgement_of
-from bench.studies.trial.law_judged import _alike, _torque_error, law_columns
+from bench.studies.trial.judge import Named, _alike, _torque_error, judgement_of, law_columns
 from bench.studies.trial.unknown import FAMILIES, drawn_law, law_along, named_parts, sized
 from bench.studies.trial.unknown_page import unknown_table, write_unknown
 from bench.studies.trial.work import _answer
@@ -131,7 +130,7 @@ def test_known_effects_by_their_names_are_no_error_of_a_law(
         after=SimpleNamespace(effect_parameters={**found, "coulomb_friction": ("right",)}),
     )
     left_out = []
-    monkeypatch.setattr(law_judged, "_torque_error", lambda *given: left_out.append(set(given[-1])) or 0.1)
+    monkeypatch.setattr(judge, "_torque_error", lambda *given: left_out.append(set(given[-1])) or 0.1)
     law_columns(simulation, diagnosis, None)  # type: ignore[arg-type]
     assert left_out == [set(), aside]
 
@@ -146,7 +145,7 @@ def test_a_law_that_is_found_exactly_has_no_error(monkeypatch: pytest.MonkeyPatc
     effect, _ = law_effect("law_left", [friction], places_of(prepared)[0])
     model = with_effects(prepared, [EffectInstance(effect, "left", "law_left:left")])
     for c, error in ((0.02, 0.0), (0.018, 0.1)):
-        monkeypatch.setattr(law_judged, "_identified_model", lambda *_, c=c: (model, np.array([c])))
+        monkeypatch.setattr(judge, "_identified_model", lambda *_, c=c: (model, np.array([c])))
         found = _torque_error(simulation, SimpleNamespace(), prepared, "left", ())  # type: ignore[arg-type]
         assert found == pytest.approx(error, abs=0.015)
 

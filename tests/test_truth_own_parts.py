@@ -4,7 +4,7 @@ import mujoco
 import numpy as np
 import pytest
 
-from bench.export.mjcf_actuators import DrivenJoint, set_motors
+from bench.export.mjcf import DrivenJoint, set_motors
 from bench.scenario.scenario import load_scenario
 from bench.truth.machine import build_machine
 from bench.truth.simulate import simulate

@@ -16,8 +16,7 @@ from bench.diagnosis.law_words import law_sentences
 from bench.diagnosis.reason import Because
 from bench.diagnosis.reason_words import reason_sentence, unexplained_words
 from bench.diagnosis.summary import reason, summary_of
-from bench.document.markdown.diagnosis import diagnosis_markdown
-from bench.document.markdown.identification import parameters_markdown, summary_markdown
+from bench.document.markdown.tables import diagnosis_markdown, parameters_markdown, summary_markdown
 from bench.document.terminal.diagnosis import diagnosis_report
 from bench.document.terminal.identification import identification_report
 from bench.effects import CATALOGUE

@@ -13,7 +13,7 @@ from bench.excitation.experiment.forecast import ForecastCode, ForecastNote
 from bench.excitation.experiment.proof_words import limit_in_words
 from bench.excitation.experiment.sentences import note_sentence
 from bench.excitation.experiment.sentences import sentences as planned
-from bench.export.replay.words import replay_sentences
+from bench.export.replay.replay import replay_sentences
 from bench.residuals.as_json import where_json
 from bench.residuals.words import overlapping, where_sentences, whole_alike, whole_sentences
 from bench.robot_check.outcome import CheckCode

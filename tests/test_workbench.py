@@ -13,12 +13,10 @@ from bench.identification.prepare import prepare, with_effects
 from bench.identification.problem import Problem, problem_of
 from bench.identification.solve_only import solved_quickly
 from bench.identification.summary import modelled_series
-from bench.page.workbench import room
-from bench.page.workbench.decorrelated import set_apart
-from bench.page.workbench.diagnosed_model import diagnosed_model
-from bench.page.workbench.page_data import page_data, with_command
+from bench.page.workbench import page_data as page_module
+from bench.page.workbench.page_data import instances_of, page_data, with_command
 from bench.page.workbench.page_files import script, style
-from bench.page.workbench.proposals import instances_of
+from bench.page.workbench.system import diagnosed_model, set_apart
 from tests.workbench_kit import ABSORBED, FOUND, diagnosis_of, write_dataset
 from tests.workbench_sets import Carried, numbers
 
@@ -131,7 +129,7 @@ def test_deviations_are_those_of_the_models_that_were_fitted(diagnosis, carried)
 
 
 def test_effects_that_there_is_no_room_for_are_named(dataset, diagnosis, monkeypatch):
-    monkeypatch.setattr(room, "MOST_BYTES", 4000)
+    monkeypatch.setattr(page_module, "MOST_BYTES", 4000)
     data = page_data(problem_of(dataset), diagnosis)
     without = [one["name"] for one in data["effects"] if one["no_room"]]
     kept = [one["name"] for one in data["effects"] if one["places"]]

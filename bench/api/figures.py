@@ -8,8 +8,7 @@ from bench.api.sources import Data, as_dataset, dataset_behind
 from bench.basics.errors import BenchError
 from bench.dataset.dataset import Dataset
 from bench.diagnosis.result import Diagnosis
-from bench.document.figures.paper import PaperFigure, write_paper_figures
-from bench.document.figures.paper_errors import error_figures
+from bench.document.figures.paper import PaperFigure, error_figures, write_paper_figures
 from bench.document.figures.paper_model import diagnosis_figures, gain_figure
 from bench.identification.result import Identification
 from bench.residuals.motor import Compared, compared

@@ -54,6 +54,6 @@ def identify(  # noqa: PLR0913 - an argument for each choice
         annotated = replace(result, findings=(*causes, *mounted, *result.findings, *short))
         if not physical:
             return annotated
-        from bench.export.constrained import physically_consistent  # noqa: PLC0415 - slow, and for this alone
+        from bench.export.physical import physically_consistent  # noqa: PLC0415 - slow, and for this alone
 
         return physically_consistent(annotated, problem)

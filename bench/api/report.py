@@ -12,9 +12,8 @@ from bench.api.compare import ModelErrors
 from bench.api.sources import Data, as_dataset
 from bench.basics.errors import BenchError
 from bench.diagnosis.result import Diagnosis
-from bench.document.terminal.comparison import where_report
 from bench.document.terminal.diagnosis import diagnosis_report
-from bench.document.terminal.identification import comparison_report, identification_report
+from bench.document.terminal.identification import comparison_report, identification_report, where_report
 from bench.identification.model_file import SavedModel
 from bench.identification.result import Identification
 from bench.page.folder import SavedRun

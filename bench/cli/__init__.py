@@ -17,85 +17,47 @@ import click
 
 from bench.basics.errors import BenchError, lines_of
 from bench.basics.program import called_as
-from bench.cli.closed_output import forgiving_output
-from bench.cli.lazy import LazyCommand, LazyGroup
-from bench.cli.misspelt import misspelt
-
-MEASUREMENTS, RESULTS, STUDIES = (
-    "Your measurements",
-    "View and export results",
-    "Simulated machines and studies",
-)
+from bench.cli.lazy import LazyCommand, LazyGroup, forgiving_output, misspelt
 
 COMMANDS = {
-    "open": LazyCommand(
-        "bench.cli.open:open_page", "Go from logs to the named effect on a page in the browser.", MEASUREMENTS
-    ),
-    "import": LazyCommand(
-        "bench.cli.import_log:import_log", "Turn a controller's logs into a dataset.", MEASUREMENTS
-    ),
-    "robot": LazyCommand(
-        "bench.cli.robot:robot",
-        "Make and check a robot folder: joints, loops, home pose.",
-        MEASUREMENTS,
-    ),
-    "identify": LazyCommand(
-        "bench.cli.identify:identify",
-        "Identify drive gains and dynamic parameters from a dataset.",
-        MEASUREMENTS,
-    ),
-    "compare": LazyCommand(
-        "bench.cli.compare:compare",
-        "Describe and plot where a model fails on a dataset's recordings.",
-        MEASUREMENTS,
-    ),
-    "diagnose": LazyCommand(
-        "bench.cli.diagnose:diagnose",
-        "Name the physical effects that a model lacks, with evidence.",
-        MEASUREMENTS,
-    ),
-    "discriminate": LazyCommand(
-        "bench.cli.discriminate:discriminate",
-        "Design the motion that distinguishes two effects.",
-        MEASUREMENTS,
-    ),
-    "excite": LazyCommand(
-        "bench.cli.excite:excite",
-        "Plan motions to identify a robot, and predict their accuracy.",
-        MEASUREMENTS,
-    ),
-    "report": LazyCommand(
-        "bench.cli.report:report", "Write a one-file page with the results of a run.", RESULTS
-    ),
-    "view": LazyCommand(
-        "bench.cli.view:view", "Show the moving robot, currents and errors in the Rerun viewer.", RESULTS
-    ),
-    "figures": LazyCommand(
-        "bench.cli.figures:figures", "Draw figures for papers, with their numbers as CSV.", RESULTS
-    ),
-    "export": LazyCommand(
-        "bench.cli.export:export", "Write an identified model as MJCF, URDF, a table or C.", RESULTS
-    ),
-    "replay": LazyCommand(
-        "bench.cli.replay:replay", "Simulate an exported model in MuJoCo along a dataset's motions.", RESULTS
-    ),
-    "demo": LazyCommand(
-        "bench.cli.demo:demo", "Simulate a robot, identify it, and compare with the truth.", STUDIES
-    ),
-    "simulate": LazyCommand(
-        "bench.cli.simulate:simulate", "Simulate a scenario and write its measurements as a dataset.", STUDIES
-    ),
-    "sweep": LazyCommand(
-        "bench.cli.sweep:sweep", "Run a sweep of scenarios: noise, gains, payloads, estimators.", STUDIES
-    ),
-    "table": LazyCommand("bench.cli.table:table", "Summarise the runs of a sweep by axis.", STUDIES),
-    "plot": LazyCommand("bench.cli.plot:plot", "Draw a metric of a sweep against an axis.", STUDIES),
-    "trial": LazyCommand(
-        "bench.cli.trial:trial", "Diagnose simulated machines whose hidden effects are known.", STUDIES
-    ),
-    "check": LazyCommand(
-        "bench.cli.check:check", "Compare the accuracy with the reference; fail if it is worse.", STUDIES
-    ),
+    name: LazyCommand(f"bench.cli.{target}", text, section)
+    for section, commands in {
+        "Your measurements": (
+            ("open", "open:open_page", "Go from logs to the named effect on a page in the browser."),
+            ("import", "import_log:import_log", "Turn a controller's logs into a dataset."),
+            ("robot", "robot:robot", "Make and check a robot folder: joints, loops, home pose."),
+            ("identify", "identify:identify", "Identify drive gains and dynamic parameters from a dataset."),
+            (
+                "compare",
+                "compare:compare",
+                "Describe and plot where a model fails on a dataset's recordings.",
+            ),
+            ("diagnose", "diagnose:diagnose", "Name the physical effects that a model lacks, with evidence."),
+            (
+                "discriminate",
+                "discriminate:discriminate",
+                "Design the motion that distinguishes two effects.",
+            ),
+            ("excite", "excite:excite", "Plan motions to identify a robot, and predict their accuracy."),
+        ),
+        "View and export results": (
+            ("report", "report:report", "Write a one-file page with the results of a run."),
+            ("view", "view:view", "Show the moving robot, currents and errors in the Rerun viewer."),
+            ("figures", "figures:figures", "Draw figures for papers, with their numbers as CSV."),
+            ("export", "export:export", "Write an identified model as MJCF, URDF, a table or C."),
+            ("replay", "replay:replay", "Simulate an exported model in MuJoCo along a dataset's motions."),
+        ),
+        "Simulated machines and studies": (
+            ("demo", "simulate:demo", "Simulate a robot, identify it, and compare with the truth."),
+            ("simulate", "simulate:simulate", "Simulate a scenario and write its measurements as a dataset."),
+            ("sweep", "sweep:sweep", "Run a sweep of scenarios: noise, gains, payloads, estimators."),
+            ("table", "sweep:table", "Summarise the runs of a sweep by axis."),
+            ("plot", "sweep:plot", "Draw a metric of a sweep against an axis."),
+            ("trial", "trial:trial", "Diagnose simulated machines whose hidden effects are known."),
+            ("check", "sweep:check", "Compare the accuracy with the reference; fail if it is worse."),
+        ),
+    }.items()
+    for name, target, text in commands
 }
 
 BAD_INPUT = 2
@@ -103,11 +65,7 @@ INTERRUPTED = 130  # 128 + SIGINT, as a shell reports it
 TERMINATED = 143  # 128 + SIGTERM
 
 
-@click.group(
-    cls=LazyGroup,
-    lazy_commands=COMMANDS,
-    context_settings={"help_option_names": ["-h", "--help"]},
-)
+@click.group(cls=LazyGroup, lazy_commands=COMMANDS, context_settings={"help_option_names": ["-h", "--help"]})
 @click.version_option(package_name="parabench")
 def cli() -> None:
     """Identify the drive gains and dynamic parameters of a robot from its logs.

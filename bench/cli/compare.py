@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from bench.cli.last_lines import next_line, say, write_with_words, wrote
+from bench.cli.last_lines import next_line, say, shown, take_all, write_with_words, wrote
 from bench.cli.options import (
     dataset_argument,
     effect_file_option,
@@ -13,23 +13,20 @@ from bench.cli.options import (
     given_filters,
     json_option,
     output_option,
+    path_option,
     with_option,
 )
-from bench.cli.steps import shown, take_all
 
 if TYPE_CHECKING:
-    from bench.dataset.dataset import Dataset
-    from bench.identification.result import Identification
-    from bench.page.section_run import CommandRun
+    from bench.cli.next_steps import Source
     from bench.residuals.motor import Compared
 
 
 @click.command("compare")
 @dataset_argument
-@click.option(
+@path_option(
     "--model",
     "model_files",
-    type=click.Path(path_type=Path),
     multiple=True,
     metavar="MODEL.json",
     help="What `bench identify --json` wrote. Repeat for models side by side. [default: identified from DATASET]",
@@ -78,15 +75,15 @@ def _of_one(
     from rich.console import Console
 
     from bench.api.compare import compare as errors_of
+    from bench.cli.next_steps import Source
     from bench.dataset.dataset import load_dataset
-    from bench.document.terminal.comparison import where_report
-    from bench.document.terminal.identification import comparison_report
+    from bench.document.terminal.identification import comparison_report, where_report
     from bench.identification.model_file import comparison_json, load_model
     from bench.residuals.as_json import where_json
 
     data = load_dataset(dataset)
     errors = errors_of(data, model_file, effects, filters=given, effect_files=effect_files)
-    written: list[str] = []
+    console, written = Console(), list[str]()
 
     def answer(words: bool = True) -> dict[str, Any]:
         return {**comparison_json(errors.comparison, words=words), **where_json(errors.where, words=words)}
@@ -96,51 +93,48 @@ def _of_one(
             write_with_words(json_file, answer, "comparison", written)
 
     def report() -> None:
-        console = Console()
         comparison_report(errors.comparison, console)
         where_report(errors.where, console)
 
-    def folder() -> None:
+    def figures() -> None:
+        if output is not None:
+            from bench.document.figures.comparison import write_comparison_figures
+
+            written.extend(wrote(path, "figure") for path in write_comparison_figures(output, errors.motors))
+
+    def page() -> None:
         if output is None:
             return
         from bench.page.section_run import CommandRun
+        from bench.page.write import write_identification_report
 
-        options = {"model": str(model_file), **given} if model_file is not None else given
+        name = "" if model_file is None else str(model_file)
+        options, result = {"model": name, **given} if name else given, errors.identified
+        if result is None and model_file is not None:
+            result = load_model(model_file).applied_to(data, errors.recordings)
         run = CommandRun(
             "compare", str(dataset), effects, tuple(map(str, effect_files)), options, str(output)
         )
-        result = errors.identified
-        if result is None and model_file is not None:
-            result = load_model(model_file).applied_to(data, errors.recordings)
-        _draw(output, errors.motors, result, data, run, model_file, written)
+        if result is not None:
+            written.append(wrote(write_identification_report(output, result, data, run, name), "report"))
 
     take_all(
         write,
         lambda: shown(report, lambda: comparison_json(errors.comparison, words=False)),
-        folder,
+        figures,
+        page,
         lambda: say(
-            [*written, _next(errors.motors, dataset, model_file, errors.effects, effect_files, given)]
+            [*written, _next(Source(dataset, errors.effects, effect_files, given), errors.motors, model_file)]
         ),
     )
 
 
-def _next(
-    what: "Compared",
-    dataset: Path,
-    model_file: Path | None,
-    effects: tuple[str, ...],
-    effect_files: tuple[Path, ...],
-    given: dict[str, Any],
-) -> str:
+def _next(source: "Source", what: "Compared", model_file: Path | None) -> str:
     """The command that makes sense after a comparison."""
-    from bench.page.section_run import CommandRun
-    from bench.residuals.words import DIAGNOSE, KEEP, beyond_noise
+    from bench.cli.next_steps import after_errors
 
-    files = tuple(map(str, effect_files))
-    if beyond_noise(what):
-        return f"next: {CommandRun('diagnose', str(dataset), effects, files, given).line()}    {DIAGNOSE}"
-    if model_file is None:
-        return f"next: {CommandRun('identify', str(dataset), effects, files, given).line()} --json model.json    {KEEP}"
+    if (step := after_errors(source, what, kept=model_file is not None)) is not None or model_file is None:
+        return step or ""
     target = model_file.with_suffix(".xml")
     return next_line(["export", model_file, "--to", "mjcf", "-o", target], "exports the model to a simulator")
 
@@ -153,7 +147,7 @@ def _side_by_side(
 
     from bench.dataset.dataset import load_dataset
     from bench.document.side_by_side import changed_sentences
-    from bench.document.terminal.side_by_side import side_by_side_report
+    from bench.document.terminal.identification import side_by_side_report
     from bench.identification.problem import problem_of
     from bench.residuals.side_by_side import side_by_side, side_by_side_json
 
@@ -177,27 +171,3 @@ def _side_by_side(
         ),
         lambda: say([*written, step]),
     )
-
-
-def _draw(
-    output: Path,
-    what: "Compared",
-    result: "Identification | None",
-    data: "Dataset",
-    run: "CommandRun",
-    model_file: Path | None,
-    written: list[str],
-) -> None:
-    """Draw figures and page into a folder; each that was written is added to `written`."""
-    from bench.document.figures.comparison import write_comparison_figures
-    from bench.page.write import write_identification_report
-
-    def figures() -> None:
-        written.extend(wrote(path, "figure") for path in write_comparison_figures(output, what))
-
-    def page() -> None:
-        if result is not None:
-            name = "" if model_file is None else str(model_file)
-            written.append(wrote(write_identification_report(output, result, data, run, name), "report"))
-
-    take_all(figures, page)

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from bench.cli.last_lines import after_diagnosis, say, write_with_words, wrote
+from bench.cli.last_lines import after_diagnosis, say, shown, take_all, write_with_words, wrote
 from bench.cli.options import (
     dataset_argument,
     effect_file_option,
@@ -16,11 +16,11 @@ from bench.cli.options import (
     in_existing_folder,
     json_option,
     output_option,
+    path_option,
     rule_option,
     with_option,
 )
 from bench.cli.progress import quiet_option, shown_progress
-from bench.cli.steps import shown, take_all
 
 if TYPE_CHECKING:
     from bench.basics.progress import Progress
@@ -35,10 +35,9 @@ if TYPE_CHECKING:
 @effect_file_option
 @filter_options
 @json_option
-@click.option(
+@path_option(
     "--apply",
     "model_file",
-    type=click.Path(path_type=Path),
     metavar="MODEL.json",
     callback=in_existing_folder,
     help="Write the model with the missing effects, and each discovered law as an effect file next to it.",
@@ -168,10 +167,7 @@ class _Outcome:
         if folder is None:
             return
         with shown_progress(quiet, "drawing figures") as progress:
-            take_all(
-                lambda: self._draw_figures(folder),
-                lambda: self._draw_page(folder, command, progress),
-            )
+            take_all(lambda: self._draw_figures(folder), lambda: self._draw_page(folder, command, progress))
 
     def _draw_figures(self, folder: Path) -> None:
         from bench.diagnosis.split import dataset_of

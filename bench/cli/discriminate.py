@@ -5,15 +5,16 @@ from typing import Any
 
 import click
 
-from bench.cli.completion import effects as effect_names
 from bench.cli.last_lines import say, wrote
 from bench.cli.options import (
     dataset_argument,
     effect_file_option,
     filter_options,
     given_filters,
+    path_option,
     with_option,
 )
+from bench.cli.options import effects as effect_names
 from bench.cli.progress import quiet_option, shown_progress
 
 POSITIVE = click.FloatRange(min=0.0, min_open=True)
@@ -26,10 +27,9 @@ WIDEN, RATE = 1.0, 1000.0
 @dataset_argument
 @click.argument("effect_a", metavar="EFFECT_A", shell_complete=effect_names)
 @click.argument("effect_b", metavar="EFFECT_B", shell_complete=effect_names)
-@click.option(
+@path_option(
     "-o",
     "--output",
-    type=click.Path(path_type=Path),
     required=True,
     metavar="DIR",
     help="Folder for the trajectory, its coefficients, a summary and a picture.",

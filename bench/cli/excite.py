@@ -5,11 +5,10 @@ from typing import Any
 
 import click
 
-from bench.cli.completion import effects as effect_names
-from bench.cli.completion import robots as robot_names
 from bench.cli.last_lines import next_line, say, wrote
-from bench.cli.options import effect_file_option, in_existing_folder, with_option
-from bench.cli.parameters import Rate
+from bench.cli.options import Rate, effect_file_option, in_existing_folder, path_option, with_option
+from bench.cli.options import effects as effect_names
+from bench.cli.options import robots as robot_names
 from bench.cli.progress import quiet_option, shown_progress
 
 POSITIVE = click.FloatRange(min=0.0, min_open=True)
@@ -30,10 +29,9 @@ def _share(_context: click.Context, option: click.Parameter, text: str | None) -
 
 @click.command("excite")
 @click.argument("robot", shell_complete=robot_names)
-@click.option(
+@path_option(
     "-o",
     "--output",
-    type=click.Path(path_type=Path),
     required=True,
     metavar="DIR",
     help="Folder for tables, coefficients, a scenario, pictures and the forecast.",
@@ -46,10 +44,9 @@ def _share(_context: click.Context, option: click.Parameter, text: str | None) -
     metavar="WHAT",
     help="all, gains, parameters, or an effect as EFFECT or EFFECT:JOINT. Repeat for each.  [default: all]",
 )
-@click.option(
+@path_option(
     "--limits",
     "limits",
-    type=click.Path(path_type=Path),
     metavar="FILE",
     callback=in_existing_folder,
     help="TOML with limits by joint, workspace boxes, payload and sensors.",
@@ -79,12 +76,7 @@ def _share(_context: click.Context, option: click.Parameter, text: str | None) -
     metavar="SHARE",
     help="Print the payload and time that suffice, e.g. 0.5%.",
 )
-@click.option(
-    "--after",
-    type=click.Path(path_type=Path),
-    metavar="DATASET",
-    help="Plan the one motion that adds most to these recordings.",
-)
+@path_option("--after", metavar="DATASET", help="Plan the one motion that adds most to these recordings.")
 @with_option
 @effect_file_option
 @click.option(
@@ -133,8 +125,7 @@ def excite(
         from bench.excitation.experiment.request_file import asked_table
         from bench.excitation.experiment.sentences import sentences
         from bench.identification.problem import problem_of
-        from bench.studies.rehearsal import rehearse
-        from bench.studies.rehearsal_words import rehearsal_sentence
+        from bench.studies.rehearsal import rehearsal_sentence, rehearse
         from bench.truth.timers import stop_step_timers
         from bench.viewer.planned import write_planned_rrd
 

@@ -5,7 +5,7 @@ from pathlib import Path
 import click
 
 from bench.cli.last_lines import say, wrote
-from bench.cli.options import effect_file_option
+from bench.cli.options import effect_file_option, path_option
 
 FORMATS = ("mjcf", "urdf", "csv", "yaml", "c")
 
@@ -13,9 +13,7 @@ FORMATS = ("mjcf", "urdf", "csv", "yaml", "c")
 @click.command("export")
 @click.argument("model", type=click.Path(path_type=Path), metavar="MODEL.json")
 @click.option("--to", "form", type=click.Choice(FORMATS), required=True, help="What to write.")
-@click.option(
-    "-o", "--output", type=click.Path(path_type=Path), required=True, metavar="PATH", help="File to write."
-)
+@path_option("-o", "--output", required=True, metavar="PATH", help="File to write.")
 @click.option("--robot", metavar="ROBOT", help="Name or folder. [default: that of the model's dataset]")
 @click.option("--payload", metavar="NAME", help="Carried at the tool (mjcf, c).  [default: none]")
 @click.option(

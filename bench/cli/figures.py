@@ -6,29 +6,17 @@ from typing import Any
 import click
 
 from bench.cli.last_lines import say, wrote
-from bench.cli.options import effect_file_option, filter_options, given_filters, with_option
+from bench.cli.options import effect_file_option, filter_options, given_filters, path_option, with_option
 
 
 @click.command("figures")
 @click.argument("source", type=click.Path(path_type=Path))
 @click.argument("names", nargs=-1, metavar="[NAME]...")
 @click.option("--all", "every", is_flag=True, help="Draw every figure.")
-@click.option(
-    "-o",
-    "--output",
-    type=click.Path(path_type=Path),
-    metavar="DIR",
-    help="Folder for PDF, PNG and CSV.",
-)
-@click.option(
-    "--only",
-    multiple=True,
-    metavar="NAME",
-    help="The same as NAME. Repeat for each.",
-)
-@click.option(
+@path_option("-o", "--output", metavar="DIR", help="Folder for PDF, PNG and CSV.")
+@click.option("--only", multiple=True, metavar="NAME", help="The same as NAME. Repeat for each.")
+@path_option(
     "--data",
-    type=click.Path(path_type=Path),
     metavar="DATASET",
     help="The recordings to show a model file with. [default: those it was identified from]",
 )

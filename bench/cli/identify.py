@@ -6,7 +6,16 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from bench.cli.last_lines import AGAIN, STANDARD_OUTPUT, next_line, say, write_with_words, wrote
+from bench.cli.last_lines import (
+    AGAIN,
+    STANDARD_OUTPUT,
+    next_line,
+    say,
+    shown,
+    take_all,
+    write_with_words,
+    wrote,
+)
 from bench.cli.options import (
     dataset_argument,
     effect_file_option,
@@ -15,14 +24,13 @@ from bench.cli.options import (
     in_existing_folder,
     json_option,
     output_option,
+    path_option,
     with_option,
 )
-from bench.cli.steps import shown, take_all
 from bench.identification.estimators import DEFAULT_METHOD, ESTIMATORS
 
 if TYPE_CHECKING:
     from bench.identification.result import Identification
-    from bench.residuals.motor import Compared
 
 
 @click.command("identify")
@@ -54,13 +62,8 @@ if TYPE_CHECKING:
 )
 @filter_options
 @json_option
-@click.option(
-    "--rrd",
-    "rrd_file",
-    type=click.Path(path_type=Path),
-    metavar="FILE",
-    callback=in_existing_folder,
-    help="Write a Rerun recording.",
+@path_option(
+    "--rrd", "rrd_file", metavar="FILE", callback=in_existing_folder, help="Write a Rerun recording."
 )
 @output_option("Folder for the report.")
 @click.option("-v", "--verbose", is_flag=True, help="Print groupings in full.")
@@ -87,6 +90,7 @@ def identify(  # noqa: PLR0913, PLR0917 - an argument for each option
     from rich.console import Console
 
     from bench.api.identify import identify as identified
+    from bench.cli.next_steps import Source, after_errors
     from bench.dataset.dataset import load_dataset
     from bench.document.terminal.identification import identification_report
     from bench.identification.finding import MEND_FIRST
@@ -145,7 +149,13 @@ def identify(  # noqa: PLR0913, PLR0917 - an argument for each option
     def last_lines() -> None:
         what = compared(data.robot, data.recordings, result.recordings, result.settings)
         mend = any(finding.code in MEND_FIRST for finding in result.findings)
-        step = _next(what, dataset, effects, effect_files, given, json_file, mend=mend)
+        source = Source(dataset, effects, effect_files, given)
+        if mend:
+            step: str | None = f"next: {source.command('identify', dataset)}    {AGAIN}"
+        else:
+            step = after_errors(source, what, kept=json_file not in (None, STANDARD_OUTPUT))
+        if step is None:
+            step = next_line(["compare", dataset, "--model", str(json_file)], "shows its errors by motor")
         say([*remaining_errors(what), *written, step])
 
     take_all(
@@ -165,28 +175,3 @@ def _gains(result: "Identification") -> dict[str, Any]:
 
     answer = to_json(result, words=False)
     return {key: answer[key] for key in ("robot", "drive_gains", "parameters", "effect_parameters", "error")}
-
-
-def _next(
-    what: "Compared",
-    dataset: Path,
-    effects: tuple[str, ...],
-    effect_files: tuple[Path, ...],
-    given: dict[str, Any],
-    json_file: Path | None,
-    *,
-    mend: bool,
-) -> str:
-    """The command that makes sense after an identification; mend: what the first note says comes before it."""
-    from bench.page.section_run import CommandRun
-    from bench.residuals.words import DIAGNOSE, KEEP, beyond_noise
-
-    files = tuple(map(str, effect_files))
-    if mend:
-        again = CommandRun("identify", str(dataset), effects, files, given).line()
-        return f"next: {again}    {AGAIN}"
-    if beyond_noise(what):
-        return f"next: {CommandRun('diagnose', str(dataset), effects, files, given).line()}    {DIAGNOSE}"
-    if json_file is None or json_file == STANDARD_OUTPUT:
-        return f"next: {CommandRun('identify', str(dataset), effects, files, given).line()} --json model.json    {KEEP}"
-    return next_line(["compare", dataset, "--model", json_file], "shows its errors by motor")

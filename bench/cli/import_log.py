@@ -6,9 +6,8 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from bench.cli.completion import robots
 from bench.cli.last_lines import next_line, say, wrote
-from bench.cli.parameters import Assignment, Numbers, number_or_word, unique
+from bench.cli.options import Assignment, Numbers, number_or_word, path_option, robots, unique
 from bench.cli.progress import quiet_option, shown_progress
 
 if TYPE_CHECKING:
@@ -23,10 +22,9 @@ BESIDE_MAPPING = ("mapping_file", "output", "replace", "quiet")
 @click.command("import")
 @click.argument("file", type=click.Path(path_type=Path), required=False)
 @click.option("--robot", shell_complete=robots, help="Built-in name, or path of a robot folder.")
-@click.option(
+@path_option(
     "--mapping",
     "mapping_file",
-    type=click.Path(path_type=Path),
     metavar="MAP.toml",
     help="Import many logs in one call: robot, columns, scales, files and payloads from this file.",
 )
@@ -52,10 +50,9 @@ BESIDE_MAPPING = ("mapping_file", "output", "replace", "quiet")
 @click.option("--no-header", is_flag=True, help="No line of the log names its columns.")
 @click.option("--topic", metavar="NAME", help="The topic of a ROS bag, if several have joint states.")
 @click.option("--rate", type=float, metavar="HZ", help="Sampling rate of a log without a time column.")
-@click.option(
+@path_option(
     "-o",
     "--output",
-    type=click.Path(path_type=Path),
     metavar="DATASET",
     help="Dataset folder to make or to add to. [default: the log's name without its suffix,"
     " or the folder's with _dataset]",
@@ -226,8 +223,7 @@ def _request(file: Path, options: Mapping[str, Any]) -> "LogRequest":
         options["name"],
         Reading(options["skip_rows"], False if options["no_header"] else None, options["topic"]),
         Cutting(
-            options["validate_fraction"],
-            (options["shortest"] or SHORTEST) if options["split_gaps"] else None,
+            options["validate_fraction"], (options["shortest"] or SHORTEST) if options["split_gaps"] else None
         ),
         options["accept"],
     )

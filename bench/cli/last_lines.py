@@ -1,4 +1,4 @@
-"""The last lines of a command: what it wrote, always in the same words, and the command that makes sense next."""
+"""How a command ends: every step taken, what it wrote in the same words, and the command that makes sense next."""
 
 import io
 import json
@@ -9,6 +9,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
+
+from bench.basics.errors import BenchError, FaultsError, lines_of
 
 if TYPE_CHECKING:
     from bench.diagnosis.result import Diagnosis
@@ -129,3 +131,31 @@ def after_diagnosis(
         return next_line(words, "designs the motion that distinguishes them")
     already = [word for effect in diagnosis.before.effects for word in ("--with", effect)]
     return next_line(["identify", dataset, *already, "--json", "model.json"], "saves the present model")
+
+
+def take_all(*steps: Callable[[], object]) -> None:
+    """Take every step in order. What steps raised is raised once all were taken; several errors together."""
+    errors: list[Exception] = []
+    for step in steps:
+        try:
+            step()
+        except Exception as error:  # noqa: BLE001 - every error is raised below
+            errors.append(error)
+    users = [error for error in errors if isinstance(error, BenchError)]
+    if len(errors) == 1:
+        raise errors[0]
+    if errors and len(users) == len(errors):
+        raise FaultsError(line for error in users for line in lines_of(error))
+    if errors:
+        raise ExceptionGroup("more than one step failed", errors)
+
+
+def shown(report: Callable[[], object], verdict: Callable[[], Mapping[str, Any]]) -> None:
+    """Print a report; where it cannot be made, the verdict as JSON, and the error goes on."""
+    done = False
+    try:
+        report()
+        done = True
+    finally:
+        if not done:
+            click.echo(json.dumps(verdict(), indent=2, ensure_ascii=False))

@@ -1,12 +1,16 @@
-"""A click group whose commands are imported when they are asked for, and not for its help."""
+"""A click group that imports its commands when they are asked for, corrects misspelt names, and outlives its reader."""
 
 import importlib
-from collections.abc import Mapping
+import os
+import sys
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager, redirect_stdout
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, TextIO
 
 import click
 
+from bench.basics.errors import nearest
 from bench.cli.last_lines import set_quiet
 from bench.cli.progress import QUIET
 
@@ -69,3 +73,73 @@ class LazyGroup(click.Group):
                     if command.section == section
                 ]
                 formatter.write_dl(rows)
+
+
+def misspelt(error: click.NoSuchOption | click.NoSuchCommand) -> str:
+    """The message. The similarity of click counts the dashes, and so takes --robots for --verbose."""
+    command = error.ctx.command if error.ctx is not None else None
+    if isinstance(error, click.NoSuchCommand):
+        name, known = error.command_name, _commands(command, error.ctx)
+    else:
+        name = error.option_name
+        known = {option.lstrip("-"): option for option in _options(command)}
+    near = nearest(name.lstrip("-"), known)
+    return error.message if near is None else f"{error.message} Did you mean {known[near]!r}?"
+
+
+def _commands(command: click.Command | None, context: click.Context | None) -> dict[str, str]:
+    if not isinstance(command, click.Group) or context is None:
+        return {}
+    return {name: name for name in command.list_commands(context)}
+
+
+def _options(command: click.Command | None) -> list[str]:
+    parameters = [] if command is None else command.params
+    return [
+        option
+        for parameter in parameters
+        for option in (*parameter.opts, *parameter.secondary_opts)
+        if option.startswith("--")
+    ]
+
+
+class Forgiving:
+    """A stream like the one inside it. Once nobody reads that any more, what is written goes nowhere."""
+
+    def __init__(self, stream: TextIO) -> None:
+        self._stream = stream
+
+    def write(self, text: str) -> int:
+        """Write, if anybody reads."""
+        try:
+            return self._stream.write(text)
+        except BrokenPipeError:
+            self._let_go()
+            return len(text)
+
+    def flush(self) -> None:
+        """Flush, if anybody reads."""
+        try:
+            self._stream.flush()
+        except BrokenPipeError:
+            self._let_go()
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._stream, name)
+
+    def _let_go(self) -> None:
+        """Point the stream to nowhere, also for what lies in its buffer and is flushed when Python ends."""
+        nowhere = os.open(os.devnull, os.O_WRONLY)
+        os.dup2(nowhere, self._stream.fileno())
+        os.close(nowhere)
+
+
+@contextmanager
+def forgiving_output() -> Iterator[None]:
+    """Let the reader of standard output leave while inside."""
+    stream = Forgiving(sys.stdout)
+    with redirect_stdout(stream):
+        try:
+            yield
+        finally:
+            stream.flush()

@@ -1,19 +1,22 @@
 """From what a user names (a dataset, a model, a folder of results or of a sweep) to what the viewer shows."""
 
+import json
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 import click
+import numpy as np
 
 from bench.basics.errors import BenchError
-from bench.cli.known_truth import known_of, simulated_again, truth_next_to, truth_of
 from bench.dataset.dataset import Dataset, load_dataset, refuse_log
 from bench.dataset.names import DATASET_FILE
+from bench.dataset.robot import Robot
 from bench.diagnosis.result import Diagnosis, LadderStep
 from bench.document.diagnosis import step_labels
-from bench.document.markdown.diagnosis import diagnosis_markdown
+from bench.document.markdown.tables import diagnosis_markdown
+from bench.document.numbers import effect_key
 from bench.identification.chosen_band import prepare_checked
 from bench.identification.effect_torques import effect_torques
 from bench.identification.identify import fit, identify
@@ -21,13 +24,81 @@ from bench.identification.model_file import load_model, read_identification
 from bench.identification.prepare import prepare
 from bench.identification.problem import Problem, problem_of
 from bench.identification.result import Identification
+from bench.model.model import build_model
 from bench.page.folder import SavedRun, read_run
 from bench.page.run_file import RUN_FILE
-from bench.studies.known_values import known_values
+from bench.studies.sweep.accuracy import true_values
 from bench.studies.sweep.rerun_runs import is_sweep_folder, plan_of, run_again, telling_runs
-from bench.truth.dataset import as_dataset
+from bench.studies.trial.intervals import as_logged
+from bench.studies.trial.intervals import true_values as true_effect_values
+from bench.truth.dataset import as_dataset, truth_path
+from bench.truth.inverse import hidden_torque, plain_machine
+from bench.truth.report import truth
+from bench.truth.resense import repeated
+from bench.truth.simulate import Simulation
 from bench.viewer.context import KnownTruth, LadderModel, ViewContext
 from bench.viewer.recording import ViewedRun
+
+WHOLE_ROBOT = "robot"
+
+
+def known_values(robot: Robot, truth: Mapping[str, Any]) -> dict[str, float]:
+    """True gains, base parameters and parameters of hidden effects; truth: the content of a truth file."""
+    model = build_model(robot)
+    values = true_values(model, truth)
+    slides = {joint.name for joint in model.geometry.joints if joint.kind == "slide"}
+    for hidden in as_logged(truth["hidden"]):
+        joint = hidden.get("joint") or WHOLE_ROBOT
+        parameters = true_effect_values(hidden["effect"], hidden, slide=joint in slides)
+        values |= {effect_key(hidden["effect"], joint, name): value for name, value in parameters.items()}
+    return values
+
+
+def truth_next_to(dataset: Dataset) -> dict[str, Any] | None:
+    """The content of the truth file next to a dataset's folder; None where there is none, as of a real robot."""
+    path = truth_path(dataset.folder)
+    if not path.is_file():
+        return None
+    try:
+        content = json.loads(path.read_text(encoding="utf-8"))
+    except (OSError, json.JSONDecodeError, UnicodeDecodeError) as error:
+        raise BenchError(f"{path}: cannot be read ({error})") from None
+    if not isinstance(content, dict):
+        raise BenchError(f"{path}: not a truth file")
+    return content
+
+
+def simulated_again(dataset: Dataset, content: Mapping[str, Any]) -> Simulation | None:
+    """The simulation that wrote a dataset; None where the dataset was changed since."""
+    origin = str(truth_path(dataset.folder))
+    simulation = repeated(content, origin)
+    made = {
+        f"{recording.name}.{simulation.scenario.settings.file_format}": recording.log
+        for recording in simulation.recordings
+    }
+    for logged in dataset.recordings:
+        log = made.get(logged.name)
+        if log is None or log.current.shape != logged.current.shape:
+            return None
+        if not (
+            np.array_equal(log.position, logged.position) and np.array_equal(log.current, logged.current)
+        ):
+            return None
+    return simulation
+
+
+def known_of(simulation: Simulation) -> dict[str, KnownTruth]:
+    """References, hidden torques and the openings of loops, by recording of the dataset."""
+    plain = plain_machine(simulation)
+    suffix = simulation.scenario.settings.file_format
+    by_file = {}
+    for recording in simulation.recordings:
+        hidden = hidden_torque(simulation, recording, plain)
+        torque = hidden.torque if simulation.machine.hidden else None
+        by_file[f"{recording.name}.{suffix}"] = KnownTruth(
+            hidden.time, hidden.reference, torque, hidden.loop_gap
+        )
+    return by_file
 
 
 @dataclass(frozen=True)
@@ -174,7 +245,7 @@ def _of_sweep(folder: Path, asked: ViewRequest) -> list[ViewedRun]:
         result = fit(prepared, run.identify["method"], **options)
         context = _context(dataset, result, (), f"**{again.title}**", truth=False)
         if asked.truth:
-            known, content = known_of(again.simulation), truth_of(again.simulation)
+            known, content = known_of(again.simulation), truth(again.simulation)
             context = replace(context, known=known, truth=known_values(dataset.robot, content))
         viewed.append(ViewedRun(again.title, result, dataset, context))
     return viewed

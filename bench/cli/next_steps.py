@@ -13,6 +13,7 @@ from bench.page.section_run import CommandRun
 
 if TYPE_CHECKING:
     from bench.diagnosis.result import Diagnosis
+    from bench.residuals.motor import Compared
 
 
 @dataclass(frozen=True)
@@ -46,6 +47,15 @@ def dataset_behind(model: Path) -> Path | None:
     from bench.identification.model_file import load_model
 
     return load_model(model).dataset
+
+
+def after_errors(source: Source, what: Compared, *, kept: bool) -> str | None:
+    """After a model's errors: a diagnosis where more than noise remains, else a file of the model unless it is kept."""
+    from bench.residuals.words import DIAGNOSE, KEEP, beyond_noise
+
+    if beyond_noise(what):
+        return f"next: {source.command('diagnose', source.path)}    {DIAGNOSE}"
+    return None if kept else f"next: {source.command('identify', source.path)} --json model.json    {KEEP}"
 
 
 def after_looking(source: Source) -> str:
@@ -104,7 +114,8 @@ def after_table(folder: Path, axes: Sequence[str], metrics: Sequence[str], poole
     """After a summary: by the axes that it throws together, or its first metric as a figure."""
     if not axes and pooled:
         by = [word for axis in pooled for word in ("--by", axis)]
-        return next_line(["table", folder, *by, *_shown(metrics)], "separates their values")
+        shown = [word for metric in metrics for word in ("--show", metric)]
+        return next_line(["table", folder, *by, *shown], "separates their values")
     if not axes:
         return next_line(["view", folder], "shows a good, a median and a bad run in motion")
     lines = ["--lines", axes[1]] if len(axes) > 1 else []
@@ -148,7 +159,3 @@ def _compared(source: Source, data: Path) -> str:
 
 def _files(effect_files: Sequence[Path]) -> list[str | Path]:
     return [word for file in effect_files for word in ("--effect-file", file)]
-
-
-def _shown(metrics: Sequence[str]) -> list[str]:
-    return [word for metric in metrics for word in ("--show", metric)]

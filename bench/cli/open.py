@@ -10,14 +10,14 @@ from typing import Any
 import click
 
 from bench.basics.progress import Progress
+from bench.cli.options import path_option
 
 
 @click.command("open")
 @click.argument("folder", type=click.Path(path_type=Path), default=Path(), metavar="[DATASET_OR_FOLDER]")
-@click.option(
+@path_option(
     "--robot",
     "robots",
-    type=click.Path(path_type=Path),
     multiple=True,
     metavar="FOLDER",
     help="A further robot folder to choose from. Repeat for more.",

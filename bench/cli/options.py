@@ -1,5 +1,6 @@
-"""Options that several commands share."""
+"""Options that several commands share, the types of their values, and what a shell may complete."""
 
+import math
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -8,11 +9,57 @@ import click
 
 from bench.basics.errors import BenchError
 from bench.basics.files.atomic import why_no_folder, why_unwritable
-from bench.cli.completion import effects
 from bench.cli.last_lines import STANDARD_OUTPUT, answer_on
+from bench.dataset.catalogue import built_in_robots, built_in_scenarios, catalogue_folder
+
+_NAMED = "bench.files that are written"
+
+
+def effects(_context: click.Context, _option: click.Parameter, begun: str) -> list[str]:
+    """Effects of the catalogue."""
+    from bench.effects.catalogue import CATALOGUE
+
+    return _beginning(list(CATALOGUE), begun)
+
+
+def robots(_context: click.Context, _option: click.Parameter, begun: str) -> list[str]:
+    """Built-in robots."""
+    return _beginning(list(built_in_robots()), begun)
+
+
+def scenarios(_context: click.Context, _option: click.Parameter, begun: str) -> list[str]:
+    """Built-in scenarios."""
+    return _beginning(list(built_in_scenarios()), begun)
+
+
+def sweeps(_context: click.Context, _option: click.Parameter, begun: str) -> list[str]:
+    """Built-in sweeps."""
+    return _beginning([path.stem for path in catalogue_folder("scenarios").glob("sweeps/*.toml")], begun)
+
+
+def _beginning(names: list[str], begun: str) -> list[str]:
+    return sorted(name for name in names if name.startswith(begun))
+
 
 Command = Callable[..., Any]
-_NAMED = "bench.files that are written"
+
+
+def path_option(*names: str, **more: Any) -> Callable[[Command], Command]:
+    """An option that takes a path; more: see `click.option`."""
+    return click.option(*names, type=click.Path(path_type=Path), **more)
+
+
+workers_option = click.option(
+    "--workers",
+    type=click.IntRange(1, 256),
+    metavar="N",
+    help="Processes on this machine. [default: one a core]",
+)
+scheduler_option = click.option(
+    "--scheduler",
+    metavar="ADDRESS",
+    help="A Dask scheduler, for example tcp://HOST:8786, instead of local processes.",
+)
 
 dataset_argument = click.argument("dataset", type=click.Path(path_type=Path))
 
@@ -26,11 +73,10 @@ with_option = click.option(
     "per fitted recording. Repeat for each.",
 )
 
-effect_file_option = click.option(
+effect_file_option = path_option(
     "--effect-file",
     "effect_files",
     multiple=True,
-    type=click.Path(path_type=Path),
     metavar="FILE",
     help="Python file with your effects. Repeat for each.",
 )
@@ -78,20 +124,12 @@ def as_folder(_context: click.Context, option: click.Parameter, folder: Path | N
 
 def output_option(help_text: str) -> Callable[[Command], Command]:
     """The folder that a command writes into."""
-    return click.option(
-        "-o",
-        "--output",
-        type=click.Path(path_type=Path),
-        metavar="DIR",
-        callback=as_folder,
-        help=help_text,
-    )
+    return path_option("-o", "--output", metavar="DIR", callback=as_folder, help=help_text)
 
 
-json_option = click.option(
+json_option = path_option(
     "--json",
     "json_file",
-    type=click.Path(path_type=Path),
     metavar="FILE",
     callback=_answer_file,
     help="Write the answer as JSON; - for standard output.",
@@ -146,22 +184,10 @@ def filter_options(command: Command) -> Command:
     return command
 
 
-def given_filters(
-    position_cutoff: float | None,
-    decimation: int | None,
-    filter_order: int | None,
-    difference_order: int | None,
-    keep_standstill: bool | None,
-    border: str | None,
-) -> dict[str, Any]:
+def given_filters(border: str | None, **filters: Any) -> dict[str, Any]:
     """The filter settings that were given, by the names of `FilterSettings`."""
-    given: dict[str, Any] = {
-        "position_cutoff": position_cutoff,
-        "decimation": decimation,
-        "filter_order": filter_order,
-        "difference_order": difference_order,
-        "keep_standstill": keep_standstill,
-    }
+    names = ("position_cutoff", "decimation", "filter_order", "difference_order", "keep_standstill")
+    given = {name: filters[name] for name in names}
     if border is not None:
         try:
             start, end = (int(part) for part in border.split(","))
@@ -169,3 +195,91 @@ def given_filters(
             raise BenchError(f"--border {border!r}: give two whole numbers, for example 49,0") from None
         given["border"] = (start, end)
     return {name: value for name, value in given.items() if value is not None}
+
+
+class Assignment(click.ParamType[tuple[str, str | float]]):
+    """`KEY=VALUE`, as a pair; the key ends at the first equals sign, and the value may be a number."""
+
+    name = "assignment"
+
+    def __init__(self, value: Callable[[str], str | float] = str) -> None:
+        self.value = value
+
+    def convert(
+        self, value: Any, param: click.Parameter | None, ctx: click.Context | None
+    ) -> tuple[str, str | float]:
+        """Split the text; fails, naming it, where a side is missing or the value is no number."""
+        if isinstance(value, tuple):  # a default that is split already
+            return value
+        key, equals, text = str(value).partition("=")
+        if not (key.strip() and equals and text.strip()):
+            self.fail(f"{value!r} is not of the form KEY=VALUE", param, ctx)
+        try:
+            return key.strip(), self.value(text.strip())
+        except ValueError:
+            self.fail(f"{value!r}: {text.strip()!r} is not a number", param, ctx)
+
+
+class Numbers(click.ParamType[tuple[float, ...]]):
+    """So many numbers with commas between them."""
+
+    name = "numbers"
+
+    def __init__(self, count: int) -> None:
+        self.count = count
+
+    def convert(
+        self, value: Any, param: click.Parameter | None, ctx: click.Context | None
+    ) -> tuple[float, ...]:
+        """Split the text; fails, naming it, where it is not so many numbers."""
+        if isinstance(value, tuple):  # a default that is split already
+            return value
+        try:
+            numbers = tuple(float(part) for part in str(value).split(","))
+        except ValueError:
+            numbers = ()
+        if len(numbers) != self.count or not all(map(math.isfinite, numbers)):
+            self.fail(f"{value!r} is not {self.count} numbers with commas between them", param, ctx)
+        return numbers
+
+
+def number_or_word(text: str) -> float | str:
+    """A number where the text is one, otherwise the text."""
+    try:
+        return float(text)
+    except ValueError:
+        return text
+
+
+def unique(pairs: tuple[tuple[str, Any], ...], option: str) -> dict[str, Any]:
+    """Pairs as a mapping; a key that is given twice is a usage error."""
+    keys = [key for key, _ in pairs]
+    for key in keys:
+        if keys.count(key) > 1:
+            raise click.UsageError(f"{option}: {key!r} is given twice")
+    return dict(pairs)
+
+
+class Rate(click.ParamType[tuple[float, str]]):
+    """A positive number with a unit, as 3rad/s or 0.5m/s, or with none: (number, unit). per: s, or s2."""
+
+    name = "rate"
+
+    def __init__(self, per: str) -> None:
+        self.units = (f"rad/{per}", f"m/{per}")
+
+    def convert(
+        self, value: Any, param: click.Parameter | None, ctx: click.Context | None
+    ) -> tuple[float, str]:
+        """Raise click.BadParameter for anything else."""
+        if isinstance(value, tuple):  # a default that is split already
+            return value
+        text = str(value).replace(" ", "")
+        unit = next((unit for unit in self.units if text.endswith(unit)), "")
+        try:
+            number = float(text.removesuffix(unit))
+        except ValueError:
+            number = 0.0
+        if not 0.0 < number < float("inf"):
+            self.fail(f"{value!r} is no positive number, alone or in {' or '.join(self.units)}", param, ctx)
+        return number, unit

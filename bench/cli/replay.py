@@ -11,19 +11,15 @@ from bench.cli.options import (
     in_existing_folder,
     json_option,
     output_option,
+    path_option,
 )
 from bench.cli.progress import quiet_option
 
 
 @click.command("replay")
 @dataset_argument
-@click.option(
-    "--model",
-    "model_file",
-    type=click.Path(path_type=Path),
-    required=True,
-    metavar="MODEL.json",
-    help="A file from `bench identify --json`.",
+@path_option(
+    "--model", "model_file", required=True, metavar="MODEL.json", help="A file from `bench identify --json`."
 )
 @click.option(
     "--cad/--no-cad",
@@ -39,10 +35,9 @@ from bench.cli.progress import quiet_option
 @json_option
 @output_option("Folder for a report: currents of machine, model and twin, and the robot in motion.")
 @quiet_option
-@click.option(
+@path_option(
     "--rrd",
     "rrd_file",
-    type=click.Path(path_type=Path),
     metavar="FILE.rrd",
     callback=in_existing_folder,
     help="Write a recording for the Rerun viewer.",
@@ -76,8 +71,7 @@ def replay(
     from bench.export.identified import declaring, load_identified
     from bench.export.physical import physical_set
     from bench.export.replay.replay import replay as replayed
-    from bench.export.replay.replay import replay_json
-    from bench.export.replay.words import replay_sentences
+    from bench.export.replay.replay import replay_json, replay_sentences
     from bench.identification.model_file import read_identification
     from bench.identification.problem import problem_of
 

@@ -5,8 +5,7 @@ from rich.text import Text
 
 from bench.document.table import Column, Mark, Table
 from bench.document.terminal.tables import printed
-from bench.export.replay.replay import Replay
-from bench.export.replay.words import shortcomings
+from bench.export.replay.replay import Replay, shortcomings
 from bench.identification.result import CurrentSeries, relative_error
 
 

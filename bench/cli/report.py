@@ -12,6 +12,7 @@ from bench.cli.options import (
     file_or_folder,
     filter_options,
     given_filters,
+    path_option,
     with_option,
 )
 from bench.cli.progress import quiet_option, shown_progress
@@ -23,19 +24,17 @@ if TYPE_CHECKING:
 
 @click.command("report")
 @click.argument("source", metavar="DIR_OR_MODEL", type=click.Path(path_type=Path))
-@click.option(
+@path_option(
     "-o",
     "--output",
-    type=click.Path(path_type=Path),
     default=Path("report.html"),
     show_default=True,
     metavar="FILE.html",
     callback=file_or_folder,
     help="The file to write.",
 )
-@click.option(
+@path_option(
     "--data",
-    type=click.Path(path_type=Path),
     metavar="DATASET",
     help="The recordings to show a model with. [default: those it was identified from]",
 )
@@ -143,7 +142,7 @@ def _of_trial(source: Path, output: Path) -> Path:
 
 def _of_dataset(given: "Source", output: Path, progress: Progress) -> "Diagnosis":
     from bench.api.diagnose import diagnose
-    from bench.cli.steps import shown
+    from bench.cli.last_lines import shown
     from bench.dataset.dataset import load_dataset
     from bench.diagnosis.as_json import verdict_json
     from bench.page.folder import SavedRun
@@ -153,11 +152,7 @@ def _of_dataset(given: "Source", output: Path, progress: Progress) -> "Diagnosis
     progress.phase("reading the recordings")
     dataset = load_dataset(given.path)
     diagnosis = diagnose(
-        dataset,
-        given.effects,
-        filters=given.filters,
-        effect_files=given.effect_files,
-        progress=progress,
+        dataset, given.effects, filters=given.filters, effect_files=given.effect_files, progress=progress
     )
     files = tuple(map(str, given.effect_files))
     run = CommandRun("report", str(given.path), given.effects, files, given.filters, str(output))

@@ -5,10 +5,8 @@ from typing import TYPE_CHECKING, Literal
 
 import click
 
-from bench.cli.completion import robots
 from bench.cli.last_lines import next_line, say, write_answer, wrote
-from bench.cli.options import json_option
-from bench.cli.parameters import Assignment
+from bench.cli.options import Assignment, json_option, path_option, robots
 
 if TYPE_CHECKING:
     from bench.dataset.robot_toml import MjcfParts
@@ -77,13 +75,7 @@ def check(folder: str, json_file: Path | None, verbose: bool) -> None:
     help="A joint that is held, for example a gripper, and its position in rad or m. Repeat for each.",
 )
 @click.option("--name", help="The robot's name. [default: the file name without suffix]")
-@click.option(
-    "-o",
-    "--output",
-    type=click.Path(path_type=Path),
-    metavar="FOLDER",
-    help="Folder for robot.toml. [default: that of the MJCF]",
-)
+@path_option("-o", "--output", metavar="FOLDER", help="Folder for robot.toml. [default: that of the MJCF]")
 @click.option("--overwrite", is_flag=True, help="Replace an existing robot.toml.")
 def new(
     model: Path,
@@ -99,7 +91,7 @@ def new(
 
     Without --motor, it lists the joints, tendons, actuators and sites of MODEL.xml.
     """
-    from bench.cli.parameters import unique
+    from bench.cli.options import unique
     from bench.dataset.names import ROBOT_FILE
     from bench.dataset.robot_toml import mjcf_parts, write_robot_toml
 

@@ -5,9 +5,8 @@ from typing import Any
 
 import click
 
-from bench.cli.completion import robots
 from bench.cli.last_lines import next_line, say, wrote
-from bench.cli.options import as_folder
+from bench.cli.options import as_folder, path_option, robots, scheduler_option, workers_option
 from bench.cli.progress import quiet_option, shown_progress
 
 
@@ -42,27 +41,17 @@ from bench.cli.progress import quiet_option, shown_progress
 @click.option(
     "--duration", type=click.FloatRange(2.0), metavar="S", help="Duration of each designed motion, s."
 )
-@click.option(
+@path_option(
     "-o",
     "--output",
-    type=click.Path(path_type=Path),
     default=Path("trial"),
     show_default=True,
     metavar="DIR",
     callback=as_folder,
     help="Folder of the results.",
 )
-@click.option(
-    "--workers",
-    type=click.IntRange(1, 256),
-    metavar="N",
-    help="Processes on this machine. [default: one a core]",
-)
-@click.option(
-    "--scheduler",
-    metavar="ADDRESS",
-    help="A Dask scheduler, for example tcp://HOST:8786, instead of local processes.",
-)
+@workers_option
+@scheduler_option
 @quiet_option
 def trial(
     robot: str,

@@ -1,32 +1,32 @@
 """`bench view`: a dataset, a model or results in the Rerun viewer, or as a file for Foxglove and PlotJuggler."""
 
+import os
+import shutil
+import subprocess
+import sys
 from pathlib import Path
 from typing import Any
 
 import click
 
 from bench.cli.last_lines import say, wrote
-from bench.cli.options import effect_file_option, filter_options, given_filters, with_option
+from bench.cli.options import effect_file_option, filter_options, given_filters, path_option, with_option
 
 
 @click.command("view")
 @click.argument("source", type=click.Path(path_type=Path))
 @with_option
 @effect_file_option
-@click.option(
+@path_option(
     "--data",
-    type=click.Path(path_type=Path),
     metavar="DATASET",
     help="The recordings to show a model file with. [default: those it was identified from]",
 )
 @click.option("--run", "runs", type=int, multiple=True, metavar="N", help="Run of a sweep. Repeat for each.")
 @click.option("--no-truth", is_flag=True, help="Omit the true hidden effects of a simulation.")
 @filter_options
-@click.option(
-    "--save",
-    type=click.Path(path_type=Path),
-    metavar="FILE",
-    help="Only write: FILE.rrd for Rerun, FILE.mcap for Foxglove and PlotJuggler.",
+@path_option(
+    "--save", metavar="FILE", help="Only write: FILE.rrd for Rerun, FILE.mcap for Foxglove and PlotJuggler."
 )
 def view(
     source: Path,
@@ -70,7 +70,25 @@ def view(
     how = "open it in Foxglove or PlotJuggler" if is_mcap else f"open it with rerun {path}"
     written = [wrote(path, "recording" if save is None else f"recording: {how}")]
     if save is None:
-        from bench.cli.open_viewer import open_viewer
-
         written.append(open_viewer(path))
     say([*written, after_looking(Source(source, effects, effect_files, given, data))])
+
+
+def open_viewer(path: Path) -> str:
+    """Open a recording in a separate window that outlives the command; says what was done, or what to do."""
+    installed = Path(sys.executable).with_name("rerun")
+    program = str(installed) if installed.is_file() else shutil.which("rerun")
+    if program is None:
+        return f"The program rerun is not on the path; open it with: rerun {path}"
+    if sys.platform.startswith("linux") and not (
+        os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY")
+    ):
+        return f"No screen; open it on another machine, or in a browser with: rerun --web-viewer {path}"
+    subprocess.Popen(
+        [program, str(path)],
+        stdin=subprocess.DEVNULL,
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.DEVNULL,
+        start_new_session=True,
+    )
+    return "Opened in the Rerun viewer."

@@ -68,12 +68,7 @@ def ranking_table(diagnosis: Diagnosis, verdicts: Sequence[EffectVerdict] | None
         Column("without", [verdict.error_before for verdict in rows], "share", 3),
         Column("with it", _unless(absorbed, [verdict.error_after for verdict in rows]), "share"),
         Column("size", ["" if verdict is None else size_words(diagnosis, verdict) for verdict in sized]),
-        Column(
-            "saves",
-            ["" if verdict is None else _taken(verdict) for verdict in sized],
-            "share",
-            5,
-        ),
+        Column("saves", ["" if verdict is None else _taken(verdict) for verdict in sized], "share", 5),
         Column("at", [_places(diagnosis, verdict) for verdict in rows], rank=2),
         Column("or", [_few(verdict.alternatives) for verdict in rows], rank=4),
     )

@@ -86,9 +86,7 @@ def effects_table(result: Identification, truth: Truth | None = None) -> Table:
 
 
 def errors_table(
-    series: Sequence[CurrentSeries],
-    joints: Sequence[str],
-    noise: tuple[Sequence[float], float] | None = None,
+    series: Sequence[CurrentSeries], joints: Sequence[str], noise: tuple[Sequence[float], float] | None = None
 ) -> Table:
     """Length and errors of the modelled current by recording and motor, fitted and not fitted, with totals.
 
@@ -111,7 +109,7 @@ def errors_table(
         Column("payload", [payload for _, _, payload, _ in groups] + [""] * last),
         Column(
             "length",
-            [sum(map(_seconds, chosen)) for *_, chosen in groups] + [""] * last,
+            [sum(float(np.ptp(trace.time)) for trace in chosen) for *_, chosen in groups] + [""] * last,
             "number",
             2,
             ".3g",
@@ -176,11 +174,6 @@ def motor_errors_table(series: Sequence[CurrentSeries], joints: Sequence[str]) -
         if chosen:
             columns.append(Column(name, [relative_error(chosen, j) for j in range(len(joints))], "share"))
     return Table(tuple(columns))
-
-
-def _seconds(series: CurrentSeries) -> float:
-    """How long a recording is, s."""
-    return float(np.ptp(series.time))
 
 
 def _quantities(quantities: Sequence[Quantity]) -> list[Column]:

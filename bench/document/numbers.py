@@ -132,9 +132,7 @@ def rounded_terms(terms: list[str]) -> list[str]:
     ]
 
 
-def flat_effects(
-    result: Identification,
-) -> list[tuple[str, str, str, Quantity]]:
+def flat_effects(result: Identification) -> list[tuple[str, str, str, Quantity]]:
     """(effect, joint, parameter, quantity) for every effect parameter, in the model's order."""
     return [
         (effect, joint, name, quantity)

@@ -3,6 +3,7 @@ method, and the torques of joints without a motor carried to the motors by virtu
 """
 
 import re
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from string import Template
 
@@ -11,15 +12,163 @@ import numpy as np
 from bench.basics.files.atomic import write_text_atomically
 from bench.effects.laws.gain_saturation import LEAST as LEAST_SATURATED
 from bench.effects.laws.gain_saturation import SOLVING
-from bench.export.c_closures import closure_tables, passive_order
-from bench.export.c_laws import LAWS, PASSIVE_LAWS, motor_lines, passive_lines
-from bench.export.c_tables import table
-from bench.export.carried import carried
+from bench.effects.laws.torque_ripple import LEAST as LEAST_RIPPLED
 from bench.export.feedforward import chosen_effects
-from bench.export.identified import EffectValues, IdentifiedModel
+from bench.export.identified import EffectValues, IdentifiedModel, carried
+from bench.model.bounds import CLOSURE
+from bench.model.closure import closures_of, loop_rows
+from bench.model.elimination import elimination_order
+from bench.model.follow import make_follower
+from bench.model.geometry import POWERS, Geometry
+from bench.model.kinematics import frames_of
+from bench.model.spin import idle_spins
 
+MOST_ITERATIONS = 8  # of Newton's method, a pose
+MOST_POSES = 512  # a call: where motors go far, poses between are closed, too
+NEARLY = 1e-8  # m or rad: after a smaller correction the loops are closed to rounding
+CLOSED = 1e-9  # m or rad: what may stay open of closures that do not repeat one another
 TEMPLATES = Path(__file__).with_name("c")
 KINDS = {"hinge": "HINGE", "slide": "SLIDE", "ball": "BALL", "free": "FREE"}
+
+
+def table(values: np.ndarray | Sequence[object]) -> str:
+    """The text between the braces of an array, of one dimension or two."""
+    array = np.asarray(values)
+    if array.ndim == 2:
+        return ",\n    ".join("{" + table(row) + "}" for row in array)
+    return ", ".join(repr(value) for value in array.tolist())
+
+
+def passive_order(geometry: Geometry) -> tuple[int, ...]:
+    """The velocities without a motor in the order in which they are solved for: those of the legs first."""
+    closures = closures_of(geometry)
+    _, rows = loop_rows(closures, frames_of(closures.links, np.ascontiguousarray(geometry.home[:, None])))
+    passive = set(closures.passive)
+    return elimination_order([{c: x for c, x in row.items() if c in passive} for row in rows])
+
+
+def closure_tables(geometry: Geometry) -> dict[str, str]:
+    """The values of the names in the templates of closed robots."""
+    spins, passive = idle_spins(geometry), passive_order(geometry)
+    equations = closures_of(geometry).equations
+    ends = [(loop.first, loop.second) for loop in geometry.loops]
+    terms, factors = [], []
+    for g, coupling in enumerate(geometry.couplings):
+        for second, side in enumerate((coupling.first, coupling.second)):
+            for joint, factor in side:
+                place = geometry.joints[joint]
+                terms.append((g, second, place.q.start, place.v.start))
+                factors.append(factor)
+    points = [np.concatenate([end.placement.translation for end in pair]) for pair in ends]
+    turns = [np.concatenate([end.placement.rotation.ravel() for end in pair]) for pair in ends]
+    given = [coupling.polynomial for coupling in geometry.couplings]
+    polynomials = [np.pad(polynomial, (0, POWERS - len(polynomial))) for polynomial in given]
+    repeating = equations > len(passive)
+    return {
+        "passives": str(len(passive)),
+        "equations": str(equations),
+        "loops": str(len(geometry.loops)),
+        "gears": str(len(geometry.couplings)),
+        "terms": str(len(terms)),
+        "spins": str(len(spins)),
+        "passive": table(passive),
+        "home": table(geometry.home),
+        "unit": table(make_follower(geometry).units),
+        "weld": table([int(loop.kind == "weld") for loop in geometry.loops]),
+        "end_joint": table([[end.joint for end in pair] for pair in ends]),
+        "end_point": table(points),
+        "end_rotation": table(turns),
+        "powers": str(POWERS),
+        "polynomial": table(polynomials),
+        "term": table(terms),
+        "factor": table(factors),
+        "spin_joint": table([spin.joint for spin in spins]),
+        "spin_axis": table([spin.axis for spin in spins]),
+        "iterations": str(MOST_ITERATIONS),
+        "poses": str(MOST_POSES),
+        "nearly": repr(NEARLY),
+        "slack": repr(CLOSURE.slack if repeating else CLOSED),
+        "amplified": f"{CLOSURE.amplification:g}",
+        "largest_correction": repr(CLOSURE.correction),
+        "largest_step": repr(CLOSURE.step),
+        "largest_turn": repr(CLOSURE.turn),
+        "smallest_step": repr(CLOSURE.share),
+    }
+
+
+Law = Callable[[Mapping[str, str]], str]
+"""C of a law: of x, s, b: position, velocity, acceleration; t: torque needed in addition to it; g: gain."""
+
+
+def _wave(v: Mapping[str, str], periods: str) -> str:
+    angle = f"{v['phase']} * {periods} * x"
+    return f"({v['a']} * cos({angle}) + {v['b']} * sin({angle}))"
+
+
+LAWS: dict[str, Law] = {
+    "asymmetric_viscous_friction": lambda v: f"(s > 0 ? {v['Fv_plus']} : {v['Fv_minus']}) * s",
+    "cogging_torque": lambda v: _wave(v, v["periods"]),
+    "constant_offset": lambda v: v["c"],
+    "coulomb_friction": lambda v: f"{v['Fc']} * sign(s)",
+    "gain_saturation": lambda v: f"saturated(t / g, {v['k']}) * g * {v['k']}",
+    "joint_spring": lambda v: f"{v['k']} * x - {v['kq0']}",
+    "load_dependent_friction": lambda v: f"{v['mu']} * sign(t * s) * t / (1.0 - {v['mu']} * sign(t * s))",
+    "position_dependent_friction": lambda v: f"sign(s) * {_wave(v, v['harmonic'])}",
+    "quadratic_drag": lambda v: f"{v['c']} * s * fabs(s)",
+    "rotor_inertia": lambda v: f"{v['Ia']} * b",
+    "shear_thinning_friction": lambda v: f"{v['Fa']} * asinh(s / {v['va']})",
+    "stribeck_friction": lambda v: (
+        f"({v['Fc']} + {v['Fs']} * exp(-pow(fabs(s / {v['vs']}), {v['delta']}))) * sign(s)"
+    ),
+    "torque_ripple": lambda v: (
+        f"-t * {_wave(v, v['periods'])} / fmax(1.0 + {_wave(v, v['periods'])}, {LEAST_RIPPLED!r})"
+    ),
+    "viscous_friction": lambda v: f"{v['Fv']} * s",
+}
+"""At a motor. Sorted by name."""
+
+PASSIVE_LAWS: dict[str, Law] = {
+    "passive_coulomb_friction": lambda v: f"{v['Fc']} * sign(s)",
+    "passive_rotor_inertia": lambda v: f"{v['Ia']} * b",
+    "passive_spring": lambda v: f"{v['k']} * x - {v['kq0']}",
+    "passive_viscous_friction": lambda v: f"{v['Fv']} * s",
+}
+"""In a joint without a motor. Sorted by name."""
+
+
+def motor_lines(model: IdentifiedModel, effects: Sequence[EffectValues]) -> str:
+    """A line of C for each effect at its motor."""
+    geometry, lines = model.model.geometry, []
+    for effect in effects:
+        turns = geometry.joints[geometry.joint_index(effect.place)].kind != "slide"
+        values = {**effect.instance.effect.shape_values(), **effect.values}
+        j = model.robot.joints.index(effect.place)
+        values["phase"] = 1.0 if turns else 2.0 * np.pi
+        target = "between" if effect.instance.effect.before_torque else "torque"
+        state = f"double x = q[{j}], s = v[{j}], b = a[{j}], t = torque[{j}], g = gain[{j}]"
+        unused = "(void)x; (void)s; (void)b; (void)t; (void)g;"
+        lines.append(f"    {{ {state}; {unused} {target}[{j}] += {LAWS[effect.name](_numbers(values))}; }}")
+    return "\n".join(lines)
+
+
+def passive_lines(geometry: Geometry, passive: Sequence[int], effects: Sequence[EffectValues]) -> str:
+    """Lines of C for each effect in a joint without a motor; passive: the velocities in the order of the code."""
+    lines = []
+    for effect in effects:
+        joint = geometry.joints[geometry.joint_index(effect.place)]
+        k = list(passive).index(joint.v.start)
+        law = PASSIVE_LAWS[effect.name](_numbers(effect.values))
+        lines.append(
+            f"    {{ double x = pose[{joint.q.start}] + ({joint.offset!r}), s = rate[{joint.v.start}], "
+            f"b = growth[{joint.v.start}];\n"
+            "      (void)x; (void)s; (void)b;\n"
+            f"      for (int i = 0; i < M; i++) torque[i] += here.amplification[{k}][i] * ({law}); }}"
+        )
+    return "\n".join(lines)
+
+
+def _numbers(values: Mapping[str, float]) -> dict[str, str]:
+    return {name: f"({float(value)!r})" for name, value in values.items()}
 
 
 def c_name(robot: str) -> str:

@@ -8,8 +8,7 @@ import numpy as np
 from bench.basics.errors import BenchError
 from bench.effects import ActuatorEffect, JointSignals
 from bench.effects.passive_joint import PassiveEffect
-from bench.export.carried import carried
-from bench.export.identified import EffectValues, IdentifiedModel
+from bench.export.identified import EffectValues, IdentifiedModel, carried
 from bench.model.geometry import Geometry
 from bench.model.motion import Motion, motion_of, rates_at
 from bench.model.regressor import projected_regressor

@@ -2,7 +2,7 @@
 
 import math
 import os
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from xml.etree import ElementTree as ET
@@ -12,18 +12,103 @@ import numpy as np
 
 from bench.basics.errors import BenchError
 from bench.basics.files.atomic import atomic_path
+from bench.dataset.mjcf_neutral import neutral
 from bench.dataset.robot_locked import locked_in_words
 from bench.dataset.robot_mjcf import INERTIA, MASS, ROTOR
-from bench.export.carried import unknown_payload
-from bench.export.mjcf_actuators import DrivenJoint, set_motors
+from bench.export.bodies import about_center
+from bench.export.identified import unknown_payload
 from bench.export.physical import PhysicalSet
 from bench.export.placed import JointTerms, Placed, not_placed_lines, placed_effects
-from bench.export.pseudo_inertia import about_center
 from bench.identification.payload_parameters import payload_columns
 from bench.model.geometry import Placement
-from bench.twin.friction import STEPS_TO_STICK, STIFF
+from bench.twin.file import STEPS_TO_STICK, STIFF
 
 PAYLOAD = "payload:"  # what the name of a payload's body begins with
+
+
+@dataclass(frozen=True)
+class DrivenJoint:
+    """A motor: N*m or N per unit of current at its joint, and its load in addition to the motion, N*m or N."""
+
+    joint: str
+    gain: float
+    offset: float
+
+
+def set_motors(
+    spec: mujoco.MjSpec, compiled: mujoco.MjModel, driven: Sequence[DrivenJoint], changed: list[str]
+) -> list[mujoco.MjsActuator]:
+    """One motor a joint: the file's where it has one, a new one otherwise.
+
+    A torque at the joint is gain times control, less the offset. Limits of control and keyframes keep the torque that
+    they meant; a servo becomes a motor. changed: for messages. Returns the motors in the order of the joints.
+    """
+    motors = []
+    for driven_joint in driven:
+        existing = [
+            actuator
+            for actuator in spec.actuators
+            if actuator.target == driven_joint.joint and actuator.trntype == mujoco.mjtTrn.mjTRN_JOINT
+        ]
+        if not existing:
+            motors.append(
+                spec.add_actuator(
+                    neutral(), name=_free_name(spec, driven_joint.joint), target=driven_joint.joint
+                )
+            )
+            _fill(motors[-1], driven_joint, 1.0)
+            continue
+        motor, *others = existing
+        for other in others:
+            changed.append(
+                f"actuator {other.name!r} is gone: {motor.name!r} drives joint {driven_joint.joint} too"
+            )
+            spec.delete(other)
+        _refill(motor, compiled, driven_joint, changed)
+        motor.name = motor.name or _free_name(spec, driven_joint.joint)
+        motors.append(motor)
+    for key in spec.keys:
+        if len(key.ctrl):
+            changed.append(f"keyframe {key.name!r}: its controls are gone, they had other units")
+            key.ctrl = []
+        if len(key.act):
+            key.act = []
+    return motors
+
+
+def _refill(
+    motor: mujoco.MjsActuator, compiled: mujoco.MjModel, driven: DrivenJoint, changed: list[str]
+) -> None:
+    """An actuator of the file with the identified gain; its limits keep their torque."""
+    place, gear = motor.id, float(motor.gear[0])
+    plain = (
+        compiled.actuator_gaintype[place] == int(mujoco.mjtGain.mjGAIN_FIXED)
+        and compiled.actuator_biastype[place] == int(mujoco.mjtBias.mjBIAS_NONE)
+        and compiled.actuator_dyntype[place] == int(mujoco.mjtDyn.mjDYN_NONE)
+    )
+    limits = compiled.actuator_ctrlrange[place].copy()
+    limited = bool(compiled.actuator_ctrllimited[place])
+    before = float(compiled.actuator_gainprm[place, 0])
+    if not plain:
+        changed.append(f"actuator {motor.name!r} is a motor now, its control a current: the file had a servo")
+    _fill(motor, driven, gear)
+    motor.ctrllimited = limited and plain
+    motor.ctrlrange = np.sort(limits * before * gear / driven.gain) if limited and plain else [0.0, 0.0]
+
+
+def _fill(motor: mujoco.MjsActuator, driven: DrivenJoint, gear: float) -> None:
+    motor.trntype = mujoco.mjtTrn.mjTRN_JOINT
+    motor.dyntype = mujoco.mjtDyn.mjDYN_NONE
+    motor.gaintype, motor.biastype = mujoco.mjtGain.mjGAIN_FIXED, mujoco.mjtBias.mjBIAS_AFFINE
+    gains, biases = np.zeros(len(motor.gainprm)), np.zeros(len(motor.biasprm))
+    gains[0], biases[0] = driven.gain / gear, -driven.offset / gear
+    motor.gainprm, motor.biasprm = gains, biases
+    motor.ctrllimited = False
+
+
+def _free_name(spec: mujoco.MjSpec, joint: str) -> str:
+    taken = {actuator.name for actuator in spec.actuators}
+    return joint if joint not in taken else f"motor:{joint}"
 
 
 @dataclass(frozen=True)
@@ -117,15 +202,15 @@ def _set_bodies(
     spec: mujoco.MjSpec, physical: PhysicalSet, exact: dict[str, dict[str, str]], changed: list[str]
 ) -> None:
     compiler = spec.compiler
-    for name, neutral in (
+    for name, off in (
         ("balanceinertia", False),
         ("boundmass", 0.0),
         ("boundinertia", 0.0),
         ("settotalmass", -1.0),
     ):
-        if getattr(compiler, name) != neutral:
+        if getattr(compiler, name) != off:
             changed.append(f"compiler {name} is off: it would change the identified masses")
-            setattr(compiler, name, neutral)
+            setattr(compiler, name, off)
     compiler.inertiafromgeom = mujoco.mjtInertiaFromGeom.mjINERTIAFROMGEOM_AUTO
     frames = physical.model.model.geometry.body_frames
     carried = {joint for joint, _ in physical.model.model.geometry.bodies}

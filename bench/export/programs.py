@@ -14,8 +14,7 @@ import numpy as np
 from scipy.linalg import block_diag
 
 from bench.basics.errors import BenchError
-from bench.export.bodies import BodyEquations
-from bench.export.pseudo_inertia import from_scaled, pseudo_inertia
+from bench.export.bodies import BodyEquations, from_scaled, pseudo_inertia
 
 LEAST = 1e-4  # of the prior: what every body has of it at least
 MOST = 1e3  # times the prior: what it has at most, since the nearest bodies may be infinitely heavy

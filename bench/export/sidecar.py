@@ -34,11 +34,7 @@ def sidecar(physical: PhysicalSet, exported: Exported) -> dict[str, Any]:
             for unplaced in exported.placed.not_placed
         ],
         "effect_files": [str(file.resolve()) for file in model.effect_files],
-        "bodies": {
-            "prior": physical.prior,
-            "distance": physical.distance,
-            "guessed": list(physical.guessed),
-        },
+        "bodies": {"prior": physical.prior, "distance": physical.distance, "guessed": list(physical.guessed)},
         "changed": list(exported.changed),
     }
 

@@ -8,8 +8,8 @@ from pathlib import Path
 from typing import Any
 
 from bench.basics.files.atomic import write_text_atomically
+from bench.export.bodies import about_center
 from bench.export.physical import PhysicalSet
-from bench.export.pseudo_inertia import about_center
 
 COLUMNS = ("kind", "place", "name", "value", "std", "unit")
 INERTIAS = ("Ixx", "Ixy", "Iyy", "Ixz", "Iyz", "Izz")

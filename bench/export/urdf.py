@@ -10,9 +10,9 @@ from scipy.spatial.transform import Rotation
 
 from bench.basics.errors import BenchError
 from bench.basics.files.atomic import write_text_atomically
+from bench.export.bodies import about_center
 from bench.export.physical import PhysicalSet
 from bench.export.placed import JointTerms, Placed, not_placed_lines, placed_effects
-from bench.export.pseudo_inertia import about_center
 from bench.model.geometry import Geometry, Joint
 
 GRAVITY = np.array([0.0, 0.0, -9.81])  # m/s2: what programs that read URDF suppose

@@ -2,36 +2,119 @@
 
 import asyncio
 import json
+import socket
 import tempfile
 from collections.abc import AsyncIterator, Awaitable, Callable
 from dataclasses import asdict
+from functools import cache
+from http import HTTPStatus
 from pathlib import Path
 from typing import Any
 
+import uvicorn
 from starlette.applications import Starlette
 from starlette.background import BackgroundTask
 from starlette.exceptions import HTTPException
 from starlette.requests import Request
 from starlette.responses import FileResponse, JSONResponse, Response, StreamingResponse
 from starlette.routing import Route
+from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from bench.basics.errors import BenchError
 from bench.basics.plain_data import finite
 from bench.basics.progress import SILENT
 from bench.dataset.names import DATASET_FILE
-from bench.local.ending import ENDING
-from bench.local.folder import Folder, said_time
+from bench.local.folder import LARGEST, Folder, said_time, take, zip_dataset
 from bench.local.guard import REPORT_POLICY
 from bench.local.jobs import Jobs
-from bench.local.page import asset, page_html
 from bench.local.steps import command_of
-from bench.local.upload import LARGEST, take, zip_dataset
 from bench.local.worker import CancelledError, DiedError, Worker
+from bench.page.render import CHARTS, MACHINE
+from bench.page.render import asset as report_asset
 from bench.page.run_file import RUN_FILE
 
+ENDING = "`bench open` is being ended; start it again, what was found lies in the folder"
+ASSETS = Path(__file__).with_name("assets")
 LARGEST_REQUEST = 1 << 20  # bytes of what is not a log
 LEAVING = {".json", ".html", ".csv", ".parquet", ".toml", ".png", ".zip", ".xml", ".urdf", ".yaml", ".c"}
 NEW_DATASET = "my_data"  # what a new dataset is called, where that name is free
+
+
+class EndingServer(uvicorn.Server):
+    """A server that closes what its requests wait for before it waits for its requests."""
+
+    def __init__(self, config: uvicorn.Config, close: Callable[[], None]) -> None:
+        super().__init__(config)
+        self._close = close
+
+    async def shutdown(self, sockets: list[socket.socket] | None = None) -> None:
+        """End in order."""
+        await asyncio.to_thread(self._close)
+        await super().shutdown(sockets)
+
+
+def answered_at_the_end(app: ASGIApp) -> ASGIApp:
+    """The application; a request that is cut off by the server's end is answered with 503, and what that means."""
+
+    async def answered(scope: Scope, receive: Receive, send: Send) -> None:
+        begun = False
+
+        async def sent(message: Message) -> None:
+            nonlocal begun
+            begun = True
+            await send(message)
+
+        try:
+            await app(scope, receive, sent)
+        except asyncio.CancelledError:
+            if begun:
+                raise
+            await JSONResponse({"error": ENDING}, HTTPStatus.SERVICE_UNAVAILABLE)(scope, receive, send)
+
+    return answered
+
+
+SCRIPTS = (
+    "dom.js",
+    "server.js",
+    "step.js",
+    "figure.js",
+    "columns.js",
+    "payload.js",
+    "robots.js",
+    "dataset.js",
+    "gains.js",
+    "recordings.js",
+    "errors.js",
+    "bars.js",
+    "answer.js",
+    "choosing.js",
+    "effects.js",
+    "results.js",
+    "open.js",
+)
+
+
+@cache
+def page_html() -> str:
+    """The page; scripts and styles are asked for apart, as its policy wants it."""
+    scripts = "\n".join(f'<script src="assets/{name}"></script>' for name in (*CHARTS, MACHINE, *SCRIPTS))
+    return (ASSETS / "open.html").read_text(encoding="utf-8").replace("<!-- scripts -->", scripts)
+
+
+def asset(name: str) -> tuple[str, str] | None:
+    """A file that belongs to the page, with its kind; None for any other name."""
+    if name in (*CHARTS, MACHINE):
+        return report_asset(name), "text/javascript"
+    if name == "page.css":
+        return report_asset(name), "text/css"
+    if name == "open.css":
+        return (ASSETS / name).read_text(encoding="utf-8"), "text/css"
+    if name in SCRIPTS:
+        return (ASSETS / name).read_text(encoding="utf-8"), "text/javascript"
+    return None
+
+
 Handler = Callable[[Request], Awaitable[Response]]
 
 
@@ -203,8 +286,7 @@ class Pages:
 def application(pages: Pages) -> Starlette:
     """The server's answers, without its guard."""
     return Starlette(
-        routes=pages.routes(),
-        exception_handlers={BenchError: _mistake, HTTPException: _missing},
+        routes=pages.routes(), exception_handlers={BenchError: _mistake, HTTPException: _missing}
     )
 
 

@@ -182,12 +182,7 @@ def _factor(log: LogFile, robot: Robot, target: str, source: str, unit: str | fl
 
 
 def _problem(
-    log: LogFile,
-    target: str,
-    what: str,
-    row: int | None,
-    remedy: Remedy | None,
-    check: str | None = None,
+    log: LogFile, target: str, what: str, row: int | None, remedy: Remedy | None, check: str | None = None
 ) -> dict[str, Any]:
     where = ""
     if row is not None:

@@ -14,9 +14,7 @@ KEPT = 60  # jobs that are remembered; what they found is in files
 OFTEN = 0.1  # s between two states of a job that are sent
 HEARTBEAT = 15.0  # s after which an open page is informed that nothing has changed
 
-SAID: Mapping[State, str] = {
-    "cancelled": "Cancelled; nothing was written.",
-}
+SAID: Mapping[State, str] = {"cancelled": "Cancelled; nothing was written."}
 
 
 @dataclass

@@ -24,9 +24,8 @@ from bench.identification.problem import places_of, problem_of
 from bench.local.checks import Mapped, checked, forget
 from bench.local.columns import look_at
 from bench.page.folder import read_json
-from bench.page.model_errors import shown_model
 from bench.page.run_file import RUN_FILE
-from bench.page.section_errors import currents_section
+from bench.page.section_errors import currents_section, shown_model
 from bench.page.section_run import CommandRun
 
 GROUPS: Mapping[Seen | None, str] = {

@@ -10,8 +10,7 @@ from starlette.applications import Starlette
 
 from bench.basics.errors import BenchError
 from bench.dataset.names import DATASET_FILE
-from bench.local.app import Pages, application
-from bench.local.ending import EndingServer, answered_at_the_end
+from bench.local.app import EndingServer, Pages, answered_at_the_end, application
 from bench.local.folder import Folder
 from bench.local.guard import LOOPBACK, Guard, new_token
 from bench.local.jobs import Jobs

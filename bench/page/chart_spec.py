@@ -1,9 +1,10 @@
-"""Charts as the page's script draws them: plain data with the digits that an eye sees."""
+"""Charts as the page's script draws them: plain data with the points and digits that an eye sees."""
 
-from functools import singledispatch
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 
 from bench.document.charts.chart import (
     Axis,
@@ -24,12 +25,80 @@ from bench.document.charts.chart import (
     Whiskers,
 )
 from bench.document.typeset import typeset
-from bench.page.parts import Figure, PageChart, one_figure
-from bench.page.thinned import rounded, significant, thinned
+from bench.page.parts import Figure, PageChart, Variant
 
+DIGITS = 1.0 / 4000.0  # of a curve's extent: finer than a pixel
 HEIGHT, TALL = 210, 330  # px, of charts that stand side by side
 LINE = 24  # px for each category, where there are many
 LONGEST_NAME = 24  # letters of a category next to others
+
+
+def rounded(values: np.ndarray, extent: float | None = None) -> list[float | None]:
+    """Values (N,) to the digits that are seen in a figure of this extent (that of the values); None for NaN."""
+    values = np.asarray(values, dtype=float)
+    known = values[np.isfinite(values)]
+    if extent is None:
+        extent = float(np.ptp(known)) if len(known) else 0.0
+    extent = extent or float(np.abs(known).max(initial=0.0)) or 1.0
+    decimals = int(np.ceil(-np.log10(extent * DIGITS)))
+    if decimals > 15:  # tiny: by significant digits
+        return [float(f"{v:.5g}") if np.isfinite(v) else None for v in values.tolist()]
+    short = np.round(values, decimals)
+    return [None if not np.isfinite(v) else int(v) if decimals <= 0 else v for v in (short + 0.0).tolist()]
+
+
+def significant(values: npt.ArrayLike, digits: int = 5) -> list[float | None]:
+    """Values (N,) to some significant digits, for logarithmic axes; None for NaN."""
+    return [
+        float(f"{v:.{digits}g}") if np.isfinite(v) else None for v in np.asarray(values, dtype=float).tolist()
+    ]
+
+
+def thinned(
+    row: np.ndarray, period: float, curves: Mapping[str, np.ndarray], most: int
+) -> tuple[dict[str, float], dict[str, list[Any]], int]:
+    """Curves over evenly spaced rows, with at most about `most` points each; gaps where rows are missing.
+
+    row (M,): number of each row, rising; period: s between rows; curves: (M,) each. Returns x as {start, step} in
+    seconds, the curves' values, and how many rows lie behind two points (one: nothing is omitted). Of every
+    stretch of rows the smallest and the largest value are kept, in their order: no outlier is lost.
+    """
+    count = int(row[-1] - row[0]) + 1
+    start = float(row[0]) * period
+    filled = {name: np.full(count, np.nan) for name in curves}
+    for name, values in curves.items():
+        filled[name][row - row[0]] = values
+    if count <= most:
+        every = {name: rounded(values) for name, values in filled.items()}
+        return {"start": _short(start), "step": _short(period)}, every, 1
+    width = -(-2 * count // most)
+    kept = {name: rounded(extremes(values, width)) for name, values in filled.items()}
+    at = start + period * (width / 4.0 - 0.5)
+    return {"start": _short(at), "step": _short(period * width / 2.0)}, kept, width
+
+
+def extremes(values: np.ndarray, width: int) -> np.ndarray:
+    """The smallest and the largest value of every stretch of `width` values, in the order in which they come.
+
+    Two values a stretch, (2 ceil(N / width),); NaN where it holds nothing else.
+    """
+    stretches = -(-len(values) // width)
+    padded = np.full(stretches * width, np.nan)
+    padded[: len(values)] = values
+    blocks = padded.reshape(stretches, width)
+    empty = np.isnan(blocks).all(axis=1)
+    low_at = np.argmin(np.where(np.isnan(blocks), np.inf, blocks), axis=1)
+    high_at = np.argmax(np.where(np.isnan(blocks), -np.inf, blocks), axis=1)
+    index = np.arange(stretches)
+    first, last = np.minimum(low_at, high_at), np.maximum(low_at, high_at)
+    pairs = np.column_stack((blocks[index, first], blocks[index, last]))
+    pairs[empty] = np.nan
+    return pairs.reshape(-1)
+
+
+def _short(value: float) -> float:
+    return float(f"{value:.9g}")
+
 
 Spec = dict[str, Any]
 
@@ -38,11 +107,9 @@ def chart_figure(
     chart: Chart, height: int, *, least: int | None = None, turned: bool = False, name: str | None = None
 ) -> Figure:
     """A figure of one chart without choices. name: its title, that of the chart by default; others: see `spec_of`."""
-    return one_figure(
-        typeset(chart.title if name is None else name),
-        typeset(chart.aid),
-        spec_of(chart, height, least=least, turned=turned),
-    )
+    title = typeset(chart.title if name is None else name)
+    variant = Variant((PageChart("", "", spec_of(chart, height, least=least, turned=turned)),))
+    return Figure(title, typeset(chart.aid), True, (), {"": variant}, ("",))
 
 
 def page_chart(chart: Chart) -> PageChart:
@@ -129,74 +196,57 @@ def _cut(name: str, longest: int | None) -> str:
     return name if longest is None or len(name) <= longest else f"{name[: longest - 1]}…"
 
 
-@singledispatch
-def _series(series: Any) -> Spec:
+def _series(series: Series) -> Spec:
     """One series, except for lines, without its name and colour."""
-    raise TypeError(f"{type(series).__name__}: no such series")
-
-
-@_series.register
-def _(series: Levels) -> Spec:
-    values = {"x": {"start": 0, "step": 1}, "y": significant(series.values)}
-    return {"kind": "line", "marker": True, **values, "texts": [typeset(text) for text in series.texts]}
-
-
-@_series.register
-def _(series: Band) -> Spec:
-    return {"kind": "band", "low": _four(series.low), "high": _four(series.high)}
-
-
-@_series.register
-def _(series: Rule) -> Spec:
-    return {"kind": "rule", "axis": series.axis, "at": _four(series.at), **_flag("dashed", series.dashed)}
-
-
-@_series.register
-def _(series: Binned) -> Spec:
-    extent = float(np.nanmax(series.high) - np.nanmin(series.low)) or 1.0
-    values = {name: getattr(series, name) for name in ("mean", "spread", "low", "high")}
-    drawn = {name: rounded(value, extent) for name, value in values.items()}
-    return {"kind": "bins", "x": rounded(series.center), **drawn}
-
-
-@_series.register
-def _(series: Whiskers) -> Spec:
-    spec: Spec = {"kind": "bins", "clear": True, "x": significant(series.x), "spread": [0.0] * len(series.x)}
-    spec |= {"mean": significant(series.middle), **_ends(series), **_flag("apart", not series.joined)}
-    return spec | _pick(series)
-
-
-@_series.register
-def _(series: Spans) -> Spec:
-    spec: Spec = {"kind": "intervals", "y": series.y.tolist(), "x": significant(series.x), **_ends(series)}
-    return spec | ({"shift": series.shift} if series.shift else {})
-
-
-@_series.register
-def _(series: Bars) -> Spec:
-    return {"kind": "hbars", "x": significant(series.x), **_flag("thin", series.thin)}
-
-
-@_series.register
-def _(series: Points) -> Spec:
-    return {"kind": "points", "x": significant(series.x), "y": significant(series.y)}
-
-
-@_series.register
-def _(series: Stems) -> Spec:
-    return {"kind": "stems", "x": rounded(series.x), "y": rounded(series.y, 2.0)}
-
-
-@_series.register
-def _(series: Histogram) -> Spec:
-    return {"kind": "histogram", "edges": significant(series.edges), "y": significant(series.y)}
-
-
-@_series.register
-def _(series: Cells) -> Spec:
-    spec: Spec = {"kind": "cells", "x": series.x.tolist(), "y": series.y.tolist()}
-    spec |= {"share": significant(series.shade, 3), "texts": [typeset(text) for text in series.texts]}
-    return spec | _pick(series)
+    spec: Spec = {}
+    match series:
+        case Levels():
+            spec = {
+                "kind": "line",
+                "marker": True,
+                "x": {"start": 0, "step": 1},
+                "y": significant(series.values),
+            }
+            spec["texts"] = [typeset(text) for text in series.texts]
+        case Band():
+            spec = {"kind": "band", "low": _four(series.low), "high": _four(series.high)}
+        case Rule():
+            spec = {
+                "kind": "rule",
+                "axis": series.axis,
+                "at": _four(series.at),
+                **_flag("dashed", series.dashed),
+            }
+        case Binned():
+            extent = float(np.nanmax(series.high) - np.nanmin(series.low)) or 1.0
+            values = {name: getattr(series, name) for name in ("mean", "spread", "low", "high")}
+            drawn = {name: rounded(value, extent) for name, value in values.items()}
+            spec = {"kind": "bins", "x": rounded(series.center), **drawn}
+        case Whiskers():
+            spec = {
+                "kind": "bins",
+                "clear": True,
+                "x": significant(series.x),
+                "spread": [0.0] * len(series.x),
+            }
+            spec |= {"mean": significant(series.middle), **_ends(series), **_flag("apart", not series.joined)}
+            spec |= _pick(series)
+        case Spans():
+            spec = {"kind": "intervals", "y": series.y.tolist(), "x": significant(series.x), **_ends(series)}
+            spec |= {"shift": series.shift} if series.shift else {}
+        case Bars():
+            spec = {"kind": "hbars", "x": significant(series.x), **_flag("thin", series.thin)}
+        case Points():
+            spec = {"kind": "points", "x": significant(series.x), "y": significant(series.y)}
+        case Stems():
+            spec = {"kind": "stems", "x": rounded(series.x), "y": rounded(series.y, 2.0)}
+        case Histogram():
+            spec = {"kind": "histogram", "edges": significant(series.edges), "y": significant(series.y)}
+        case Cells():
+            spec = {"kind": "cells", "x": series.x.tolist(), "y": series.y.tolist()}
+            spec |= {"share": significant(series.shade, 3), "texts": [typeset(text) for text in series.texts]}
+            spec |= _pick(series)
+    return spec
 
 
 def _ends(series: Whiskers | Spans) -> Spec:

@@ -1,17 +1,36 @@
 """Figures of a sweep on a page: a metric against an axis, and how metrics spread over all runs."""
 
 from collections.abc import Collection, Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
+from itertools import product
 from pathlib import Path
 from typing import Any
 
-from bench.document.charts.chart import Chart, Whiskers
-from bench.page.chart_spec import chart_figure, spec_of
-from bench.page.parts import Figure, PageChart, Variant
-from bench.studies.sweep.charts import ROLES, plot_chart, spread_chart
+import numpy as np
+
+from bench.basics.shell_word import quoted
+from bench.document.charts.chart import Axis, Cells, Chart, Panel, Whiskers, is_wide
+from bench.document.typeset import typeset
+from bench.effects.display_names import begun
+from bench.page.chart_spec import chart_figure, significant, spec_of
+from bench.page.parts import Choice, Figure, Items, PageChart, Part, Runs, RunsColumn, Variant
+from bench.studies.sweep.charts import ROLES, plot_chart, point_label, spread_chart, value_text
+from bench.studies.sweep.metrics import axis_parts, axis_title, is_relative, is_share, metric_title
+from bench.studies.sweep.plan import Plan
+from bench.studies.sweep.summary import Spread, Summary, SummaryLine
+from bench.studies.sweep.table import column_names, read_table
 
 MOST_LETTERS = 70  # of names side by side below an axis
 HIGH, LOW, SPREAD = 300, 200, 210  # px
+MOST_VARIANTS = 60
+CELL, HEAD, FOOT = 30, 30, 60  # px: height of a cell, above and below all of them
+CELL_WIDTH, NAMES_WIDTH = 58, 150  # px, that a phone scrolls
+MOST_RUNS = 5000
+AID = (
+    "A click on a cell or a dot above shows its runs here, as the filters do. A click on a run chooses it: the command "
+    "below simulates it again, as it was to the last bit, and shows it in motion; several stand side by side; without "
+    "any, a good, a middling and a bad one."
+)
 
 
 def plot_figure(table: Path, x: str, y: str, lines: str | None, picked: Collection[str] = ()) -> Figure:
@@ -43,3 +62,174 @@ def spread_figure(columns: Mapping[str, Sequence[Any]], metrics: Sequence[str]) 
     shown = tuple(PageChart(chart.title, "", spec_of(chart, SPREAD)) for chart in charts)
     aid = "How many runs fall where; none is left out."
     return Figure("Histograms", aid, False, (), {"": Variant(shown)}, ("",))
+
+
+Place = tuple[Any, ...]
+
+
+@dataclass(frozen=True)
+class _Grid:
+    """Two axes, the others with the values that were tried, and the spreads of every combination."""
+
+    across: str
+    down: str
+    others: tuple[str, ...]
+    values: Mapping[str, tuple[Any, ...]]
+    lines: Mapping[Place, SummaryLine]
+
+    def spread(self, metric: str, at: Mapping[str, Any]) -> Spread | None:
+        """A metric where the axes have these values; None where no run came to an answer."""
+        line = self.lines.get(tuple(at[axis] for axis in self.values))
+        value = line.spreads[metric] if line is not None else None
+        return value if value is not None and value.count else None
+
+
+def grid_figure(summary: Summary, plots: Sequence[tuple[str, str | None]]) -> Figure | None:
+    """The metrics of a sweep over two of its axes; None where fewer than two have several values.
+
+    plots: axes (x, lines) of the sweep's figures, the first of which decide which two.
+    """
+    grid = _grid(summary, plots)
+    metrics = [name for name in summary.metrics if any(line.spreads[name].count for line in summary.lines)]
+    if grid is None or not metrics:
+        return None
+    choices = [grid.values[axis] for axis in grid.others]
+    if len(metrics) * int(np.prod([len(values) for values in choices])) > MOST_VARIANTS:
+        metrics = metrics[:1]
+    if int(np.prod([len(values) for values in choices])) > MOST_VARIANTS:
+        return None
+    asked = (
+        [Choice("shown", tuple(begun(metric_title(name)) for name in metrics))] if len(metrics) > 1 else []
+    )
+    asked += [
+        Choice(axis_title(axis), tuple(map(point_label, values)))
+        for axis, values in zip(grid.others, choices, strict=True)
+    ]
+    variants = {}
+    for (m, metric), *rest in product(enumerate(metrics), *(enumerate(values) for values in choices)):
+        key = [str(m)] if len(metrics) > 1 else []
+        at = {axis: value for axis, (_, value) in zip(grid.others, rest, strict=True)}
+        variants["|".join([*key, *(str(i) for i, _ in rest)])] = Variant((_chart(grid, metric, at),))
+    kind = "means" if all(map(is_share, metrics)) else "medians"
+    aid = f"Each cell: {kind} over the seeds; the darker, the larger. A click on a cell shows its runs below."
+    what = metric_title(metrics[0]) if len(metrics) == 1 else "metrics"
+    title = f"{begun(what)} over {axis_title(grid.down)} and {axis_title(grid.across)}"
+    return Figure(title, aid, True, tuple(asked), variants, (next(iter(variants)),))
+
+
+def _grid(summary: Summary, plots: Sequence[tuple[str, str | None]]) -> _Grid | None:
+    values = {
+        axis: tuple(dict.fromkeys(line.values[i] for line in summary.lines))
+        for i, axis in enumerate(summary.axes)
+    }
+    several = [axis for axis in summary.axes if len(values[axis]) > 1]
+    if len(several) < 2:
+        return None
+    named = next(((x, lines) for x, lines in plots if x in several and lines in several and x != lines), None)
+    across, down = named or sorted(several, key=lambda axis: -len(values[axis]))[:2]
+    others = tuple(axis for axis in several if axis not in (across, down))
+    lines = {line.values: line for line in summary.lines}
+    return _Grid(across, str(down), others, values, lines)
+
+
+def _chart(grid: _Grid, metric: str, others: Mapping[str, Any]) -> PageChart:
+    """The chart of one metric where the other axes have these values; single values stand for themselves."""
+    fixed = {axis: values[0] for axis, values in grid.values.items()} | dict(others)
+    columns, rows = _rising(grid.values[grid.across]), _rising(grid.values[grid.down])
+    shades = _shades(grid, metric)
+    places, middles, picks = [], [], []
+    for (i, x), (k, y) in product(enumerate(columns), enumerate(rows)):
+        point = {**fixed, grid.across: x, grid.down: y}
+        spread = grid.spread(metric, point)
+        places.append((i, k))
+        middles.append(None if spread is None else _middle(metric, spread))
+        picks.append(
+            {axis: point_label(value) for axis, value in point.items() if len(grid.values[axis]) > 1}
+        )
+    at = np.array(places)
+    cells = Cells(
+        "before",
+        at[:, 0],
+        at[:, 1],
+        np.array([0.0 if middle is None else shades(middle) for middle in middles]),
+        tuple("–" if middle is None else value_text(metric, middle) for middle in middles),
+        tuple(picks),
+    )
+    chart = Chart(
+        f"{begun(metric_title(metric))} over {axis_title(grid.down)} and {axis_title(grid.across)}",
+        _names(grid.across, columns),
+        (Panel(_names(grid.down, rows), (cells,)),),
+        legend="none",
+    )
+    height, least = HEAD + FOOT + CELL * len(rows), NAMES_WIDTH + CELL_WIDTH * len(columns)
+    return PageChart("", "", spec_of(chart, height, least=least))
+
+
+def _names(axis: str, values: Sequence[Any]) -> Axis:
+    return Axis(*axis_parts(axis), scale="band", categories=tuple(map(point_label, values)))
+
+
+def _middle(metric: str, spread: Spread) -> float:
+    return spread.mean if is_share(metric) else spread.median
+
+
+def _shades(grid: _Grid, metric: str) -> Any:
+    """From a value to its shade, 0 to 1, the same in all charts of the metric; logarithmic over a wide range."""
+    every = [
+        _middle(metric, line.spreads[metric]) for line in grid.lines.values() if line.spreads[metric].count
+    ]
+    known = [value for value in every if np.isfinite(value)]
+    low, high = min(known, default=0.0), max(known, default=1.0)
+    if is_wide(np.array(known)):
+        return lambda value: float(np.log(value / low) / np.log(high / low)) if np.isfinite(value) else 0.0
+    return lambda value: (value - low) / (high - low) if high > low and np.isfinite(value) else 0.0
+
+
+def _rising(values: Sequence[Any]) -> list[Any]:
+    numbers = all(isinstance(value, int | float) and not isinstance(value, bool) for value in values)
+    return sorted(values) if numbers else list(values)
+
+
+def runs_part(plan: Plan, table: Path, folder: Path, metrics: Sequence[str]) -> Part:
+    """The runs with what was varied, their seeds and their metrics; of very many, where they are."""
+    known = column_names(table)
+    axes = [axis.name for axis in plan.sweep.axes if axis.name in known and axis.name != "seed"]
+    names = ["run", "seed", "status", "reason", *axes, *metrics]
+    columns = read_table(table, [name for name in names if name in known])
+    count = len(columns["run"])
+    if count > MOST_RUNS:
+        return Items("Runs", "", (f"{count} runs are more than a page holds: {table.name} has every one.",))
+    grid = {axis.name for axis in plan.sweep.grid}
+    rows = [
+        RunsColumn("run", _numbers(columns["run"])),
+        *(_axis(name, columns[name], filtered=name in grid) for name in axes),
+        RunsColumn("seed", _numbers(columns["seed"])),
+        *(
+            RunsColumn(
+                begun(metric_title(name)), _numbers(columns[name]), kind="share" if is_relative(name) else ""
+            )
+            for name in metrics
+        ),
+    ]
+    reasons = columns.get("reason", [None] * count)
+    failed = {
+        str(run): typeset(str(reason))
+        for run, status, reason in zip(columns["run"], columns["status"], reasons, strict=True)
+        if status != "ok"
+    }
+    return Runs("Every run", AID, tuple(rows), failed, f"bench view {quoted(folder)}")
+
+
+def _axis(name: str, values: Sequence[Any], *, filtered: bool) -> RunsColumn:
+    """An axis; one with few values as the numbers of its labels, by which its runs are filtered."""
+    if not filtered:
+        return RunsColumn(axis_title(name), _numbers(values))
+    labels = list(dict.fromkeys(map(point_label, values)))
+    places = tuple(labels.index(point_label(value)) for value in values)
+    return RunsColumn(axis_title(name), places, tuple(labels), name)
+
+
+def _numbers(values: Sequence[Any]) -> tuple[Any, ...]:
+    return tuple(
+        value if isinstance(value, int | str | None) else significant([float(value)])[0] for value in values
+    )

@@ -5,6 +5,7 @@ that they give (series.parquet), and what the workbench of a diagnosis shows (wo
 knows what the other files have to be.
 """
 
+import hashlib
 import json
 import math
 import os
@@ -14,13 +15,18 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any
 
+import mujoco
+import numpy as np
+from pydantic import TypeAdapter, ValidationError
+
 from bench.basics.errors import BenchError
 from bench.basics.files.atomic import write_json_atomically, write_text_atomically
+from bench.basics.files.toml_input import first_mistake
 from bench.basics.plain_data import finite
 from bench.basics.versions import Versions, versions
 from bench.dataset.dataset import Dataset, load_dataset
-from bench.diagnosis.law_effects import discovered_from, law_effects
-from bench.diagnosis.reason import Because, Doubt, Reason
+from bench.dataset.names import DATASET_FILE
+from bench.diagnosis.law_effects import law_effects
 from bench.diagnosis.result import (
     Diagnosis,
     Differing,
@@ -28,7 +34,6 @@ from bench.diagnosis.result import (
     EffectVerdict,
     LadderStep,
     ProbableSet,
-    Remainder,
     Superfluous,
     Unexplained,
     Unfinished,
@@ -37,16 +42,65 @@ from bench.diagnosis.result import (
 from bench.diagnosis.split import with_held_out_parts
 from bench.identification.model_file import load_model, read_identification, save_model
 from bench.identification.problem import Problem, problem_of
-from bench.identification.result import CurrentSeries, Identification, Quantity
-from bench.page.digest import dataset_digest, file_digest
+from bench.identification.result import CurrentSeries, Identification
 from bench.page.run_file import RUN_FILE
 from bench.page.section_run import CommandRun
 from bench.page.series_file import read_series, write_series
 from bench.page.workbench.page_data import VERSION as WORKBENCH_VERSION
 
+SIZE = 16  # bytes
 MODEL_FILE, AFTER_FILE, BEFORE_FILE = "model.json", "model_after.json", "model_before.json"
 SERIES_FILE, WORKBENCH_FILE = "series.parquet", "workbench.json"
 FORMAT = 2
+INFINITE = frozenset(
+    {"error_before", "error_after", "evidence", "std"}
+)  # null there is what JSON has for infinity
+
+
+def dataset_digest(dataset: Dataset, effect_files: Sequence[Path] = ()) -> str:
+    """Digest of dataset.toml, the recordings, the robot's description and mechanism, and the files with effects.
+
+    The mechanism is taken as MuJoCo compiles it, so that files that the MJCF includes count as well. effect_files:
+    those in addition to the dataset's.
+    """
+    robot = dataset.robot
+    recordings = [
+        dataset.folder / name for name in dict.fromkeys(recording.log for recording in dataset.recordings)
+    ]
+    files = [dataset.folder / DATASET_FILE, *recordings, robot.folder / "robot.toml"]
+    files += [*dataset.effect_files, *effect_files]
+    digest = hashlib.blake2b(digest_size=SIZE)
+    for path in files:
+        digest.update(bytes.fromhex(file_digest(path)))
+    model = robot.mjcf_model()
+    mechanism = np.zeros(mujoco.mj_sizeModel(model), np.uint8)
+    mujoco.mj_saveModel(model, None, mechanism)
+    digest.update(mechanism.tobytes())
+    return digest.hexdigest()
+
+
+def file_digest(path: Path) -> str:
+    """Of a file's bytes. Raises BenchError where it cannot be read."""
+    try:
+        with path.open("rb") as file:
+            return hashlib.file_digest(file, lambda: hashlib.blake2b(digest_size=SIZE)).hexdigest()
+    except OSError as error:
+        raise BenchError(f"{path}: {error.strerror or error}") from None
+
+
+KEPT: Mapping[str, Any] = {
+    "held_out": float,
+    "missing": tuple[str, ...],
+    "ranking": tuple[EffectVerdict, ...],
+    "unexplained": Unexplained,
+    "differs": tuple[Differing, ...],
+    "sets": tuple[ProbableSet, ...],
+    "without_logs": tuple[WithoutLog, ...],
+    "something_else": float,
+    "superfluous": tuple[Superfluous, ...],
+    "unfinished": tuple[Unfinished, ...],
+}
+"""What of a diagnosis is written as plain data, in addition to its ladder and laws."""
 
 
 @dataclass(frozen=True)
@@ -125,21 +179,13 @@ def save_workbench(folder: Path, kept: SavedRun) -> None:
 def _diagnosis_content(diagnosis: Diagnosis) -> dict[str, Any]:
     """What a diagnosis says, next to its models. between: the steps of its ladder whose currents are kept as well."""
     ladder = diagnosis.ladder
+    plain = TypeAdapter(Any)
     return {
-        "held_out": diagnosis.held_out,
-        "missing": diagnosis.missing,
         "ladder": [
             {"effects": step.effects, "identify": step.identify, "validate": step.validate} for step in ladder
         ],
-        "ranking": [asdict(verdict) for verdict in diagnosis.ranking],
-        "unexplained": asdict(diagnosis.unexplained),
-        "differs": [asdict(differing) for differing in diagnosis.differs],
-        "sets": [asdict(probable) for probable in diagnosis.sets],
-        "something_else": diagnosis.something_else,
-        "without_logs": [asdict(without) for without in diagnosis.without_logs],
-        "superfluous": [asdict(effect) for effect in diagnosis.superfluous],
+        **{name: plain.dump_python(getattr(diagnosis, name)) for name in KEPT},
         "discovered": [asdict(law) for law in diagnosis.discovered],
-        "unfinished": diagnosis.unfinished,
         "between": [i for i in range(1, len(ladder) - 1) if ladder[i].recordings],
     }
 
@@ -241,54 +287,38 @@ def _diagnosis(
     """models: after, before. between: currents of steps of the ladder, by number."""
     after, before = models
     try:
-        last = len(content["ladder"]) - 1
-        series = {last: after.recordings, 0: before.recordings, **between}
+        steps = content["ladder"]
+        series = {len(steps) - 1: after.recordings, 0: before.recordings, **between}
+        ladder = tuple(
+            LadderStep(tuple(step["effects"]), step["identify"], step["validate"], series.get(i, ()))
+            for i, step in enumerate(steps)
+        )
+        known = _with_infinities(content)
+        parts: dict[str, Any] = {
+            name: TypeAdapter(kind).validate_python(known[name])
+            for name, kind in KEPT.items()
+            if name in known
+        }
         return Diagnosis(
-            robot=after.robot,
-            held_out=float(content["held_out"]),
-            missing=tuple(content["missing"]),
-            ladder=tuple(
-                LadderStep(tuple(entry["effects"]), entry["identify"], entry["validate"], series.get(i, ()))
-                for i, entry in enumerate(content["ladder"])
-            ),
-            ranking=tuple(_verdict(entry) for entry in content["ranking"]),
-            unexplained=Unexplained(
-                **{
-                    **content["unexplained"],
-                    "what": Remainder(content["unexplained"]["what"]),
-                    "depends_on": tuple(content["unexplained"]["depends_on"]),
-                }
-            ),
-            before=before,
-            after=after,
-            differs=tuple(_differing(entry) for entry in content.get("differs", ())),
-            sets=tuple(
-                ProbableSet(tuple(entry["effects"]), float(entry["probability"]), float(entry["error"]))
-                for entry in content.get("sets", ())
-            ),
-            without_logs=tuple(
-                WithoutLog(entry["log"], tuple(entry["gone"]), dict(entry["gains"]))
-                for entry in content.get("without_logs", ())
-            ),
-            something_else=float(content.get("something_else", 0.0)),
-            superfluous=tuple(Superfluous(**effect) for effect in content.get("superfluous", ())),
-            discovered=_discovered(content),
-            unfinished=tuple(Unfinished(code) for code in content.get("unfinished", ())),
+            after.robot, ladder=ladder, before=before, after=after, discovered=_discovered(content), **parts
         )
     except (KeyError, TypeError, ValueError) as error:
         raise _damaged(path, error) from None
 
 
 def _discovered(content: Mapping[str, Any]) -> tuple[Discovered, ...]:
-    return tuple(discovered_from(entry) for entry in content.get("discovered", ()))
+    laws = _with_infinities(content.get("discovered", ()))
+    return TypeAdapter(tuple[Discovered, ...]).validate_python(laws)
 
 
-def _differing(entry: dict[str, Any]) -> Differing:
-    values = {
-        log: Quantity(value["value"], _number(value["std"]), value["unit"])
-        for log, value in entry["values"].items()
-    }
-    return Differing(**{**entry, "values": values})
+def _with_infinities(value: Any) -> Any:
+    """Plain data as JSON holds them, with infinity again where a number of `INFINITE` is null."""
+    if isinstance(value, dict):
+        return {
+            name: math.inf if each is None and name in INFINITE else _with_infinities(each)
+            for name, each in value.items()
+        }
+    return [_with_infinities(each) for each in value] if isinstance(value, list | tuple) else value
 
 
 def _between(path: Path, content: dict[str, Any] | None) -> list[int]:
@@ -307,27 +337,7 @@ def _versions(content: dict[str, Any] | None) -> Versions | None:
     return Versions(str(content["python"]), packages, str(content["commit"]))
 
 
-def _verdict(entry: dict[str, Any]) -> EffectVerdict:
-    numbers = {name: _number(entry[name]) for name in ("error_before", "error_after", "evidence")}
-    lists = {name: tuple(entry[name]) for name in ("actuators", "alternatives")}
-    probability = entry.get("probability")
-    known = {
-        "probability": None if probability is None else float(probability),
-        "alike": {place: tuple(others) for place, others in entry.get("alike", {}).items()},
-        "places": dict(entry.get("places", {})),
-    }
-    return EffectVerdict(**{**entry, **numbers, **lists, **known, "why": _reason(entry["why"])})
-
-
-def _reason(entry: dict[str, Any]) -> Reason:
-    doubts = tuple(Doubt(code) for code in entry["doubts"])
-    return Reason(Because(entry["because"]), tuple(entry["names"]), doubts)
-
-
-def _number(value: Any) -> float:
-    """A number; null is what JSON has for infinity."""
-    return math.inf if value is None else float(value)
-
-
 def _damaged(path: Path, error: Exception) -> BenchError:
+    if isinstance(error, ValidationError):
+        return BenchError(f"{path}: damaged: {first_mistake(error)}")
     return BenchError(f"{path}: damaged: {type(error).__name__} at {error}")

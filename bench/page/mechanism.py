@@ -8,11 +8,10 @@ import numpy.typing as npt
 from bench.dataset.dataset import Dataset
 from bench.dataset.recording import Recording
 from bench.identification.result import CurrentSeries
-from bench.page.thinned import significant
+from bench.page.chart_spec import significant
 from bench.signals.settings import FilterSettings
-from bench.viewer.body_motion import BodyMotion, placed, recorded_motion
+from bench.viewer.body_motion import BodyMotion, placed, recorded_motion, visible_geoms
 from bench.viewer.context import SimulatedPoses
-from bench.viewer.geoms import visible_geoms
 from bench.viewer.scene import TOP, error_share
 
 FRAMES, FEWEST_FRAMES = 400, 60  # enough for the eye

@@ -1,30 +1,31 @@
 """The pages: of a diagnosis, of an identification, of a saved model applied to recordings."""
 
 from collections.abc import Callable, Mapping, Sequence
-from datetime import UTC, datetime
 
 from bench.basics.errors import BenchError
 from bench.basics.plain_data import finite
 from bench.basics.plural import plural
-from bench.basics.versions import versions
 from bench.dataset.dataset import Dataset
 from bench.diagnosis.reason_words import validated_on
 from bench.diagnosis.result import Diagnosis
 from bench.diagnosis.split import dataset_of
 from bench.diagnosis.unexplained import relative_noise_floor
 from bench.document.typeset import typeset
-from bench.export.replay.replay import Replay, TwinMotion
-from bench.export.replay.words import replay_sentences
+from bench.export.replay.replay import Replay, TwinMotion, replay_sentences
 from bench.identification.model_file import Comparison
 from bench.identification.problem import Problem
 from bench.identification.result import CurrentSeries, Identification
-from bench.page.model_errors import shown_model
 from bench.page.parts import Mechanism, Page, Section, Text
-from bench.page.section_effects import gains_section, not_ranked_section, ranking_section
-from bench.page.section_errors import currents_section, errors_section, errors_table, ladder_section
-from bench.page.section_laws import laws_section
+from bench.page.section_effects import gains_section, laws_section, not_ranked_section, ranking_section
+from bench.page.section_errors import (
+    currents_section,
+    errors_section,
+    errors_table,
+    ladder_section,
+    shown_model,
+    where_section,
+)
 from bench.page.section_parameters import conditioning_section, parameters_section
-from bench.page.section_residuals import where_section
 from bench.page.section_run import Made, limits_section, run_section
 from bench.page.verdict import (
     comparison_tiles,
@@ -82,8 +83,6 @@ def diagnosis_page(diagnosis: Diagnosis, problem: Problem, made: Made) -> Page:
             limits_section(after, diagnosis, dataset, after.settings),
             run_section(dataset, after.settings, after, made),
         ),
-        generator=_generator(),
-        footer=_footer(),
     )
 
 
@@ -108,8 +107,6 @@ def identification_page(result: Identification, problem: Problem, made: Made) ->
             limits_section(result, None, dataset, result.settings),
             run_section(dataset, result.settings, result, made),
         ),
-        generator=_generator(),
-        footer=_footer(),
     )
 
 
@@ -133,8 +130,6 @@ def comparison_page(comparison: Comparison, problem: Problem, saved: Identificat
             limits_section(None, None, dataset, settings),
             run_section(dataset, settings, None, made),
         ),
-        generator=_generator(),
-        footer=_footer(),
     )
 
 
@@ -158,8 +153,6 @@ def replay_page(result: Replay, problem: Problem, saved: Identification, made: M
             gains_section(saved, None),
             run_section(dataset, settings, None, made),
         ),
-        generator=_generator(),
-        footer=_footer(),
     )
 
 
@@ -195,12 +188,3 @@ def _facts(dataset: Dataset, *more: str) -> tuple[str, ...]:
     payload = f"payload {', '.join(loads)}" if loads else "no payload"
     count = plural(len(dataset.recordings), "recording")
     return (f"robot {dataset.robot.name}", f"dataset {dataset.folder.name}", count, payload, *more)
-
-
-def _generator() -> str:
-    return f"parabench {dict(versions().packages)['parabench']}".rstrip()
-
-
-def _footer() -> str:
-    today = datetime.now(UTC).date()
-    return f"Written by {_generator()} on {today:%d %B %Y}. This file is complete: it asks for nothing from anywhere."

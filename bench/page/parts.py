@@ -1,12 +1,27 @@
 """What a page is made of: frozen, plain data, ready for JSON."""
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
+from datetime import UTC, datetime
 from typing import Any, Literal
+
+from bench.basics.versions import versions
+from bench.document import table as document
+from bench.document.table import RIGHT
+from bench.document.typeset import typeset
 
 Kind = Literal["", "right", "keep", "words", "small"]
 Spec = Mapping[str, Any]
 """A figure as `assets/charts.js` takes it: {label, height, x, panels}."""
+
+KINDS: Mapping[str, Kind] = {
+    "sentence": "words",
+    "effect": "keep",
+    "unit": "keep",
+    "terms": "small",
+    "quantity": "right",
+}
+MARKS = {"": "", "strong": "strong", "weak": "weak", "poor": "weak"}
 
 
 @dataclass(frozen=True)
@@ -216,6 +231,17 @@ class Tile:
     note: str
 
 
+def generator() -> str:
+    """The program, with its version."""
+    return f"parabench {dict(versions().packages)['parabench']}".rstrip()
+
+
+def footer() -> str:
+    """Who wrote the page, and when."""
+    today = datetime.now(UTC).date()
+    return f"Written by {generator()} on {today:%d %B %Y}. This file is complete: it asks for nothing from anywhere."
+
+
 @dataclass(frozen=True)
 class Page:
     """A whole page. verdict: sentences; facts: words under the title."""
@@ -225,15 +251,43 @@ class Page:
     verdict: tuple[str, ...]
     tiles: tuple[Tile, ...]
     sections: tuple[Section, ...]
-    generator: str
-    footer: str = field(default="")
+    generator: str = field(default_factory=generator)
+    footer: str = field(default_factory=footer)
 
 
-def one_figure(title: str, aid: str, spec: Spec) -> Figure:
-    """A figure without choices."""
-    return Figure(title, aid, True, (), {"": Variant((PageChart("", "", spec),))}, ("",))
+def sentences_section(
+    at: str, title: str, sentences: Iterable[str], lead: str = "", short: str = ""
+) -> Section:
+    """A section that holds sentences alone. at: its address."""
+    return Section(at, title, lead, (Items("", "", tuple(sentences)),), short)
 
 
 def row(*cells: str | Cell, kind: str = "") -> PageRow:
     """A row of texts and cells."""
     return PageRow(tuple(cell if isinstance(cell, Cell) else Cell(cell) for cell in cells), kind)
+
+
+def on_page(table: document.Table, title: str, aid: str, *, folded: bool = False) -> PageTable:
+    """The table with its title and a line on how to read it."""
+    columns = [column for column in table.columns if column.kind != "bar"]
+    heads = tuple(
+        PageColumn(column.header, "right" if column.kind in RIGHT else KINDS.get(column.kind, ""))
+        for column in columns
+    )
+    rows = zip(table.mark_of_rows, *(_cells(column) for column in columns), strict=True)
+    return PageTable(
+        title, aid, heads, tuple(PageRow(tuple(cells), MARKS[mark]) for mark, *cells in rows), folded
+    )
+
+
+def _cells(column: document.Column) -> list[Cell]:
+    if column.kind == "verdict":
+        return [Cell(text, f"badge {text}") for text in column.texts]
+    if column.kind == "text":
+        return [Cell(text) for text in column.texts]
+    if column.kind == "terms":
+        return [Cell(text.replace("- ", "− ") or "alone") for text in column.texts]
+    return [
+        Cell(typeset(text), "poor" if poor else "")
+        for text, poor in zip(column.texts, column.poor, strict=True)
+    ]

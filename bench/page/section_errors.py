@@ -1,30 +1,44 @@
-"""Sections on the size of the errors: the ladder, errors by recording and motor, the currents themselves."""
+"""Sections on the errors: the ladder, errors by recording and motor, the currents, and where each motor fails."""
 
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 
 from bench.basics.plural import plural
 from bench.diagnosis.reason_words import validated_on
 from bench.diagnosis.result import Diagnosis
+from bench.diagnosis.split import dataset_of
 from bench.document import identification as document
-from bench.document.charts.currents import Curve, currents_chart
-from bench.document.charts.models import ladder_chart
+from bench.document.charts.chart import Role
+from bench.document.charts.currents import Curve, currents_chart, ladder_chart
+from bench.document.charts.motor import motor_charts
 from bench.document.diagnosis import ladder_table
 from bench.document.numbers import USES
-from bench.document.typeset import share, typeset
-from bench.identification.result import CurrentSeries
-from bench.page.chart_spec import chart_figure, rows_a_pair, spec_of
-from bench.page.model_errors import ShownModel
+from bench.document.typeset import effect_name, share, typeset
+from bench.effects import CATALOGUE
+from bench.identification.model_file import Comparison
+from bench.identification.problem import Problem
+from bench.identification.result import CurrentSeries, Identification
+from bench.page.chart_spec import chart_figure, page_chart, rows_a_pair, spec_of
 from bench.page.parts import (
     Choice,
     Figure,
+    Linked,
     Mechanism,
     PageChart,
+    PageColumn,
     PageTable,
     Section,
     Text,
     Variant,
+    on_page,
+    row,
 )
-from bench.page.tables import on_page
+from bench.residuals.error_breakdown import error_breakdown
+from bench.residuals.look_alikes import possible_effects
+from bench.residuals.motor import Compared, MotorSeries, compared
+from bench.residuals.residuals import WhereItFails, errors_by_motor
+from bench.residuals.words import MOST_LOOKS, overlapping, whole_alike, whole_sentences
+from bench.signals.settings import FilterSettings
 
 MOST_NUMBERS = 45_000  # of all curves of the currents together: about 0.4 MB
 MOST_POINTS, FEWEST_POINTS = 1200, 120  # of one curve
@@ -32,6 +46,49 @@ MOST_FIGURES = 240  # motors times recordings
 CURRENTS, MOTOR = "currents", "Motor"  # the section of the curves, and its choice
 ON_PAPER = 8  # currents that are printed
 ERROR_AID = "Error: RMS(measured − modelled current) over RMS(measured current), where the joint moves."
+MOTORS_ON_PAPER = 6  # motors that are printed
+LAWS = "laws-alike"  # the id of the table with them
+
+
+@dataclass(frozen=True, eq=False)
+class ShownModel:
+    """A model's errors in the recordings. name: as in "error ... ", label: as a choice; role: its errors' colour."""
+
+    name: str
+    role: Role
+    what: Compared
+    where: WhereItFails
+    label: str = ""
+
+    @property
+    def joints(self) -> tuple[str, ...]:
+        """The motors that move, at least in one recording."""
+        return tuple(joint for joint in self.what.joints if self.what.of(joint))
+
+    def one(self, joint: str, recording: str) -> MotorSeries | None:
+        """One motor in one recording; None where it hardly moves."""
+        traces = [trace for trace in self.what.of(joint) if trace.recording == recording]
+        return traces[0] if traces else None
+
+
+def shown_model(
+    name: str,
+    role: Role,
+    problem: Problem,
+    model: Identification | Comparison,
+    settings: FilterSettings,
+    has: Sequence[str] | None = None,
+    label: str = "",
+) -> ShownModel:
+    """Look for where the errors of a model are. problem: with the dataset that the model's series are of.
+
+    has: the effects of the model; given, others that leave such errors are named. name, label: see `ShownModel`.
+    """
+    dataset = dataset_of(problem.dataset, model.recordings)
+    what = compared(dataset.robot, dataset.recordings, model.recordings, settings)
+    if has is None:
+        return ShownModel(name, role, what, errors_by_motor(what), label)
+    return ShownModel(name, role, what, errors_by_motor(what, possible_effects(problem), has), label)
 
 
 def ladder_section(diagnosis: Diagnosis) -> Section:
@@ -162,3 +219,75 @@ def _worst(shown: ShownModel, joint: str, names: Sequence[str]) -> int:
     errors = next(motor.by_recording for motor in shown.where.motors if motor.joint == joint)
     worst = max(unseen, key=lambda trace: errors[trace.recording][0])
     return names.index(worst.recording)
+
+
+def where_section(models: Sequence[ShownModel]) -> Section:
+    """Words and charts for every motor and every model, at first of the last one that leaves more than noise."""
+    joints = models[-1].joints
+    options = tuple(model.label for model in models)
+    laws = _laws(models)
+    variants = {}
+    for m, model in enumerate(models):
+        by_joint = {motor_errors.joint: motor_errors for motor_errors in model.where.motors}
+        for j, joint in enumerate(joints):
+            motor = by_joint[joint]
+            sentences = (typeset(sentence) for sentence in whole_sentences(motor))
+            alike = (
+                Linked(typeset(sentence), "Laws, and what shows them", LAWS if laws else "")
+                for sentence in whole_alike(motor)
+            )
+            charts = tuple(map(page_chart, motor_charts(error_breakdown(model.what, joint)).values()))
+            key = f"{j}|{m}" if len(models) > 1 else f"{j}"
+            curves = Linked("Over time:", f"curves of {joint}", CURRENTS, {MOTOR: joint})
+            variants[key] = Variant(charts, (*sentences, *alike, curves))
+    loud = [
+        m
+        for m, model in enumerate(models)
+        if any(motor_errors.above_noise for motor_errors in model.where.motors)
+    ]
+    first = loud[-1] if loud else len(models) - 1
+    motors = models[first].where.motors
+    worst = max(
+        motors, key=lambda motor_errors: motor_errors.error / max(motor_errors.noise, 1e-12), default=None
+    )
+    choices = [Choice("Motor", joints, joints.index(worst.joint) if worst is not None else 0)]
+    if len(models) > 1:
+        choices.append(Choice("Model", options, first))
+    paper = f"|{first}" if len(models) > 1 else ""
+    figure = Figure(
+        "Error of one motor, all recordings together",
+        "Line and dots: means of bins with equally many rows. Shade: their standard deviation. Thin lines: the "
+        "smallest and the largest error in each bin, none left out. Grey: ± noise of the current.",
+        False,
+        tuple(choices),
+        variants,
+        tuple(f"{j}{paper}" for j in range(len(joints)))[:MOTORS_ON_PAPER],
+    )
+    introduction = "What chance could do as well is not mentioned; what is mentioned is far beyond it."
+    shares = next((words for model in models if (words := overlapping(model.where))), "")
+    lead = f"{introduction} {shares}".rstrip()
+    return Section("where", "Where it fails", lead, (figure, *laws))
+
+
+def _laws(models: Sequence[ShownModel]) -> tuple[PageTable, ...]:
+    """The effects that leave errors like those identified, each once, with what they are and how they show."""
+    alike = (rival for model in models for motor in model.where.motors for rival in motor.alike[:MOST_LOOKS])
+    questions: dict[str, int] = {}
+    for rival in alike:
+        for name in rival.effects:
+            questions.setdefault(name, rival.question)
+    rows = tuple(
+        row(effect_name(name), typeset(CATALOGUE[name].law), CATALOGUE[name].shown_by, f"question {question}")
+        for name, question in questions.items()
+        if name in CATALOGUE
+    )
+    if not rows:
+        return ()
+    columns = (
+        PageColumn("effect", "keep"),
+        PageColumn("law", "words"),
+        PageColumn("shown by", "words"),
+        PageColumn("atlas of effects", "keep"),
+    )
+    aid = "Candidates, the plainest first, from the key of the handbook's atlas; bench diagnose decides between them."
+    return (PageTable("Effects that would leave such errors", aid, columns, rows, folded=True, id=LAWS),)

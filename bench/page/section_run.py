@@ -13,37 +13,13 @@ from bench.diagnosis.unfinished_words import unfinished_sentence
 from bench.document.numbers import STD_FROM, USES, fit_rate
 from bench.document.typeset import effect_name, short, typeset
 from bench.identification.result import Identification
-from bench.page.parts import Commands, Items, PageColumn, PageTable, Part, Section, row
+from bench.page.parts import Commands, PageColumn, PageTable, Part, Section, row, sentences_section
 from bench.signals.settings import FilterSettings
-
-OPTIONS = {
-    "position_cutoff": "--position-cutoff",
-    "decimation": "--decimation",
-    "filter_order": "--filter-order",
-    "difference_order": "--difference-order",
-    "keep_standstill": "--keep-standstill",
-    "border": "--border",
-    "method": "--method",
-    "deviations": "--deviations",
-    "gains": "--gains",
-    "essential": "--essential",
-    "physical": "--physical",
-    "model": "--model",
-    "no_cad": "--no-cad",
-    "nearest": "--nearest",
-    "data": "--data",
-    "duration": "--duration",
-    "time_limit": "--time-limit",
-    "rule": "--rule",
-    "widen": "--widen",
-    "rate": "--rate",
-    "seed": "--seed",
-}
 
 
 @dataclass(frozen=True)
 class CommandRun:
-    """A command as it was given, so that it can be given again. options: settings by name, as in `OPTIONS`."""
+    """A command as it was given, so that it can be given again. options: by the words of their names."""
 
     command: str
     dataset: str
@@ -62,11 +38,10 @@ class CommandRun:
         words = [word for effect in self.effects for word in ("--with", effect)]
         words += [word for file in self.effect_files for word in ("--effect-file", file)]
         for name, value in self.options.items():
-            if value is True:
-                words.append(OPTIONS[name])
-            elif value not in (None, False):
-                text = ",".join(map(str, value)) if isinstance(value, list | tuple) else str(value)
-                words += [OPTIONS[name], text]
+            if value not in (None, False):
+                words.append(f"--{name.replace('_', '-')}")
+                if value is not True:
+                    words.append(",".join(map(str, value)) if isinstance(value, list | tuple) else str(value))
         return [*words, "-o", self.output] if self.output else words
 
 
@@ -79,10 +54,7 @@ class Made:
 
 
 def limits_section(
-    result: Identification | None,
-    diagnosis: Diagnosis | None,
-    dataset: Dataset,
-    settings: FilterSettings,
+    result: Identification | None, diagnosis: Diagnosis | None, dataset: Dataset, settings: FilterSettings
 ) -> Section:
     """What this run cannot say."""
     limits: list[str] = list(dict.fromkeys(result.notes)) if result is not None else []
@@ -130,16 +102,11 @@ def limits_section(
     else:
         limits.append("Which physical effects the model lacks was not looked for: bench diagnose does.")
     lead = "What these recordings and this model cannot say."
-    return Section(
-        "limits", "Known limits of this run", lead, (Items("", "", tuple(limits)),), "Known limits"
-    )
+    return sentences_section("limits", "Known limits of this run", limits, lead, "Known limits")
 
 
 def run_section(
-    dataset: Dataset,
-    settings: FilterSettings,
-    result: Identification | None,
-    made: Made,
+    dataset: Dataset, settings: FilterSettings, result: Identification | None, made: Made
 ) -> Section:
     """Recordings, settings, versions, and the commands that give this page again."""
     parts: list[Part] = [_recordings_table(dataset)]

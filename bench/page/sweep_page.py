@@ -3,17 +3,14 @@
 import json
 from collections.abc import Sequence
 from dataclasses import dataclass
-from datetime import UTC, datetime
 from pathlib import Path
 
 from bench.basics.errors import BenchError
 from bench.basics.plural import plural
-from bench.basics.versions import versions
 from bench.document.typeset import typeset
 from bench.effects.display_names import begun
 from bench.identification.wording import and_list
-from bench.page.figures_grid import grid_figure
-from bench.page.figures_sweep import plot_figure, spread_figure
+from bench.page.figures_sweep import grid_figure, plot_figure, runs_part, spread_figure
 from bench.page.parts import (
     Cell,
     Commands,
@@ -26,19 +23,25 @@ from bench.page.parts import (
     Section,
     Tile,
     row,
+    sentences_section,
 )
-from bench.page.runs import runs_part
 from bench.page.section_run import versions_of
 from bench.studies.sweep.axes import DrawnAxis
 from bench.studies.sweep.charts import metric_axis, point_label, value_text
-from bench.studies.sweep.metrics import is_relative, is_share, what_is_measured
+from bench.studies.sweep.metrics import (
+    axis_title,
+    axis_words,
+    is_relative,
+    is_share,
+    metric_title,
+    what_is_measured,
+)
 from bench.studies.sweep.plan import Plan
 from bench.studies.sweep.results import default_plots, table_in
 from bench.studies.sweep.run_sweep import FILE, RECORD
 from bench.studies.sweep.summary import Spread, Summary, SummaryLine, summarise
 from bench.studies.sweep.sweep_file import load_sweep
 from bench.studies.sweep.table import column_names, read_table
-from bench.studies.sweep.titles import axis_title, axis_words, metric_title
 
 MOST_LINES = 200  # of a table on the page; the file has all
 MOST_REASONS = 20
@@ -99,20 +102,7 @@ def sweep_page(result: SweepResult, again: Sequence[str]) -> Page:
             _limits_section(result),
             _again_section(result, again),
         ),
-        generator=generator(),
-        footer=footer(),
     )
-
-
-def generator() -> str:
-    """The program, with its version."""
-    return f"parabench {dict(versions().packages)['parabench']}".rstrip()
-
-
-def footer() -> str:
-    """Who wrote the page, and when."""
-    today = datetime.now(UTC).date()
-    return f"Written by {generator()} on {today:%d %B %Y}. This file is complete: it asks for nothing from anywhere."
 
 
 def _verdict(result: SweepResult) -> tuple[str, ...]:
@@ -186,9 +176,9 @@ def _plots_section(result: SweepResult) -> Section:
         if {plot.x, plot.y, *([plot.lines] if plot.lines else [])} <= set(known)
     ]
     why = "None of the metrics asked for was recorded." if plots else "Nothing was varied: one run."
-    none: tuple[Part, ...] = (Items("", "", (why,)),)
     lead = "As the sweep's file asks for it; the first metrics against the first axis where it does not."
-    return Section("plots", "Metrics against what was varied", lead, tuple(parts) or none, "Metrics")
+    shown = tuple(parts) or (Items("", "", (why,)),)
+    return Section("plots", "Metrics against what was varied", lead, shown, "Metrics")
 
 
 def _each_section(result: SweepResult) -> Section:
@@ -240,14 +230,14 @@ def _runs_section(result: SweepResult) -> Section:
     ]
     lead = "How the metrics spread over all runs, whatever was varied."
     if not numbers:
-        return Section("spread", "All runs together", "", (Items("", "", ("One run only.",)),), "All runs")
+        return sentences_section("spread", "All runs together", ["One run only."], short="All runs")
     part = spread_figure(read_table(result.table, numbers), numbers)
     return Section("spread", "All runs together", lead, (part,), "All runs")
 
 
 def _failures_section(result: SweepResult) -> Section:
     if not result.overall.failed:
-        return Section("failures", "Runs that failed", "", (Items("", "", ("None.",)),), "Failures")
+        return sentences_section("failures", "Runs that failed", ["None."], short="Failures")
     columns = read_table(result.table, ["run", "status", "reason"])
     reasons: dict[str, list[int]] = {}
     for run, status, reason in zip(*columns.values(), strict=True):
@@ -308,21 +298,14 @@ def _limits_section(result: SweepResult) -> Section:
         said.append(f"{count} for each combination: the spread within one says little.")
     if result.overall.failed:
         said.append("Runs that failed are in no median.")
-    return Section("limits", "Known limits", "", (Items("", "", tuple(said)),))
+    return sentences_section("limits", "Known limits", said)
 
 
 def _again_section(result: SweepResult, again: Sequence[str]) -> Section:
-    names = [
-        column_name
-        for column_name in column_names(result.table)
-        if column_name == "commit" or column_name.startswith("version.")
-    ]
+    names = [name for name in column_names(result.table) if name == "commit" or name.startswith("version.")]
     columns = read_table(result.table, names)
     aid = (
         "Started again on the same folder, a sweep goes on where it was; on another, it gives the same table."
     )
-    parts: tuple[Part, ...] = (
-        versions_of(columns),
-        Commands("Run it again", aid, tuple(again)),
-    )
+    parts: tuple[Part, ...] = (versions_of(columns), Commands("Run it again", aid, tuple(again)))
     return Section("run", "Versions, and how to run it again", "", parts, "Versions")

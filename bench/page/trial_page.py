@@ -12,19 +12,27 @@ from bench.basics.plural import plural
 from bench.basics.shell_word import quoted
 from bench.document.typeset import typeset
 from bench.identification.wording import and_list
-from bench.page.figures_trial import confusion_figure, coverage_figure, errors_figure, misses_figure
-from bench.page.parts import Cell, Commands, Items, Page, PageColumn, PageTable, Part, Section, Tile, row
+from bench.page.chart_spec import chart_figure
+from bench.page.parts import (
+    Cell,
+    Commands,
+    Page,
+    PageColumn,
+    PageTable,
+    Part,
+    Section,
+    Tile,
+    on_page,
+    row,
+    sentences_section,
+)
 from bench.page.section_run import versions_of
-from bench.page.sweep_page import footer, generator
-from bench.page.tables import on_page
 from bench.studies.sweep.journal import Row
 from bench.studies.sweep.table import column_names, read_table
 from bench.studies.trial.cases import DATASETS_A_SEED, KINDS
+from bench.studies.trial.charts import confusion_chart, coverage_chart, errors_chart, misses_chart
 from bench.studies.trial.markdown import (
     COUNTED,
-    KEPT_WORDS,
-    MAIN,
-    WORDS,
     absorbed_table,
     confusion_table,
     coverage_table,
@@ -47,7 +55,8 @@ NEEDED = (
     "intervals",
 )
 SUFFIX = ".parquet"
-NOT_KEPT = {Attained.NO: "not kept", Attained.TOO_FEW: KEPT_WORDS[Attained.TOO_FEW]}
+NOT_KEPT = {Attained.NO: "not kept", Attained.TOO_FEW: Attained.TOO_FEW.value}
+CELL, LABELS = 25, 190  # px, of the confusion matrix
 FEW = 20  # cases, below which a share says little
 
 
@@ -67,7 +76,8 @@ def trial_table(source: Path) -> Path | None:
     Raises BenchError for a folder that holds the trials of several robots.
     """
     paths = sorted(source.glob(f"*{SUFFIX}")) if source.is_dir() else [source]
-    tables = [path for path in paths if path.suffix == SUFFIX and path.is_file() and _is_trial(path)]
+    files = [path for path in paths if path.suffix == SUFFIX and path.is_file()]
+    tables = [path for path in files if set(NEEDED) <= set(column_names(path))]
     if len(tables) > 1:
         commands = ", ".join(f"bench report {quoted(path)}" for path in tables)
         raise BenchError(
@@ -104,8 +114,6 @@ def trial_page(result: TrialResult, again: Sequence[str]) -> Page:
             _limits_section(result),
             _again_section(result, again),
         ),
-        generator=generator(),
-        footer=footer(),
     )
 
 
@@ -147,10 +155,6 @@ def _saved_settings(result: TrialResult, kinds: Sequence[str]) -> dict[str, Any]
     return {}
 
 
-def _is_trial(path: Path) -> bool:
-    return set(NEEDED) <= set(column_names(path))
-
-
 def _verdict(summary: TrialSummary) -> tuple[str, ...]:
     """Three sentences: what is named, false alarms, and what the answers are worth."""
     by_figure = {target.figure: target for target in summary.targets}
@@ -187,7 +191,7 @@ def _verdict(summary: TrialSummary) -> tuple[str, ...]:
         return tuple(typeset(name[:1].upper() + name[1:]) for name in (first, second, third))
     third = f"Of {plural(len(limited), 'figure')} with a limit, {kept} surely keep it"
     for answer, words in NOT_KEPT.items():
-        names = [WORDS[target.figure] for target in limited if target.kept is answer]
+        names = [target.figure.words for target in limited if target.kept is answer]
         third += f"; {words}: {and_list(names)}" if names else ""
     third += "."
     return tuple(typeset(name[:1].upper() + name[1:]) for name in (first, second, third))
@@ -243,10 +247,13 @@ def _kept(target: Target) -> Cell:
 
 def _confusion_section(summary: TrialSummary) -> Section:
     if not summary.confusion:
-        return Section("confusion", "What was named for what", "", (Items("", "", ("No such case.",)),))
+        return sentences_section("confusion", "What was named for what", ["No such case."])
     aid = "openly undecided: the hidden effect was listed as an alternative of the one that was named."
+    chart = confusion_chart(summary)
+    columns = chart.x.categories
+    height = 70 + 7 * max(map(len, columns)) + CELL * len(chart.y.categories)
     parts: list[Part] = [
-        confusion_figure(summary),
+        chart_figure(chart, height, least=LABELS + CELL * len(columns), turned=True),
         on_page(confusion_table(summary), "The same in words", aid),
     ]
     if summary.absorbed:
@@ -258,38 +265,43 @@ def _confusion_section(summary: TrialSummary) -> Section:
 
 def _misses_section(summary: TrialSummary) -> Section:
     if not any(miss.first.of for miss in summary.misses):
-        none: tuple[Part, ...] = (Items("", "", ("No single effect was hidden.",)),)
-        return Section("misses", "Misses by size of the effect", "", none, "Misses")
+        why = ["No single effect was hidden."]
+        return sentences_section("misses", "Misses by size of the effect", why, short="Misses")
     aid = "own error: that of a model which lacks this effect alone, on recordings that were not fitted."
-    parts = (misses_figure(summary), on_page(misses_table(summary), "The same in numbers", aid))
+    parts = (
+        chart_figure(misses_chart(summary), 270),
+        on_page(misses_table(summary), "The same in numbers", aid),
+    )
     lead = "A small effect may be lost in the noise; a large one must be found."
     return Section("misses", "Misses by size of the effect", lead, parts, "Misses")
 
 
 def _coverage_section(summary: TrialSummary) -> Section:
     if not summary.coverage:
-        none: tuple[Part, ...] = (
-            Items("", "", ("No set that counts was found exactly: no interval to judge.",)),
-        )
-        return Section("coverage", "Intervals of the effects' parameters", "", none, "Intervals")
+        why = ["No set that counts was found exactly: no interval to judge."]
+        return sentences_section("coverage", "Intervals of the effects' parameters", why, short="Intervals")
     aid = "Error: of an estimate, in its standard errors. Where these are right, the median is 0.67."
-    parts = (coverage_figure(summary), on_page(coverage_table(summary), "The same in numbers", aid))
+    parts = (
+        chart_figure(coverage_chart(summary), 76 + 22 * len(summary.coverage)),
+        on_page(coverage_table(summary), "The same in numbers", aid),
+    )
     lead = "Do the 95 % intervals hold the truth 95 % of the time? Of cases whose set was found exactly."
     return Section("coverage", "Intervals of the effects' parameters", typeset(lead), parts, "Intervals")
 
 
 def _errors_section(result: TrialResult) -> Section:
-    figure = errors_figure(result.rows)
-    if figure is None:
-        none: tuple[Part, ...] = (Items("", "", ("No effect of the catalogue was hidden.",)),)
-        return Section("errors", "What is left of the error", "", none, "Error left")
+    chart = errors_chart(result.rows)
+    if chart is None:
+        why = ["No effect of the catalogue was hidden."]
+        return sentences_section("errors", "What is left of the error", why, short="Error left")
     lead = "Error of the current on recordings that were not fitted, before and after the found effects."
+    figure = chart_figure(chart, 320, name="Error before and after")
     return Section("errors", "What is left of the error", lead, (figure,), "Error left")
 
 
 def _failures_section(summary: TrialSummary) -> Section:
     if not summary.failed:
-        return Section("failures", "Cases that came to nothing", "", (Items("", "", ("None.",)),), "Failures")
+        return sentences_section("failures", "Cases that came to nothing", ["None."], short="Failures")
     part = on_page(failures_table(summary), "Reasons", "The most frequent first. They count nowhere else.")
     return Section("failures", "Cases that came to nothing", "", (part,), "Failures")
 
@@ -300,16 +312,16 @@ def _limits_section(result: TrialResult) -> Section:
         COUNTED,
     ]
     few = [
-        WORDS[target.figure]
+        target.figure.words
         for target in result.summary.targets
-        if target.share and 0 < target.share.of < FEW and target.figure in MAIN
+        if target.share and 0 < target.share.of < FEW and target.figure.main
     ]
     if few:
         said.append(f"Fewer than {FEW} cases, so the shares say little: {'; '.join(few)}.")
     untried = [kind for kind in KINDS if not any(row["kind"] == kind for row in result.rows)]
     if untried:
         said.append(f"Not tried: {', '.join(untried)}.")
-    return Section("limits", "Known limits", "", (Items("", "", tuple(map(typeset, said))),))
+    return sentences_section("limits", "Known limits", map(typeset, said))
 
 
 def _again_section(result: TrialResult, again: Sequence[str]) -> Section:

@@ -5,8 +5,6 @@ spread, coverage and time of each estimator, over seeds: other noise of the curr
 elsewhere. Workers do not change the answers.
 """
 
-from __future__ import annotations
-
 import json
 import os
 import time

@@ -4,25 +4,265 @@ Designed motions compared with the median of 50 random ones inside the same limi
 with the spread of repeated simulations.
 """
 
+import json
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 import click
+import numpy as np
+from scipy.stats import chi2
 
-from bench.basics.files.atomic import write_json_atomically
+from bench.basics.errors import BenchError
+from bench.basics.files.atomic import write_json_atomically, write_text_atomically
+from bench.basics.progress import SILENT, Progress
 from bench.basics.versions import versions
+from bench.dataset.dataset import Dataset
 from bench.dataset.robot import load_robot
+from bench.document.markdown.tables import rows_in_markdown
 from bench.excitation.bounds import SEARCH
-from bench.excitation.experiment.forecast import forecast
-from bench.excitation.experiment.plan import Aim, plan_experiment
+from bench.excitation.experiment.forecast import Forecast, described, forecast
+from bench.excitation.experiment.plan import Aim, ExperimentPlan, plan_experiment
 from bench.excitation.experiment.request import ExperimentTable
+from bench.identification.identify import identify
+from bench.identification.prepare import Prepared, prepare
+from bench.identification.problem import problem_of
+from bench.identification.standstill import interpolated
 from bench.identification.wording import in_percent
-from bench.scenario.scenario import load_scenario
-from bench.studies.excite_forecast import CONFIDENCE, monte_carlo
-from bench.studies.excite_page import with_interval, write_page
+from bench.scenario.scenario import Scenario, load_scenario
+from bench.signals.decimation import decimate
+from bench.signals.processing import trim
+from bench.signals.settings import choose_settings, signal_bands
+from bench.studies.rehearsal import scenario_of
+from bench.truth.dataset import as_dataset
+from bench.truth.resense import sense_again
+from bench.truth.simulate import simulate
 
+CONFIDENCE = 0.95
+PAGE = "excite.md"
+UNKNOWN = "–"
+TRUE = ("robot", "repetitions", "unknowns", "on the whole", "smallest", "largest", "by chance alone")
+PLANNED = """\
+Motions of 10 s by `bench excite`, one unloaded and one with the payload of the robot's scenario, and 50 random motions
+inside the same limits. The worst of all unknowns counts."""
+REPEATED = """\
+Below, the simulated machine runs the planned motions repeatedly, with different noise in each log. Each log
+is identified. The ratio of the standard deviation of the estimates to the predicted standard error is 1 if the
+prediction is right."""
+INTERVALS = """\
+so many repetitions cannot determine a standard deviation more precisely. Those of the smallest and the largest
+ratio hold for all unknowns at once (Bonferroni), because these two were selected from all. "By chance alone": the
+range of all ratios, with at least that probability, if every prediction is exact. "On the whole" is the root mean
+square over the unknowns; its interval takes account of their correlations."""
 ROBOTS = ("two_link", "five_bar", "delta", "stewart")
 DURATION = 10.0  # s
+
+
+def with_other_currents(prepared: Prepared, dataset: Dataset) -> Prepared | None:
+    """What `prepare` makes of a dataset whose recordings are all fitted, from another one with the same positions.
+
+    None where it would make something else: other positions, recordings or filters, effects, redundant motors.
+    """
+    before = [measured.recording for measured in prepared.measured]
+    recordings = dataset.recordings
+    if prepared.effects or dataset.robot.redundant or len(recordings) != len(before):
+        return None
+    for recording, known in zip(recordings, before, strict=True):
+        same = recording.use == known.use == "identify" and recording.payload == known.payload
+        if not same or recording.extra or not np.array_equal(recording.position, known.position):
+            return None
+    positions = [recording.position for recording in recordings]
+    currents = [recording.current for recording in recordings]
+    bands = signal_bands(positions, currents, recordings[0].rate)
+    settings = prepared.settings
+    if choose_settings(positions, currents, recordings[0].rate, bands) != settings:
+        return None
+    measured = tuple(
+        replace(entry, recording=recording, current=trim(recording.current, settings))
+        for entry, recording in zip(prepared.measured, recordings, strict=True)
+    )
+    observations = tuple(
+        replace(observation, current=decimate(interpolated(entry.current, entry.gaps), settings.decimation))
+        for observation, entry in zip(prepared.observations, measured, strict=True)
+    )
+    return replace(
+        prepared, dataset=dataset, measured=measured, observations=observations, bands=bands, kept={}
+    )
+
+
+@dataclass(frozen=True)
+class ForecastOutcome:
+    """One unknown: its forecast standard error, and the standard deviation of its estimates over all repetitions."""
+
+    name: str
+    expected: float
+    observed: float
+
+    @property
+    def ratio(self) -> float:
+        """Observed over expected: 1 where the forecast came true."""
+        return self.observed / self.expected
+
+
+@dataclass(frozen=True)
+class ForecastTrial:
+    """A forecast compared with repeated simulations. outcomes: of all unknowns that it says are determined;
+    repetitions: of the logs; independent: how many of the unknowns count as independent, by the correlations of their
+    estimates.
+    """
+
+    outcomes: tuple[ForecastOutcome, ...]
+    repetitions: int
+    independent: float
+
+    @property
+    def pooled(self) -> float:
+        """The root mean square of all ratios: 1 where the forecast is right on the whole."""
+        return float(np.sqrt(np.mean([outcome.ratio**2 for outcome in self.outcomes])))
+
+    @property
+    def pooled_by_chance(self) -> tuple[float, float]:
+        """Between which a share CONFIDENCE of such trials has `pooled` over its true value."""
+        return by_chance(self.repetitions, independent=self.independent)
+
+    @property
+    def every_by_chance(self) -> tuple[float, float]:
+        """Between which a share CONFIDENCE of such trials, at least, has every ratio over its true value."""
+        return by_chance(self.repetitions, at_once=len(self.outcomes))
+
+
+def by_chance(repetitions: int, *, independent: float = 1.0, at_once: int = 1) -> tuple[float, float]:
+    """How far chance takes a standard deviation, over the true one, with probability CONFIDENCE: chi-square.
+
+    independent: how many estimates of it are pooled; at_once: how many keep to it together (Bonferroni).
+    """
+    freedom = (repetitions - 1) * independent
+    outside = (1.0 - CONFIDENCE) / at_once
+    low, high = np.sqrt(chi2.ppf([0.5 * outside, 1.0 - 0.5 * outside], freedom) / freedom)
+    return float(low), float(high)
+
+
+def monte_carlo(
+    plan: ExperimentPlan, expectation: Forecast, repetitions: int, seed: int = 0, progress: Progress = SILENT
+) -> ForecastTrial:
+    """Simulate the planned motions once, log them `repetitions` times with other noise, identify each.
+
+    Raises BenchError for fewer than two repetitions.
+    """
+    if repetitions < 2:
+        raise BenchError(f"{repetitions} repetitions have no standard deviation: give at least 2")
+    progress.phase("simulating the motions")
+    scenario = planned_scenario(plan, seed)
+    simulation = simulate(scenario, progress=progress)
+    progress.phase("identifying", repetitions)
+    estimates, prepared = [], None
+    for repetition in range(repetitions):
+        progress.advance()
+        again = _seeded(scenario, seed + repetition)
+        prepared = _prepared(as_dataset(sense_again(simulation, again)), plan, prepared)
+        estimates.append(_estimate(prepared, plan))
+    kept = np.array([expected.std is not None for expected in expectation.unknowns])
+    shown = np.array(estimates)[:, kept]
+    spreads = iter(np.std(shown, axis=0, ddof=1).tolist())
+    outcomes = tuple(
+        ForecastOutcome(expected.name, expected.std, next(spreads))
+        for expected in expectation.unknowns
+        if expected.std is not None
+    )
+    return ForecastTrial(outcomes, repetitions, _independent(shown))
+
+
+def _independent(estimates: np.ndarray) -> float:
+    """Of how many independent estimates the mean square of those in the columns has the freedom (Satterthwaite)."""
+    correlations = np.atleast_2d(np.corrcoef(estimates, rowvar=False))
+    return float(len(correlations) ** 2 / (correlations**2).sum())
+
+
+def planned_scenario(plan: ExperimentPlan, seed: int) -> Scenario:
+    """The experiment as a scenario, without the recordings that only check."""
+    whole = scenario_of(plan)
+    fitted = tuple(recording for recording in whole.settings.recordings if recording.use == "identify")
+    return _seeded(replace(whole, settings=whole.settings.model_copy(update={"recordings": fitted})), seed)
+
+
+def _seeded(scenario: Scenario, seed: int) -> Scenario:
+    return replace(scenario, settings=scenario.settings.model_copy(update={"seed": seed}))
+
+
+def _prepared(dataset: Dataset, plan: ExperimentPlan, before: Prepared | None) -> Prepared:
+    """The equations of a log; before: of another one of the same motions, where there is one."""
+    known = None if before is None else with_other_currents(before, dataset)
+    if known is not None:
+        return known
+    requests = dict.fromkeys(instance.request for instance in plan.nominal.effects)
+    return prepare(problem_of(dataset, list(requests)))
+
+
+def _estimate(prepared: Prepared, plan: ExperimentPlan) -> np.ndarray:
+    """The estimates in the order of the forecast."""
+    result = identify(prepared)
+    values = {parameter.name: parameter.value for parameter in result.parameters}
+    values |= {joint: gain.value for joint, gain in result.drive_gains.items()}
+    for effect, places in result.effect_parameters.items():
+        for place, parameters in places.items():
+            values |= {f"{effect}:{place}.{name}": quantity.value for name, quantity in parameters.items()}
+    return np.array([values[expected.name] for expected in described(plan.nominal)])
+
+
+BETTER = (
+    "robot",
+    "worst relative standard error",
+    "median of random motions",
+    "best of them",
+    "times better than the median",
+    "commit",
+)
+
+Figures = Mapping[str, Any]
+
+
+def kept_figures(folder: Path, robots: Sequence[str]) -> list[Figures]:
+    """The figures of those robots that have a file in the folder."""
+    files = [folder / f"{robot}.json" for robot in robots]
+    return [json.loads(file.read_text(encoding="utf-8")) for file in files if file.is_file()]
+
+
+def write_page(folder: Path, robots: Sequence[str]) -> None:
+    """Write the page next to the figures of which it is made."""
+    write_text_atomically(folder / PAGE, page(kept_figures(folder, robots)))
+
+
+def page(robots: Sequence[Figures]) -> str:
+    """Both tables as Markdown."""
+    parts = (
+        "# Planned motions, and whether predictions come true",
+        PLANNED,
+        rows_in_markdown(BETTER, map(_better, robots)),
+        REPEATED,
+        rows_in_markdown(TRUE, [_true(figures) for figures in robots if "pooled" in figures]),
+        f"In brackets {in_percent(CONFIDENCE, 2)} intervals by chi-square:\n{INTERVALS}",
+        "`python -m bench.studies.excite_figures ROBOT --repetitions N -o results/excite` rewrites this page.",
+    )
+    return "\n\n".join(parts) + "\n"
+
+
+def _better(figures: Figures) -> Sequence[str]:
+    errors = [in_percent(figures[name], 2) for name in ("worst", "random_median", "random_best")]
+    return figures["robot"], *errors, f"{figures['better']:.1f}", figures.get("commit", UNKNOWN)
+
+
+def _true(figures: Figures) -> Sequence[str]:
+    intervals = [with_interval(figures, name) for name in ("pooled", "smallest", "largest")]
+    unknowns = str(len(figures["ratios"])) if "ratios" in figures else UNKNOWN
+    chance = "{:.2f} to {:.2f}".format(*figures["chance"]) if "chance" in figures else UNKNOWN
+    return figures["robot"], str(figures["repetitions"]), unknowns, *intervals, chance
+
+
+def with_interval(figures: Figures, name: str) -> str:
+    """Such as 0.99 [0.97, 1.01]; without the interval where an older file has none."""
+    interval = figures.get(f"{name}_interval")
+    return f"{figures[name]:.2f}" + ("" if interval is None else " [{:.2f}, {:.2f}]".format(*interval))
 
 
 def table_of(robot: str) -> ExperimentTable:
@@ -79,11 +319,6 @@ def interval(value: float, chance: tuple[float, float]) -> tuple[float, float]:
     return value / high, value / low
 
 
-def figures_json(path: Path, figures: dict[str, Any]) -> None:
-    """Write the figures of one robot."""
-    write_json_atomically(path / f"{figures['robot']}.json", figures)
-
-
 def sentence(figures: dict[str, Any]) -> str:
     """One robot in one line."""
     text = (
@@ -113,7 +348,7 @@ def main(robots: tuple[str, ...], output: Path, steps: int, seed: int, repetitio
     """Write the figures of the robots, one JSON file each, and a page of all that the folder has; print them."""
     for robot in robots or ROBOTS:
         figures = figures_of(robot, steps, seed, repetitions)
-        figures_json(output, figures)
+        write_json_atomically(output / f"{robot}.json", figures)
         click.echo(sentence(figures))
     write_page(output, ROBOTS)
 

@@ -1,7 +1,5 @@
 """A planned experiment on the simulated machine, before its scenario is written: a drive with which it runs."""
 
-from __future__ import annotations
-
 import tomllib
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -60,3 +58,19 @@ def scenario_of(plan: ExperimentPlan, drive: SimulatedDrive = FIRST) -> Scenario
         del entry["trajectory_file"]
         entry["trajectory"] = recording.trajectory.to_dict()
     return scenario_from_dict(content, f"{plan.robot.name}_planned", robot=plan.robot)
+
+
+def rehearsal_sentence(rehearsal: Rehearsal) -> str:
+    """What a scenario differs in from the drive that is tried first, or that none runs; "" where the first one runs."""
+    if not rehearsal.refused:
+        return ""
+    if rehearsal.runs:
+        first = rehearsal.refused[0]
+        taken, other = _described(rehearsal.drive), _described(first.drive)
+        return f"The scenario simulates {taken}, because {other} fails: {first.why}."
+    last = rehearsal.refused[-1]
+    return f"The scenario cannot be simulated. With {_described(last.drive)}, the last attempt: {last.why}."
+
+
+def _described(drive: SimulatedDrive) -> str:
+    return f"a controller of {drive.natural_frequency:g} Hz in steps of {1e3 * drive.step:g} ms"

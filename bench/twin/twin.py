@@ -10,8 +10,7 @@ import numpy as np
 from bench.basics.errors import BenchError
 from bench.effects.laws.platform_force import PlatformForce
 from bench.twin.drive import ORDER, DriveLaw, drive_law_of
-from bench.twin.file import SidecarMotor, TwinFile, load_twin_file
-from bench.twin.friction import STEPS_TO_STICK, STIFF
+from bench.twin.file import STEPS_TO_STICK, STIFF, SidecarMotor, TwinFile, load_twin_file
 from bench.twin.laws import Instant, JointLaw, joint_law_of
 
 

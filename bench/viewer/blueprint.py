@@ -93,7 +93,9 @@ def _tab(scene: Scene, motors: Sequence[Motor]) -> rrb.Container:
     return rrb.Horizontal(
         rrb.Vertical(_robot(scene), _texts(scene), row_shares=[3, 2]),
         rrb.Vertical(
-            rrb.Tabs(*_pages(scene, motors), active_tab=0), _phases(scene), row_shares=[20, 2.0 + 1.4 * lanes]
+            rrb.Tabs(*_pages(scene, motors), active_tab=0),
+            rrb.StateTimelineView(origin=f"{scene.root}/phases", name="phases"),
+            row_shares=[20, 2.0 + 1.4 * lanes],
         ),
         column_shares=[4.0, 5.0 * columns**0.5],
         name=scene.title,
@@ -148,10 +150,6 @@ def _texts(scene: Scene) -> rrb.Container:
         rrb.TextDocumentView(origin=scene.parameters, name="parameters"),
         active_tab=0,
     )
-
-
-def _phases(scene: Scene) -> rrb.View:
-    return rrb.StateTimelineView(origin=f"{scene.root}/phases", name="phases")
 
 
 def _currents(scene: Scene, motors: Sequence[Motor]) -> rrb.Container:

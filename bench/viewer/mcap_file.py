@@ -103,17 +103,9 @@ def _fitted(
     series: CurrentSeries, root: str, recording: Recording, currents: Sequence[str], positions: Sequence[str]
 ) -> Iterator[_Topic]:
     time = series.time - recording.time[0]
-    values = {
-        "measured": series.measured,
-        "modelled": series.modelled,
-        "error": error_where_moving(series),
-    }
+    values = {"measured": series.measured, "modelled": series.modelled, "error": error_where_moving(series)}
     yield _Topic(f"{root}/currents", time, values, dict.fromkeys(values, currents))
-    motion = {
-        "position": series.position,
-        "velocity": series.velocity,
-        "acceleration": series.acceleration,
-    }
+    motion = {"position": series.position, "velocity": series.velocity, "acceleration": series.acceleration}
     per = {"position": "", "velocity": "/s", "acceleration": "/s^2"}
     units = {name: [f"{unit}{per[name]}" for unit in positions] for name in motion}
     yield _Topic(f"{root}/joint_states", time, motion, units)
@@ -149,9 +141,7 @@ def _schema(topic: _Topic, joints: Sequence[str]) -> bytes:
     return json.dumps({"type": "object", "properties": of_joint}).encode()
 
 
-def _in_time(
-    messages: Sequence[tuple[np.ndarray, int, Sequence[bytes]]],
-) -> Iterator[tuple[int, int, bytes]]:
+def _in_time(messages: Sequence[tuple[np.ndarray, int, Sequence[bytes]]]) -> Iterator[tuple[int, int, bytes]]:
     """Messages of all topics in the order of their times, as a reader wants them."""
     times = np.concatenate([time for time, _, _ in messages])
     which = np.repeat(np.arange(len(messages)), [len(time) for time, _, _ in messages])

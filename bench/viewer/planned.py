@@ -2,9 +2,7 @@
 
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Protocol
 
-import mujoco
 import numpy as np
 import rerun as rr
 import rerun.blueprint as rrb
@@ -15,27 +13,16 @@ from bench.dataset.robot import Robot
 from bench.document.colours import rgb
 from bench.model.geometry import read_geometry, to_mujoco
 from bench.model.motion import motion_of
+from bench.scenario.trajectory import FourierTrajectory
 from bench.viewer.body_motion import FRAME_RATE, placed
 from bench.viewer.content import TIMELINE, nanoseconds
-from bench.viewer.geoms import shapes
+from bench.viewer.scene import PATH_RADIUS, send_bodies
 
 PATH_COLOUR = (86, 180, 233)
-PATH_RADIUS = 0.0015  # of the box that the robot stays in
 LINES = ("#56B4E9", "#E69F00", "#009E73", "#CC79A7", "#F0E442", "#D55E00")
 
 
-class JointMotion(Protocol):
-    """A motion of the actuated joints over `duration` [s]."""
-
-    @property
-    def duration(self) -> float:
-        """How long it takes, s."""
-
-    def evaluate(self, time: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Positions, velocities and accelerations (N, n) at time (N,)."""
-
-
-def write_planned_rrd(path: str | Path, robot: Robot, motions: Mapping[str, JointMotion]) -> None:
+def write_planned_rrd(path: str | Path, robot: Robot, motions: Mapping[str, FourierTrajectory]) -> None:
     """Write motions by name as an .rrd file, whole or not at all: a tab each, with NAME/robot and NAME/position."""
     if Path(path).suffix.lower() != ".rrd":
         raise BenchError(f"{path}: a Rerun recording is an .rrd file")
@@ -60,7 +47,7 @@ def write_planned_rrd(path: str | Path, robot: Robot, motions: Mapping[str, Join
         stream.disconnect()
 
 
-def _send(stream: rr.RecordingStream, name: str, robot: Robot, trajectory: JointMotion) -> None:
+def _send(stream: rr.RecordingStream, name: str, robot: Robot, trajectory: FourierTrajectory) -> None:
     geometry, model = read_geometry(robot), robot.mjcf_model()
     time = np.arange(int(trajectory.duration * FRAME_RATE) + 1) / FRAME_RATE
     states = trajectory.evaluate(time)
@@ -68,20 +55,7 @@ def _send(stream: rr.RecordingStream, name: str, robot: Robot, trajectory: Joint
     bodies = placed(model, robot.tool_site, time, to_mujoco(geometry.joints, tree.q))
     column = rr.TimeColumn(TIMELINE, duration=nanoseconds(time))
     stream.log(f"{name}/robot", rr.ViewCoordinates.RIGHT_HAND_Z_UP, static=True)
-    entities = [
-        f"{name}/robot/bodies/"
-        + rr.escape_entity_path_part(
-            mujoco.mj_id2name(model, mujoco.mjtObj.mjOBJ_BODY, body) or f"body_{body}"
-        )
-        for body in range(model.nbody)
-    ]
-    for shape in shapes(model):
-        stream.log(f"{entities[shape.body]}/{shape.name}", *shape.archetypes, static=True)
-    for body in range(1, model.nbody):
-        poses = rr.Transform3D.columns(
-            translation=bodies.positions[:, body], quaternion=bodies.quaternions[:, body]
-        )
-        stream.send_columns(entities[body], indexes=[column], columns=poses)
+    send_bodies(stream, f"{name}/robot/bodies", model, bodies, column)
     if bodies.tool_position is not None:
         radius = PATH_RADIUS * float(np.linalg.norm(bodies.high - bodies.low))
         strip = rr.LineStrips3D([bodies.tool_position], colors=PATH_COLOUR, radii=radius)

@@ -18,7 +18,7 @@ from bench.basics.files.atomic import atomic_path
 from bench.basics.joint_units import drive_unit, joint_units
 from bench.dataset.dataset import Dataset
 from bench.dataset.recording import Recording
-from bench.document.markdown.identification import parameters_markdown, summary_markdown
+from bench.document.markdown.tables import parameters_markdown, summary_markdown
 from bench.document.numbers import USES, Truth, error_std, error_where_moving, percent
 from bench.identification.result import Identification, relative_error
 from bench.model.geometry import Geometry, read_geometry
@@ -27,14 +27,7 @@ from bench.viewer.body_motion import BodyMotion, body_motion, placed, tool_path
 from bench.viewer.content import Motor, ShownContent
 from bench.viewer.context import KnownTruth, ViewContext
 from bench.viewer.scene import TOP, error_share, send_payload, send_robot
-from bench.viewer.tracks import (
-    send_currents,
-    send_phases,
-    send_steps,
-    send_tool,
-    send_torques,
-    steps_of,
-)
+from bench.viewer.tracks import send_currents, send_phases, send_steps, send_tool, send_torques, steps_of
 
 REFERENCE_COLUMN = "reference."  # column of a log: what the controller asked of a joint
 

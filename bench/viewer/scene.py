@@ -8,9 +8,8 @@ from bench.dataset.payload import Payload
 from bench.document.colours import scale_colours
 from bench.document.numbers import error_where_moving
 from bench.identification.result import CurrentSeries
-from bench.viewer.body_motion import BodyMotion
+from bench.viewer.body_motion import BodyMotion, Colour, shapes
 from bench.viewer.content import ShownContent
-from bench.viewer.geoms import Colour, shapes
 
 PAYLOAD_DENSITY = 7850.0  # kg/m^3: a payload is drawn as a ball of steel that weighs the same
 PAYLOAD_COLOUR = (250, 214, 92)
@@ -41,22 +40,22 @@ def send_robot(
     """
     robot = f"{content.root}/robot"
     stream.log(robot, rr.ViewCoordinates.RIGHT_HAND_Z_UP, static=True)
-    _send_bodies(stream, content, model, f"{robot}/bodies", content.motion)
-    if content.simulated is not None:
-        _send_bodies(stream, content, model, f"{robot}/simulated", content.simulated, OUTLINE)
+    send_bodies(stream, f"{robot}/bodies", model, content.motion, content.column(content.motion.time))
+    if (twin := content.simulated) is not None:
+        send_bodies(stream, f"{robot}/simulated", model, twin, content.column(twin.time), OUTLINE)
     if content.motion.tool_position is not None:
         _send_path(stream, content, content.motion.tool_position, largest)
 
 
-def _send_bodies(
+def send_bodies(
     stream: rr.RecordingStream,
-    content: ShownContent,
-    model: mujoco.MjModel,
     root: str,
+    model: mujoco.MjModel,
     motion: BodyMotion,
+    column: rr.TimeColumn,
     outline: Colour | None = None,
 ) -> None:
-    """The shapes of every body and where it goes, below an entity."""
+    """The shapes of every body and where it goes, below the entity `root`; column: the times of the motion."""
     names = [
         mujoco.mj_id2name(model, mujoco.mjtObj.mjOBJ_BODY, body) or f"body_{body}"
         for body in range(model.nbody)
@@ -64,7 +63,6 @@ def _send_bodies(
     entities = [f"{root}/{rr.escape_entity_path_part(name)}" for name in names]
     for shape in shapes(model, outline):
         stream.log(f"{entities[shape.body]}/{shape.name}", *shape.archetypes, static=True)
-    column = content.column(motion.time)
     for body in range(1, model.nbody):
         positions, quaternions = motion.positions[:, body], motion.quaternions[:, body]
         if model.body_weldid[body] == 0:  # fixed to the world

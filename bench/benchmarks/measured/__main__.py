@@ -17,10 +17,10 @@ from bench.basics.files.atomic import write_text_atomically
 from bench.basics.versions import versions
 from bench.benchmarks.measured.known import known_machines
 from bench.benchmarks.measured.machines import MACHINES, dataset_of
-from bench.benchmarks.measured.markdown import measured_markdown
 from bench.benchmarks.measured.page import measured_page
 from bench.benchmarks.measured.repeats import COMPARED, keep_repeats, repeats_of
 from bench.benchmarks.measured.run import keep, kept, measured
+from bench.benchmarks.measured.tables import measured_markdown
 from bench.page.render import render_page
 
 RESULT = Path("results/measured")

@@ -35,7 +35,6 @@ from bench.page.parts import (
     Tile,
 )
 from bench.page.section_run import versions_of
-from bench.page.sweep_page import footer, generator
 
 ROLES: tuple[Role, ...] = ("before", "after", "noise")
 LINE = 16  # px, of an interval
@@ -57,8 +56,6 @@ def measured_page(records: Sequence[Record], machines: Mapping[str, MachineTable
             *(_machine_section(record, machines[record.name]) for record in records),
             _again_section(records, again),
         ),
-        generator=generator(),
-        footer=footer(),
     )
 
 

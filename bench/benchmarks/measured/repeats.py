@@ -121,8 +121,7 @@ def keep_repeats(rows: Sequence[Repeats], program: Mapping[str, str], folder: Pa
     """Write the table and its values into a folder."""
     (folder / "repeats").mkdir(parents=True, exist_ok=True)
     write_json_atomically(
-        folder / "repeats" / "repeats.json",
-        {"program": dict(program), "rows": [asdict(row) for row in rows]},
+        folder / "repeats" / "repeats.json", {"program": dict(program), "rows": [asdict(row) for row in rows]}
     )
     page = folder / "repeats" / "repeats.md"
     page.write_text(repeats_markdown(rows, program), encoding="utf-8")

@@ -1,7 +1,5 @@
 """`make peers`: time and error of each solver on the same problems, side by side."""
 
-from __future__ import annotations
-
 import json
 import os
 import sys
@@ -27,7 +25,7 @@ from bench.benchmarks.peers.parabench import (
     solve_two_masses,
 )
 from bench.benchmarks.peers.problems import COULOMB_SHARE, DURATION, PeerProblem, make_problem
-from bench.studies.sweep.console import table_console
+from bench.studies.sweep.print_summary import table_console
 
 warnings.filterwarnings("ignore", category=RuntimeWarning, message=".*already registered.*")
 RESULT = Path("results/peers")

@@ -5,8 +5,6 @@ payload. Its functions filter, differentiate, build and reduce the regressor and
 as in its examples. The cut-off is given, the same as ours chose.
 """
 
-from __future__ import annotations
-
 import tempfile
 import time
 from importlib import import_module

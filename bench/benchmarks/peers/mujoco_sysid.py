@@ -5,8 +5,6 @@ and inertia. What differs is the step: that of the simulated truth, in which cas
 or the log's, as for a machine that is not a simulation.
 """
 
-from __future__ import annotations
-
 import io
 import time
 from collections.abc import Callable

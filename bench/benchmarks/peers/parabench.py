@@ -1,7 +1,5 @@
 """The answer of this program to a problem: everything identified, then with all but two masses taken as known."""
 
-from __future__ import annotations
-
 import time
 from dataclasses import dataclass, replace
 
@@ -17,7 +15,7 @@ from bench.identification.result import Identification
 from bench.model.model import IdentificationModel, build_model
 from bench.model.regressor import moved_parameters, projected_regressor
 from bench.model.states import random_motion
-from bench.studies.sweep.true_parameters import true_base_parameters
+from bench.studies.sweep.accuracy import true_base_parameters
 from bench.truth.dataset import as_dataset
 from bench.truth.report import truth
 

@@ -1,7 +1,5 @@
 """What all have to solve: short measurements of a five-bar and of a serial arm, with known truth."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cache

@@ -1,7 +1,5 @@
 """What a speed benchmark gives: named figures with their limits and their last values."""
 
-from __future__ import annotations
-
 import json
 import os
 import platform

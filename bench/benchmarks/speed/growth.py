@@ -28,7 +28,7 @@ from bench.effects import CATALOGUE
 from bench.identification.identify import identify
 from bench.identification.prepare import prepare
 from bench.identification.problem import Problem, problem_of
-from bench.studies.sweep.console import table_console
+from bench.studies.sweep.print_summary import table_console
 
 RESULT = Path("results/speed/growth.json")
 PICTURE = Path("results/speed/growth.png")

@@ -22,7 +22,7 @@ from bench.identification.identify import identify
 from bench.identification.prepare import prepare
 from bench.identification.problem import problem_of
 from bench.scenario.scenario import load_scenario, resolve_trajectories
-from bench.studies.sweep.console import table_console
+from bench.studies.sweep.print_summary import table_console
 from bench.truth.dataset import as_dataset
 from bench.truth.simulate import Simulation, simulate
 

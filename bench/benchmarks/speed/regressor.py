@@ -25,7 +25,7 @@ from bench.model.regressor import projected_regressor
 from bench.model.states import active_ranges
 from bench.signals.processing import estimate_motion
 from bench.signals.settings import FilterSettings
-from bench.studies.sweep.console import table_console
+from bench.studies.sweep.print_summary import table_console
 
 LIMITS = {"five_bar": 6.0, "delta": 4.0}  # times Pinocchio's loop
 RATE, DURATION = 1000.0, 20.0  # Hz, s
@@ -72,9 +72,7 @@ def measure(robot: str, repeats: int = 9) -> RegressorSpeed:
     return RegressorSpeed(robot, samples, len(columns), closures, ours, pinocchio, ratio)
 
 
-def _movement(
-    geometry: Geometry,
-) -> tuple[tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray], Motion]:
+def _movement(geometry: Geometry) -> tuple[tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray], Motion]:
     """A Fourier series within the joint ranges, made smaller until all of it can be reached."""
     random = np.random.default_rng(SEED)
     low, high = active_ranges(geometry)

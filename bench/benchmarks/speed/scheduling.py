@@ -5,8 +5,6 @@ fifth more over which memory is watched, go through the processes of this machin
 workers that live in one other process.
 """
 
-from __future__ import annotations
-
 import os
 import subprocess
 import sys
@@ -23,11 +21,11 @@ from bench.basics.files.atomic import write_json_atomically
 from bench.basics.versions import versions
 from bench.benchmarks.speed.figures import SpeedFigure
 from bench.benchmarks.speed.stand_in import NoWork
-from bench.studies.sweep.console import table_console
 from bench.studies.sweep.dask_pool import DaskPool
 from bench.studies.sweep.journal import Journal
 from bench.studies.sweep.plan import make_plan
 from bench.studies.sweep.pool import LocalPool, Pool
+from bench.studies.sweep.print_summary import table_console
 from bench.studies.sweep.run_sweep import JOURNAL, run_sweep
 from bench.studies.sweep.sweep_file import load_sweep
 

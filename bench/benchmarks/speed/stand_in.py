@@ -4,8 +4,6 @@ Run as a module it is a scheduler or, with its address and a number, so many wor
 address, lives until its standard input ends, and prints the processor time that it took meanwhile.
 """
 
-from __future__ import annotations
-
 import asyncio
 import sys
 import time

@@ -1,7 +1,5 @@
 """Cost of a sweep: two hundred five-bars, each simulated and identified from two recordings of 10 s."""
 
-from __future__ import annotations
-
 import subprocess
 import sys
 import tempfile

@@ -1,26 +1,148 @@
-"""Where a model fails, as pictures: the currents of all motors, and a page of errors for each motor."""
+"""Pictures of a model: the currents of all motors, and a page of errors for each motor."""
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from pathlib import Path
 
 import matplotlib as mpl
 import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
 
+from bench.basics.errors import BenchError
 from bench.basics.figure_style import DPI, STYLE
 from bench.basics.files.atomic import atomic_path
-from bench.document.charts.currents import currents_chart
+from bench.basics.joint_units import drive_unit
+from bench.document.charts.currents import currents_chart, fitted_currents_chart
 from bench.document.charts.motor import motor_charts
-from bench.document.figures.currents import currents_page
 from bench.document.figures.draw import draw
 from bench.document.layout import SCREEN
-from bench.document.numbers import USES, percent
+from bench.document.numbers import USES, error_std, percent
+from bench.identification.result import CurrentSeries, Identification, relative_error
 from bench.identification.wording import motor_words
 from bench.residuals.error_breakdown import error_breakdown
 from bench.residuals.motor import Compared, MotorSeries, relative_error_of, relative_noise
 
+LEFT, RIGHT, TITLE, FOOT, LEGEND = 1.02, 0.12, 0.36, 0.6, 0.4  # inches about the axes of one recording
 UPPER_MARGINS = {"left": 0.085, "right": 0.985, "top": 0.945, "bottom": 0.05, "wspace": 0.36, "hspace": 0.38}
 LOWER_MARGINS = {"left": 0.125, "right": 0.985, "top": 0.92, "bottom": 0.18, "wspace": 0.72}
+
+
+def current_figure(result: Identification, recordings: Sequence[str] | None = None) -> Figure:
+    """Measured and modelled current of every motor, the error below; one column for each recording.
+
+    recordings: names of those to show, all by default. The band about the error is one standard deviation
+    of the errors on the fitted recordings; the error has gaps where a joint does not move. Raises BenchError
+    for a recording that the result does not have.
+    """
+    chosen = _chosen(result, recordings)
+    joints = list(result.joints)
+    spread = error_std(result)
+    units = [drive_unit(result.drive_gains[joint].unit) for joint in joints]
+    with mpl.rc_context(STYLE):
+        blocks = currents_page([trace.name for trace in chosen], joints)
+        for series in chosen:
+            block = blocks.of[series.name]
+            block[0][0].set_title(_title_of_trace(series))
+            for j, (upper, lower) in enumerate(block):
+                chart = fitted_currents_chart(series, j, float(spread[j]), units[j], series.name)
+                draw(upper, chart)
+                draw(lower, chart, panel=1)
+        blocks.label(joints, units, [f"m{unit}" for unit in units])
+    return blocks.figure
+
+
+@dataclass(frozen=True, eq=False)
+class Blocks:
+    """A page of currents. of: by recording, a pair of axes (current, error) for every motor."""
+
+    figure: Figure
+    of: dict[str, list[tuple[Axes, Axes]]]
+
+    def label(self, joints: Sequence[str], units: Sequence[str], error_units: Sequence[str]) -> None:
+        """Name axes and draw one legend, once all is drawn."""
+        for place, block in enumerate(self.of.values()):
+            for (upper, lower), joint, unit, error_unit in zip(
+                block, joints, units, error_units, strict=True
+            ):
+                first = place % SCREEN.recordings == 0
+                upper.set_ylabel(f"{joint} [{unit}]" if first else "")
+                lower.set_ylabel(f"error [{error_unit}]" if first else "")
+                upper.set_xlabel("")
+                lower.set_xlabel("")
+                upper.tick_params(labelbottom=False)
+                lower.tick_params(labelbottom=lower is block[-1][1])
+            block[-1][1].set_xlabel("time [s]")
+            block[-1][1].xaxis.set_major_locator(MaxNLocator(6, steps=[1, 2, 5, 10]))
+        for block in self.of.values():
+            for panel in (panel for pair in block for panel in pair):
+                panel.yaxis.set_label_coords(SCREEN.label_at, 0.5)
+        upper, lower = next(iter(self.of.values()))[0]
+        handles = [*upper.get_lines(), *lower.get_lines(), *lower.patches]
+        self.figure.legend(handles=handles, loc="upper center", ncols=len(handles), frameon=False)
+
+
+def currents_page(names: Sequence[str], joints: Sequence[str]) -> Blocks:
+    """Empty axes for recordings, `SCREEN.recordings` in a row, each with all its motors under each other.
+
+    All recordings have the same scale for one motor. To be called within `STYLE`.
+    """
+    names = list(dict.fromkeys(names))
+    columns = min(SCREEN.recordings, len(names))
+    rows = -(-len(names) // columns)
+    # A figure outside pyplot: nothing global is touched, and no window can open.
+    # Margins are given, in inches: working them out takes longer than drawing.
+    block = SCREEN.motor * len(joints) + TITLE + FOOT
+    height = rows * block + LEGEND
+    figure = Figure(figsize=(SCREEN.width, height), dpi=DPI)
+    width = SCREEN.width / columns
+    of: dict[str, list[tuple[Axes, Axes]]] = {}
+    first: list[Axes] = []
+    for place, name in enumerate(names):
+        row, column = divmod(place, columns)
+        top = height - LEGEND - row * block
+        grid = figure.add_gridspec(
+            2 * len(joints),
+            1,
+            height_ratios=[2.2, 1.0] * len(joints),
+            left=(column * width + LEFT) / SCREEN.width,
+            right=((column + 1) * width - RIGHT) / SCREEN.width,
+            top=(top - TITLE) / height,
+            bottom=(top - block + FOOT) / height,
+            hspace=0.18,
+        )
+        axes: list[Axes] = []
+        for k in range(2 * len(joints)):
+            shared = {"sharex": axes[0] if axes else None, "sharey": first[k] if first else None}
+            axes.append(figure.add_subplot(grid[k], **shared))
+        first = first or axes
+        of[name] = list(zip(axes[::2], axes[1::2], strict=True))
+    return Blocks(figure, of)
+
+
+def write_current_figure(
+    path: str | Path, result: Identification, recordings: Sequence[str] | None = None
+) -> None:
+    """Write `current_figure` as a picture, PNG or SVG by suffix, whole or not at all."""
+    figure = current_figure(result, recordings)
+    with atomic_path(path) as partial:
+        figure.savefig(partial)
+
+
+def _chosen(result: Identification, names: Sequence[str] | None) -> list[CurrentSeries]:
+    by_name = {trace.name: trace for trace in result.recordings}
+    for name in names or ():
+        if name not in by_name:
+            raise BenchError(f"no recording {name!r}; there are: {', '.join(by_name)}")
+    return [by_name[name] for name in (by_name if names is None else names)]
+
+
+def _title_of_trace(series: CurrentSeries) -> str:
+    load = f", payload {series.payload}" if series.payload else ""
+    return f"{series.name}, {USES[series.use]}{load}: error {percent(relative_error([series]))}"
+
+
 SHOWN = (
     "time",
     "position",

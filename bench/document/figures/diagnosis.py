@@ -1,25 +1,153 @@
 """A diagnosis as pictures: the ladder, the errors before and after, the gains, and the residual."""
 
+from collections.abc import Sequence
+from dataclasses import dataclass
 from pathlib import Path
 
 import matplotlib as mpl
+import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.ticker import MaxNLocator
+from matplotlib.ticker import MaxNLocator, SymmetricalLogLocator
 
+from bench.basics.chi_squared import WITHIN_95
 from bench.basics.figure_style import DPI, STYLE
 from bench.basics.files.atomic import atomic_path
 from bench.basics.joint_units import drive_unit
 from bench.diagnosis.result import Diagnosis
-from bench.document.charts.currents import before_after_chart
-from bench.document.charts.models import ladder_chart
+from bench.document.charts.currents import before_after_chart, ladder_chart
 from bench.document.figures.comparison import errors_figure
-from bench.document.figures.diagnosis_panels import draw_moved, moved
-from bench.document.figures.draw import draw
+from bench.document.figures.draw import COLOURS, PLAIN, ZERO, draw
 from bench.document.layout import SCREEN
-from bench.document.numbers import effect_name, percent
-from bench.identification.result import CurrentSeries, relative_error
+from bench.document.numbers import effect_name, is_poor, percent, pretty_unit
+from bench.identification.result import CurrentSeries, Quantity, relative_error
 from bench.identification.wording import and_list
 from bench.residuals.motor import Compared
+
+VERDICT_COLOURS = {
+    "missing": COLOURS["after"],
+    "indistinguishable": "#E69F00",
+    "resembles": "#F0E442",
+    "not supported": "#B8BEC6",
+    "absorbed": "#CC79A7",
+}
+EVEN_NATS, EVEN_PERCENT = 10.0, 10.0
+
+
+@dataclass(frozen=True)
+class Moved:
+    """A gain or a parameter of the models before and after, and a gain's nominal value."""
+
+    name: str
+    before: Quantity
+    after: Quantity
+    nominal: float | None = None
+
+    @property
+    def label(self) -> str:
+        """The name with the unit."""
+        return f"{self.name} [{pretty_unit(self.after.unit)}]"
+
+
+def moved(diagnosis: Diagnosis, *, parameters: bool) -> list[Moved]:
+    """Gains, where they were fitted, and (parameters) the parameters that the data determine."""
+    before = {parameter.name: parameter for parameter in diagnosis.before.parameters}
+    gains = [
+        Moved(f"gain {joint}", diagnosis.before.drive_gains[joint], gain, gain.nominal)
+        for joint, gain in diagnosis.after.drive_gains.items()
+        if diagnosis.after.gains_fitted
+    ]
+    if not parameters:
+        return gains
+    return gains + [
+        Moved(parameter.name, before[parameter.name], parameter)
+        for parameter in diagnosis.after.parameters
+        if parameter.name in before and not is_poor(parameter)
+    ]
+
+
+def draw_ranking(axes: Axes, diagnosis: Diagnosis, most: int, scale: float = 1.0) -> None:
+    """Evidence for every effect as a point in the colour of its verdict.
+
+    No bars: their lengths would say nothing on a scale that is even up to `EVEN_NATS` and logarithmic beyond.
+    """
+    ranked = [effect_verdict for effect_verdict in diagnosis.ranking if effect_verdict.verdict != "absorbed"][
+        :most
+    ]
+    at = np.arange(len(ranked))
+    axes.axvline(0.0, color=ZERO, linewidth=0.8 * scale)
+    for verdict, colour in VERDICT_COLOURS.items():
+        of_it = [
+            (effect_verdict.evidence, i)
+            for i, effect_verdict in zip(at, ranked, strict=True)
+            if effect_verdict.verdict == verdict
+        ]
+        if of_it:
+            evidence, places = zip(*of_it, strict=True)
+            axes.plot(evidence, places, "o", color=colour, markersize=6.0 * scale, label=verdict)
+    declared = even_then_logarithmic(
+        axes, [effect_verdict.evidence for effect_verdict in ranked], EVEN_NATS, "nats"
+    )
+    axes.set_yticks(at, [effect_name(effect_verdict.effect) for effect_verdict in ranked])
+    axes.set_ylim(len(ranked) - 0.4, -0.6)
+    axes.set_xlabel(f"evidence [nats]{declared}")
+    axes.grid(visible=True, axis="y", linewidth=0.5 * scale, alpha=0.5)
+
+
+def even_then_logarithmic(axes: Axes, values: Sequence[float], even: float, unit: str) -> str:
+    """Make the horizontal axis logarithmic beyond ±even where a value is far beyond it; tells so for its label."""
+    if max(map(abs, values), default=0.0) <= SCREEN.logarithmic * even:
+        return ""
+    axes.set_xscale("symlog", linthresh=even, linscale=0.5)
+    axes.xaxis.set_major_locator(SymmetricalLogLocator(base=10.0, linthresh=even))
+    axes.xaxis.set_major_formatter(PLAIN)
+    return f",\nlogarithmic beyond ±{even:g} {unit}"
+
+
+def draw_moved(axes: Axes, rows: Sequence[Moved], scale: float = 1.0) -> None:
+    """Values before and after with their 95 % intervals, in percent of the value after; nominal gains between them."""
+    at = np.arange(len(rows))
+    offset = 0.17 if all(row.nominal is None for row in rows) else 0.28
+    factor = [100.0 / abs(row.after.value) if row.after.value else 0.0 for row in rows]
+    for shift, colour, marker, label, values in (
+        (-offset, COLOURS["before"], "s", "before", [row.before for row in rows]),
+        (offset, COLOURS["after"], "o", "after", [row.after for row in rows]),
+    ):
+        axes.errorbar(
+            [
+                (quantity.value - row.after.value) * f
+                for quantity, row, f in zip(values, rows, factor, strict=True)
+            ],
+            at + shift,
+            xerr=[WITHIN_95 * quantity.std * f for quantity, f in zip(values, factor, strict=True)],
+            fmt=marker,
+            color=colour,
+            markersize=4.5 * scale,
+            capsize=2.5 * scale,
+            linewidth=1.3 * scale,
+            label=label,
+        )
+    nominal = [
+        (i, (row.nominal - row.after.value) * f)
+        for i, row, f in zip(at, rows, factor, strict=True)
+        if row.nominal is not None
+    ]
+    if nominal:
+        axes.plot(
+            [value for _, value in nominal],
+            [i for i, _ in nominal],
+            "D",
+            color="#5A6470",
+            fillstyle="none",
+            markersize=5.0 * scale,
+            markeredgewidth=scale,
+            label="nominal",
+        )
+    axes.axvline(0.0, color=ZERO, linewidth=0.8 * scale)
+    declared = even_then_logarithmic(axes, axes.get_xlim(), EVEN_PERCENT, "%")
+    axes.set_yticks(at, [row.label for row in rows])
+    axes.set_ylim(len(rows) - 0.4, -0.6)
+    axes.set_xlabel(f"difference to the value after [%]{declared}")
 
 
 def write_diagnosis_figures(folder: Path, diagnosis: Diagnosis, residuals: Compared) -> list[Path]:

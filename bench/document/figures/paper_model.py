@@ -10,9 +10,8 @@ from bench.basics.chi_squared import WITHIN_95
 from bench.basics.joint_units import drive_unit
 from bench.diagnosis.result import Diagnosis
 from bench.document.charts.chart import Chart, Levels
-from bench.document.charts.currents import before_after_chart
-from bench.document.charts.models import gains_chart, ladder_chart
-from bench.document.figures.diagnosis_panels import Moved, draw_moved, draw_ranking, moved
+from bench.document.charts.currents import before_after_chart, gains_chart, ladder_chart
+from bench.document.figures.diagnosis import Moved, draw_moved, draw_ranking, moved
 from bench.document.figures.draw import draw
 from bench.document.figures.paper import Numbers, PaperFigure, PaperPanel, file_part
 from bench.document.layout import PAPER

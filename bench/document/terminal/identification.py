@@ -1,4 +1,4 @@
-"""An identification, and a comparison with recordings, in a terminal."""
+"""An identification, comparisons with recordings, and where a model fails, in a terminal."""
 
 from collections.abc import Sequence
 
@@ -15,10 +15,15 @@ from bench.document.identification import (
     parameters_table,
 )
 from bench.document.numbers import Truth, is_poor, settings_lines
+from bench.document.side_by_side import compared_errors_table, compared_gains_table
+from bench.document.table import Column, Table
 from bench.document.terminal.tables import POOR_STYLE, printed
 from bench.identification.decision import RULE
 from bench.identification.model_file import Comparison
 from bench.identification.result import CurrentSeries, Identification, ModelledRecording, Quantity
+from bench.residuals.residuals import WhereItFails
+from bench.residuals.side_by_side import SideBySide
+from bench.residuals.words import overlapping, where_sentences
 
 ERRORS = "Error of the modelled current, RMS(error) / RMS(measured)"
 
@@ -125,3 +130,60 @@ def _poor_line(console: Console, quantities: Sequence[Quantity]) -> None:
         share = f"standard error above {100 * RULE.loose:.0f} % of the value"
         text = f"! {poor} of {len(quantities)} poorly determined: {share}"
         console.print(Text(text, POOR_STYLE))
+
+
+def where_report(where: WhereItFails, console: Console | None = None) -> None:
+    """Print how large every motor's error is relative to the noise, and in sentences where it is."""
+    console = console or Console()
+    console.print(Text("Where it fails", "bold"))
+    console.print(printed(motors_table(where), console.width))
+    console.print()
+    console.print(sentences_list(where_sentences(where)))
+    if shares := overlapping(where):
+        console.print(Text(shares, "dim"))
+    console.print()
+
+
+def motors_table(where: WhereItFails) -> Table:
+    """A row a motor: error, noise of the current, how long errors are alike, warm-up, and payloads."""
+    motors = where.motors
+    loads = [opposing.part for opposing in motors[0].by_load] if motors else []
+    columns = [
+        Column("motor", [motor.joint for motor in motors]),
+        Column("error", [motor.error for motor in motors], "share"),
+        Column("noise", [motor.noise for motor in motors], "share"),
+        Column("× noise", [_ratio(motor.error, motor.noise) for motor in motors], "number", format="s"),
+        Column("alike over", [motor.autocorrelation_time for motor in motors], "number", 3, ".2g", "s"),
+        Column("first third", [motor.warm_up[0].error for motor in motors], "share", 1),
+        Column("last third", [motor.warm_up[1].error for motor in motors], "share", 1),
+    ]
+    if len(loads) > 1:
+        columns += [
+            Column(load, [motor.by_load[k].error for motor in motors], "share", 2)
+            for k, load in enumerate(loads)
+        ]
+    return Table(tuple(columns))
+
+
+def _ratio(error: float, noise: float) -> str:
+    ratio = error / noise if noise > 0 else float("inf")
+    return f"{ratio:.2f}" if ratio < 10.0 else f"{ratio:.0f}" if ratio < float("inf") else "–"
+
+
+def side_by_side_report(
+    comparison: SideBySide, changed: Sequence[str], console: Console | None = None
+) -> None:
+    """Print errors and gains of every model, and what changed."""
+    console = console or Console()
+    console.print()
+    console.print(
+        Text.assemble((comparison.robot, "bold"), "  ", (f"{len(comparison.models)} models", "dim"))
+    )
+    section(
+        console,
+        "Error of the modelled current, RMS(error) / RMS(measured)",
+        printed(compared_errors_table(comparison), console.width),
+    )
+    section(console, "Drive gains [95 % intervals]", printed(compared_gains_table(comparison), console.width))
+    section(console, "What changed", sentences_list(changed))
+    console.print()

@@ -17,7 +17,7 @@ from bench.excitation.experiment.nominal import Nominal, equations, pooled_varia
 from bench.excitation.experiment.plan import ExperimentPlan
 from bench.excitation.experiment.planned_log import PlannedRows, planned_rows, row_evidence
 from bench.excitation.experiment.request import PAYLOAD
-from bench.export.prior import cad_prior
+from bench.export.bodies import cad_prior
 from bench.identification.decision import RULE
 from bench.identification.layout import parameter_layout, payload_parameter_names
 from bench.model.regressor import UNITS

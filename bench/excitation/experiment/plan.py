@@ -38,7 +38,7 @@ from bench.excitation.experiment.search import (
     random_checks,
     random_values,
 )
-from bench.export.prior import cad_prior
+from bench.export.bodies import cad_prior
 from bench.identification.finding import Finding
 from bench.identification.fixed_scale import random_states, scale_of
 from bench.identification.layout import parameter_layout

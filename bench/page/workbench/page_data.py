@@ -1,28 +1,167 @@
 """What the workbench's page carries: equations of the fitted and of the judged recordings, and a thinned sample."""
 
+import base64
 from collections.abc import Collection, Mapping, Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
 from bench.basics.joint_units import drive_unit
 from bench.basics.plain_data import finite
+from bench.basics.progress import SILENT
 from bench.basics.threads import on_one_thread
+from bench.diagnosis.base_model import BaseModel
+from bench.diagnosis.candidates import Proposal, propose
+from bench.diagnosis.normal_equations import solve_set
 from bench.diagnosis.reason_words import reason_sentence
 from bench.diagnosis.result import Diagnosis
-from bench.effects import EffectInstance
+from bench.diagnosis.rounds import Round, reshaped, system_about
+from bench.diagnosis.search import Selection, score
+from bench.effects import Effect, EffectInstance
 from bench.effects.display_names import spoken
-from bench.effects.effect import Effect
+from bench.identification.perturbations import Nearby
+from bench.identification.prepare import with_effects
 from bench.identification.problem import Problem
 from bench.identification.result import Identification
-from bench.page.workbench.diagnosed_model import DiagnosedModel, diagnosed_model
-from bench.page.workbench.encode import doubles, floats, triangle
-from bench.page.workbench.proposals import instances_of
-from bench.page.workbench.room import carried_columns, without_room
-from bench.page.workbench.sample import thinned
-from bench.page.workbench.system import PageSystem, build
+from bench.page.workbench.system import DiagnosedModel, PageSystem, build, diagnosed_model
 
+MOST_BYTES = 1_400_000  # of all triangles together
+NUMBER = 4  # bytes
+BYTES = 560_000  # of all quantised columns together, at two bytes each
+FEWEST, MOST = 60, 500  # rows of a recording
+STEPS = 32767  # of a quantised column on either side of zero
 VERSION = 2
+
+
+def instances_of(
+    model: DiagnosedModel, effects: Mapping[str, Effect], nearby: Nearby
+) -> tuple[EffectInstance, ...]:
+    """These effects wherever the recordings show them, in the shape in which a diagnosis about `model` judges them.
+
+    In the order of `effects`; an effect that the model takes up everywhere has no instance. nearby: of `model`.
+    """
+    base_model = BaseModel(model.plain, nearby)
+    proposals = propose(base_model.context(with_effects(model.complete, model.plain.effects)), effects)
+    if model.effects:
+        proposals = _about_the_model(base_model, model, proposals)
+    instances = [instance for each in proposals if not each.absorbed for instance in each.instances]
+    names = list(effects)
+    return tuple(sorted(instances, key=lambda instance: names.index(instance.effect.name)))
+
+
+def _about_the_model(
+    base_model: BaseModel, model: DiagnosedModel, proposals: list[Proposal]
+) -> list[Proposal]:
+    """Proposals as the last round of a search leaves them, which identified the effects of `model`."""
+    present = {(instance.effect.name, instance.joint) for instance in model.effects}
+    some = []
+    for proposal in proposals:
+        kept = tuple(each for each in proposal.instances if (proposal.name, each.joint) not in present)
+        if kept:
+            some.append(replace(proposal, instances=kept))
+    names = dict.fromkeys(instance.effect.name for instance in model.effects)
+    groups = [tuple(instance for instance in model.effects if instance.effect.name == name) for name in names]
+    every = [*(Proposal(each[0].effect.name, each, False, "") for each in groups), *some]
+    system = system_about(base_model, model.complete, every)
+    best = score(system, solve_set(system, range(len(groups))))
+    return reshaped(base_model, Round(model.complete, every, system, Selection(best, {})), SILENT)
+
+
+def without_room(system: PageSystem, ranks: Mapping[str, int]) -> frozenset[str]:
+    """The effects that there is no room for in a system's equations.
+
+    The last in rank go first; those identified, of a rank below zero, stay.
+    """
+    names = sorted({instance.effect.name for instance in system.effects}, key=lambda name: ranks[name])
+    dropped: list[str] = []
+    while names and ranks[names[-1]] >= 0 and _numbers(system, dropped) * NUMBER > MOST_BYTES:
+        dropped.append(names.pop())
+    return frozenset(dropped)
+
+
+def carried_columns(system: PageSystem, without: Collection[str]) -> np.ndarray:
+    """Which columns are carried for each motor (n, C): those that are more than zero there."""
+    kept = system.filled()
+    for start, stop, instance in zip(system.starts, system.starts[1:], system.effects, strict=False):
+        if instance.effect.name in without:
+            kept[:, start:stop] = False
+    return kept
+
+
+def _numbers(system: PageSystem, without: Collection[str]) -> int:
+    """How many numbers the triangles of all motors have: of fitted rows, and of held-out ones if there are any."""
+    uses = 1 if system.fitted.all() else 2
+    counts = carried_columns(system, without).sum(axis=1) + 2
+    return uses * int((counts * (counts + 1) // 2).sum())
+
+
+def thinned(model: DiagnosedModel, system: PageSystem, kept: np.ndarray) -> list[dict[str, Any]]:
+    """Every recording at evenly spaced rows of the fit, with the columns that are kept for each motor (n, C).
+
+    Of the measured current each stretch around such a row also has its smallest and largest value.
+    """
+    used = [np.flatnonzero(entry) for entry in kept]
+    lengths = [len(observation.time) for observation in model.plain.observations]
+    wanted = BYTES / (2 * sum(len(values) for values in used) * len(lengths))
+    step = max(1, int(np.ceil(max(lengths) / min(max(wanted, FEWEST), MOST))))
+    samples, start = [], 0
+    for observation in model.plain.observations:
+        rows = start + np.arange(step // 2, len(observation.time), step)
+        edges = np.arange(0, len(observation.time), step)
+        motors = []
+        for j, columns in enumerate(used):
+            measured, modelled = observation.current[:, j], (system.measured - system.error)[rows, j]
+            moving = system.moving[rows, j]
+            motors.append(
+                {
+                    "columns": columns.tolist(),
+                    **quantised(system.columns[rows][:, j, columns]),
+                    "modelled": floats(np.where(moving, modelled, np.nan)),
+                    "measured": floats(measured[rows - start]),
+                    "low": floats(np.minimum.reduceat(measured, edges)[: len(rows)]),
+                    "high": floats(np.maximum.reduceat(measured, edges)[: len(rows)]),
+                }
+            )
+        samples.append(
+            {
+                "name": observation.name,
+                "use": observation.use,
+                "payload": observation.payload_name,
+                "rows": len(observation.time),
+                "step": step,
+                "time": floats(observation.time[rows - start]),
+                "motors": motors,
+            }
+        )
+        start += len(observation.time)
+    return samples
+
+
+def floats(values: np.ndarray) -> str:
+    """Numbers of single precision, in C order."""
+    return _text(values, "<f4")
+
+
+def doubles(values: np.ndarray) -> str:
+    """Numbers of double precision, in C order."""
+    return _text(values, "<f8")
+
+
+def triangle(factor: np.ndarray) -> str:
+    """The upper triangle (c, c) of a factor, row after row, in single precision."""
+    return floats(factor[np.triu_indices(len(factor))])
+
+
+def quantised(columns: np.ndarray) -> dict[str, str]:
+    """Columns (T, c) in steps of their largest size: integers of 16 bits, one column after the other, and steps."""
+    steps = np.abs(columns).max(axis=0, initial=0.0) / STEPS
+    counts = np.rint(columns / np.where(steps > 0.0, steps, 1.0))
+    return {"counts": _text(counts.T, "<i2"), "steps": floats(steps)}
+
+
+def _text(values: np.ndarray, kind: str) -> str:
+    return base64.b64encode(np.ascontiguousarray(values, dtype=kind).tobytes()).decode("ascii")
 
 
 @on_one_thread

@@ -1,7 +1,5 @@
 """Charts of a sweep: a metric against an axis, and how a metric spreads over all runs."""
 
-from __future__ import annotations
-
 from collections.abc import Collection, Sequence
 from pathlib import Path
 from typing import Any
@@ -12,9 +10,17 @@ from bench.document.charts.chart import Axis, Chart, Histogram, Panel, Role, Rul
 from bench.document.typeset import share, short, typeset
 from bench.effects.display_names import begun
 from bench.identification.wording import and_list
-from bench.studies.sweep.metrics import is_relative, is_share, metric_of, what_is_measured
+from bench.studies.sweep.metrics import (
+    axis_parts,
+    axis_title,
+    axis_words,
+    is_relative,
+    is_share,
+    metric_of,
+    metric_title,
+    what_is_measured,
+)
 from bench.studies.sweep.summary import Spread, SummaryPart, rank, summarise_in_parts
-from bench.studies.sweep.titles import axis_parts, axis_title, axis_words, metric_title
 
 ROLES: tuple[Role, ...] = ("one", "two", "three", "four", "five", "six", "seven")
 COVERAGE = 0.95

@@ -1,11 +1,10 @@
 """The command `bench check`: reference scenarios run again and compared, or taken as the new reference."""
 
-from __future__ import annotations
-
 import os
 import tempfile
 import time
 from collections.abc import Callable, Iterator, Sequence
+from contextlib import closing
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -17,16 +16,19 @@ from bench.basics.errors import BenchError
 from bench.basics.plural import plural
 from bench.basics.program import typed
 from bench.scenario.scenario import scenario_from_dict
-from bench.studies.sweep.designs import keep_design
 from bench.studies.sweep.plan import Plan
 from bench.studies.sweep.pool import Lent, LocalPool, Pool, Task
 from bench.studies.sweep.preflight import check_plan
 from bench.studies.sweep.print_summary import number
 from bench.studies.sweep.progress import duration_text
 from bench.studies.sweep.reference import (
+    ALARMS,
+    ReferenceComparison,
     ReferenceLine,
     chosen_plan,
+    compare_line,
     content_of,
+    limits_of,
     load_reference,
     measured_lines,
     new_reference,
@@ -34,11 +36,10 @@ from bench.studies.sweep.reference import (
     save_reference,
     tolerances_of,
 )
-from bench.studies.sweep.regression import ALARMS, ReferenceComparison, compare_line, limits_of
 from bench.studies.sweep.run_plan import Work
 from bench.studies.sweep.run_sweep import run_sweep
 from bench.studies.sweep.sweep_file import Sweep
-from bench.studies.sweep.work import IdentificationWork
+from bench.studies.sweep.work import IdentificationWork, keep_design
 
 COLORS = {"worse": "red", "over its limit": "red", "better": "green", "new": "yellow"}
 
@@ -134,19 +135,17 @@ def _measured(
     """
     chosen = _chosen(options)
     works = {name: make_work(sweep) for name, (sweep, _) in chosen.items()}
-    pool = LocalPool(options.workers or len(os.sched_getaffinity(0)))
-    try:
-        with tempfile.TemporaryDirectory(prefix="bench-check-") as folder:
-            designs = Path(folder) / "designs"
-            _design([(works[name], plan) for name, (_, plan) in chosen.items()], pool, designs)
-            for name, (sweep, plan) in chosen.items():
-                lent, quiet = lambda: Lent(pool), lambda _: None
-                target = Path(folder) / name
-                finished = run_sweep(plan, target, lent, works[name], quiet, designs=designs)
-                lines = measured_lines(plan, finished.table, list(tolerances_of(sweep)))
-                yield name, sweep, plan, lines
-    finally:
-        pool.close()
+    workers = options.workers or len(os.sched_getaffinity(0))
+    temporary = tempfile.TemporaryDirectory(prefix="bench-check-")
+    with closing(LocalPool(workers)) as pool, temporary as folder:
+        designs = Path(folder) / "designs"
+        _design([(works[name], plan) for name, (_, plan) in chosen.items()], pool, designs)
+        for name, (sweep, plan) in chosen.items():
+            lent, quiet = lambda: Lent(pool), lambda _: None
+            target = Path(folder) / name
+            finished = run_sweep(plan, target, lent, works[name], quiet, designs=designs)
+            lines = measured_lines(plan, finished.table, list(tolerances_of(sweep)))
+            yield name, sweep, plan, lines
 
 
 def _design(plans: Sequence[tuple[Work, Plan]], pool: Pool, folder: Path) -> None:

@@ -1,10 +1,7 @@
 """Workers on a cluster: Dask distributed, behind the same interface as the processes of this machine."""
 
-from __future__ import annotations
-
 import queue
 import time
-from collections.abc import Callable
 from concurrent.futures import CancelledError
 from importlib import import_module
 from typing import Any
@@ -69,7 +66,7 @@ class DaskPool:
         arguments = () if shared is None else (self._placed(shared),)
         future = self._client.submit(attempt, task, *arguments, pure=False)
         self._futures[key] = future
-        future.add_done_callback(_putting(self._done, key))
+        future.add_done_callback(lambda _: self._done.put(key))
 
     def outcomes(self) -> list[Outcome]:
         """Wait until a task ends, at most for a second, and return all that have ended."""
@@ -151,10 +148,6 @@ class DaskPool:
         return BenchError(
             f"the Dask scheduler at {self.address} is gone; finished runs are kept, and the same command resumes"
         )
-
-
-def _putting(done: queue.Queue[int], key: int) -> Callable[[Any], None]:
-    return lambda _: done.put(key)
 
 
 def _check_versions(client: Any) -> None:

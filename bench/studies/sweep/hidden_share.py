@@ -4,8 +4,6 @@
 0.1: a tenth); `hidden_joint` one joint instead of all. The parameters follow from the movement itself.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from functools import lru_cache
 from typing import Any

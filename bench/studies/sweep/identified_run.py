@@ -42,7 +42,7 @@ class IdentifiedRun:
     @cached_property
     def true_parameters(self) -> dict[str, float]:
         """The true base parameters, by name."""
-        from bench.studies.sweep.true_parameters import true_base_parameters  # noqa: PLC0415 - likewise
+        from bench.studies.sweep.accuracy import true_base_parameters  # noqa: PLC0415 - likewise
         from bench.truth.report import truth  # noqa: PLC0415 - likewise
 
         model = self.prepared.model

@@ -1,7 +1,5 @@
 """Finished runs, kept as they come: one line of JSON each, whole or not there."""
 
-from __future__ import annotations
-
 import json
 import os
 import time

@@ -1,7 +1,5 @@
 """A chart of a sweep as a file: a metric against an axis."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import matplotlib as mpl

@@ -1,7 +1,6 @@
-"""A summary as people read it: in a terminal, and as Markdown."""
+"""A summary as people read it: in a terminal, and as Markdown; and the console of such tables."""
 
-from __future__ import annotations
-
+import os
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -130,3 +129,14 @@ def _cell(metric: str, spread: Spread) -> str:
         return f"{number(scale * middle)}{unit}"
     low, high = number(scale * spread.low, 2), number(scale * spread.high, 2)
     return f"{number(scale * middle)}{unit} [{low}, {high}]"
+
+
+WIDE = 132  # columns where nobody's terminal sets a limit
+
+
+def table_console() -> Console:
+    """The standard output: as wide as its terminal, or as $COLUMNS says, or `WIDE` for a file or a log."""
+    console = Console()
+    if console.is_terminal or os.environ.get("COLUMNS", "").isdecimal():
+        return console
+    return Console(width=WIDE)

@@ -1,7 +1,5 @@
 """How far a sweep is: rate, time remaining, failures."""
 
-from __future__ import annotations
-
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager

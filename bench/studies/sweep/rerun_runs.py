@@ -1,7 +1,5 @@
 """Runs of a sweep made once more: its folder keeps the file, the trajectories and the table, no recordings."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from pathlib import Path
@@ -9,14 +7,13 @@ from pathlib import Path
 from bench.basics.errors import BenchError
 from bench.excitation.scenario import designer
 from bench.scenario.scenario import resolve_trajectories, scenario_from_dict
-from bench.studies.sweep.designs import kept_design
 from bench.studies.sweep.hidden_share import with_sized_effect, without_share
 from bench.studies.sweep.plan import Plan, Run, make_plan
 from bench.studies.sweep.results import table_in
 from bench.studies.sweep.run_sweep import DESIGNS, FILE
 from bench.studies.sweep.sweep_file import load_sweep
 from bench.studies.sweep.table import column_names, read_table
-from bench.studies.sweep.work import OK
+from bench.studies.sweep.work import OK, kept_design
 from bench.truth.simulate import Simulation, simulate
 
 SHOWN = 3

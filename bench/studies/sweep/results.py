@@ -1,7 +1,5 @@
 """What a sweep leaves in its folder next to the table: summary and figures."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from pathlib import Path
 

@@ -1,17 +1,15 @@
 """Running a plan: what is shared goes first, what needs it follows, finished runs are kept as they come."""
 
-from __future__ import annotations
-
 from collections import deque
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Protocol
 
-from bench.studies.sweep.designs import keep_design, kept_design
 from bench.studies.sweep.journal import Journal, Row
 from bench.studies.sweep.plan import Run
 from bench.studies.sweep.pool import Outcome, Pool, Shared, Task
+from bench.studies.sweep.work import keep_design, kept_design
 
 LOOK_AHEAD = 4  # sets of equations for each worker: shared motions are simulated while these are worked off
 FEWEST_AHEAD = 8

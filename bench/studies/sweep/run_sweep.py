@@ -1,10 +1,8 @@
 """A sweep from its file to its table."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import closing, contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -52,9 +50,22 @@ def run_sweep(
     Raises BenchError if the folder belongs to another sweep, or cannot be written.
     """
     with written(folder):
-        return _run(
-            plan, folder, make_pool, work, report, retry_failed, designs or folder / DESIGNS, phase, resumed
-        )
+        _claim(plan, folder)
+        with closing(Journal(folder / JOURNAL, plan.size)) as journal:
+            report(journal)
+            kept = journal.count - (len(journal.failed) if retry_failed else 0)
+            if kept:
+                resumed(kept)
+            if journal.count < plan.size or (retry_failed and journal.failed):
+                phase("starting workers")
+                with closing(make_pool()) as pool:
+                    driver = Driver(
+                        plan, journal, pool, work, designs or folder / DESIGNS, retry_failed=retry_failed
+                    )
+                    driver.run(report, phase)
+            metadata = {"sweep": plan.sweep.name, "description": plan.sweep.table.description}
+            write_table(journal, folder / TABLE, plan.axis_names, metadata)
+            return Finished(folder, folder / TABLE, journal.count, len(journal.failed), kept)
 
 
 @contextmanager
@@ -65,38 +76,6 @@ def written(folder: Path) -> Iterator[None]:
     except OSError as error:
         why = error.strerror or str(error)
         raise BenchError(f"{folder}: {why}; finished runs are kept, and the same command resumes") from error
-
-
-def _run(
-    plan: Plan,
-    folder: Path,
-    make_pool: Callable[[], Pool],
-    work: Work,
-    report: Report,
-    retry_failed: bool,
-    designs: Path,
-    phase: Phase,
-    resumed: Callable[[int], None],
-) -> Finished:
-    _claim(plan, folder)
-    journal = Journal(folder / JOURNAL, plan.size)
-    try:
-        report(journal)
-        kept = journal.count - (len(journal.failed) if retry_failed else 0)
-        if kept:
-            resumed(kept)
-        if journal.count < plan.size or (retry_failed and journal.failed):
-            phase("starting workers")
-            pool = make_pool()
-            try:
-                Driver(plan, journal, pool, work, designs, retry_failed=retry_failed).run(report, phase)
-            finally:
-                pool.close()
-        metadata = {"sweep": plan.sweep.name, "description": plan.sweep.table.description}
-        write_table(journal, folder / TABLE, plan.axis_names, metadata)
-        return Finished(folder, folder / TABLE, journal.count, len(journal.failed), kept)
-    finally:
-        journal.close()
 
 
 def _claim(plan: Plan, folder: Path) -> None:

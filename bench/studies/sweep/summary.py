@@ -1,7 +1,5 @@
 """A sweep in a few numbers: median and spread of a metric, by axis."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -12,7 +10,7 @@ from scipy.special import betaincinv
 
 from bench.basics.errors import BenchError
 from bench.studies.sweep.metrics import is_share
-from bench.studies.sweep.table import column_names, read_table
+from bench.studies.sweep.table import read_table
 
 SPREAD = (0.05, 0.95)
 PARTS = 12  # a drawn axis, which has another value in every run, is cut into as many parts of equal count
@@ -143,11 +141,6 @@ def share_interval(successes: float, trials: int) -> tuple[float, float]:
     low = float(betaincinv(successes + 0.5, failures + 0.5, 0.025)) if successes > 0 else 0.0
     high = float(betaincinv(successes + 0.5, failures + 0.5, 0.975)) if failures > 0 else 1.0
     return low, high
-
-
-def metric_columns(table: Path) -> list[str]:
-    """Names of all columns, for messages."""
-    return column_names(table)
 
 
 def _numbers(table: Path, name: str, values: Sequence[Any]) -> np.ndarray:

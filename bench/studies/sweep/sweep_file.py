@@ -1,7 +1,5 @@
 """A sweep file: a base scenario, what varies, how it is identified, and what is recorded."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path

@@ -1,7 +1,5 @@
 """The table of a sweep: one Parquet file, a row a run."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from itertools import islice
 from pathlib import Path
@@ -38,6 +36,14 @@ def write_table(journal: Journal, path: Path, axes: Sequence[str], metadata: Map
                 field.name: [_cell(row.get(field.name), field.type) for row in batch] for field in schema
             }
             writer.write_table(pa.table(columns, schema=schema))
+
+
+def write_rows(path: Path, rows: Sequence[Row]) -> None:
+    """Write rows that may have different columns, whole or not at all; what a row lacks is None."""
+    names = list(dict.fromkeys(name for row in rows for name in row))
+    columns: dict[str, list[Any]] = {name: [row.get(name) for row in rows] for name in names}
+    with atomic_path(path) as partial:
+        pq.write_table(pa.table(columns), partial, compression="zstd")
 
 
 def read_table(path: Path, columns: Sequence[str] | None = None) -> dict[str, list[Any]]:

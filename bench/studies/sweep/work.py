@@ -1,36 +1,86 @@
 """The work of a sweep, as functions from one plain value to the next: what workers run."""
 
-from __future__ import annotations
-
-from collections.abc import Mapping
+import json
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from bench.basics.errors import BenchError
+from bench.basics.files.atomic import write_json_atomically
 from bench.basics.versions import versions
+from bench.diagnosis.discovery.find import find_missing_effects
 from bench.excitation.scenario import designer
 from bench.identification.identify import fit
-from bench.identification.prepare import prepare, with_gains
+from bench.identification.prepare import Prepared, prepare, with_gains
 from bench.identification.problem import problem_of
+from bench.identification.result import Identification
 from bench.scenario.scenario import Scenario, resolve_trajectories, scenario_from_dict
 from bench.scenario.trajectory import FourierTrajectory
-from bench.studies.sweep.diagnosed import diagnosis_metrics
+from bench.studies.sweep.accuracy import Metrics
 from bench.studies.sweep.hidden_share import with_sized_effect, without_share
+from bench.studies.sweep.identified_run import IdentifiedRun
 from bench.studies.sweep.journal import Row
-from bench.studies.sweep.measure import measure
-from bench.studies.sweep.plan import Run
+from bench.studies.sweep.metrics import METRICS
+from bench.studies.sweep.plan import Run, flat_settings, plain
 from bench.studies.sweep.pool import Task
-from bench.studies.sweep.settings import flat_settings, plain
 from bench.truth.dataset import as_dataset
+from bench.truth.machine import true_gains
 from bench.truth.resense import sense_again
 from bench.truth.simulate import Simulation, simulate
 from bench.truth.timers import stop_step_timers
 from bench.truth.unwarned import unwarned
 
-Trajectories = Mapping[str, FourierTrajectory]
 OK, FAILED = "ok", "failed"
+
+
+def measure(
+    simulation: Simulation, prepared: Prepared, result: Identification, record: Sequence[str]
+) -> Metrics:
+    """Metrics of one identification; `record`: groups of them, see `RECORDS`."""
+    run = IdentifiedRun(simulation, prepared, result, record)
+    metrics: Metrics = dict(run.accuracy)
+    for name, metric in METRICS.items():
+        if metric.group and metric.group not in record:
+            continue
+        if metric.value is not None:
+            metrics[name] = metric.value(run)
+        if metric.values is not None:
+            metrics |= {f"{name}.{of}": value for of, value in metric.values(run).items()}
+    return metrics
+
+
+def diagnosis_metrics(simulation: Simulation, prepared: Prepared) -> dict[str, float | str]:
+    """Effects missed and invented, the identified names, and the gain error of the model with them.
+
+    An effect that the data cannot tell from the true one counts as identified.
+    """
+    modelled = tuple(dict.fromkeys(instance.request for instance in prepared.effects))
+    problem = problem_of(prepared.dataset, modelled, filters=prepared.settings)
+    diagnosis = find_missing_effects(problem, discover=False)  # effects of the catalogue are what counts
+    hidden = {effect.name for effect in simulation.machine.hidden} - {
+        instance.effect.name for instance in prepared.effects
+    }
+    alternatives = {verdict.effect: {verdict.effect, *verdict.alternatives} for verdict in diagnosis.ranking}
+    missed = [name for name in hidden if not any(name in alternatives[other] for other in diagnosis.missing)]
+    invented = [name for name in diagnosis.missing if not alternatives[name] & hidden]
+    gains = diagnosis.after.drive_gains.values()
+    errors = [
+        abs(gain.value / truth - 1.0)
+        for gain, truth in zip(gains, true_gains(simulation.scenario), strict=True)
+    ]
+    return {
+        "diagnosis.missed": float(len(missed)),
+        "diagnosis.invented": float(len(invented)),
+        "diagnosis.missing": " + ".join(diagnosis.missing) or "none",
+        "diagnosis.gain_error": max(errors),
+        "diagnosis.unexplained": float(diagnosis.unexplained.significant),
+    }
+
+
+Trajectories = Mapping[str, FourierTrajectory]
 
 
 @dataclass(frozen=True)
@@ -76,7 +126,8 @@ class RunTask:
                 simulation = _simulated(first, self.trajectories)
             else:
                 simulation = sense_again(motion, _scenario(first, without_share(first.content)))
-            dataset, filters = as_dataset(simulation), _filters(simulation.scenario)
+            dataset = as_dataset(simulation)
+            filters = simulation.scenario.settings.filter.model_dump(exclude_none=True)
             prepared = prepare(problem_of(dataset, first.identify["effects"], filters, fit_gains=False))
         except BenchError as error:
             return [failed_row(run, str(error)) for run in self.runs]
@@ -157,10 +208,6 @@ def _simulated(run: Run, trajectories: Trajectories) -> Simulation:
         return simulate(_scenario(run, content), trajectories, threads=1)
 
 
-def _filters(scenario: Scenario) -> dict[str, Any]:
-    return scenario.settings.filter.model_dump(exclude_none=True)
-
-
 def _row(run: Run, metrics: Mapping[str, float | str]) -> Row:
     row: Row = {"run": run.number, "status": OK, "reason": None, "scenario": run.base, "seed": run.seed}
     row |= run.axes
@@ -168,3 +215,18 @@ def _row(run: Run, metrics: Mapping[str, float | str]) -> Row:
     row |= {key: plain(value) for key, value in run.identify.items()}
     row |= {key: value for key, value in flat_settings(run.content) if key not in row}
     return row | versions().columns()
+
+
+def keep_design(folder: Path, name: str, trajectories: Mapping[str, FourierTrajectory]) -> None:
+    """Write trajectories, by recording name, to the last bit."""
+    content = {recording: trajectory.to_dict() for recording, trajectory in trajectories.items()}
+    write_json_atomically(folder / f"{name}.json", content)
+
+
+def kept_design(folder: Path, name: str) -> dict[str, FourierTrajectory] | None:
+    """Read them again; None if there are none of that name."""
+    path = folder / f"{name}.json"
+    if not path.is_file():
+        return None
+    content = json.loads(path.read_text(encoding="utf-8"))
+    return {recording: FourierTrajectory.from_dict(entry) for recording, entry in content.items()}

@@ -1,7 +1,5 @@
 """Where the runs of a command go: processes of this machine, or the workers of a Dask scheduler."""
 
-from __future__ import annotations
-
 import os
 from dataclasses import dataclass
 

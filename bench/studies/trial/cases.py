@@ -1,7 +1,5 @@
 """The blind datasets of a trial, drawn from seeds: what is hidden, how large, behind how much noise."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal

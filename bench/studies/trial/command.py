@@ -1,38 +1,52 @@
 """The command `bench trial`: run, judge, show."""
 
-from __future__ import annotations
-
 import time
 from collections.abc import Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
 
-import pyarrow as pa
-import pyarrow.parquet as pq
 from rich.console import Console
 from rich.text import Text
 
 from bench.basics.errors import BenchError
-from bench.basics.files.atomic import atomic_path, write_text_atomically
+from bench.basics.files.atomic import write_text_atomically
 from bench.basics.plural import plural
 from bench.document.terminal.tables import printed
-from bench.studies.sweep.console import table_console
 from bench.studies.sweep.journal import Row
+from bench.studies.sweep.print_summary import table_console
 from bench.studies.sweep.progress import ShownProgress, duration_text, progress_console, shown_progress
 from bench.studies.sweep.run_plan import Report
+from bench.studies.sweep.table import write_rows
 from bench.studies.sweep.workers import ON_ALL_CORES, Workers
 from bench.studies.trial.cases import KINDS, Kind, chosen_effects
-from bench.studies.trial.figures import write_figures
+from bench.studies.trial.charts import write_figures
 from bench.studies.trial.markdown import parts, trial_markdown
-from bench.studies.trial.numbers import check_numbers
 from bench.studies.trial.plan import TrialPlan
 from bench.studies.trial.realise import check_scenario
 from bench.studies.trial.run_trial import TrialRequest, run_trial
 from bench.studies.trial.setup import Setup, make_setup
 from bench.studies.trial.summary import TrialSummary, summarised
 from bench.studies.trial.unknown_page import unknown_table, write_unknown
+
+ALL = "all effects"
+
+
+def check_numbers(rows: Sequence[Row]) -> None:
+    """Raise BenchError where two rows have one number among the datasets of their kind, drawn from the same effects.
+
+    A number means another dataset where others are drawn from, as with `--effects`. Older rows do not say which: all.
+    """
+    taken: set[tuple[str, str, int]] = set()
+    for row in rows:
+        drawn_from = row.get("drawn_from") or ""
+        number = row["kind"], drawn_from, row["run"]
+        if number in taken:
+            raise BenchError(
+                f"trial: two rows of kind {row['kind']!r}, drawn from {drawn_from or ALL}, have the number "
+                f"{row['run']}: they are of two trials, which a table cannot distinguish"
+            )
+        taken.add(number)
 
 
 @dataclass(frozen=True)
@@ -126,7 +140,7 @@ def write_results(
     if unknown and not rows:
         return summary, written
     table = folder / f"{robot}.parquet"
-    _write_rows(table, rows)
+    write_rows(table, rows)
     figures = write_figures(summary, rows, folder / robot)
     page = folder / f"{robot}.md"
     names = [path.name for path in figures]
@@ -167,13 +181,6 @@ def _check(setup: Setup, request: TrialRequest) -> None:
         raise BenchError("trial: none of these effects is of the requested kinds")
     for plan in request.plans:
         check_scenario(setup, plan.case(plan.first))
-
-
-def _write_rows(path: Path, rows: Sequence[Row]) -> None:
-    names = list(dict.fromkeys(name for row in rows for name in row))
-    columns: dict[str, list[Any]] = {name: [row.get(name) for row in rows] for name in names}
-    with atomic_path(path) as partial:
-        pq.write_table(pa.table(columns), partial, compression="zstd")
 
 
 def _notes(rows: Sequence[Row], seconds: float) -> dict[str, str]:

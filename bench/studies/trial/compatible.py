@@ -1,7 +1,5 @@
 """Which effects make sense together in one machine, and which need company."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable, Mapping
 from functools import cache
 from itertools import combinations

@@ -1,20 +1,108 @@
 """Estimated parameters of hidden effects compared with the truth."""
 
-from __future__ import annotations
-
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import MISSING, fields
 from typing import Any
 
 import numpy as np
 
+from bench.effects import CATALOGUE
 from bench.identification.result import Identification
 from bench.identification.summary import ROBOT
 from bench.studies.trial.realise import Entry, hidden_places
 from bench.studies.trial.setup import Setup, where
-from bench.studies.trial.true_effects import as_logged, true_values
+from bench.truth.hidden import HIDDEN_EFFECTS
 from bench.truth.simulate import Simulation
 
+True_ = Mapping[str, float]
+Conversion = Callable[[True_], float]
+
+
+OTHERWISE: Mapping[str, Mapping[str, Conversion]] = {
+    "backlash": {"b": lambda p: p["play"]},
+    "base_tilt": {"tilt_x": lambda p: p["about_x"], "tilt_y": lambda p: p["about_y"]},
+    "cogging_torque": {"periods": lambda p: 2 * np.pi / p["period"]},  # in a turn of a hinge
+    "drive_flexibility": {
+        "C": lambda p: 1 / p["stiffness"],
+        "CIa": lambda p: (p["rotor_inertia"] or np.nan) / p["stiffness"],
+    },
+    "geometric_error": {"dl": lambda p: p["error"]},
+    "hysteretic_cable": {"x0": lambda p: p["reach"], "n": lambda p: p["sharpness"]},
+    "joint_spring": {"kq0": lambda p: p["k"] * p["q0"]},
+    "payload_mass_error": {"dm": lambda p: p["error"]},
+    "platform_force": {
+        "Fx": lambda p: p["fx"],
+        "Fy": lambda p: p["fy"],
+        "Fz": lambda p: p["fz"],
+        "kx": lambda p: p["k"],
+        "ky": lambda p: p["k"],
+        "kz": lambda p: p["k"],
+    },
+    "presliding_hysteresis": {"x0": lambda p: p["Fc"] / p["stiffness"]},
+    "torque_ripple": {"periods": lambda p: 2 * np.pi / p["period"]},
+    "transmission_error": {"periods": lambda p: 2 * np.pi / p["period"]},
+}
+"""Effect -> the model's parameter -> its true value from the parameters of the hidden effect, where these have another
+name or another value.
+
+SI units on both sides; nan where the entry does not tell, as of a rotor whose inertia is the joint's in the MJCF.
+Angles of hinges. For slides the periods are per metre, without 2 pi; see `true_values`.
+"""
+
+
+WITHOUT_TRUTH: Mapping[str, frozenset[str]] = {
+    "backlash": frozenset({"r"}),
+    "drive_flexibility": frozenset({"zeta"}),
+    "passive_load_friction": frozenset(
+        {"mum"}
+    ),  # a mass of which only the model's parameters tell what it means
+    "passive_spring": frozenset(
+        {"kq0"}
+    ),  # of springs whose joints move alike, where they are counted from differs
+}
+"""Parameters of the model without a counterpart in the hidden effect."""
+
 SAME = 0.03  # of the RMS speed: two joints whose rates differ less turn alike, even where one length is wrong
+
+
+def true_values(effect: str, hidden: True_, *, slide: bool = False) -> dict[str, float]:
+    """The model's parameters of an effect, as they truly are; empty for an effect that no model knows."""
+    if effect not in CATALOGUE or effect not in HIDDEN_EFFECTS:
+        return {}
+    parameters = {
+        field.name: field.default for field in fields(HIDDEN_EFFECTS[effect]) if field.default is not MISSING
+    } | {**hidden}
+    known = CATALOGUE[effect]
+    names = [*(parameter.name for parameter in known.parameters), *(shape.name for shape in known.shape)]
+    values = {name: float(parameters[name]) for name in names if name in parameters}
+    values |= {name: float(rule(parameters)) for name, rule in OTHERWISE.get(effect, {}).items()}
+    if slide and "periods" in values:
+        values["periods"] /= 2 * np.pi
+    return {name: value for name, value in values.items() if np.isfinite(value)}
+
+
+def as_logged(hidden: Sequence[Mapping[str, Any]]) -> list[dict[str, Any]]:
+    """Hidden effects in terms of the positions that are logged, which a hidden encoder offset shifts.
+
+    With the logged position p = q + offset, a cos(w q) + b sin(w q) and k (q - q0) have other a, b and q0 in p.
+    """
+    offsets = {entry.get("joint"): entry["offset"] for entry in hidden if entry["effect"] == "encoder_offset"}
+    return [_shifted(dict(entry), offsets.get(entry.get("joint"), 0.0)) for entry in hidden]
+
+
+def _shifted(entry: dict[str, Any], offset: float) -> dict[str, Any]:
+    if not offset:
+        return entry
+    if entry["effect"] == "joint_spring":
+        return entry | {"q0": entry["q0"] + offset}
+    if entry["effect"] in ("cogging_torque", "torque_ripple", "transmission_error"):
+        angle = 2 * np.pi * offset / entry["period"]
+    elif entry["effect"] == "position_dependent_friction":
+        angle = entry.get("harmonic", 1.0) * offset
+    else:
+        return entry
+    turned = complex(entry["a"], entry["b"]) * np.exp(1j * angle)
+    return entry | {"a": turned.real, "b": turned.imag}
 
 
 def moving_alike(simulation: Simulation, joints: Sequence[str]) -> dict[str, str]:

@@ -1,12 +1,26 @@
-"""A diagnosis held against what was hidden."""
+"""A diagnosis, and the law that it discovered, compared with what was hidden."""
 
-from __future__ import annotations
-
+import json
 from collections.abc import Collection, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import permutations
+from pathlib import Path
 
+import numpy as np
+
+from bench.diagnosis.law_effects import law_effects
+from bench.diagnosis.result import Diagnosis, Discovered
+from bench.effects import CATALOGUE, EffectInstance, places_in, select_effects
+from bench.effects.select import ROBOT
+from bench.identification.nonlinear import converged
+from bench.identification.prepare import Prepared, with_effects
+from bench.identification.standstill import interpolated
+from bench.signals.decimation import decimate
+from bench.studies.sweep.journal import Row
 from bench.studies.trial.compatible import COMPANIONS, optional
+from bench.studies.trial.unknown import LAW, TORQUES, named_parts
+from bench.truth.hidden.product_law import unit_torque
+from bench.truth.simulate import Simulation
 
 
 @dataclass(frozen=True)
@@ -85,3 +99,135 @@ def named_from(verdicts: Sequence[Mapping[str, object]]) -> list[Named]:
 
 def _texts(value: object) -> Sequence[object]:
     return value if isinstance(value, list | tuple) else ()
+
+
+VARIABLES = {
+    "direction": "velocity",
+    "v": "velocity",
+    "a": "acceleration",
+    "tau": "load",
+    "others": "load of others",
+    "q": "position",
+    "wave": "position",
+    "T": "time",
+}
+"""What a hidden law goes by, by its numbers that are not zero."""
+
+
+def law_columns(simulation: Simulation, diagnosis: Diagnosis, prepared: Prepared) -> Row:
+    """How near a discovered law is to the hidden one: in torque, on recordings not fitted, and in structure.
+
+    law.error: RMS, over that of the hidden law's torque, of the difference between all that was identified and all that
+    was hidden at its motor, where that moves; so a law counts whole of which a part was identified under its name, and
+    what is wrong with known effects there counts, too. law.alone: the same without the known effects that are
+    identified there by their names, whose errors may be many times a small law; one of which the law is a part stays.
+    law.elsewhere: laws at motors that have none.
+    """
+    joint, numbers = _hidden_law(simulation)
+    laws = [law for law in diagnosis.discovered if law.place == joint]
+    known = {
+        effect.effect
+        for effect in simulation.scenario.settings.hidden
+        if effect.joint in (None, joint) and joint in diagnosis.after.effect_parameters.get(effect.effect, ())
+    } - named_parts(numbers)
+
+    def error(but: Collection[str]) -> float:
+        return _torque_error(simulation, diagnosis, prepared, joint, but) if laws else 1.0
+
+    return {
+        "law": json.dumps(numbers),
+        "law.found": " | ".join(f"{law.place}: {law.formula}" for law in diagnosis.discovered),
+        "law.elsewhere": sum(law.place != joint for law in diagnosis.discovered),
+        "law.error": error(()),
+        "law.alone": error(known),
+        "law.structure": bool(laws) and _alike(numbers, laws),
+    }
+
+
+def _hidden_law(simulation: Simulation) -> tuple[str, dict[str, float]]:
+    """The motor and the numbers of the law."""
+    hidden = next(effect for effect in simulation.scenario.settings.hidden if effect.effect == LAW)
+    return str(hidden.joint), {name: float(value) for name, value in hidden.parameters.items()}
+
+
+def _torque_error(
+    simulation: Simulation, diagnosis: Diagnosis, prepared: Prepared, joint: str, but: Collection[str]
+) -> float:
+    """Over the law's torque, what is wrong with all at its motor but the known effects of these names.
+
+    What was hidden is interpolated where the motor reverses and decimated, like the estimate.
+    """
+    motor = simulation.robot.joints.index(joint)
+    model, values = _identified_model(diagnosis, prepared, but)
+    difference = squares = 0.0
+    for seen, rows in zip(model.measured, model.observations, strict=True):
+        if rows.use != "validate":
+            continue
+        modelled = rows.effects[:, motor] @ values
+        law, known, time = _true_torques(simulation, rows.name, motor, but)
+        wanted, alone = (
+            decimate(interpolated(entry[:, None], [seen.gaps[motor]]), model.settings.decimation)[:, 0]
+            for entry in (np.interp(seen.time, time, torque) for torque in (law + known, law))
+        )
+        moving = rows.moving[:, motor]
+        difference += float(((modelled - wanted)[moving] ** 2).sum())
+        squares += float((alone[moving] ** 2).sum())
+    return float(np.sqrt(difference / squares)) if squares else float("nan")
+
+
+def _identified_model(
+    diagnosis: Diagnosis, prepared: Prepared, but: Collection[str]
+) -> tuple[Prepared, np.ndarray]:
+    """The model that was identified, and the values of its effects' columns in their order, zero for some of them."""
+    catalogue = {**CATALOGUE, **law_effects(diagnosis.discovered)}
+    fitted = diagnosis.after.effect_parameters
+    places = places_in(prepared.model.geometry, prepared.dataset.weighed)
+    instances: list[EffectInstance] = []
+    values: list[float] = []
+    for name, at in fitted.items():
+        for place, quantities in at.items():
+            request = name if place == ROBOT else f"{name}:{place}"
+            (instance,) = select_effects([request], places, catalogue)
+            by_name = {label: quantity.value for label, quantity in quantities.items()}
+            shape = {parameter.name: by_name[parameter.name] for parameter in instance.effect.shape}
+            effect = replace(instance.effect, **shape).about(by_name)
+            instances.append(replace(instance, effect=effect))
+            values += [0.0 if name in but else by_name[parameter.name] for parameter in effect.parameters]
+    model = with_effects(prepared, instances)
+    return converged(model, nearly=True), np.array(values)
+
+
+def _true_torques(
+    simulation: Simulation, name: str, motor: int, but: Collection[str]
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Of the hidden law and of the other known effects at its motor, along a recording's true motion (N,); time s."""
+    _, numbers = _hidden_law(simulation)
+    motion = next(
+        recording.motion for recording in simulation.recordings if recording.name == Path(name).stem
+    )
+    machine = simulation.machine
+    torque = motion.torque[:, motor]
+    dof = machine.dofs[motor]
+    position, velocity = motion.qpos[:, machine.addresses[motor]], motion.qvel[:, dof]
+    others = motion.torque.sum(axis=1) - torque
+    unit = unit_torque(numbers, position, velocity, motion.qacc[:, dof], torque, others, motion.time)
+    known = np.zeros(len(torque))
+    for hidden_effect in simulation.scenario.settings.hidden:
+        if hidden_effect.effect not in (LAW, *but) and hidden_effect.joint in (
+            None,
+            simulation.robot.joints[motor],
+        ):
+            known += TORQUES[hidden_effect.effect](hidden_effect.parameters, position, velocity)
+    return numbers["c"] * unit, known, motion.time
+
+
+def _alike(numbers: Mapping[str, float], laws: Sequence[Discovered]) -> bool:
+    """Whether the identified laws go by the same variables, and oppose the motion if the hidden one does."""
+    wanted = {variable for name, variable in VARIABLES.items() if numbers.get(name)}
+    looks = [each for law in laws for term in law.terms for each in term.looks_at]
+    seen = {f"{look.what} of others" if look.motor else look.what for look in looks}
+    odd = any(
+        each.what == "velocity" and not each.motor and each.role in ("direction", "signed", "memory")
+        for each in looks
+    )
+    return seen == wanted and odd == bool(numbers.get("direction"))

@@ -1,7 +1,5 @@
 """The figures of a trial as a page of text."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
@@ -9,66 +7,17 @@ from bench.document.markdown.tables import markdown
 from bench.document.table import Column, Table
 from bench.effects.display_names import spoken
 from bench.studies.trial.summary import (
-    FLOOR_FACTOR,
-    GAIN_FACTOR,
     LARGE,
-    LAW_FACTOR,
     NOTHING,
     Miss,
     TrialSummary,
 )
-from bench.studies.trial.target import Attained, Share, Target, TargetFigure
+from bench.studies.trial.target import Attained, Share, Target
 
 COUNTED = (
     f"We count only cases where leaving out any single hidden effect raises the error of recordings that were not "
     f"fitted to at least {LARGE:g} × the noise floor."
 )
-
-WORDS = {
-    TargetFigure.ONE_FIRST: "one hidden effect: named first",
-    TargetFigure.ONE_UNDECIDED: "or openly undecided",
-    TargetFigure.TWO_EXACT: "two hidden effects: the set exactly",
-    TargetFigure.TWO_UNDECIDED: "or openly undecided",
-    TargetFigure.THREE_EXACT: "three: the set exactly",
-    TargetFigure.THREE_UNDECIDED: "or openly undecided",
-    TargetFigure.PLACES: "named effects at motors: at exactly the motors that have them",
-    TargetFigure.ALARM: "nothing hidden: any alarm",
-    TargetFigure.ALARM_NAMED: "an effect named",
-    TargetFigure.OUTSIDE_HONEST: "outside the catalogue: a law or unexplained, no wrong name",
-    TargetFigure.OUTSIDE_UNEXPLAINED: "unexplained",
-    TargetFigure.OUTSIDE_LAW: f"a law, and with it an error not fitted of at most {LAW_FACTOR} × the noise floor",
-    TargetFigure.OUTSIDE_NO_WRONG_NAME: "no wrong name with the verdict `missing`",
-    TargetFigure.GAIN_ERROR_MEDIANS: "gain errors with the identified effects, relative to those with the true "
-    "effects: medians",
-    TargetFigure.GAIN_ERROR_RMS: "root mean squares",
-    TargetFigure.GAIN_ERROR_WITHIN: f"within {GAIN_FACTOR} of it",
-    TargetFigure.GAIN_ERROR_BEFORE: "largest gain error, root mean square: before",
-    TargetFigure.GAIN_ERROR_AFTER: "after",
-    TargetFigure.GAIN_ERROR_TOLD: "with the true effects",
-    TargetFigure.FLOOR_MEDIAN: "error not fitted after the ladder, over the noise floor: median",
-    TargetFigure.FLOOR_WITHIN: f"at most {FLOOR_FACTOR}",
-    TargetFigure.FLOOR_WITHIN_TOLD: "the same for a model with the true effects",
-    TargetFigure.INTERVALS: "effect parameters: 95 % intervals that contain the truth",
-    TargetFigure.UNKNOWN_LAW: "a law in no catalogue: error not fitted at the noise floor, no wrong name",
-    TargetFigure.GAINS_HELD: "drive gains: 95 % intervals that contain the truth",
-    TargetFigure.STABLE_NOISE: "certain verdicts that stay with a quarter of the noise added",
-    TargetFigure.STABLE_LOG: "certain verdicts that stay without the last log",
-}
-KEPT_WORDS = {None: "", Attained.YES: "yes", Attained.NO: "no", Attained.TOO_FEW: "too few cases"}
-MAIN = frozenset(
-    {
-        TargetFigure.ONE_FIRST,
-        TargetFigure.TWO_EXACT,
-        TargetFigure.THREE_EXACT,
-        TargetFigure.PLACES,
-        TargetFigure.ALARM,
-        TargetFigure.OUTSIDE_HONEST,
-        TargetFigure.GAIN_ERROR_MEDIANS,
-        TargetFigure.FLOOR_MEDIAN,
-        TargetFigure.INTERVALS,
-    }
-)
-"""The other figures stand below one of these, and say more of it."""
 
 ANOTHER = 100.0  # standard errors from the truth: the fit ended at another value, and how far says no more
 
@@ -209,15 +158,16 @@ def trial_markdown(summary: TrialSummary, notes: Mapping[str, str], pictures: Se
 def target_cells(target: Target) -> tuple[str, str, str, str, str, str]:
     """Name, value, bound, whether it is reached, cases, interval."""
     bounds = []
+    kept = "" if target.kept is None else target.kept.value
     value = f"{100.0 * target.value:.1f} %" if target.share else f"{target.value:.4g}"
     for word, bound in (("at least", target.least), ("at most", target.most)):
         if bound is not None:
             bounds.append(
                 f"{word} {100.0 * bound:.0f} %" if target.share and bound < 1 else f"{word} {bound:g}"
             )
-    name = WORDS[target.figure] if target.figure in MAIN else f"– {WORDS[target.figure]}"
+    name = target.figure.words if target.figure.main else f"– {target.figure.words}"
     if target.share is None:
-        return name, value, " and ".join(bounds), KEPT_WORDS[target.kept], "", ""
+        return name, value, " and ".join(bounds), kept, "", ""
     if not target.share.of:
         return name, "", " and ".join(bounds), "", "0", ""
     low, high = target.share.interval
@@ -225,7 +175,7 @@ def target_cells(target: Target) -> tuple[str, str, str, str, str, str]:
         name,
         value,
         " and ".join(bounds),
-        KEPT_WORDS[target.kept],
+        kept,
         str(target.share.of),
         f"{100.0 * low:.1f} % to {100.0 * high:.1f} %",
     )

@@ -1,7 +1,5 @@
 """From a case to a machine: parameters of the hidden effects that have the size asked for."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Any

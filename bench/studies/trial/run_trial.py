@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import ExitStack, closing
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -58,22 +59,15 @@ def run_trial(
     for plan in request.plans:
         _claim(plan, folder, request.given)
     pool: Pool | None = None
-    try:
+    with ExitStack() as stack:
         for plan in request.plans:
-            journal = Journal(
-                _journal_path(folder, plan.kind), max(plan.numbers.stop, _rows_there(folder, plan.kind))
-            )
-            try:
+            most = max(plan.numbers.stop, _rows_there(folder, plan.kind))
+            with closing(Journal(_journal_path(folder, plan.kind), most)) as journal:
                 if any(number not in journal for number in plan.numbers):
                     report = progress(plan)
                     phase("starting workers")
-                    pool = pool or make_pool()
+                    pool = pool or stack.enter_context(closing(make_pool()))
                     Driver(plan, journal, pool, TrialWork(plan), folder / DESIGNS).run(report, phase)
-            finally:
-                journal.close()
-    finally:
-        if pool is not None:
-            pool.close()
     return read_rows(folder)
 
 
@@ -83,9 +77,8 @@ def read_rows(folder: Path, kinds: Sequence[Kind] = tuple(KINDS)) -> list[Row]:
     for kind in kinds:
         path = _journal_path(folder, kind)
         if path.is_file():
-            journal = Journal(path, _rows_there(folder, kind))
-            rows += journal.rows()
-            journal.close()
+            with closing(Journal(path, _rows_there(folder, kind))) as journal:
+                rows += journal.rows()
     return rows
 
 

@@ -1,10 +1,8 @@
 """What a trial has shown, from its rows."""
 
-from __future__ import annotations
-
 import json
 from collections import Counter
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any
@@ -12,24 +10,38 @@ from typing import Any
 import numpy as np
 
 from bench.basics.chi_squared import WITHIN_95
+from bench.effects import CATALOGUE
 from bench.studies.sweep.journal import Row
 from bench.studies.trial.compatible import COMPANIONS, optional
 from bench.studies.trial.name_list import names_in
-from bench.studies.trial.places import placed
-from bench.studies.trial.target import Share, Target, TargetFigure
+from bench.studies.trial.target import FLOOR_FACTOR, GAIN_FACTOR, LAW_FACTOR, Share, Target, TargetFigure
 
 LARGE = 3.0
 """Of the noise floor: the error that each hidden effect must make for a case to count."""
-
-FLOOR_FACTOR = 1.15
-GAIN_FACTOR = 1.5
-LAW_FACTOR = 1.5
 SIZES = (0.0, 1.5, 3.0, 6.0, 12.0, np.inf)
 """Bounds of the classes of an effect's error over the noise floor."""
-
 NOTHING, SOMETHING, A_LAW = "nothing", "unexplained", "a law"
 """The entries of the confusion matrix for no hidden effect or no alarm, for an alarm without a name, and for a law that
 was found and has none."""
+
+
+def placed(rows: Sequence[Row]) -> Share:
+    """Of the effects at motors that were hidden and named, how many were named at the very motors that have them.
+
+    rows: cases with effects of the catalogue. A motor too many or too few counts as wrong. Effects of joints without a
+    motor, of bodies, payloads and the whole robot are not counted: what they are named at is where they show.
+    """
+    right = [named == hidden for row in rows for hidden, named in _at_motors(row)]
+    return Share(sum(right), len(right))
+
+
+def _at_motors(row: Row) -> Iterator[tuple[set[str], set[str]]]:
+    """The motors that have a hidden effect, and those at which it was named."""
+    named = {verdict["effect"]: set(verdict["actuators"]) for verdict in json.loads(row["verdicts"])}
+    missing = names_in(row["missing"])
+    for effect, joints in zip(names_in(row["hidden"]), names_in(row["joints"]), strict=True):
+        if effect in missing and CATALOGUE[effect].place == "actuator":
+            yield set(joints.split(",")), named[effect]
 
 
 @dataclass(frozen=True)
@@ -125,6 +137,7 @@ def _targets(done: Sequence[Row], large: Sequence[Row]) -> tuple[Target, ...]:
 
     hiding = [row for row in large if row["kind"] != "outside"]
     places = placed(hiding)
+    searched = [row for row in of("outside") if row.get("laws") is not None]  # an older trial has no laws
     targets = [
         share(TargetFigure.ONE_FIRST, of("one"), lambda r: r["first"], least=0.95),
         share(TargetFigure.ONE_UNDECIDED, of("one"), lambda r: r["first_undecided"]),
@@ -137,7 +150,7 @@ def _targets(done: Sequence[Row], large: Sequence[Row]) -> tuple[Target, ...]:
         share(TargetFigure.ALARM_NAMED, of("nothing", done), lambda r: bool(r["missing"])),
         share(TargetFigure.OUTSIDE_HONEST, of("outside"), honest, least=0.90),
         share(TargetFigure.OUTSIDE_UNEXPLAINED, of("outside"), lambda r: r["unexplained"]),
-        share(TargetFigure.OUTSIDE_LAW, [row for row in of("outside") if _searched(row)], _law_at_floor),
+        share(TargetFigure.OUTSIDE_LAW, searched, _law_at_floor),
         share(TargetFigure.OUTSIDE_NO_WRONG_NAME, of("outside"), lambda r: not r["wrong"]),
     ]
     targets += _gain_targets(hiding)
@@ -147,13 +160,11 @@ def _targets(done: Sequence[Row], large: Sequence[Row]) -> tuple[Target, ...]:
         share(TargetFigure.FLOOR_WITHIN, hiding, lambda r: r["error_over_floor.after"] <= FLOOR_FACTOR)
     )
     targets.append(
-        share(
-            TargetFigure.FLOOR_WITHIN_TOLD,
-            hiding,
-            lambda r: r["error_over_floor.told"] <= FLOOR_FACTOR,
-        )
+        share(TargetFigure.FLOOR_WITHIN_TOLD, hiding, lambda r: r["error_over_floor.told"] <= FLOOR_FACTOR)
     )
-    held = [interval for row in hiding if row["exact"] for interval in _held(row["intervals"])]
+    held = [
+        interval for row in hiding if row["exact"] for interval in map(_holds, json.loads(row["intervals"]))
+    ]
     within = Share(sum(held), len(held))
     targets.append(Target(TargetFigure.INTERVALS, within.value, 0.88, 0.99, within))
     return tuple(targets)
@@ -170,12 +181,7 @@ def _gain_targets(rows: Sequence[Row]) -> list[Target]:
         sum(row["gain_error.after"] <= GAIN_FACTOR * row["gain_error.told"] for row in rows), len(rows)
     )
     return [
-        Target(
-            TargetFigure.GAIN_ERROR_MEDIANS,
-            median,
-            None,
-            GAIN_FACTOR,
-        ),
+        Target(TargetFigure.GAIN_ERROR_MEDIANS, median, None, GAIN_FACTOR),
         Target(TargetFigure.GAIN_ERROR_RMS, after / informed if informed else float("nan"), None, None),
         Target(TargetFigure.GAIN_ERROR_WITHIN, near.value, None, None, near),
         Target(TargetFigure.GAIN_ERROR_BEFORE, before, None, None),
@@ -196,11 +202,6 @@ def honest(row: Row) -> bool:
 
 def _law_at_floor(row: Row) -> bool:
     return bool(_laws(row)) and bool(row["error_over_floor.after"] <= LAW_FACTOR)
-
-
-def _searched(row: Row) -> bool:
-    """Whether a law was looked for; trials before there was a search for them have no such figure."""
-    return row.get("laws") is not None
 
 
 def _laws(row: Row) -> int:
@@ -251,10 +252,6 @@ def _coverage(rows: Sequence[Row]) -> tuple[Coverage, ...]:
         )
         for (effect, parameter), ones in sorted(by_parameter.items())
     )
-
-
-def _held(intervals: str) -> list[bool]:
-    return [_holds(load) for load in json.loads(intervals)]
 
 
 def _holds(interval: Mapping[str, Any]) -> bool:

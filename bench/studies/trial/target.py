@@ -1,53 +1,68 @@
 """The figures of a trial, and what they must reach."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
-from enum import Enum, StrEnum, auto
+from enum import Enum
+from typing import Self
 
 import numpy as np
 
 from bench.basics.chi_squared import WITHIN_95
 
+FLOOR_FACTOR = 1.15
+GAIN_FACTOR = 1.5
+LAW_FACTOR = 1.5
+
 
 class Attained(Enum):
-    """Whether what must be reached is surely reached; `bench.studies.trial.markdown` has the words."""
+    """Whether what must be reached is surely reached, in words."""
 
-    YES = auto()
-    NO = auto()
-    TOO_FEW = auto()
+    YES = "yes"
+    NO = "no"
+    TOO_FEW = "too few cases"
 
 
-class TargetFigure(StrEnum):
-    """What a trial measures; `bench.studies.trial.markdown` has the words."""
+class TargetFigure(Enum):
+    """What a trial measures, in words. main: the others stand below one of these, and say more of it."""
 
-    ONE_FIRST = auto()
-    ONE_UNDECIDED = auto()
-    TWO_EXACT = auto()
-    TWO_UNDECIDED = auto()
-    THREE_EXACT = auto()
-    THREE_UNDECIDED = auto()
-    PLACES = auto()
-    ALARM = auto()
-    ALARM_NAMED = auto()
-    OUTSIDE_HONEST = auto()
-    OUTSIDE_UNEXPLAINED = auto()
-    OUTSIDE_LAW = auto()
-    OUTSIDE_NO_WRONG_NAME = auto()
-    GAIN_ERROR_MEDIANS = auto()
-    GAIN_ERROR_RMS = auto()
-    GAIN_ERROR_WITHIN = auto()
-    GAIN_ERROR_BEFORE = auto()
-    GAIN_ERROR_AFTER = auto()
-    GAIN_ERROR_TOLD = auto()
-    FLOOR_MEDIAN = auto()
-    FLOOR_WITHIN = auto()
-    FLOOR_WITHIN_TOLD = auto()
-    INTERVALS = auto()
-    UNKNOWN_LAW = auto()
-    GAINS_HELD = auto()
-    STABLE_NOISE = auto()
-    STABLE_LOG = auto()
+    words: str
+    main: bool
+
+    ONE_FIRST = "one hidden effect: named first", True
+    ONE_UNDECIDED = "or openly undecided"
+    TWO_EXACT = "two hidden effects: the set exactly", True
+    TWO_UNDECIDED = "or openly undecided"  # noqa: PIE796 - distinct by __new__
+    THREE_EXACT = "three: the set exactly", True
+    THREE_UNDECIDED = "or openly undecided"  # noqa: PIE796 - distinct by __new__
+    PLACES = "named effects at motors: at exactly the motors that have them", True
+    ALARM = "nothing hidden: any alarm", True
+    ALARM_NAMED = "an effect named"
+    OUTSIDE_HONEST = "outside the catalogue: a law or unexplained, no wrong name", True
+    OUTSIDE_UNEXPLAINED = "unexplained"
+    OUTSIDE_LAW = f"a law, and with it an error not fitted of at most {LAW_FACTOR} × the noise floor"
+    OUTSIDE_NO_WRONG_NAME = "no wrong name with the verdict `missing`"
+    GAIN_ERROR_MEDIANS = (
+        "gain errors with the identified effects, relative to those with the true effects: medians",
+        True,
+    )
+    GAIN_ERROR_RMS = "root mean squares"
+    GAIN_ERROR_WITHIN = f"within {GAIN_FACTOR} of it"
+    GAIN_ERROR_BEFORE = "largest gain error, root mean square: before"
+    GAIN_ERROR_AFTER = "after"
+    GAIN_ERROR_TOLD = "with the true effects"
+    FLOOR_MEDIAN = "error not fitted after the ladder, over the noise floor: median", True
+    FLOOR_WITHIN = f"at most {FLOOR_FACTOR}"
+    FLOOR_WITHIN_TOLD = "the same for a model with the true effects"
+    INTERVALS = "effect parameters: 95 % intervals that contain the truth", True
+    UNKNOWN_LAW = "a law in no catalogue: error not fitted at the noise floor, no wrong name"
+    GAINS_HELD = "drive gains: 95 % intervals that contain the truth"
+    STABLE_NOISE = "certain verdicts that stay with a quarter of the noise added"
+    STABLE_LOG = "certain verdicts that stay without the last log"
+
+    def __new__(cls, words: str, main: bool = False) -> Self:
+        """Members are different even where their words are the same."""
+        member = object.__new__(cls)
+        member._value_, member.words, member.main = len(cls.__members__), words, main
+        return member
 
 
 @dataclass(frozen=True)

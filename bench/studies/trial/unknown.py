@@ -1,7 +1,5 @@
 """Laws that no model contains, drawn from a grammar wider than that of discovery."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 
 import numpy as np

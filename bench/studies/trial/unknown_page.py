@@ -1,18 +1,14 @@
 """Laws outside the catalogue, in a trial: the results as a table and a page."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
-import pyarrow as pa
-import pyarrow.parquet as pq
-
-from bench.basics.files.atomic import atomic_path, write_text_atomically
+from bench.basics.files.atomic import write_text_atomically
 from bench.document.markdown.tables import markdown
 from bench.document.table import Column, Table
 from bench.studies.sweep.journal import Row
+from bench.studies.sweep.table import write_rows
 from bench.studies.trial.name_list import names_in
 from bench.studies.trial.target import Share
 
@@ -32,7 +28,12 @@ def unknown_table(rows: Sequence[Row], nothing: Sequence[Row] = ()) -> Table:
         ("its structure: the same variables, the same symmetry", alone, _structure, "70 %"),
         ("with one or two known effects: error at the floor", with_known, at_floor, ""),
         ("its torque within 10 %", with_known, _near, ""),
-        ("with that of the known effects at its motor", with_known, _near_together, ""),
+        (
+            "with that of the known effects at its motor",
+            with_known,
+            lambda row: float(row["law.error"]) <= NEAR,
+            "",
+        ),
         ("its structure", with_known, _structure, ""),
         ("the law's torque within 10 %, and the known effects exactly", with_known, _both, "60 %"),
         (
@@ -104,12 +105,7 @@ def write_unknown(robot: str, rows: Sequence[Row], folder: Path, nothing: Sequen
         markdown(cases_table([row for row in rows if row["status"] == "ok"])),
     ]
     write_text_atomically(page, "\n\n".join(text) + "\n")
-    rows = [*rows, *_with_known(nothing)]
-    names = list(dict.fromkeys(name for row in rows for name in row))
-    with atomic_path(table) as partial:
-        pq.write_table(
-            pa.table({name: [row.get(name) for row in rows] for name in names}), partial, compression="zstd"
-        )
+    write_rows(table, [*rows, *_with_known(nothing)])
     return [page, table]
 
 
@@ -126,10 +122,6 @@ def _error(row: Row) -> float:
     """Of the law's torque; rows of earlier versions have it together with that of known effects alone."""
     alone = row.get("law.alone")
     return row.get("law.error", float("nan")) if alone is None else alone
-
-
-def _near_together(row: Row) -> bool:
-    return float(row["law.error"]) <= NEAR
 
 
 def _structure(row: Row) -> bool:

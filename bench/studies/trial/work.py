@@ -1,7 +1,5 @@
 """The work of a trial: simulate, diagnose, and hold the answer against the truth."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -27,8 +25,7 @@ from bench.studies.sweep.work import FAILED, OK, Trajectories
 from bench.studies.trial.cases import Case
 from bench.studies.trial.compatible import PARTS, expected
 from bench.studies.trial.intervals import intervals, moving_alike
-from bench.studies.trial.judge import judgement_of, named_from
-from bench.studies.trial.law_judged import law_columns
+from bench.studies.trial.judge import judgement_of, law_columns, named_from
 from bench.studies.trial.name_list import cell_of
 from bench.studies.trial.plan import TrialPlan
 from bench.studies.trial.realise import Entry, hidden_places, realised, reference_scenario
