@@ -46,8 +46,6 @@ def unexplained_words(unexplained: Unexplained, *, searched: bool = True) -> str
             f"({encoders})"
         )
     noise = f"the noise floor of the currents is {floor}"
-    if unexplained.noise_floor >= unexplained.error:
-        noise = "the noise floor is not known, since the currents are noisier above the band of the fit than in it"
     if unexplained.encoders > 0.1 * unexplained.noise_floor:
         noise += f", that of the encoders {encoders}"
     if unexplained.repeats is not None:

@@ -12,6 +12,7 @@ from bench.identification.current_noise import current_noise
 from bench.identification.decision import RULE
 from bench.identification.result import CurrentSeries, Identification, relative_error
 from bench.identification.tolerances import TOLERANCES
+from bench.signals.decimation import noise_bandwidth
 from bench.signals.settings import FilterSettings
 
 SEED = 20120606
@@ -38,7 +39,7 @@ def excess(result: Identification, recordings: Sequence[Recording], encoders: Ca
     """Logarithm, at least zero, of the error on recordings that were not fitted over what noise leaves of them, and
     what the logs do not repeat. encoders: see `unexplained`.
     """
-    _, error, floor, _ = _judged(result, recordings)
+    _, error, floor = _judged(result, recordings)
     if error <= RULE.beyond_noise * floor:
         return 0.0
     return excess_of(error, floor, encoders(), not_repeated(result.recordings))
@@ -49,15 +50,13 @@ def unexplained(
 ) -> Unexplained:
     """Test the errors of the final model for any dependence, on recordings that were not fitted.
 
-    Where these errors are far below the noise that was read off the spectra, that is not the noise of the band, and
-    explains nothing. encoders: relative error that the encoders' noise alone makes; asked for only where the currents'
-    does not do.
+    encoders: relative error that the encoders' noise alone makes; asked for only where the currents' does not do.
     """
-    held_out, error, floor, white = _judged(result, recordings)
-    if white and error <= RULE.beyond_noise * floor:
+    held_out, error, floor = _judged(result, recordings)
+    if error <= RULE.beyond_noise * floor:
         return Unexplained(Remainder.NOISE, error, floor, ())
     from_encoders = encoders()
-    if white and error <= RULE.beyond_noise * np.hypot(floor, from_encoders):
+    if error <= RULE.beyond_noise * np.hypot(floor, from_encoders):
         return Unexplained(Remainder.NOISE_AND_ENCODERS, error, floor, (), from_encoders)
     ratios: dict[str, float] = {}
     random = np.random.default_rng(SEED)
@@ -75,21 +74,38 @@ def unexplained(
     if _lasting(held_out):
         ratios["time"] = max(ratios.get("time", 0.0), TOLERANCES.statistics.follows)
     depends = tuple(name for name, ratio in sorted(ratios.items(), key=lambda pair: -pair[1]) if ratio >= 1.0)
-    what = Remainder.PATTERN if depends else Remainder.NO_PATTERN if white else Remainder.NOISE
+    what = Remainder.PATTERN if depends else Remainder.NO_PATTERN
     return Unexplained(what, error, floor, depends, from_encoders, not_repeated(result.recordings))
 
 
 def _judged(
     result: Identification, recordings: Sequence[Recording]
-) -> tuple[list[CurrentSeries], float, float, bool]:
-    """The series that were not fitted, all where there are none; their relative error; what noise leaves of it, at most
-    the error itself; and whether the noise is as large in the band as above it.
+) -> tuple[list[CurrentSeries], float, float]:
+    """The series that were not fitted, all where there are none; their relative error; and what noise leaves of it.
+
+    Where the error is far below the noise above the band of the fit, the noise of the band is that of the error itself
+    in the upper half of the band.
     """
     held_out = [trace for trace in result.recordings if trace.use == "validate"] or list(result.recordings)
     error = relative_error(held_out) or 0.0
     floor = relative_noise_floor(recordings, held_out, result.settings)
-    white = error**2 >= TOLERANCES.statistics.white * floor**2
-    return held_out, error, floor if white else error, white
+    if error**2 < TOLERANCES.statistics.white * floor**2:
+        floor = min(_noise_in_band(held_out, result.settings), error)
+    return held_out, error, floor
+
+
+def _noise_in_band(series: Sequence[CurrentSeries], settings: FilterSettings) -> float:
+    """Relative error of noise as dense in the whole band of the fit as the errors are in its upper half."""
+    factor = settings.decimation
+    band = noise_bandwidth(factor) * factor
+    low, high = (band * share for share in TOLERANCES.statistics.noise_alone)
+    noise = measured = 0.0
+    for trace in series:
+        power = np.abs(np.fft.rfft(trace.error * trace.moving, axis=0)) ** 2
+        top = power[int(low * len(power)) : max(int(high * len(power)), 1)]
+        noise += band * float(top.mean(axis=0).sum()) if len(top) else 0.0
+        measured += float(((trace.measured * trace.moving) ** 2).sum())
+    return float(np.sqrt(noise / measured)) if measured else 0.0
 
 
 def _variables(series: Sequence[CurrentSeries], j: int) -> dict[str, np.ndarray]:

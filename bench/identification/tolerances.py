@@ -128,6 +128,8 @@ class StatisticsBounds:
     impacts: float = 0.05
     # share of the noise's squares: where a fit has less, the noise is not white, and its floor unknown
     white: float = 0.8
+    # of the fit's band: there a model's error is small, since motions are slower, and noise is alone
+    noise_alone: tuple[float, float] = (0.5, 0.9)
 
 
 @dataclass(frozen=True)
