@@ -94,7 +94,7 @@ def test_doubts_and_gains_share_the_second_sentence():
 def test_every_gain_is_said_once():
     middle = diagnosis_page(diagnosis(), problem_of(dataset()), AGAIN).verdict[1]
     assert "drive gain of left is" in middle
-    assert "beside it, with the change from the nominal value, right 3.3000" in middle
+    assert "the other drive gains, with the change from nominal: right 3.3000" in middle
     assert "left 3" not in middle
 
 

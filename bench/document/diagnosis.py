@@ -154,7 +154,7 @@ def parameters_before_after(diagnosis: Diagnosis, most: int | None = None) -> tu
 def size_words(diagnosis: Diagnosis, verdict: EffectVerdict) -> str:
     """RMS torque of an effect, the smallest and largest of its motors, and its share of the motor's torque.
 
-    Torques of hinges and forces of slides stand apart.
+    Torques of hinges and forces of slides are listed one after the other.
     """
     joints = sorted(verdict.size, key=lambda joint: verdict.size[joint])
     units = {joint: effort_unit(diagnosis.after, joint) for joint in joints}
@@ -167,8 +167,10 @@ def _span(diagnosis: Diagnosis, verdict: EffectVerdict, joints: Sequence[str]) -
     largest, torque = joints[-1], motor_torques(diagnosis.after)
     low, high = (f"{verdict.size[joint]:.2g}" for joint in (joints[0], largest))
     text = high if low == high else f"{low}–{high}"
-    share = f" ({100.0 * verdict.size[largest] / torque[largest]:.2g} %)" if torque.get(largest) else ""
-    return f"{text} {effort_unit(diagnosis.after, largest)}{share}"
+    size = f"{text} {effort_unit(diagnosis.after, largest)}"
+    if torque.get(largest):
+        size += f" ({100.0 * verdict.size[largest] / torque[largest]:.2g} %)"
+    return size.replace(" ", "\N{NO-BREAK SPACE}")
 
 
 def _before_after(header: str, rows: Sequence[tuple[str, Quantity, Quantity]]) -> list[Column]:

@@ -12,6 +12,7 @@ from bench.diagnosis.split import dataset_of
 from bench.diagnosis.unexplained import relative_noise_floor
 from bench.document.typeset import typeset
 from bench.export.replay.replay import Replay, TwinMotion, replay_sentences
+from bench.identification.findings import runaway
 from bench.identification.model_file import Comparison
 from bench.identification.problem import Problem
 from bench.identification.result import CurrentSeries, Identification
@@ -83,6 +84,7 @@ def diagnosis_page(diagnosis: Diagnosis, problem: Problem, made: Made) -> Page:
             limits_section(after, diagnosis, dataset, after.settings),
             run_section(dataset, after.settings, after, made),
         ),
+        doubtful=runaway(after) is not None,
     )
 
 
@@ -107,6 +109,7 @@ def identification_page(result: Identification, problem: Problem, made: Made) ->
             limits_section(result, None, dataset, result.settings),
             run_section(dataset, result.settings, result, made),
         ),
+        doubtful=runaway(result) is not None,
     )
 
 

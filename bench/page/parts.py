@@ -244,13 +244,14 @@ def footer() -> str:
 
 @dataclass(frozen=True)
 class Page:
-    """A whole page. verdict: sentences; facts: words under the title."""
+    """A whole page. verdict: sentences; facts: words under the title; doubtful: the answer is not to be used."""
 
     title: str
     facts: tuple[str, ...]
     verdict: tuple[str, ...]
     tiles: tuple[Tile, ...]
     sections: tuple[Section, ...]
+    doubtful: bool = False
     generator: str = field(default_factory=generator)
     footer: str = field(default_factory=footer)
 

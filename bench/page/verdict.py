@@ -4,7 +4,7 @@ from collections.abc import Collection, Mapping
 
 from bench.basics.chi_squared import WITHIN_95
 from bench.diagnosis.result import Diagnosis
-from bench.diagnosis.summary import gain_moved, moved_gain, named_effects, summary_of
+from bench.diagnosis.summary import moved_gain, named_effects, summary_of
 from bench.document.numbers import gain_change, pretty_unit
 from bench.document.typeset import effect_name, share, short, typeset
 from bench.export.replay.replay import Replay
@@ -34,7 +34,7 @@ def diagnosis_verdict(diagnosis: Diagnosis) -> tuple[str, ...]:
     if not doubt and not said.nominal and said.moved and 1 < len(diagnosis.after.drive_gains) <= MOST_GAINS:
         others = diagnosis.after.drive_gains.keys() - {moved_gain(diagnosis)}
         middle += (
-            f"; beside it, with the change from the nominal value, {gains_listed(diagnosis.after, others)}"
+            f"; the other drive gains, with the change from nominal: {gains_listed(diagnosis.after, others)}"
         )
     if doubtful:
         middle += f"; {and_list(doubtful)}: these recordings cannot tell"
@@ -46,7 +46,8 @@ def identification_verdict(result: Identification, where: WhereItFails, noise: f
     """Three sentences on an identified model."""
     doubt = runaway(result)
     gains = gains_sentence(result) if doubt is None else typeset(note(doubt))
-    return (*_level(result.error, noise, "The model"), gains, _failing(where))
+    level = _level(result.error, noise, "The model")
+    return (*level, gains, _failing(where)) if doubt is None else (gains, *level, _failing(where))
 
 
 def comparison_verdict(error: ErrorSummary, model: str, where: WhereItFails, noise: float) -> tuple[str, ...]:
@@ -110,7 +111,7 @@ def diagnosis_tiles(diagnosis: Diagnosis) -> tuple[Tile, ...]:
         Tile(f"Error, {kind}", share(known[1]), before),
         Tile("Noise floor", share(diagnosis.unexplained.noise_floor), "of the currents, as an error"),
         Tile("Missing effects", count, names),
-        _gain_tile(diagnosis.after, diagnosis.before if diagnosis.added else None),
+        _gain_tile(diagnosis.after),
     )
 
 
@@ -123,7 +124,7 @@ def identification_tiles(result: Identification, noise: float) -> tuple[Tile, ..
     return (
         Tile("Error, not fitted" if validation is not None else "Error, fitted", share(error), note),
         Tile("Noise floor", share(noise), "of the currents, as an error"),
-        _gain_tile(result, None),
+        _gain_tile(result),
         Tile("Condition number", short(result.scaled_condition, 3), "columns of unit length"),
     )
 
@@ -154,7 +155,7 @@ def replay_tiles(result: Replay, where: WhereItFails, noise: float) -> tuple[Til
     )
 
 
-def _gain_tile(result: Identification, before: Identification | None) -> Tile:
+def _gain_tile(result: Identification) -> Tile:
     why = why_nominal(result)
     if not result.gains_fitted:
         return Tile("Drive gains", "nominal", "" if why is None else in_short(why))
@@ -162,12 +163,6 @@ def _gain_tile(result: Identification, before: Identification | None) -> Tile:
     open_ = [joint for joint, gain in gains.items() if not gain.determined]
     if open_:
         return Tile("Drive gains", "not determined", ", ".join(open_))
-    if before is not None and all(before.drive_gains[joint].determined for joint in gains):
-        moves = {name: gain_moved(before.drive_gains[name], gain) for name, gain in gains.items()}
-        joint = max(moves, key=lambda name: abs(moves[name]))
-        return Tile(
-            "Largest move of a gain", share(moves[joint], signed=True), f"{joint}, by what is missing"
-        )
     joint = max(gains, key=lambda name: abs(gain_change(gains[name])))
     return Tile(
         "Largest gain change", share(gain_change(gains[joint]), signed=True), f"{joint}, from nominal"
@@ -180,7 +175,7 @@ def _level(error: ErrorSummary, noise: float, subject: str) -> tuple[str]:
     if validation is not None:
         parts.append(f"{share(validation)} on recordings that were not fitted")
     if fitted is not None:
-        parts.append(f"{share(fitted)} on those for identification")
+        parts.append(f"{share(fitted)} on fitted recordings")
     size = " and ".join(parts) or "no error: no recording"
     return (f"{subject} is off by {size}, in percent of the current, where noise leaves {share(noise)}.",)
 
