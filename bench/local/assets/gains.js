@@ -3,9 +3,9 @@
 const Gains = (() => {
   const {el, quantity, unit} = Dom;
 
-  /* found, base: models as JSON; base: the model before, or null. brief: a table for a narrow place. */
+  /* found, base: models as JSON; base: the model before, or null. brief: a table for a narrow place, without these. */
   function part(found, base = null, brief = false) {
-    const both = base && base !== found && base.gains_fitted;
+    const both = base && base !== found && base.gains_fitted && !brief;
     const units = new Set(Object.values(found.drive_gains).map((gain) => unit(gain.unit)));
     const shared = brief && units.size === 1 ? [...units][0] : null; // the unit of all, said once
     const rows = Object.entries(found.drive_gains).map(([joint, gain]) => [
