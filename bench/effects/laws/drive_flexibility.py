@@ -21,7 +21,7 @@ from bench.effects.signals import RobotSignals
 
 LARGEST = 0.05  # rad or m: deflection up to which the torque is computed as it is, and not in proportion
 MOST_DAMPED = 0.9  # more does not swing
-SWINGS = (2.0, 1.4, 1.0, 0.7, 0.5)  # of the fit's band: frequencies of the swing from which a search begins
+SWINGS = (1.4, 1.0, 0.7)  # of the fit's band: frequencies of the swing from which a search begins
 LEAST = 1e-6  # of the largest squared period: one that is always above zero
 
 
