@@ -137,8 +137,8 @@ json_option = path_option(
 
 
 def _by_commas(_context: click.Context, _option: click.Parameter, given: tuple[str, ...]) -> tuple[str, ...]:
-    """Each of them, however many stand in one."""
-    return tuple(one for text in given for one in text.split(","))
+    """Each of them, however many a text holds."""
+    return tuple(threshold for text in given for threshold in text.split(","))
 
 
 rule_option = click.option(
