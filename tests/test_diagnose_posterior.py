@@ -80,14 +80,24 @@ def test_sets_that_do_as_well_share_the_probability() -> None:
     np.testing.assert_allclose(shares_of([1e4, 1e4, 1e4 - 50.0]), [0.5, 0.5, 0.0], atol=1e-12)
 
 
-def test_an_effect_less_probable_than_not_is_undecided() -> None:
+def test_an_effect_that_is_not_sure_is_undecided() -> None:
     told = EffectVerdict("lag", "missing", 0.2, 0.1, 50.0, ("left",), (), {}, Reason(Because.EXPLAINS))
     sets = (ProbableSet(("delay", "spring"), 0.7, 0.1), ProbableSet(("lag", "spring"), 0.3, 0.1))
+    for probability in (0.3, 0.7):
+        verdict = with_probability(told, probability, sets, ("lag", "spring"))
+        assert (verdict.verdict, verdict.alternatives) == ("indistinguishable", ("delay",))
+        assert verdict.probability == probability
+    assert with_probability(told, 0.97, sets, ("lag", "spring")) == replace(told, probability=0.97)
+    alone = (ProbableSet(("spring",), 0.6, 0.1), ProbableSet(("lag", "spring"), 0.4, 0.1))
+    assert with_probability(told, 0.4, alone, ("lag", "spring")).verdict == "resembles"
+    assert with_probability(told, 0.6, alone, ("lag", "spring")).verdict == "missing"
+
+
+def test_another_effect_that_is_not_improbable_is_undecided() -> None:
+    why = Reason(Because.GAINS_LITTLE)
+    told = EffectVerdict("delay", "not supported", 0.1, 0.1, 5.0, (), (), {}, why)
+    sets = (ProbableSet(("lag", "spring"), 0.7, 0.1), ProbableSet(("delay", "spring"), 0.3, 0.1))
     verdict = with_probability(told, 0.3, sets, ("lag", "spring"))
-    assert (verdict.verdict, verdict.alternatives, verdict.probability) == (
-        "indistinguishable",
-        ("delay",),
-        0.3,
-    )
-    assert with_probability(told, 0.7, sets, ("lag", "spring")) == replace(told, probability=0.7)
-    assert RULE.even == 0.5
+    assert (verdict.verdict, verdict.alternatives) == ("indistinguishable", ("lag",))
+    assert verdict.why.because is Because.AS_GOOD
+    assert with_probability(told, 0.01, sets, ("lag", "spring")).verdict == "not supported"

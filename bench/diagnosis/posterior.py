@@ -10,6 +10,7 @@ from scipy.special import expit
 from bench.diagnosis.candidates import Proposal
 from bench.diagnosis.evidence import Samples
 from bench.diagnosis.normal_equations import System
+from bench.diagnosis.reason import Because, Reason
 from bench.diagnosis.result import EffectVerdict, ProbableSet, Unexplained
 from bench.diagnosis.search import Selection, held_out_error, log_posterior, possible, score
 from bench.identification.decision import RULE
@@ -97,24 +98,29 @@ def something_else(posterior: Posterior, samples: Samples, unexplained: Unexplai
 def with_probability(
     verdict: EffectVerdict, probability: float | None, sets: Sequence[ProbableSet], reported: Sequence[str]
 ) -> EffectVerdict:
-    """The verdict with its probability; an effect of the answer that is less probable than not is undecided between it
-    and what the leading sets without it have, and at most resembles what is missing where these have nothing else.
+    """The verdict with its probability, and undecided where sets with and without the effect are probable.
 
-    reported: names of all effects of the answer.
+    An effect of the answer that is not sure is undecided between it and what the leading sets without it have; if these
+    have nothing else, and it is less probable than not, it only resembles what is missing. Another effect that is not
+    improbable is undecided between it and what the leading set with it lacks. reported: names of all effects of the
+    answer.
     """
     verdict = replace(verdict, probability=probability)
-    if (
-        verdict.effect not in reported
-        or probability is None
-        or probability >= RULE.even
-        or verdict.verdict not in DECIDED
-    ):
+    if probability is None or probability >= RULE.sure:
         return verdict
-    without = [probable.effects for probable in sets if verdict.effect not in probable.effects]
-    others = tuple(dict.fromkeys(name for effects in without for name in effects if name not in reported))
-    if others:
-        return replace(verdict, verdict="indistinguishable", alternatives=others)
-    return replace(verdict, verdict="resembles")
+    with_it = [probable.effects for probable in sets if verdict.effect in probable.effects]
+    if verdict.effect in reported and verdict.verdict in DECIDED:
+        without = [probable.effects for probable in sets if probable.effects not in with_it]
+        others = tuple(dict.fromkeys(name for effects in without for name in effects if name not in reported))
+        if others:
+            return replace(verdict, verdict="indistinguishable", alternatives=others)
+        return replace(verdict, verdict="resembles") if probability < RULE.even else verdict
+    if verdict.verdict == "not supported" and probability > 1.0 - RULE.sure and with_it:
+        others = tuple(name for name in reported if name not in with_it[0])
+        if others:
+            why = Reason(Because.AS_GOOD)
+            return replace(verdict, verdict="indistinguishable", alternatives=others, why=why)
+    return verdict
 
 
 def shares_of(totals: Sequence[float]) -> np.ndarray:

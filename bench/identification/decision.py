@@ -4,7 +4,7 @@ Numerical bounds are in `bench.identification.tolerances`.
 """
 
 from dataclasses import dataclass
-from math import erfc, exp, sqrt
+from math import erf, erfc, exp, sqrt
 
 from bench.basics.in_force import InForce
 
@@ -17,8 +17,8 @@ class DecisionRule:
     that are adapted to the data, few must pass by chance. coarsening: independent samples; where they are many, an
     error that falls by 3 % brings 10 nats, and no more than that repeats from one log of a machine to the next.
     undecided: nats by which another set may be less probable, where the data do not distinguish the two. even:
-    probability; an effect of the answer that is less probable is undecided. surprising: probability of so strong a
-    pattern by chance.
+    probability; an effect of the answer that is less probable only resembles what is missing. surprising: probability
+    of so strong a pattern by chance.
 
     Standard errors. shows: by which a parameter must differ from zero, or a gain move. certain: by which two values
     must differ so that no inexact model explains it. loose: relative standard error, above which a value says little.
@@ -66,6 +66,13 @@ class DecisionRule:
     def material(self) -> float:
         """Share of an error that is worth an effect where samples are many."""
         return 1.0 - exp(-self.prior / self.coarsening)
+
+    @property
+    def sure(self) -> float:
+        """Probability from which an effect is missing, as that of a value within two standard errors; between the rest
+        and this it is undecided.
+        """
+        return erf(sqrt(2.0))
 
     @property
     def by_chance(self) -> float:
