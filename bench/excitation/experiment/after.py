@@ -150,4 +150,4 @@ def _room(geometry: Geometry, table: ExperimentTable, prepared: Prepared) -> Roo
             changes[key] = dict(zip(joints, largest.tolist(), strict=True))
     assumption = f"{' and '.join(changes)}: the largest of each joint in the recordings"
     room = room_of(geometry, table.model_copy(update=changes))
-    return replace(room, assumed=(assumption,) if changes else ())
+    return replace(room, assumed=(*room.assumed, assumption)) if changes else room

@@ -101,7 +101,8 @@ def _judged(plan: ExperimentPlan) -> str:
 def _proven(plan: ExperimentPlan) -> str:
     """Which limits are kept at all times, and which of them made a motion smaller."""
     room = plan.room
-    parts = ["ranges", "speeds", "accelerations"]
+    unranged = room.unranged
+    parts = [f"ranges (assumed at {and_list(unranged)})" if unranged else "ranges", "speeds", "accelerations"]
     if plan.nominal.model.geometry.closed:
         parts.append("the distance from singular poses")
     if room.boxes:
