@@ -124,6 +124,7 @@ _CARRIES = {  # names, numbers, whether it is of unknowns
     Code.JUDGED_BEYOND: (_SOME, "", False),
     Code.GAINS_A_THOUSAND: (_NONE, "", False),
     Code.GAINS_A_THOUSANDTH: (_NONE, "", False),
+    Code.GAINS_ALIKE: (_SOME, "least most mass likely", True),
     Code.NO_MODEL_IS_BETTER: (_NONE, "error", False),
     Code.SIGN_REVERSED: (_ONE, "", False),
     Code.GAIN_NEGATIVE: (_ONE, "", False),

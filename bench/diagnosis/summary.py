@@ -15,7 +15,7 @@ from bench.diagnosis.result import Diagnosis, EffectVerdict, Remainder, Unfinish
 from bench.diagnosis.unfinished_words import unfinished_sentence
 from bench.effects.display_names import spoken
 from bench.identification.decision import RULE
-from bench.identification.finding import CAUSES
+from bench.identification.finding import CAUSES, Code
 from bench.identification.finding_words import sentence
 from bench.identification.findings import runaway, unlike
 from bench.identification.result import Identification, Quantity
@@ -112,7 +112,12 @@ def _summary(diagnosis: Diagnosis) -> DiagnosisSummary:
                 f"clearly below {in_percent(before)} of the current."
             )
         strange = [
-            sentence(finding) for finding in (runaway(diagnosis.after), unlike(diagnosis.after)) if finding
+            *gains_in_doubt(diagnosis.after),
+            *(
+                sentence(finding)
+                for finding in (runaway(diagnosis.after), unlike(diagnosis.after))
+                if finding
+            ),
         ]
         moved = _largest_change(diagnosis) if each else None
         return DiagnosisSummary(
@@ -134,6 +139,7 @@ def _summary(diagnosis: Diagnosis) -> DiagnosisSummary:
     doubt, nominal = _strange(diagnosis), _nominal(diagnosis.after)
     if doubt or nominal:
         said_of = "seems to be" if len(parts) == 1 else "seem to be"
+    doubt = (*gains_in_doubt(diagnosis.after), *doubt)
     if laws:
         names = f"{names}, in addition to {'a law' if len(laws) == 1 else 'laws'} outside the catalogue,"
     elif each:
@@ -166,7 +172,15 @@ def _explains_nothing(diagnosis: Diagnosis, error: float | None) -> bool:
 
 def doubts(diagnosis: Diagnosis) -> list[str]:
     """What makes the names of the identified effects unsure: nominal gains, recordings that do not fit."""
-    return [doubt for doubt in (*_strange(diagnosis), _nominal(diagnosis.after)) if doubt]
+    gains = gains_in_doubt(diagnosis.after)
+    return [doubt for doubt in (*gains, *_strange(diagnosis), _nominal(diagnosis.after)) if doubt]
+
+
+def gains_in_doubt(result: Identification) -> list[str]:
+    """What makes drive gains unsure although the model explains the currents: all off alike, or one far off."""
+    alike = [finding for finding in result.findings if finding.code is Code.GAINS_ALIKE]
+    far = [finding for finding in result.findings if finding.code is Code.GAIN_FAR]
+    return [sentence(finding) for finding in alike or (() if runaway(result) else far)]
 
 
 def _strange(diagnosis: Diagnosis) -> tuple[str, ...]:

@@ -46,6 +46,7 @@ class Code(StrEnum):
     # what cannot be so
     GAINS_A_THOUSAND = auto()
     GAINS_A_THOUSANDTH = auto()
+    GAINS_ALIKE = auto()
     NO_MODEL_IS_BETTER = auto()
     SIGN_REVERSED = auto()
     GAIN_NEGATIVE = auto()
@@ -121,6 +122,6 @@ CAUSES = frozenset(
 MEND_FIRST = (
     UNBELIEVABLE
     | CAUSES
-    | {Code.GAINS_NEGATIVE, Code.GAIN_NEGATIVE, Code.SIGN_REVERSED, Code.NO_MODEL_IS_BETTER}
+    | {Code.GAINS_NEGATIVE, Code.GAIN_NEGATIVE, Code.SIGN_REVERSED, Code.NO_MODEL_IS_BETTER, Code.GAINS_ALIKE}
 )
 """What is to be mended before anything else is asked of the data."""

@@ -7,6 +7,7 @@ from bench.effects.display_names import begun, spoken
 from bench.effects.select import ROBOT
 from bench.identification.band_words import BAND_WORDS
 from bench.identification.finding import UNBELIEVABLE, Code, Finding, Unknown
+from bench.identification.gain_words import GAIN_WORDS
 from bench.identification.held_out_words import HELD_OUT_WORDS
 from bench.identification.scale_words import CODES, scale_sentence
 from bench.identification.wording import and_list, in_percent, with_error
@@ -21,33 +22,6 @@ def note(finding: Finding) -> str:
 def sentence(finding: Finding) -> str:
     """A finding by itself."""
     return WORDS[finding.code](finding)
-
-
-def _gain_not_determined(finding: Finding) -> str:
-    gains = and_list([unknown.place for unknown in finding.of])
-    return (
-        f"These data do not determine the drive gain{'s' * (len(finding.of) > 1)} of {gains}: the standard error is "
-        "larger than the value. Declare more of the payload, or record one that loads the motor more."
-    )
-
-
-def _gain_runaway(finding: Finding) -> str:
-    return (
-        f"{_gain_came_out(finding)}; its nominal value is {finding.numbers['nominal']:.3g}. If the nominal value is "
-        "right, no drive differs that much from its data sheet."
-    )
-
-
-def _gain_far(finding: Finding) -> str:
-    return (
-        f"{_gain_came_out(finding)}, far from its nominal {finding.numbers['nominal']:.3g}: a physical "
-        "effect is missing in the model, or the payload is not as declared."
-    )
-
-
-def _gain_came_out(finding: Finding) -> str:
-    unit = finding.unit.replace("*", "·")
-    return f"The estimated drive gain of {finding.names[0]} is {finding.numbers['value']:.3g} {unit}"
 
 
 def _without_std(finding: Finding) -> str:
@@ -164,24 +138,6 @@ def _of_effect(unknown: Unknown) -> str:
     return f"{unknown.name} of {unknown.effect}" + ("" if unknown.place == ROBOT else f" at {unknown.place}")
 
 
-def _sign(finding: Finding) -> str:
-    joint = finding.names[0]
-    return (
-        f"The estimated drive gain of {joint} is negative, which is impossible: the sign of current.{joint}, or of "
-        f"position.{joint}, is probably reversed (`bench import ... --scale current.{joint}=-1`), or its column "
-        "belongs to another motor."
-    )
-
-
-def _negative(finding: Finding) -> str:
-    joint = finding.names[0]
-    return (
-        f"The estimated drive gain of {joint} is negative, which is impossible: reversing the sign of current.{joint} "
-        "does not explain the current either. The payload probably differs from its declaration or is mounted "
-        "differently, an effect is missing, or the column belongs to another motor."
-    )
-
-
 def _contradicted(finding: Finding) -> str:
     joint, recording = finding.names
     n, unit = finding.numbers, finding.unit
@@ -287,8 +243,6 @@ def _noise_through(finding: Finding) -> str:
 
 
 WORDS: Mapping[Code, Callable[[Finding], str]] = {
-    Code.GAIN_NOT_DETERMINED: _gain_not_determined,
-    Code.GAIN_RUNAWAY: _gain_runaway,
     Code.PARAMETER_WITHOUT_DEVIATION: _without_std,
     Code.ROUNDING_DECIDES: _rounding,
     Code.UNITS_UNLIKE: _unlike_units,
@@ -318,6 +272,7 @@ WORDS: Mapping[Code, Callable[[Finding], str]] = {
     **dict.fromkeys(CODES.values(), scale_sentence),
     Code.PERIODS_NOT_WHOLE: _not_whole,
     **BAND_WORDS,
+    **GAIN_WORDS,
     **HELD_OUT_WORDS,
     Code.RANK_DEFICIENT: _rank,
     Code.ILL_CONDITIONED: _ill_conditioned,
@@ -327,24 +282,9 @@ WORDS: Mapping[Code, Callable[[Finding], str]] = {
         f"The search for {', '.join(map(_of_effect, finding.of))} did not converge: ignore their values. "
         "They probably have the same effect on these data: omit one, or measure it another way."
     ),
-    Code.GAINS_A_THOUSAND: lambda _: (
-        "The estimated drive gains are about a thousand times the nominal ones: is the payload's mass in grams? It "
-        "must be in kg."
-    ),
-    Code.GAINS_A_THOUSANDTH: lambda _: (
-        "The estimated drive gains are about a thousandth of the nominal ones: is the payload's mass in tonnes, or are "
-        "the currents in mA?"
-    ),
     Code.NO_MODEL_IS_BETTER: lambda finding: (
         f"The error is {in_percent(finding.numbers['error'])} of the current, more than without a "
         "model: columns may be swapped, a sign wrong, or the robot a different one."
-    ),
-    Code.SIGN_REVERSED: _sign,
-    Code.GAIN_NEGATIVE: _negative,
-    Code.GAIN_FAR: _gain_far,
-    Code.GAINS_NEGATIVE: lambda _: (
-        "All estimated drive gains are negative, which is impossible: the recordings with and without payload are "
-        "probably swapped in dataset.toml, or the sign of the currents is reversed."
     ),
     Code.CLOSURE_CONTRADICTED: _contradicted,
     Code.VELOCITY_UNLIKE: _velocity_unlike,

@@ -1,17 +1,22 @@
 """What limits an answer: what its data cannot tell, and what cannot be so."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from types import MappingProxyType
 
 import numpy as np
 
+from bench.dataset.payload import Payload
 from bench.dataset.robot_locked import LockedJoint
 from bench.effects import EffectInstance
 from bench.identification.decision import RULE
 from bench.identification.finding import Code, Finding, Unknown
+from bench.identification.gains_alike import gains_alike
 from bench.identification.periods_not_whole import periods_not_whole
 from bench.identification.result import DriveGain, Identification
 from bench.identification.tolerances import TOLERANCES
+
+NO_PAYLOADS: Mapping[str, Payload] = MappingProxyType({})
 
 
 def with_findings(
@@ -20,14 +25,16 @@ def with_findings(
     outside: Sequence[EffectInstance] = (),
     more: Sequence[Finding] = (),
     scale: Sequence[Finding] = (),
+    payloads: Mapping[str, Payload] = NO_PAYLOADS,
 ) -> Identification:
     """The result with its findings.
 
     unusable: recordings that could not be used; outside: effects beyond their bounds. more: further findings.
-    scale: why drive gains stay nominal.
+    scale: why drive gains stay nominal. payloads: as they are declared.
     """
     doubt = runaway(result)
-    findings = [] if doubt is None else [doubt]
+    alike = [] if a_thousand(result) else gains_alike(result, payloads)
+    findings = alike if doubt is None else [*alike, doubt]
     findings += _beyond(outside)
     if unusable:
         findings.append(Finding(Code.PAYLOAD_NOT_DECLARED, unusable))
@@ -57,7 +64,8 @@ def with_findings(
     if taken_up:
         findings.append(Finding(Code.TAKEN_UP, of=taken_up))
     findings += periods_not_whole(result)
-    findings += _implausible(result)
+    far = Code.GAIN_FAR if alike else None
+    findings += [finding for finding in _implausible(result) if finding.code != far]
     for j, joint in enumerate(result.joints):
         fitted = [recording for recording in result.recordings if recording.use == "identify"]
         reverses = any(np.ptp(np.sign(recording.velocity[:, j])) > 0 for recording in result.recordings)
