@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from hashlib import sha256
 from pathlib import Path
+
+import numpy as np
 
 from bench.basics.errors import BenchError
 from bench.basics.files.toml_input import read_toml
@@ -92,6 +95,7 @@ def load_dataset(folder: str | Path) -> Dataset:
         )
     ]
     release_tables()
+    _refuse_copies(path, recordings)
     controller = None
     if spec.controller is not None:
         controller = controller_of(path, spec.controller, robot.joints)
@@ -107,6 +111,19 @@ def refuse_log(path: Path) -> None:
     if path.suffix.lower() in LOGS and path.is_file() and not (path.parent / DATASET_FILE).exists():
         next_step = f"`{typed()} import {quoted(path)} --robot ROBOT` makes one of it"
         raise BenchError(f"{path}: is a log, not yet a dataset: {next_step}")
+
+
+def _refuse_copies(path: Path, recordings: Sequence[Recording]) -> None:
+    """Raise BenchError for two logs with the same samples: counted twice they look surer, and judge themselves."""
+    first: dict[bytes, str] = {}
+    for recording in recordings:
+        signals = np.hstack([recording.position, recording.current])
+        samples = sha256(np.ascontiguousarray(signals)).digest()
+        other = first.setdefault(samples, recording.name)
+        if other != recording.name:
+            raise BenchError(
+                f"{path}: recordings: {recording.name!r} holds the same samples as {other!r}: remove one of the two"
+            )
 
 
 def _check_references(path: Path, spec: DatasetSpec, robot: Robot) -> None:

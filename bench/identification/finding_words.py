@@ -10,7 +10,7 @@ from bench.identification.finding import UNBELIEVABLE, Code, Finding, Unknown
 from bench.identification.gain_words import GAIN_WORDS
 from bench.identification.held_out_words import HELD_OUT_WORDS
 from bench.identification.scale_words import CODES, scale_sentence
-from bench.identification.wording import and_list, in_percent, with_error
+from bench.identification.wording import in_percent, with_error
 
 
 def note(finding: Finding) -> str:
