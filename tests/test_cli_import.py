@@ -202,8 +202,8 @@ def test_all_that_is_wrong_with_many_logs_is_told_at_once_with_what_mends_it(log
     told = capsys.readouterr().err.splitlines()
     for name, column, cure in (
         ("first", "time", "--scale time=ms"),
-        ("first", "position.left", "--scale position=deg"),
-        ("first", "current.right", "--scale current=mA"),
+        ("first", "position.left", "--scale position.left=deg"),
+        ("first", "current.right", "--scale current.right=mA"),
         ("second", "time", "--split-gaps"),
         ("second", "position.right", "--accept spikes"),
         ("second", "current.left", "--accept constant"),

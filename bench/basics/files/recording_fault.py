@@ -12,6 +12,7 @@ class Remedy(Enum):
     FROM_DEGREES = auto()  # the column is in that unit
     FROM_MILLIRADIANS = auto()
     FROM_MILLIMETRES = auto()
+    FROM_CENTIMETRES = auto()
     FROM_MICROMETRES = auto()
     FROM_MILLISECONDS = auto()
     FROM_MICROSECONDS = auto()
@@ -27,6 +28,7 @@ IN_UNIT: Mapping[Remedy, tuple[str, str]] = {
     Remedy.FROM_DEGREES: ("position", "deg"),
     Remedy.FROM_MILLIRADIANS: ("position", "mrad"),
     Remedy.FROM_MILLIMETRES: ("position", "mm"),
+    Remedy.FROM_CENTIMETRES: ("position", "cm"),
     Remedy.FROM_MICROMETRES: ("position", "um"),
     Remedy.FROM_MILLISECONDS: ("time", "ms"),
     Remedy.FROM_MICROSECONDS: ("time", "us"),

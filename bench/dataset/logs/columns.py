@@ -15,7 +15,7 @@ from bench.basics.errors import BenchError, meant, refuse
 from bench.basics.plural import plural
 from bench.dataset.logs.log_file import LogFile
 from bench.dataset.logs.unit_names import unit_in, units_of
-from bench.dataset.logs.units import UNITS, factor_of, measured_by
+from bench.dataset.logs.units import UNITS, Unit, factor_of, measured_by, unit_named
 from bench.dataset.recording import velocity_column
 from bench.dataset.robot import Robot
 
@@ -118,22 +118,23 @@ def _given_factors(file: Path, scale: Mapping[str, float | str], robot: Robot) -
     """Factors by column: units by their names, and those of all joints one by one."""
     factors: dict[str, float] = {}
     for target, given in scale.items():
-        if isinstance(given, str) and given not in UNITS:
+        unit = unit_named(given) if isinstance(given, str) else None
+        if isinstance(given, str) and unit is None:
             raise BenchError(f"{file}: the scale of {target}: no unit {given!r}; {meant(given, UNITS)}")
-        factor = UNITS[given].factor if isinstance(given, str) else given
+        factor = float(given) if unit is None else unit.factor
         columns = [f"{target}.{joint}" for joint in robot.driven] if target in GROUPS else [target]
-        if isinstance(given, str):
-            columns = [column for column in columns if _fits(given, column, robot)]
+        if unit is not None:
+            columns = [column for column in columns if _fits(unit, column, robot)]
             if not columns:
-                raise BenchError(f"{file}: the scale of {target}: {given!r} is a {UNITS[given].of}")
+                raise BenchError(f"{file}: the scale of {target}: {given!r} is a {unit.of}")
         if not np.isfinite(factor) or factor == 0.0:
             raise BenchError(f"{file}: the scale of {target} must not be {factor:g}")
         factors |= dict.fromkeys(columns, factor)
     return factors
 
 
-def _fits(unit: str, column: str, robot: Robot) -> bool:
-    return measured_by(column, robot) in (None, UNITS[unit].of)
+def _fits(unit: Unit, column: str, robot: Robot) -> bool:
+    return measured_by(column, robot) in (None, unit.of)
 
 
 def _stated_factors(
