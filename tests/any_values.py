@@ -97,6 +97,7 @@ _CARRIES = {  # names, numbers, whether it is of unknowns
     Code.ROUNDING_DECIDES: (_NONE, "condition", False),
     Code.NOISE_DECIDES: (_ONE, "share other value", False),
     Code.UNITS_UNLIKE: (some(names, 2), "times", False),
+    Code.CURRENT_REVERSED: (some(names, 1, 2), "before after", False),
     Code.COLUMNS_SWAPPED: (some(names, 2, 3), "error", False),
     Code.OTHER_LOAD: (
         st.tuples(names, names, st.just("") | names, st.just("") | names),

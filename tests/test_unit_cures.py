@@ -29,10 +29,14 @@ def import_crank(tmp_path: Path, carriage: float, *options: str, names=("x", "i1
     header = ["t", "q", *names]
     log = tmp_path / "log.csv"
     log.write_text(
-        ";".join(header) + "\n" + "\n".join(";".join(f"{x:.9g}" for x in row) for row in zip(*columns))
+        ";".join(header)
+        + "\n"
+        + "\n".join(";".join(f"{x:.9g}" for x in row) for row in zip(*columns, strict=True))
     )
     targets = ("time", "position.crank", "position.carriage", "current.crank", "current.carriage")
-    words = [word for target, name in zip(targets, header) for word in ("--map", f"{target}={name}")]
+    words = [
+        word for target, name in zip(targets, header, strict=True) for word in ("--map", f"{target}={name}")
+    ]
     return main(
         ["import", str(log), "--robot", "crank_slide", *words, *options, "-o", str(tmp_path / "data")]
     )

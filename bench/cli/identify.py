@@ -89,10 +89,10 @@ def identify(  # noqa: PLR0913, PLR0917 - an argument for each option
     from bench.api.identify import identify as identified
     from bench.dataset.dataset import load_dataset
     from bench.document.terminal.identification import identification_report
-    from bench.identification.finding import MEND_FIRST
+    from bench.identification.finding import to_mend
     from bench.identification.model_file import model_json
     from bench.residuals.motor import compared
-    from bench.residuals.next_step import remaining_errors
+    from bench.residuals.next_step import beyond_noise, remaining_errors
 
     data = load_dataset(dataset)
     given = given_filters(**filters)
@@ -144,7 +144,7 @@ def identify(  # noqa: PLR0913, PLR0917 - an argument for each option
 
     def last_lines() -> None:
         what = compared(data.robot, data.recordings, result.recordings, result.settings)
-        mend = any(finding.code in MEND_FIRST for finding in result.findings)
+        mend = to_mend(result.findings, error_left=beyond_noise(what))
         step = _next(what, dataset, effects, effect_files, given, json_file, mend=mend)
         say([*remaining_errors(what), *written, step])
 

@@ -3,7 +3,7 @@
 from collections.abc import Callable, Mapping
 
 from bench.identification.finding import Code, Finding
-from bench.identification.wording import and_list
+from bench.identification.wording import and_list, in_percent
 
 
 def _gain_not_determined(finding: Finding) -> str:
@@ -16,8 +16,9 @@ def _gain_not_determined(finding: Finding) -> str:
 
 def _gain_runaway(finding: Finding) -> str:
     return (
-        f"{_gain_came_out(finding)}; its nominal value is {finding.numbers['nominal']:.3g}. If the nominal value is "
-        "right, no drive differs that much from its data sheet."
+        f"{_gain_came_out(finding)}; its nominal value is {finding.numbers['nominal']:.3g}. No drive "
+        "differs that much from its data sheet: a physical effect is missing in the model, or the payload is not as "
+        "declared."
     )
 
 
@@ -65,11 +66,23 @@ def _negative(finding: Finding) -> str:
     )
 
 
+def _current_reversed(finding: Finding) -> str:
+    joint, *recordings = finding.names
+    where = f" in {recordings[0]}" if recordings else ""
+    again = "that log" if recordings else "the logs"
+    before, after = (in_percent(finding.numbers[key]) for key in ("before", "after"))
+    return (
+        f"The sign of current.{joint}{where} is probably reversed: with the other sign the error falls from {before} to "
+        f"{after} (nominal gains, friction in the model). Import {again} again with `--scale current.{joint}=-1`."
+    )
+
+
 GAIN_WORDS: Mapping[Code, Callable[[Finding], str]] = {
     Code.GAIN_NOT_DETERMINED: _gain_not_determined,
     Code.GAIN_RUNAWAY: _gain_runaway,
     Code.GAIN_FAR: _gain_far,
     Code.GAINS_ALIKE: _gains_alike,
+    Code.CURRENT_REVERSED: _current_reversed,
     Code.SIGN_REVERSED: _sign,
     Code.GAIN_NEGATIVE: _negative,
     Code.GAINS_A_THOUSAND: lambda _: (

@@ -1,13 +1,17 @@
 """Whether the data are what they are declared to be: units, columns and loads."""
 
+from dataclasses import replace
+
 from bench.basics.deadline import NEVER, Deadline
 from bench.dataset.dataset import Dataset
 from bench.identification.finding import Code, Finding
 from bench.identification.other_load import other_load
-from bench.identification.prepare import Prepared
+from bench.identification.prepare import Prepared, prepare
 from bench.identification.problem import Problem
 from bench.identification.result import Identification
+from bench.identification.reversed_currents import reversed_currents
 from bench.identification.swapped_columns import swapped_columns
+from bench.identification.tolerances import TOLERANCES
 from bench.identification.unlike_units import unlike_units
 
 
@@ -17,7 +21,8 @@ def mistaken(
     prepared: Prepared | None = None,
     deadline: Deadline = NEVER,
 ) -> tuple[Finding, ...]:
-    """What is probably declared wrongly. With currents in unlike units nothing else is looked for: all is off then.
+    """What is probably declared wrongly. With currents in unlike units, or of the wrong sign, nothing else is looked
+    for: all is off then.
 
     prepared: the problem's equations with the filters of the result, where they are at hand. Raises TimeUpError after
     the deadline.
@@ -26,6 +31,16 @@ def mistaken(
     units = unlike_units(result)
     if units:
         return (*heavy, *units)
+    error = result.error.identify
+    if error is None or error < TOLERANCES.findings.large_error:
+        return (*heavy, *other_load(problem, result, prepared, deadline))
+    if prepared is None:
+        prepared = prepare(
+            replace(problem, effects=(), filters=result.settings, fit_gains=result.gains_fitted)
+        )
+    reversed_ = reversed_currents(result, prepared, deadline)
+    if reversed_:
+        return (*heavy, *reversed_)
     swapped = swapped_columns(problem, result, prepared, deadline)
     return (*heavy, *swapped, *other_load(problem, result, prepared, deadline))
 

@@ -45,7 +45,7 @@ def swapped_columns(
         prepared = prepare(
             replace(problem, effects=(), filters=result.settings, fit_gains=result.gains_fitted)
         )
-    trial = _ColumnsTrial(prepared)
+    trial = ColumnsTrial(prepared)
 
     def error_with(swap: tuple[tuple[str, ...], int, int]) -> float:
         deadline.check()
@@ -68,7 +68,7 @@ def _swaps(names: tuple[str, ...], motors: int) -> Iterator[tuple[tuple[str, ...
             yield chosen, a, b
 
 
-class _ColumnsTrial:
+class ColumnsTrial:
     """The equations of all fitted recordings with every motor's current for every motor's rows, and friction.
 
     parts: for each recording triangular factors (n, r, p + 1 + n) of [phi, kappa, all currents], formed once: an
@@ -108,12 +108,28 @@ class _ColumnsTrial:
         ]
         return triangular_factors(np.concatenate(picked, axis=1).swapaxes(0, 1))
 
-    def error(self, factors: np.ndarray, *, least: bool = False) -> float:
-        """Relative error of the currents by least squares in torque; or the least that there can be, from there."""
-        rows, right = torque_system(factors, self.gains.held)
+    def reversed_in(self, names: Sequence[str], motors: Sequence[int]) -> np.ndarray:
+        """Factors (n, p + 2, p + 2) of [phi, kappa, current] with the signs of some currents changed in recordings."""
+        at = np.arange(len(self.gains.values))
+        picked = []
+        for name, part in self.parts.items():
+            signs = np.ones(len(at))
+            if name in names:
+                signs[list(motors)] = -1.0
+            current = part[at, :, self.size + 1 + at] * signs[:, None]
+            picked.append(np.concatenate((part[:, :, : self.size + 1], current[:, :, None]), axis=2))
+        return triangular_factors(np.concatenate(picked, axis=1).swapaxes(0, 1))
+
+    def error(self, factors: np.ndarray, *, least: bool = False, nominal: bool = False) -> float:
+        """Relative error of the currents by least squares in torque; or the least that there can be, from there.
+
+        nominal: with the nominal gains.
+        """
+        known = replace(self.gains, fitted=False) if nominal else self.gains
+        rows, right = torque_system(factors, known.held)
         solution = scaled_lstsq(rows, right)
         theta = solution[: self.size]
-        gains = solved_gains(factors, self.gains.with_fitted(solution[self.size :]), self.gains.values)
+        gains = solved_gains(factors, known.with_fitted(solution[self.size :]), known.values)
         if least:
             theta, gains = minimised(factors, theta, gains, np.ones(len(gains)), self.gains.fitted)
         return float(np.sqrt(squared_errors(factors, theta, gains).sum() / (factors[:, :, -1] ** 2).sum()))

@@ -1,0 +1,85 @@
+"""A current of the wrong sign is named before anything is searched; a model that lacks an effect is not suspected."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from bench.api.diagnose import diagnose
+from bench.basics.errors import BenchError
+from bench.dataset.dataset import load_dataset
+from bench.diagnosis.signs import refuse_signs
+from bench.identification.finding import CAUSES, MEND_FIRST, NEGATIVE, UNBELIEVABLE, Code, Finding, to_mend
+from bench.identification.finding_words import sentence
+from bench.identification.identify import identify
+from bench.identification.mistaken import mistaken
+from bench.identification.prepare import prepare
+from bench.identification.problem import problem_of
+from bench.identification.tolerances import TOLERANCES
+from tests.workbench_kit import FRICTION, write_dataset
+
+
+@pytest.fixture(scope="module")
+def lacking(tmp_path_factory):
+    strong = [one | {"Fc": 2.0} if "Fc" in one else one for one in FRICTION]
+    return load_dataset(write_dataset(tmp_path_factory.mktemp("lacking") / "d", hidden=strong))
+
+
+def turned(data, signs, name=""):
+    recordings = tuple(
+        replace(one, current=one.current * np.array(signs)) if name in ("", one.name) else one
+        for one in data.recordings
+    )
+    return replace(data, recordings=recordings)
+
+
+@pytest.mark.parametrize(
+    ("signs", "name", "said"),
+    [
+        ([1.0, -1.0], "", "The sign of current.right is probably reversed"),
+        ([-1.0, 1.0], "", "The sign of current.left is probably reversed"),
+        ([1.0, -1.0], "held.csv", "The sign of current.right in held.csv is probably reversed"),
+    ],
+)
+def test_it_is_named_though_friction_is_missing_and_refused_by_a_diagnosis(lacking, signs, name, said):
+    wrong = turned(lacking, signs, name)
+    (finding,) = mistaken(problem_of(wrong), identify(prepare(problem_of(wrong))))
+    assert sentence(finding).startswith(said)
+    joint = "right" if signs[1] < 0 else "left"
+    assert f"`--scale current.{joint}=-1`" in sentence(finding)
+    with pytest.raises(BenchError, match=said):
+        diagnose(wrong)
+
+
+def test_nothing_is_suspected_of_a_missing_effect(lacking):
+    result = identify(prepare(problem_of(lacking)))
+    assert result.error.identify > TOLERANCES.findings.large_error
+    assert mistaken(problem_of(lacking), result) == ()
+
+
+def test_a_negative_gain_of_a_model_that_explains_the_currents_is_refused(lacking):
+    before = identify(prepare(problem_of(lacking)))
+    negative = replace(before, findings=(Finding(Code.SIGN_REVERSED, ("left",)),))
+    refuse_signs(lacking.folder, (), negative)
+    explained = replace(negative, error=replace(before.error, identify=0.01))
+    with pytest.raises(BenchError, match="drive gain of left is negative"):
+        refuse_signs(lacking.folder, (), explained)
+
+
+def test_signs_are_mended_first():
+    assert NEGATIVE < UNBELIEVABLE < MEND_FIRST
+    assert Code.CURRENT_REVERSED in CAUSES
+
+
+@pytest.mark.parametrize(
+    ("code", "error_left", "mended"),
+    [
+        (Code.GAIN_RUNAWAY, True, False),  # a diagnosis names the effect that is missing
+        (Code.GAIN_RUNAWAY, False, True),
+        (Code.CURRENT_REVERSED, True, True),
+        (Code.GAINS_ALIKE, True, True),
+        (Code.POORLY_DETERMINED, False, False),
+    ],
+)
+def test_gains_that_a_missing_effect_moves_are_a_matter_for_a_diagnosis(code, error_left, mended):
+    assert to_mend([Finding(code, ("left",))], error_left=error_left) is mended
