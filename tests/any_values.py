@@ -98,6 +98,8 @@ _CARRIES = {  # names, numbers, whether it is of unknowns
     Code.NOISE_DECIDES: (_ONE, "share other value", False),
     Code.UNITS_UNLIKE: (some(names, 2), "times", False),
     Code.CURRENT_REVERSED: (some(names, 1, 2), "before after", False),
+    Code.POSITION_REVERSED: (_ONE, "before after current", False),
+    Code.POSITIONS_SWAPPED: (_TWO, "before after current", False),
     Code.COLUMNS_SWAPPED: (some(names, 2, 3), "error", False),
     Code.OTHER_LOAD: (
         st.tuples(names, names, st.just("") | names, st.just("") | names),

@@ -1,4 +1,4 @@
-"""A current of the wrong sign is named before anything is searched; a model that lacks an effect is not suspected."""
+"""A current or position of the wrong sign is named before anything is searched; a missing effect is not suspected."""
 
 from dataclasses import replace
 
@@ -8,6 +8,8 @@ import pytest
 from bench.api.diagnose import diagnose
 from bench.basics.errors import BenchError
 from bench.dataset.dataset import load_dataset
+from bench.dataset.logs.units import UNITS
+from bench.dataset.robot import load_robot
 from bench.diagnosis.signs import refuse_signs
 from bench.identification.finding import CAUSES, MEND_FIRST, NEGATIVE, UNBELIEVABLE, Code, Finding, to_mend
 from bench.identification.finding_words import sentence
@@ -15,7 +17,12 @@ from bench.identification.identify import identify
 from bench.identification.mistaken import mistaken
 from bench.identification.prepare import prepare
 from bench.identification.problem import problem_of
+from bench.identification.reversed_positions import changes
 from bench.identification.tolerances import TOLERANCES
+from bench.scenario.scenario import load_scenario, resolve_trajectories
+from bench.truth.dataset import as_dataset
+from bench.truth.simulate import simulate
+from tests.hidden_kit import STEP
 from tests.workbench_kit import FRICTION, write_dataset
 
 
@@ -83,3 +90,45 @@ def test_signs_are_mended_first():
 )
 def test_gains_that_a_missing_effect_moves_are_a_matter_for_a_diagnosis(code, error_left, mended):
     assert to_mend([Finding(code, ("left",))], error_left=error_left) is mended
+
+
+SCENARIO = """
+robot = "crank_slide"
+step = {step}
+[payloads.weight]
+mass = 1.0
+[design]
+span = {{ crank = 0.6, carriage = 0.08 }}
+velocity_limit = {{ crank = 4.0, carriage = 0.5 }}
+acceleration_limit = {{ crank = 40.0, carriage = 6.0 }}
+duration = 5
+[[recordings]]
+name = "empty"
+use = "identify"
+design = {{ seed = 1 }}
+[[recordings]]
+name = "loaded"
+use = "identify"
+payload = "weight"
+design = {{ seed = 2 }}
+"""
+
+
+def test_an_encoder_that_counts_backwards_is_named_and_refused(tmp_path):
+    (tmp_path / "scenario.toml").write_text(SCENARIO.format(step=STEP))
+    scenario = load_scenario(tmp_path / "scenario.toml")
+    data = as_dataset(simulate(scenario, resolve_trajectories(scenario), threads=1))
+    recordings = tuple(replace(one, position=one.position * [-1.0, 1.0]) for one in data.recordings)
+    with pytest.raises(
+        BenchError, match=r"The sign of position.crank is probably reversed.*position.crank=-1"
+    ):
+        diagnose(replace(data, recordings=recordings))
+
+
+@pytest.mark.parametrize("scale", [1.0, UNITS["deg"].factor / UNITS["mm"].factor])
+def test_angle_and_travel_are_exchanged_in_the_units_that_a_log_states(scale):
+    right = np.array([[-1.7, 0.45], [-1.6, 0.47]])
+    wrong = right[:, ::-1] * [scale, 1.0 / scale]
+    exchanged = [change for change in changes(load_robot("crank_slide")) if len(change.joints) > 1]
+    assert {change.code for change in exchanged} == {Code.POSITIONS_SWAPPED}
+    assert any(np.allclose(change.of(wrong), right) for change in exchanged)

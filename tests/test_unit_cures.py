@@ -77,3 +77,20 @@ def test_a_scale_takes_the_spellings_of_a_header(tmp_path):
     assert unit_named("min") is UNITS["min"]
     assert unit_named("[cm]") is UNITS["cm"]
     assert import_crank(tmp_path, 1.0, "--scale", "position.crank=rad") == 0
+
+
+@pytest.mark.parametrize(
+    ("options", "name", "milli"),
+    [((), "i1 [mA]", 1e3), (("--scale", "current=mA"), "i1", 1e3), ((), "i1", 1.0)],
+)
+def test_minus_one_changes_the_sign_and_keeps_the_unit(tmp_path, options, name, milli):
+    for folder, sign in (("as_it_is", ()), ("reversed", ("--scale", "current.crank=-1"))):
+        (tmp_path / folder).mkdir()
+        assert (
+            import_crank(tmp_path / folder, 1.0, *options, *sign, names=("x", name, "i2"), milli=milli) == 0
+        )
+    plain, turned = (
+        load_dataset(tmp_path / folder / "data").recordings[0].current for folder in ("as_it_is", "reversed")
+    )
+    assert np.abs(plain[:, 0]).max() < 3.0
+    np.testing.assert_allclose(turned, plain * [-1.0, 1.0], rtol=1e-12)

@@ -46,7 +46,7 @@ BESIDE_MAPPING = ("mapping_file", "output", "replace", "quiet")
     multiple=True,
     metavar="COLUMN=FACTOR",
     help="Multiply COLUMN to get SI units, or name its unit: time=ms, position.axis=1e-3, position=deg or"
-    " current=mA for all joints. It overrides units that the log states.",
+    " current=mA for all joints. It overrides units that the log states; -1 changes the sign and keeps the unit.",
 )
 @click.option("--skip-rows", type=click.IntRange(0), default=0, metavar="N", help="Skip N lines at the top.")
 @click.option("--no-header", is_flag=True, help="No line of the log names its columns.")

@@ -18,6 +18,8 @@ class Code(StrEnum):
     UNITS_UNLIKE = auto()
     COLUMNS_SWAPPED = auto()
     CURRENT_REVERSED = auto()
+    POSITION_REVERSED = auto()
+    POSITIONS_SWAPPED = auto()
     OTHER_LOAD = auto()
     PAYLOAD_HEAVY = auto()
     NOT_REAL = auto()
@@ -116,6 +118,8 @@ CAUSES = frozenset(
         Code.UNITS_UNLIKE,
         Code.COLUMNS_SWAPPED,
         Code.CURRENT_REVERSED,
+        Code.POSITION_REVERSED,
+        Code.POSITIONS_SWAPPED,
         Code.OTHER_LOAD,
         Code.PAYLOAD_HEAVY,
         Code.CLOSURE_CONTRADICTED,
@@ -123,6 +127,9 @@ CAUSES = frozenset(
     }
 )
 """Of false names: what is wrong with the data or the robot with which a diagnosis names effects."""
+
+WRONG_COLUMNS = frozenset({Code.CURRENT_REVERSED, Code.POSITION_REVERSED, Code.POSITIONS_SWAPPED})
+"""Of columns with which nothing that a diagnosis says is right."""
 
 BY_MISSING_EFFECTS = frozenset(
     {Code.GAIN_NOT_DETERMINED, Code.GAIN_RUNAWAY, Code.GAIN_NEGATIVE, Code.PARAMETER_WITHOUT_DEVIATION}

@@ -70,11 +70,33 @@ def _current_reversed(finding: Finding) -> str:
     joint, *recordings = finding.names
     where = f" in {recordings[0]}" if recordings else ""
     again = "that log" if recordings else "the logs"
-    before, after = (in_percent(finding.numbers[key]) for key in ("before", "after"))
     return (
-        f"The sign of current.{joint}{where} is probably reversed: with the other sign the error falls from {before} to "
-        f"{after} (nominal gains, friction in the model). Import {again} again with `--scale current.{joint}=-1`."
+        f"The sign of current.{joint}{where} is probably reversed: with the other sign {_falls(finding)}. "
+        f"Import {again} again with `--scale current.{joint}=-1`."
     )
+
+
+def _position_reversed(finding: Finding) -> str:
+    joint = finding.names[0]
+    also = f" and of current.{joint}" if finding.numbers["current"] else ""
+    option = f" --scale current.{joint}=-1" if finding.numbers["current"] else ""
+    return (
+        f"The sign of position.{joint}{also} is probably reversed: with the other sign {_falls(finding)}. Import the "
+        f"logs again with `--scale position.{joint}=-1{option}`."
+    )
+
+
+def _positions_swapped(finding: Finding) -> str:
+    first, second = finding.names
+    return (
+        f"The columns of position.{first} and position.{second} are probably swapped: exchanged, {_falls(finding)}. "
+        "Import the logs again with each under its joint."
+    )
+
+
+def _falls(finding: Finding) -> str:
+    before, after = (in_percent(finding.numbers[key]) for key in ("before", "after"))
+    return f"the error falls from {before} to {after} (nominal gains, friction in the model)"
 
 
 GAIN_WORDS: Mapping[Code, Callable[[Finding], str]] = {
@@ -83,6 +105,8 @@ GAIN_WORDS: Mapping[Code, Callable[[Finding], str]] = {
     Code.GAIN_FAR: _gain_far,
     Code.GAINS_ALIKE: _gains_alike,
     Code.CURRENT_REVERSED: _current_reversed,
+    Code.POSITION_REVERSED: _position_reversed,
+    Code.POSITIONS_SWAPPED: _positions_swapped,
     Code.SIGN_REVERSED: _sign,
     Code.GAIN_NEGATIVE: _negative,
     Code.GAINS_A_THOUSAND: lambda _: (

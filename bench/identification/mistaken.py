@@ -10,6 +10,7 @@ from bench.identification.prepare import Prepared, prepare
 from bench.identification.problem import Problem
 from bench.identification.result import Identification
 from bench.identification.reversed_currents import reversed_currents
+from bench.identification.reversed_positions import reversed_positions
 from bench.identification.swapped_columns import swapped_columns
 from bench.identification.tolerances import TOLERANCES
 from bench.identification.unlike_units import unlike_units
@@ -40,9 +41,13 @@ def mistaken(
         )
     reversed_ = reversed_currents(result, prepared, deadline)
     if reversed_:
-        return (*heavy, *reversed_)
+        left = min(finding.numbers["after"] for finding in reversed_)
+        better = reversed_positions(problem, result, prepared, deadline, other=left)
+        return (*heavy, *(better or reversed_))
     swapped = swapped_columns(problem, result, prepared, deadline)
-    return (*heavy, *swapped, *other_load(problem, result, prepared, deadline))
+    loads = other_load(problem, result, prepared, deadline)
+    positions = [] if swapped or loads else reversed_positions(problem, result, prepared, deadline)
+    return (*heavy, *swapped, *loads, *positions)
 
 
 def heavy_payloads(dataset: Dataset) -> tuple[Finding, ...]:

@@ -12,7 +12,7 @@ from bench.identification.result import Identification
 from bench.identification.swapped_columns import ColumnsTrial
 from bench.identification.tolerances import TOLERANCES
 
-Change = tuple[tuple[str, ...], tuple[int, ...]]
+_Reversal = tuple[tuple[str, ...], tuple[int, ...]]
 """Names of recordings, and the motors whose currents have the other sign in them."""
 
 
@@ -29,7 +29,7 @@ def reversed_currents(
     bounds = TOLERANCES.findings
     trial = ColumnsTrial(prepared)
 
-    def error_with(change: Change) -> float:
+    def error_with(change: _Reversal) -> float:
         deadline.check()
         return trial.error(trial.reversed_in(*change), nominal=True)
 
@@ -47,7 +47,7 @@ def reversed_currents(
     ]
 
 
-def _changes(names: tuple[str, ...], motors: int) -> Iterator[Change]:
+def _changes(names: tuple[str, ...], motors: int) -> Iterator[_Reversal]:
     each = [(motor,) for motor in range(motors)]
     for chosen in dict.fromkeys([names, *((name,) for name in names)]):
         for some in dict.fromkeys([*each, tuple(range(motors))]):

@@ -250,6 +250,9 @@ class FindingBounds:
     near_decades: float = 0.7
     explained: float = 0.5  # relative error: with a larger one a model does not explain the current
     large_error: float = 0.05  # relative error, above which swapped columns and other loads are tried
+    wrong_position: float = (
+        0.15  # the same with friction and nominal gains, above which other positions are tried
+    )
     swapped_error: float = 0.5  # share of that error that may remain with other columns or another load
     other_motors: float = 1.05  # growth of the errors of the other motors that another load may cause
     # times the fitted error: recordings for validation have another machine, load or unit

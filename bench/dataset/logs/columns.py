@@ -21,6 +21,7 @@ from bench.dataset.robot import Robot
 
 Array = npt.NDArray[np.float64]
 GROUPS = ("position", "current")
+REVERSED = -1.0  # as a scale: of a column whose sign changes, whatever its unit
 
 
 @dataclass(frozen=True)
@@ -32,7 +33,7 @@ class LogMap:
              does one called `velocity.JOINT`.
     scale    column -> factor that turns the log's unit into SI, such as 1e-3 for millimetres, or the unit's name
              (see UNITS); `position` and `current` represent those of all joints. It goes before a unit that the log
-             itself states.
+             itself states; -1 changes the sign alone, and keeps the unit.
     rate     Hz, for a log without a time column; its time then starts at zero
     """
 
@@ -61,10 +62,13 @@ def columns_of(file: Path, log: LogFile, robot: Robot, log_map: LogMap) -> Colum
 
     Raises BenchError for a joint, a name or a unit that does not exist, and for vectors of different length.
     """
-    given = _given_factors(file, log_map.scale, robot)
-    sources = _sources(file, log, robot, log_map, given)
+    reversed_ = {target: scale for target, scale in log_map.scale.items() if scale == REVERSED}
+    others = {target: scale for target, scale in log_map.scale.items() if target not in reversed_}
+    given, signs = (_given_factors(file, scales, robot) for scales in (others, reversed_))
+    sources = _sources(file, log, robot, log_map, given | signs)
     stated = _stated_factors(file, log, robot, sources, given)
     factors = {column: factor for column, (factor, _) in stated.items()} | given
+    factors |= {column: sign * factors.get(column, 1.0) for column, sign in signs.items()}
     values, faults = {}, []
     for column, source in sources.items():
         try:
