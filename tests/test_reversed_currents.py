@@ -132,3 +132,12 @@ def test_angle_and_travel_are_exchanged_in_the_units_that_a_log_states(scale):
     exchanged = [change for change in changes(load_robot("crank_slide")) if len(change.joints) > 1]
     assert {change.code for change in exchanged} == {Code.POSITIONS_SWAPPED}
     assert any(np.allclose(change.of(wrong), right) for change in exchanged)
+
+
+def test_a_load_that_nobody_declares_is_named_with_its_mass(lacking):
+    recordings = tuple(replace(one, payload=None) for one in lacking.recordings)
+    wrong = replace(lacking, recordings=recordings, payloads={})
+    (finding,) = mistaken(problem_of(wrong), identify(prepare(problem_of(wrong))))
+    assert (finding.code, finding.names) == (Code.LOAD_UNDECLARED, ("held.csv",))
+    assert finding.numbers["mass"] == pytest.approx(lacking.payloads["disc"].mass, rel=0.2)
+    assert sentence(finding).startswith("held.csv probably carries a load that is not declared")

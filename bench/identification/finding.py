@@ -21,6 +21,7 @@ class Code(StrEnum):
     POSITION_REVERSED = auto()
     POSITIONS_SWAPPED = auto()
     OTHER_LOAD = auto()
+    LOAD_UNDECLARED = auto()
     PAYLOAD_HEAVY = auto()
     NOT_REAL = auto()
     # what the data cannot tell
@@ -121,6 +122,7 @@ CAUSES = frozenset(
         Code.POSITION_REVERSED,
         Code.POSITIONS_SWAPPED,
         Code.OTHER_LOAD,
+        Code.LOAD_UNDECLARED,
         Code.PAYLOAD_HEAVY,
         Code.CLOSURE_CONTRADICTED,
         Code.MOUNTED_OTHERWISE,

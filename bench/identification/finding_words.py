@@ -84,6 +84,15 @@ def _other_load(finding: Finding) -> str:
     )
 
 
+def _undeclared(finding: Finding) -> str:
+    before, after, mass = (finding.numbers[key] for key in ("before", "after", "mass"))
+    return (
+        f"{finding.names[0]} probably carries a load that is not declared: with a payload of about {mass:.2g} kg in it "
+        f"the error falls from {in_percent(before)} to {in_percent(after)} (nominal gains, friction in the model). "
+        "Weigh the load, and declare it as `payload` of that recording in dataset.toml."
+    )
+
+
 def _heavy(finding: Finding) -> str:
     asked = HeavyPayload(finding.names[0], finding.numbers["mass"], finding.numbers["own"]).words
     meant = 'if it is right, write `accept = ["mass"]` under the file of each recording with this payload'
@@ -248,6 +257,7 @@ WORDS: Mapping[Code, Callable[[Finding], str]] = {
     Code.UNITS_UNLIKE: _unlike_units,
     Code.COLUMNS_SWAPPED: _swapped,
     Code.OTHER_LOAD: _other_load,
+    Code.LOAD_UNDECLARED: _undeclared,
     Code.PAYLOAD_HEAVY: _heavy,
     Code.NOT_REAL: lambda finding: (
         "The estimated parameters are physically impossible: the nearest possible set, used in this answer, is "

@@ -13,6 +13,7 @@ from bench.identification.reversed_currents import reversed_currents
 from bench.identification.reversed_positions import reversed_positions
 from bench.identification.swapped_columns import swapped_columns
 from bench.identification.tolerances import TOLERANCES
+from bench.identification.undeclared_load import undeclared_load
 from bench.identification.unlike_units import unlike_units
 
 
@@ -46,6 +47,8 @@ def mistaken(
         return (*heavy, *(better or reversed_))
     swapped = swapped_columns(problem, result, prepared, deadline)
     loads = other_load(problem, result, prepared, deadline)
+    if not (swapped or loads):
+        loads = undeclared_load(problem, result, prepared, deadline)
     positions = [] if swapped or loads else reversed_positions(problem, result, prepared, deadline)
     return (*heavy, *swapped, *loads, *positions)
 

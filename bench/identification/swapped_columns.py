@@ -120,16 +120,21 @@ class ColumnsTrial:
             picked.append(np.concatenate((part[:, :, : self.size + 1], current[:, :, None]), axis=2))
         return triangular_factors(np.concatenate(picked, axis=1).swapaxes(0, 1))
 
+    def solved(self, factors: np.ndarray, *, nominal: bool = False) -> tuple[np.ndarray, np.ndarray]:
+        """Parameters (p,) and gains (n,) by least squares in torque; nominal: with the nominal gains."""
+        known = replace(self.gains, fitted=False) if nominal else self.gains
+        rows, right = torque_system(factors, known.held)
+        solution = scaled_lstsq(rows, right)
+        return solution[: self.size], solved_gains(
+            factors, known.with_fitted(solution[self.size :]), known.values
+        )
+
     def error(self, factors: np.ndarray, *, least: bool = False, nominal: bool = False) -> float:
         """Relative error of the currents by least squares in torque; or the least that there can be, from there.
 
         nominal: with the nominal gains.
         """
-        known = replace(self.gains, fitted=False) if nominal else self.gains
-        rows, right = torque_system(factors, known.held)
-        solution = scaled_lstsq(rows, right)
-        theta = solution[: self.size]
-        gains = solved_gains(factors, known.with_fitted(solution[self.size :]), known.values)
+        theta, gains = self.solved(factors, nominal=nominal)
         if least:
             theta, gains = minimised(factors, theta, gains, np.ones(len(gains)), self.gains.fitted)
         return float(np.sqrt(squared_errors(factors, theta, gains).sum() / (factors[:, :, -1] ** 2).sum()))
