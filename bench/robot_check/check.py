@@ -160,7 +160,8 @@ def _regular_home(singularity: Singularity) -> Check:
 def _ranges(singularity: Singularity) -> list[Check]:
     if singularity.singular_at is None:
         return []
-    return [Check(CheckCode.SINGULARITY_WITHIN_RANGES, "note", {"positions": singularity.singular_at})]
+    values = {"positions": singularity.singular_at, "units": singularity.units}
+    return [Check(CheckCode.SINGULARITY_WITHIN_RANGES, "note", values)]
 
 
 def _passive_ranges(geometry: Geometry, swept: SingularitySweep) -> list[Check]:

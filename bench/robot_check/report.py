@@ -1,6 +1,6 @@
 """What is worked out of a robot; every value is a plain number, text or code."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from bench.dataset.robot import Robot
 from bench.model.base import BaseParameters
@@ -100,6 +100,8 @@ class Singularity:
     """Travel of each motor from home to there, rad or m."""
     loose: tuple[str, ...]
     """Passive joints that the held motors no longer hold there."""
+    units: dict[str, str] = field(default_factory=dict)
+    """rad or m, of each motor's position."""
 
 
 @dataclass(frozen=True)

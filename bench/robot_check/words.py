@@ -7,6 +7,7 @@ from bench.dataset.robot_locked import locked_from_data, locked_in_words
 from bench.dataset.robot_redundancy import use_connect
 from bench.robot_check.agreement_words import AGREEMENT_WORDS, count
 from bench.robot_check.bounds import PLAUSIBLE
+from bench.robot_check.home_key import home_key
 from bench.robot_check.outcome import Check, CheckCode
 from bench.robot_check.report import Singularity
 
@@ -35,13 +36,14 @@ def nearest_singularity(singularity: Singularity) -> str:
     if singularity.singular_at is None:
         return (
             f"none within the joint ranges: over {singularity.poses} poses the smallest singular value stays "
-            f"above {singularity.lowest:.2g}, lowest at {_positions(singularity.lowest_at)}"
+            f"above {singularity.lowest:.2g}, lowest at {_positions(singularity.lowest_at, singularity.units)}"
         )
     travel = {
         name: value for name, value in (singularity.travel or {}).items() if abs(value) > PLAUSIBLE.still
     }
     return (
-        f"{_positions(travel, '+')} from home, at {_positions(singularity.singular_at)}: in that pose "
+        f"{_positions(travel, singularity.units, '+')} from home, at "
+        f"{_positions(singularity.singular_at, singularity.units)}: in that pose "
         f"{_first(singularity.loose)} can move while the motors are held"
     )
 
@@ -243,7 +245,7 @@ def _open_home(
     positions: int,
     closed_qpos: Sequence[float],
 ) -> str:
-    return f"{_open(loop, gap, unit, given, positions)}; this pose closes: {_key(closed_qpos)}"
+    return f"{_open(loop, gap, unit, given, positions)}; this pose closes: {home_key(closed_qpos)}"
 
 
 def _weld_too_much(welds: Sequence[str], motors: Sequence[str]) -> str:
@@ -266,7 +268,9 @@ def _outside_range(
     joint: str, home: float, unit: str, lower: float, upper: float, closed_qpos: Sequence[float] = ()
 ) -> str:
     said = f"joint {joint!r} is at {home:.6g} {unit} at home, outside its range [{lower:g}, {upper:g}]"
-    return f"{said}; this pose closes within all ranges: {_key(closed_qpos)}" if len(closed_qpos) else said
+    return (
+        f"{said}; this pose closes within all ranges: {home_key(closed_qpos)}" if len(closed_qpos) else said
+    )
 
 
 def _at_range_end(joint: str, lower: float, upper: float, closed_qpos: Sequence[float] = ()) -> str:
@@ -274,11 +278,7 @@ def _at_range_end(joint: str, lower: float, upper: float, closed_qpos: Sequence[
         f"home is at the end of the range of {joint!r}, {lower:.4g} to {upper:.4g}; bench excite starts its motions at "
         "home and needs room on both sides"
     )
-    return f"{said}; this pose closes further inside: {_key(closed_qpos)}" if len(closed_qpos) else said
-
-
-def _key(qpos: Sequence[float]) -> str:
-    return f'<key name="home" qpos="{" ".join(f"{value:.16g}" for value in qpos)}"/>'
+    return f"{said}; this pose closes further inside: {home_key(closed_qpos)}" if len(closed_qpos) else said
 
 
 def _regular(singular_value: float, passive: str, amplification: float, unit: str, motor: str) -> str:
@@ -318,10 +318,8 @@ def _rotors(identified: Sequence[str], within_bodies: Sequence[str]) -> str:
     return "; ".join(parts)
 
 
-def _singularity(positions: Mapping[str, float]) -> str:
-    return (
-        f"the joint ranges contain a singularity, at {_positions(positions)}: keep trajectories away from it"
-    )
+def _singularity(positions: Mapping[str, float], units: Mapping[str, str]) -> str:
+    return f"the joint ranges contain a singularity, at {_positions(positions, units)}: keep trajectories away from it"
 
 
 def _passive_range(joint: str, lowest: float, highest: float, lower: float, upper: float) -> str:
@@ -331,8 +329,11 @@ def _passive_range(joint: str, lowest: float, highest: float, lower: float, uppe
     )
 
 
-def _positions(positions: Mapping[str, float], sign: str = "") -> str:
-    return ", ".join(f"{name} {value:{sign}.3g}" for name, value in positions.items())
+def _positions(positions: Mapping[str, float], units: Mapping[str, str], sign: str = "") -> str:
+    """Positions of motors, with units where there are hinges and slides."""
+    mixed = len({*units.values()}) > 1
+    of = {name: f" {units.get(name, '')}" if mixed else "" for name in positions}
+    return ", ".join(f"{name} {value:{sign}.3g}{of[name]}" for name, value in positions.items())
 
 
 Sentence = Callable[..., str]
