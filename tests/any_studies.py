@@ -21,7 +21,7 @@ from bench.residuals.residuals import MotorErrors, WhereItFails
 from bench.robot_check.outcome import Check, CheckCode
 from bench.robot_check.report import Amplification, Singularity
 from bench.robot_check.words import TERMS, WORDS, _regular
-from tests.any_values import effects, errors, findings_of, names, numbers, sizes, some, units
+from tests.any_values import effects, errors, findings, findings_of, names, numbers, sizes, some, units
 
 few = some(names)
 

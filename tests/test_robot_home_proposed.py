@@ -53,14 +53,8 @@ def test_where_the_drawn_pose_is_singular_another_is_proposed(tmp_path, keyframe
 
 
 def test_positions_of_hinges_and_slides_have_their_units(tmp_path):
-    report = check_of(
-        tmp_path / "drawn", '<keyframe><key name="home" qpos="2.0944 -1.6498 0.35 1.9796"/></keyframe>'
-    )
-    home = re.search("<key .*/>", " ".join(map(detail_of, report.checks)))
-    if home:
-        report = check_of(tmp_path / "mended", f"<keyframe>{home[0]}</keyframe>")
+    (failed,) = check_of(tmp_path / "drawn", "").failures
+    (proposed,) = re.findall("<key .*/>", detail_of(failed))
+    report = check_of(tmp_path / "mended", f"<keyframe>{proposed}</keyframe>")
     assert report.singularity.units == {"left": "rad", "right": "m"}
-    assert re.search(
-        r"left [-+.\d]+ rad, right [-+.\d]+ m|right [-+.\d]+ m from home",
-        nearest_singularity(report.singularity),
-    )
+    assert re.search(r"left [-+.\d]+ rad, right [-+.\d]+ m", nearest_singularity(report.singularity))
