@@ -7,12 +7,13 @@ import pytest
 
 from bench.dataset.robot import load_robot
 from bench.diagnosis.encoder_noise import encoder_error
-from bench.diagnosis.reason_words import unexplained_words
+from bench.diagnosis.reason_words import floor_words, unexplained_words
 from bench.diagnosis.unexplained import unexplained
 from bench.identification.identify import fit
 from bench.identification.nonlinear import converged
 from bench.identification.prepare import prepare
 from bench.identification.problem import problem_of
+from bench.identification.wording import in_percent
 from bench.scenario.scenario import load_scenario
 from bench.truth.dataset import as_dataset
 from bench.truth.simulate import simulate
@@ -41,6 +42,16 @@ def test_noise_is_noise(gentle):
     left = _left(gentle, lambda row, noise: noise)
     assert not left.significant
     assert "is at the noise floor of the currents" in unexplained_words(left)
+
+
+def test_one_floor_is_said_and_what_is_below_it_is_called_so(gentle):
+    noise = _left(gentle, lambda row, noise: noise)
+    lower = replace(noise, error=0.7 * noise.noise_floor)
+    assert "is below the noise floor of the currents" in unexplained_words(lower)
+    assert floor_words(noise) == f"the noise floor is {in_percent(noise.noise_floor)}"
+    rattling = _left(gentle, lambda row, noise: 0.1 * noise + 0.3 * row.velocity / row.velocity.std())
+    assert not rattling.floor_known
+    assert floor_words(rattling) == "the noise floor is not known"
 
 
 def test_white_errors_beyond_the_currents_noise_are_not_called_the_currents_noise(gentle):

@@ -5,6 +5,7 @@ from collections.abc import Callable, Mapping
 from bench.diagnosis.reason import Because, Doubt
 from bench.diagnosis.result import Diagnosis, EffectVerdict, Remainder, Unexplained
 from bench.effects.display_names import begun, spoken
+from bench.identification.decision import RULE
 from bench.identification.wording import and_list, in_percent, or_list
 
 DOUBTS: Mapping[Doubt, str] = {
@@ -36,14 +37,15 @@ def unexplained_words(unexplained: Unexplained, *, searched: bool = True) -> str
     floor, encoders = (f"{100.0 * noise:.3g} %" for noise in (unexplained.noise_floor, unexplained.encoders))
     error = f"{100.0 * unexplained.error:.3g} %"
     if unexplained.what == Remainder.NOISE:
-        return f"the remaining error ({error}) is at the noise floor of the currents ({floor})"
+        below = unexplained.error * RULE.beyond_noise < unexplained.noise_floor
+        return f"the remaining error ({error}) is {'below' if below else 'at'} the noise floor of the currents ({floor})"
     if unexplained.what == Remainder.NOISE_AND_ENCODERS:
         return (
             f"the remaining error ({error}) is explained by the noise of the currents ({floor}) and of the encoders "
             f"({encoders})"
         )
     noise = f"the noise floor of the currents is {floor}"
-    if unexplained.noise_floor >= unexplained.error:
+    if not unexplained.floor_known:
         noise = "the noise floor is not known, since the currents are noisier above the band of the fit than in it"
     if unexplained.encoders > 0.1 * unexplained.noise_floor:
         noise += f", that of the encoders {encoders}"
@@ -54,6 +56,13 @@ def unexplained_words(unexplained: Unexplained, *, searched: bool = True) -> str
     variables = ", ".join(unexplained.depends_on)
     varies = f"the remaining error is {error} of the current ({noise}), and it depends on {variables}"
     return f"{varies}: no effect of the catalogue explains it" if searched else varies
+
+
+def floor_words(unexplained: Unexplained) -> str:
+    """The noise floor, where it is known, as a clause."""
+    if unexplained.floor_known:
+        return f"the noise floor is {in_percent(unexplained.noise_floor)}"
+    return "the noise floor is not known"
 
 
 def _explains(verdict: EffectVerdict) -> str:

@@ -120,6 +120,11 @@ class Unexplained:
         return self.what == Remainder.PATTERN
 
     @property
+    def floor_known(self) -> bool:
+        """Whether the noise above the band of the fit is that of the band: otherwise it would be more than the error."""
+        return self.what == Remainder.NOISE or self.noise_floor < self.error
+
+    @property
     def much(self) -> bool:
         """Whether so much remains, whatever it varies with, that noise alone cannot be it."""
         return self.error > RULE.much * hypot(self.noise_floor, self.encoders)

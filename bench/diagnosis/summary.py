@@ -10,7 +10,7 @@ from bench.basics.joint_units import units_of_gain
 from bench.diagnosis.differs_words import from_run_to_run
 from bench.diagnosis.law_words import law_sentences
 from bench.diagnosis.motions import telling_motions
-from bench.diagnosis.reason_words import reason_sentence, unexplained_words, validated_on
+from bench.diagnosis.reason_words import floor_words, reason_sentence, unexplained_words, validated_on
 from bench.diagnosis.result import Diagnosis, EffectVerdict, Remainder, Unfinished
 from bench.diagnosis.unfinished_words import unfinished_sentence
 from bench.effects.display_names import spoken
@@ -81,7 +81,7 @@ def _summary(diagnosis: Diagnosis) -> DiagnosisSummary:
     missing = named_effects(diagnosis)
     first, last = diagnosis.ladder[0], diagnosis.ladder[-1]
     before, after = (_first_known(step.validate, step.identify) for step in (first, last))
-    floor = diagnosis.unexplained.noise_floor
+    floor = floor_words(diagnosis.unexplained)
     residual_sentence = f"{_capital(unexplained_words(diagnosis.unexplained, searched=searched))}."
     validation = validated_on(diagnosis)
     needless = _superfluous(diagnosis)
@@ -97,12 +97,12 @@ def _summary(diagnosis: Diagnosis) -> DiagnosisSummary:
         if not searched:
             nothing = (
                 f"No missing effect was identified within the time limit: judged on {validation}, the error is "
-                f"{in_percent(before)} of the current; the noise floor is {in_percent(floor)}."
+                f"{in_percent(before)} of the current; {floor}."
             )
         elif not differs and _explains_nothing(diagnosis, before):
             nothing = (
                 f"No model of this program explains these currents: judged on {validation}, the error is "
-                f"{in_percent(before)} of the current; the noise floor is {in_percent(floor)}. No effect of the "
+                f"{in_percent(before)} of the current; {floor}. No effect of the "
                 "catalogue reduces it clearly."
             )
         causes = [expected for expected in diagnosis.after.findings if expected.code in CAUSES]
@@ -146,12 +146,12 @@ def _summary(diagnosis: Diagnosis) -> DiagnosisSummary:
         names = f"{names}, in addition to the effects that differ from run to run,"
     verdict = (
         f"{_capital(names)} {said_of} missing: judged on {validation}, the error falls from {in_percent(before)} "
-        f"to {in_percent(after)} of the current; the noise floor is {in_percent(floor)}."
+        f"to {in_percent(after)} of the current; {floor}."
     )
     if not laws and not each and _explains_nothing(diagnosis, after):
         verdict = (
             f"No model of this program explains these currents: judged on {validation}, the best one has an error of "
-            f"{in_percent(after)} of the current; the noise floor is {in_percent(floor)}. It adds {names}; "
+            f"{in_percent(after)} of the current; {floor}. It adds {names}; "
             f"without, the error is {in_percent(before)}."
         )
     undecided = (

@@ -30,7 +30,8 @@ def step_labels(steps: Sequence[Sequence[str]]) -> list[str]:
 
 def ladder_table(diagnosis: Diagnosis) -> Table:
     """Errors fitted and not fitted after each added effect, down to the noise, with bars for the latter."""
-    steps, floor = diagnosis.ladder, diagnosis.unexplained.noise_floor
+    steps, noise = diagnosis.ladder, diagnosis.unexplained
+    floor = noise.noise_floor if noise.floor_known else None
     errors = [step.identify if step.validate is None else step.validate for step in steps]
     values = [*errors, floor]
     largest = max((value for value in values if value), default=1.0)

@@ -106,9 +106,11 @@ def diagnosis_tiles(diagnosis: Diagnosis) -> tuple[Tile, ...]:
     before = f"from {share(known[0])} without" if diagnosis.added else "nothing to add"
     count = str(len(diagnosis.added)) if diagnosis.added else "none"
     names = ", ".join(effect_name(name) for name in diagnosis.added) or "that the catalogue knows"
+    noise = diagnosis.unexplained
+    floor = share(noise.noise_floor) if noise.floor_known else "not known"
     return (
         Tile(f"Error, {kind}", share(known[1]), before),
-        Tile("Noise floor", share(diagnosis.unexplained.noise_floor), "of the currents, as an error"),
+        Tile("Noise floor", floor, "of the currents, as an error"),
         Tile("Missing effects", count, names),
         _gain_tile(diagnosis.after, diagnosis.before if diagnosis.added else None),
     )
