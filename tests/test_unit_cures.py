@@ -14,25 +14,26 @@ from bench.dataset.robot import load_robot
 COUNT = 1000
 
 
-def import_crank(tmp_path: Path, carriage: float, *options: str, names=("x", "i1", "i2"), milli=1.0) -> int:
+def import_crank(
+    tmp_path: Path, carriage: float, *options: str, names=("x", "i1", "i2"), milli=1.0, time="t", empty=0
+) -> int:
     """Import a log of the robot crank_slide with its carriage in other units, or its first current."""
-    time = np.arange(COUNT) / 100.0
+    stamps = np.arange(COUNT) / 100.0
     rng = np.random.default_rng(1)
-    columns = [time]
+    columns = [stamps]
     for j, joint in enumerate(joint_facts(load_robot("crank_slide"))):
         at = 0.5 * (joint.lower + joint.upper)
         wide = 0.3 * (joint.upper - joint.lower)
-        columns.append((at + wide * np.sin(2.0 * time)) * (carriage if j else 1.0))
+        columns.append((at + wide * np.sin(2.0 * stamps)) * (carriage if j else 1.0))
     for j in range(2):
         scaled = milli if j == 0 else 1.0
-        columns.append(scaled * (2.0 * np.cos(3.0 * time) + 0.01 * rng.normal(size=COUNT)))
-    header = ["t", "q", *names]
+        columns.append(scaled * (2.0 * np.cos(3.0 * stamps) + 0.01 * rng.normal(size=COUNT)))
+    header = [time, "q", *names]
     log = tmp_path / "log.csv"
-    log.write_text(
-        ";".join(header)
-        + "\n"
-        + "\n".join(";".join(f"{x:.9g}" for x in row) for row in zip(*columns, strict=True))
-    )
+    rows = [[f"{value:.9g}" for value in row] for row in zip(*columns, strict=True)]
+    if empty:
+        rows[empty][1:] = [""] * (len(rows[empty]) - 1)
+    log.write_text("\n".join(";".join(row) for row in [header, *rows]))
     targets = ("time", "position.crank", "position.carriage", "current.crank", "current.carriage")
     words = [
         word for target, name in zip(targets, header, strict=True) for word in ("--map", f"{target}={name}")
@@ -94,3 +95,27 @@ def test_minus_one_changes_the_sign_and_keeps_the_unit(tmp_path, options, name, 
     )
     assert np.abs(plain[:, 0]).max() < 3.0
     np.testing.assert_allclose(turned, plain * [-1.0, 1.0], rtol=1e-12)
+
+
+def test_a_time_too_short_in_its_unit_names_the_unit_of_the_header(tmp_path, capsys):
+    assert import_crank(tmp_path, 1.0, "--scale", "time=ns") == 2
+    assert "give another unit than --scale time=ns" in capsys.readouterr().err
+    assert import_crank(tmp_path, 1.0, time="t [ns]") == 2
+    assert "turned from ns, as the log says: if that is wrong, add --scale time=ms" in capsys.readouterr().err
+
+
+def test_an_empty_row_is_one_line(tmp_path, capsys):
+    assert import_crank(tmp_path, 1.0, empty=500) == 2
+    (line,) = capsys.readouterr().err.splitlines()
+    assert "line 502: is empty, likewise in position.carriage, current.crank, current.carriage" in line
+
+
+def test_a_column_that_is_mapped_already_is_not_proposed(tmp_path, capsys):
+    assert import_crank(tmp_path, 1.0, "--map", "temperature=i3") == 2
+    assert "did you mean" not in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("command", [["import", "log.csv"], ["excite", "two_link", "-o", "plan"]])
+def test_a_decimal_comma_is_called_so(command, capsys):
+    assert main([*command, "--payload-mass", "1,2"]) == 2
+    assert "'1,2' is no number: write the decimal point as in 1.2" in capsys.readouterr().err

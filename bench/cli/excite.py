@@ -9,10 +9,10 @@ from bench.cli.completion import effects as effect_names
 from bench.cli.completion import robots as robot_names
 from bench.cli.last_lines import next_line, say, wrote
 from bench.cli.options import effect_file_option, in_existing_folder, with_option
-from bench.cli.parameters import Rate
+from bench.cli.parameters import Positive, Rate
 from bench.cli.progress import quiet_option, shown_progress
 
-POSITIVE = click.FloatRange(min=0.0, min_open=True)
+POSITIVE = Positive()
 
 
 def _share(_context: click.Context, option: click.Parameter, text: str | None) -> float | None:

@@ -8,7 +8,7 @@ import click
 
 from bench.cli.completion import robots
 from bench.cli.last_lines import next_line, say, wrote
-from bench.cli.parameters import Assignment, Numbers, number_or_word, unique
+from bench.cli.parameters import Assignment, Numbers, Positive, number_or_word, unique
 from bench.cli.progress import quiet_option, shown_progress
 
 if TYPE_CHECKING:
@@ -89,7 +89,7 @@ BESIDE_MAPPING = ("mapping_file", "output", "replace", "quiet")
 @click.option("--payload", metavar="NAME", help="The payload on the tool.")
 @click.option(
     "--payload-mass",
-    type=float,
+    type=Positive(),
     metavar="KG",
     help="Define the payload by its weighed mass; unknown values are estimated.",
 )

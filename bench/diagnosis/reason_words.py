@@ -38,7 +38,8 @@ def unexplained_words(unexplained: Unexplained, *, searched: bool = True) -> str
     error = f"{100.0 * unexplained.error:.3g} %"
     if unexplained.what == Remainder.NOISE:
         below = unexplained.error * RULE.beyond_noise < unexplained.noise_floor
-        return f"the remaining error ({error}) is {'below' if below else 'at'} the noise floor of the currents ({floor})"
+        where = "below" if below else "at"
+        return f"the remaining error ({error}) is {where} the noise floor of the currents ({floor})"
     if unexplained.what == Remainder.NOISE_AND_ENCODERS:
         return (
             f"the remaining error ({error}) is explained by the noise of the currents ({floor}) and of the encoders "

@@ -121,7 +121,7 @@ class Unexplained:
 
     @property
     def floor_known(self) -> bool:
-        """Whether the noise above the band of the fit is that of the band: otherwise it would be more than the error."""
+        """Whether the noise above the band of the fit is that of the band: otherwise it is larger than the error."""
         return self.what == Remainder.NOISE or self.noise_floor < self.error
 
     @property

@@ -247,7 +247,7 @@ def _cannot_tell(verdict: EffectVerdict, missing: Sequence[EffectVerdict]) -> st
     motions = "; ".join(telling_motions([verdict.effect, *verdict.alternatives])[: TOLERANCES.report.motions])
     options = "".join(f" --with {other.effect}" for other in missing if other is not verdict)
     return (
-        f"Instead of {spoken(verdict.effect)} the cause could equally be "
+        f"Instead of {spoken(verdict.effect)} the cause could also be "
         f"{or_list([spoken(name) for name in verdict.alternatives])}: "
         f"these recordings cannot distinguish them. To distinguish them: {motions}. The motion is designed by "
         f"`bench discriminate DATASET {verdict.effect} {verdict.alternatives[0]}{options} -o DIR`."
@@ -322,7 +322,7 @@ def _place(place: str, others: Sequence[str]) -> str:
 def _alike(verdict: EffectVerdict) -> list[str]:
     """A sentence for each place that others could stand for."""
     return [
-        f"{_capital(spoken(verdict.effect))} at {place} could equally be at {or_list(others)}: these recordings cannot "
+        f"{_capital(spoken(verdict.effect))} at {place} could also be at {or_list(others)}: these recordings cannot "
         "distinguish these places."
         for place, others in verdict.alike.items()
     ]

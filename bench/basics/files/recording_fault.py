@@ -17,6 +17,7 @@ class Remedy(Enum):
     FROM_MILLISECONDS = auto()
     FROM_MICROSECONDS = auto()
     FROM_NANOSECONDS = auto()
+    FROM_LONGER_UNIT = auto()
     FROM_THOUSANDTHS = auto()
     LEAVE_ROWS_OUT = auto()  # rows without a measurement, amid others
     REMOVE_ROWS = auto()  # such rows at the end, or without a time

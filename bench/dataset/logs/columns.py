@@ -180,7 +180,9 @@ def _sources(
     absent = [(target, source) for target, source in sources.items() if source not in there]
     if absent:
         named = ", ".join(f"{source!r} for {target}" for target, source in absent)
-        near = [name for _, source in absent for name in _nearest(source, there)]
+        taken = [source for source in sources.values() if source in there]
+        free = [name for name in there if name not in taken]
+        near = [name for _, source in absent for name in _nearest(source, free)]
         hint = (
             f": did you mean {' or '.join(map(repr, dict.fromkeys(near)))}?"
             if len(near) == len(absent)

@@ -22,7 +22,7 @@ from bench.dataset.joint_facts import JointFacts, joint_facts
 from bench.dataset.logs.columns import LogMap, columns_of
 from bench.dataset.logs.log_file import AS_FOUND, Reading, read_log
 from bench.dataset.logs.segments import UNCUT, Cutting, Segment, cut
-from bench.dataset.logs.unit_cures import UnitCures, with_cure
+from bench.dataset.logs.unit_cures import UnitCures, once_a_row, with_cure
 from bench.dataset.names import DATASET_FILE, Check, Use
 from bench.dataset.payload import Payload
 from bench.dataset.recording import write_table
@@ -171,7 +171,7 @@ def _parts(
         table = FileTable(file, part.table, log.lines, part.first_row, columns.sources)
         table_faults = faults_of(table, joints, frozenset(request.accept))
         cures = UnitCures(robot, columns, request.log_map.scale, table_faults)
-        for fault in table_faults:
+        for fault in once_a_row(table_faults):
             alike = (fault.column, fault.check or "", fault.remedy)
             faults.append(LogFault(file, alike, with_cure(fault, cures)))
     return parts, faults, (*log.notes, *columns.notes, *cuts)

@@ -48,6 +48,17 @@ class UnitCures:
             return f"its name says {named}: add --scale {column}={named}"
         return self._by_joint(column, group, unit, remedy)
 
+    def longer(self, fault: RecordingFaultError) -> str:
+        """What helps where a time is too short in the unit that the log states or that is given."""
+        column = fault.column
+        stated = self.columns.stated.get(column)
+        given = self.scale.get(column)
+        if given is not None:
+            return f"give another unit than --scale {column}={_number(given)}, for example {column}=ms"
+        if stated is not None:
+            return f"it is turned from {stated}, as the log says: if that is wrong, add --scale {column}=ms"
+        return f"add --scale {column}=min if it is in minutes"
+
     def _by_joint(self, column: str, group: str, unit: str, remedy: Remedy) -> str:
         """The scale of one joint, unless all joints of that kind have the same fault."""
         alike = {fault.column for fault in self.faults if fault.remedy is remedy}
@@ -82,9 +93,34 @@ def with_cure(fault: RecordingFaultError, cures: UnitCures) -> str:
     said = fault.said if fault.check is None else f"{fault.said} (--accept {fault.check} if that is meant)"
     if fault.remedy is not None and fault.remedy in CUTS:
         return f"{said}; add --split-gaps to {CUTS[fault.remedy]}"
+    if fault.remedy is Remedy.FROM_LONGER_UNIT:
+        return f"{said}; {cures.longer(fault)}"
     if fault.remedy is None or fault.remedy not in IN_UNIT:
         return said
     return f"{said}; {cures.cure(fault, fault.remedy)}"
+
+
+def once_a_row(faults: Sequence[RecordingFaultError]) -> list[RecordingFaultError]:
+    """The same faults, those of one row in several columns as one."""
+    kept: dict[tuple[str, str], RecordingFaultError] = {}
+    columns: dict[tuple[str, str], list[str]] = {}
+    for fault in faults:
+        of_rows = fault.remedy in (Remedy.LEAVE_ROWS_OUT, Remedy.REMOVE_ROWS)
+        key = ("" if of_rows else fault.column, fault.said.partition(", line ")[2] or fault.said)
+        kept.setdefault(key, fault)
+        columns.setdefault(key, []).append(fault.column)
+    return [
+        fault
+        if len(columns[key]) == 1
+        else RecordingFaultError(
+            f"{fault.said}, likewise in {', '.join(columns[key][1:])}",
+            fault.advice,
+            fault.remedy,
+            fault.check,
+            column=fault.column,
+        )
+        for key, fault in kept.items()
+    ]
 
 
 def _number(given: float | str) -> str:

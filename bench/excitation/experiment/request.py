@@ -114,7 +114,10 @@ def by_unit(key: str, given: Sequence[tuple[float, str]], robot: Robot) -> float
     }
     for unit, value in numbers.items():
         if unit not in units.values():
-            what = f"in {unit}" if unit else "without a unit beside others"
+            lacking = next((other for other in units.values() if other not in numbers), "")
+            if not unit and lacking:
+                raise BenchError(f"{key}: {value:g} has no unit: write {value:g}{lacking}")
+            what = f"in {unit}" if unit else "without a unit, next to others with one"
             raise BenchError(f"{key}: {value:g} {what}: no joint of {robot.name!r} takes it")
     for joint, unit in units.items():
         if unit not in numbers:
