@@ -40,8 +40,8 @@ def next_step(result: Discrimination, diagnose: str, folder: str | Path) -> str 
         return f"next: {diagnose}"
     if not result.tells:
         return (
-            f"next: {Path(folder) / 'trajectory.csv'} is the best motion, but not enough by itself: use a remedy above, "
-            "then this command again"
+            f"next: {Path(folder) / 'trajectory.csv'} is the best motion, but not enough by itself: use a remedy "
+            "above, then this command again"
         )
     return (
         f"next: record {Path(folder) / 'trajectory.csv'} twice, add both logs with bench import (how: "

@@ -225,8 +225,7 @@ def _readme(plan: ExperimentPlan, forecast: Forecast, drawn: tuple[str, ...]) ->
         lines.append(f"| {expected.name} | {value} | {std} | {share} |")
     lines += [
         "",
-        "Of its size: of the nominal value; of a value below "
-        f"{in_percent(FORECAST.smallest_size, 2)} of the largest with its unit, of that share.",
+        f"Of its size: of the nominal value, or of {in_percent(FORECAST.smallest_size, 2)} of the largest with that unit.",
     ]
     robot = plan.robot.name if plan.robot.name in built_in_robots() else "ROBOT"
     lines += ["", "## Record it", ""]
