@@ -118,7 +118,7 @@ def _refuse_copies(path: Path, recordings: Sequence[Recording]) -> None:
     first: dict[bytes, str] = {}
     for recording in recordings:
         signals = np.hstack([recording.position, recording.current])
-        samples = sha256(np.ascontiguousarray(signals)).digest()
+        samples = sha256(signals.tobytes()).digest()
         other = first.setdefault(samples, recording.name)
         if other != recording.name:
             raise BenchError(

@@ -21,8 +21,8 @@ def gains_alike(result: Identification, payloads: Mapping[str, Payload]) -> list
     bounds = TOLERANCES.findings
     gains = {joint: gain for joint, gain in result.drive_gains.items() if gain.fitted and gain.determined}
     ratios = [gain.value / gain.nominal for gain in gains.values()]
-    carried = dict.fromkeys(series.payload for series in result.recordings if series.use == "identify")
-    weighed = [name for name in carried if name in payloads and payloads[name].mass is not None]
+    carried = {series.payload for series in result.recordings if series.use == "identify"}
+    weighed = [name for name, payload in payloads.items() if name in carried and payload.mass is not None]
     error = result.error.identify
     if not result.gains_fitted or len(ratios) < 2 or min(ratios) <= 0.0 or not weighed:
         return []

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from itertools import combinations
 
@@ -22,13 +22,18 @@ from bench.identification.swapped_columns import ColumnsTrial
 from bench.identification.tolerances import TOLERANCES
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class PositionChange:
-    """Other positions (N, n), and what they would mean."""
+    """Other positions, and what they would mean. order, factors (n,): which column each joint gets, times what."""
 
     code: Code
     joints: tuple[str, ...]
-    of: Callable[[np.ndarray], np.ndarray]
+    order: tuple[int, ...]
+    factors: np.ndarray
+
+    def of(self, position: np.ndarray) -> np.ndarray:
+        """The positions (N, n) that this makes of those in a log."""
+        return np.ascontiguousarray(position[:, list(self.order)] * self.factors)
 
 
 @on_one_thread
@@ -94,14 +99,14 @@ def changes(robot: Robot) -> Iterator[PositionChange]:
     """Each joint's sign, and each exchange of an angle with a travel."""
     joints = robot.joints
     turns = [units_of_gain(actuator.gain_unit).rotates for actuator in robot.actuators]
+    motors = range(len(joints))
     for j, joint in enumerate(joints):
-        signs = np.ones(len(joints))
-        signs[j] = -1.0
-        yield PositionChange(Code.POSITION_REVERSED, (joint,), lambda position, signs=signs: position * signs)
-    for a, b in combinations(range(len(joints)), 2):
+        signs = np.where(np.arange(len(joints)) == j, -1.0, 1.0)
+        yield PositionChange(Code.POSITION_REVERSED, (joint,), tuple(motors), signs)
+    for a, b in combinations(motors, 2):
         if turns[a] == turns[b]:
             continue  # those of like motors are tried by their currents
-        order = list(range(len(joints)))
+        order = list(motors)
         order[a], order[b] = b, a
         for scale in (
             1.0,
@@ -109,8 +114,4 @@ def changes(robot: Robot) -> Iterator[PositionChange]:
         ):  # in SI, or in what a log states of each column
             factors = np.ones(len(joints))
             factors[a], factors[b] = (1.0 / scale, scale) if turns[a] else (scale, 1.0 / scale)
-            yield PositionChange(
-                Code.POSITIONS_SWAPPED,
-                (joints[a], joints[b]),
-                lambda position, order=order, factors=factors: position[:, order] * factors,
-            )
+            yield PositionChange(Code.POSITIONS_SWAPPED, (joints[a], joints[b]), tuple(order), factors)

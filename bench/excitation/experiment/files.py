@@ -223,10 +223,8 @@ def _readme(plan: ExperimentPlan, forecast: Forecast, drawn: tuple[str, ...]) ->
         std = "undetermined" if expected.std is None else f"{expected.std:.2g} {expected.unit}"
         share = "" if expected.std is None else in_percent(expected.relative, 2)
         lines.append(f"| {expected.name} | {value} | {std} | {share} |")
-    lines += [
-        "",
-        f"Of its size: of the nominal value, or of {in_percent(FORECAST.smallest_size, 2)} of the largest with that unit.",
-    ]
+    least = in_percent(FORECAST.smallest_size, 2)
+    lines += ["", f"Of its size: of the nominal value, or of {least} of the largest with that unit."]
     robot = plan.robot.name if plan.robot.name in built_in_robots() else "ROBOT"
     lines += ["", "## Record it", ""]
     lines.append(
