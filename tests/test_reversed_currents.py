@@ -11,7 +11,16 @@ from bench.dataset.dataset import load_dataset
 from bench.dataset.logs.units import UNITS
 from bench.dataset.robot import load_robot
 from bench.diagnosis.signs import refuse_signs
-from bench.identification.finding import CAUSES, MEND_FIRST, NEGATIVE, UNBELIEVABLE, Code, Finding, to_mend
+from bench.identification.finding import (
+    CAUSES,
+    MEND_FIRST,
+    NEGATIVE,
+    UNBELIEVABLE,
+    Code,
+    Finding,
+    mended_first,
+    to_mend,
+)
 from bench.identification.finding_words import sentence
 from bench.identification.identify import identify
 from bench.identification.mistaken import mistaken
@@ -74,6 +83,8 @@ def test_a_negative_gain_of_a_model_that_explains_the_currents_is_refused(lackin
 
 
 def test_signs_are_mended_first():
+    findings = [Finding(Code.SHORT, ("a.csv",)), Finding(Code.SIGN_REVERSED, ("left",))]
+    assert [finding.code for finding in mended_first(findings)] == [Code.SIGN_REVERSED, Code.SHORT]
     assert NEGATIVE < UNBELIEVABLE < MEND_FIRST
     assert Code.CURRENT_REVERSED in CAUSES
 
@@ -132,6 +143,12 @@ def test_angle_and_travel_are_exchanged_in_the_units_that_a_log_states(scale):
     exchanged = [change for change in changes(load_robot("crank_slide")) if len(change.joints) > 1]
     assert {change.code for change in exchanged} == {Code.POSITIONS_SWAPPED}
     assert any(np.allclose(change.of(wrong), right) for change in exchanged)
+
+
+def test_a_wrong_mass_is_no_undeclared_load(lacking):
+    disc = replace(lacking.payloads["disc"], mass=1.75 * lacking.payloads["disc"].mass)
+    wrong = replace(lacking, payloads={"disc": disc})
+    assert mistaken(problem_of(wrong), identify(prepare(problem_of(wrong)))) == ()
 
 
 def test_a_load_that_nobody_declares_is_named_with_its_mass(lacking):

@@ -8,6 +8,7 @@ from bench.api.sources import Data, as_dataset
 from bench.diagnosis.mounting import mounted_otherwise
 from bench.identification.chosen_band import prepare_checked
 from bench.identification.estimators import DEFAULT_METHOD
+from bench.identification.finding import mended_first
 from bench.identification.identify import identify as fitted
 from bench.identification.mistaken import mistaken
 from bench.identification.problem import Filters, problem_of
@@ -45,7 +46,7 @@ def identify(
     causes = mistaken(problem, result, prepared)
     mounted = mounted_otherwise(prepared)
     short = short_recordings(dataset.recordings, result.settings)
-    annotated = replace(result, findings=(*causes, *mounted, *result.findings, *short))
+    annotated = replace(result, findings=mended_first((*causes, *mounted, *result.findings, *short)))
     if not physical:
         return annotated
     from bench.export.constrained import physically_consistent  # noqa: PLC0415 - slow, and for this alone

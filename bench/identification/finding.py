@@ -142,6 +142,11 @@ MEND_FIRST = UNBELIEVABLE | CAUSES | {Code.NO_MODEL_IS_BETTER, Code.GAINS_ALIKE}
 """What is to be mended before anything else is asked of the data."""
 
 
+def mended_first(findings: Iterable[Finding]) -> tuple[Finding, ...]:
+    """The findings in their order, those to be mended before the others."""
+    return tuple(sorted(findings, key=lambda finding: finding.code not in MEND_FIRST))
+
+
 def to_mend(findings: Iterable[Finding], *, error_left: bool) -> bool:
     """Whether something is to be mended before a diagnosis, which helps where an error is left that effects explain."""
     codes = {finding.code for finding in findings} & MEND_FIRST

@@ -27,12 +27,14 @@ def undeclared_load(
     """The fitted recording without a payload that an unknown payload explains, with its mass; none where none does.
 
     Tried with the nominal gains and with dry and viscous friction, in one recording after the other. Of two recordings
-    the one is named whose load has a positive mass. prepared: equations with the filters of the result. Raises
+    the one is named whose load has a positive mass. With a payload of known mass in another one, that mass may be what
+    is wrong, and nothing is tried. prepared: equations with the filters of the result. Raises
     TimeUpError after the deadline.
     """
     bounds, dataset = TOLERANCES.findings, problem.dataset
     fitted = [recording for recording in dataset.recordings if recording.use == "identify"]
-    if dataset.robot.tool_site is None or len(fitted) < 2:
+    weighed = any(recording.payload in dataset.weighed for recording in fitted)
+    if dataset.robot.tool_site is None or len(fitted) < 2 or weighed:
         return []
     trial = ColumnsTrial(prepared)
     before = trial.error(trial.reversed_in((), ()), nominal=True)

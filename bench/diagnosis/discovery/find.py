@@ -39,7 +39,7 @@ from bench.diagnosis.signs import refuse_signs
 from bench.diagnosis.split_problem import SplitProblem, split_and_fitted
 from bench.effects import EffectInstance
 from bench.identification.decision import RULE
-from bench.identification.finding import Finding
+from bench.identification.finding import Finding, mended_first
 from bench.identification.identify import fit
 from bench.identification.mistaken import mistaken
 from bench.identification.model_averaged import gains_model_averaged
@@ -78,7 +78,7 @@ def find_missing_effects(
     diagnosis = _diagnosis(case, discover, not causes, progress)
     return replace(
         diagnosis,
-        after=replace(diagnosis.after, findings=(*causes, *diagnosis.after.findings)),
+        after=replace(diagnosis.after, findings=mended_first((*causes, *diagnosis.after.findings))),
         unfinished=(*unfinished, *diagnosis.unfinished),
     )
 
