@@ -38,6 +38,8 @@ def undeclared_load(
         return []
     trial = ColumnsTrial(prepared)
     before = trial.error(trial.reversed_in((), ()), nominal=True)
+    if before < bounds.large_error:
+        return []
     best: tuple[float, float, str] | None = None
     for name in [recording.name for recording in fitted if recording.payload is None]:
         deadline.check()
