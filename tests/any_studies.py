@@ -20,7 +20,7 @@ from bench.residuals.residuals import MotorErrors, WhereItFails
 from bench.robot_check.outcome import Check, CheckCode
 from bench.robot_check.report import Amplification, Singularity
 from bench.robot_check.words import TERMS, WORDS
-from tests.any_values import effects, errors, findings_of, names, numbers, sizes, some, units
+from tests.any_values import effects, errors, findings, findings_of, names, numbers, sizes, some, units
 
 few = some(names)
 
@@ -186,12 +186,13 @@ def plans_of(told: Forecast) -> st.SearchStrategy[Any]:
             random=st.just({}) | st.fixed_dictionaries({"median": sizes, "best": sizes}),
             before=errors,
             search=built(array, loads=st.lists(st.none() | names, min_size=1, max_size=2)),
-            room=built(array, assumed=few, boxes=few, torque=sizes),
+            room=built(array, assumed=few, unranged=few, boxes=few, torque=sizes),
             nominal=built(
                 array,
                 noise=noise,
                 source=names,
                 scale=st.none() | findings_of(Code.GAINS_NOT_FIXED),
+                doubts=st.just(()) | st.tuples(findings),
                 model=built(array, geometry=built(array, closed=st.booleans())),
             ),
             names=st.just(tuple(name for name, _ in some_recordings)),

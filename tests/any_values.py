@@ -97,6 +97,10 @@ _CARRIES = {  # names, numbers, whether it is of unknowns
     Code.ROUNDING_DECIDES: (_NONE, "condition", False),
     Code.NOISE_DECIDES: (_ONE, "share other value", False),
     Code.UNITS_UNLIKE: (some(names, 2), "times", False),
+    Code.CURRENT_REVERSED: (some(names, 1, 2), "before after", False),
+    Code.POSITION_REVERSED: (_ONE, "before after current", False),
+    Code.POSITIONS_SWAPPED: (_TWO, "before after current", False),
+    Code.LOAD_UNDECLARED: (_ONE, "before after mass", False),
     Code.COLUMNS_SWAPPED: (some(names, 2, 3), "error", False),
     Code.OTHER_LOAD: (
         st.tuples(names, names, st.just("") | names, st.just("") | names),
@@ -124,6 +128,7 @@ _CARRIES = {  # names, numbers, whether it is of unknowns
     Code.JUDGED_BEYOND: (_SOME, "", False),
     Code.GAINS_A_THOUSAND: (_NONE, "", False),
     Code.GAINS_A_THOUSANDTH: (_NONE, "", False),
+    Code.GAINS_ALIKE: (_SOME, "least most mass likely", True),
     Code.NO_MODEL_IS_BETTER: (_NONE, "error", False),
     Code.SIGN_REVERSED: (_ONE, "", False),
     Code.GAIN_NEGATIVE: (_ONE, "", False),

@@ -1,5 +1,6 @@
 """Broken dataset.toml, robot.toml and MJCF files."""
 
+import shutil
 from pathlib import Path
 
 from tests.broken_kit import CSV, PARQUET, broken, edit
@@ -51,6 +52,13 @@ def recording_file_missing(folder: Path) -> None:
 @broken("dataset.toml", "recordings[1].file", CSV, "twice")
 def recording_listed_twice(folder: Path) -> None:
     edit(folder / "dataset.toml", PARQUET, CSV)
+
+
+@broken("dataset.toml", "recordings", "'copy.csv' holds the same samples as", CSV, "remove one")
+def recording_under_a_second_name(folder: Path) -> None:
+    shutil.copy(folder / CSV, folder / "copy.csv")
+    with (folder / "dataset.toml").open("a") as file:
+        file.write('[[recordings]]\nfile = "copy.csv"\nuse = "validate"\npayload = "disc"\n')
 
 
 @broken("dataset.toml", "recordings[1].payload", "'disk'", "disc")

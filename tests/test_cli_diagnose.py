@@ -139,7 +139,7 @@ def test_nothing_missing_is_said_first_and_nothing_moves(nothing):
 def test_alternatives_are_said_to_be_beyond_these_recordings(found):
     doubtful = replace(VISCOUS, verdict="indistinguishable", alternatives=("current_delay", "quadratic_drag"))
     said = summary_sentences(replace(found, ranking=(doubtful, *OTHERS)))
-    (line,) = [one for one in said if "could equally be" in one]
+    (line,) = [one for one in said if "could also be" in one]
     assert "current delay or quadratic drag" in line
     assert "these recordings cannot distinguish them" in line
     assert "To distinguish them: move fast and slowly; reverse fast; move as fast as allowed." in line

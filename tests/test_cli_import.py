@@ -122,14 +122,16 @@ def test_a_built_in_robot_is_named_and_another_found_from_the_dataset(run, log, 
 def test_payload_is_defined_and_then_named(run, tmp_path):
     common = (*MAPS, "--map", "time=t", "-o", "data")
     assert run(*common, "--name", "a.csv") == 0
-    assert run(*common, "--name", "b.csv", "--payload", "disc", "--payload-mass", "0.5") == 0
-    assert run(*common, "--name", "c.csv", "--payload", "disc", "--use", "validate") == 0
+    other, third, fourth = (("--scale", f"current={factor}") for factor in (1.01, 1.02, 1.03))
+    assert run(*common, *other, "--name", "b.csv", "--payload", "disc", "--payload-mass", "0.5") == 0
+    assert run(*common, *third, "--name", "c.csv", "--payload", "disc", "--use", "validate") == 0
     dataset = load_dataset(tmp_path / "data")
     assert [recording.payload for recording in dataset.recordings] == [None, "disc", "disc"]
     assert [recording.use for recording in dataset.recordings] == ["identify", "identify", "validate"]
     assert dataset.payloads["disc"].mass == 0.5
     known = ("--payload-center=0,0,-0.02", "--payload-inertia", "1e-3,1e-3,2e-3,0,0,0")
-    assert run(*common, "--name", "d.csv", "--payload", "bar", "--payload-mass", "1", *known) == 0
+    bar = ("--name", "d.csv", "--payload", "bar", "--payload-mass", "1")
+    assert run(*common, *fourth, *bar, *known) == 0
     bar = load_dataset(tmp_path / "data").payloads["bar"]
     assert bar.center_of_mass.tolist() == [0.0, 0.0, -0.02]
     assert bar.inertia.tolist() == [1e-3, 1e-3, 2e-3, 0.0, 0.0, 0.0]
@@ -200,8 +202,8 @@ def test_all_that_is_wrong_with_many_logs_is_told_at_once_with_what_mends_it(log
     told = capsys.readouterr().err.splitlines()
     for name, column, cure in (
         ("first", "time", "--scale time=ms"),
-        ("first", "position.left", "--scale position=deg"),
-        ("first", "current.right", "--scale current=mA"),
+        ("first", "position.left", "--scale position.left=deg"),
+        ("first", "current.right", "--scale current.right=mA"),
         ("second", "time", "--split-gaps"),
         ("second", "position.right", "--accept spikes"),
         ("second", "current.left", "--accept constant"),

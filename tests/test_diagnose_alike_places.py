@@ -38,7 +38,7 @@ def test_a_friction_in_a_joint_that_moves_like_others_may_be_in_these(parallelog
         shares = [verdict.places[each] for each in (place, *others)]
         assert sum(shares) == pytest.approx(1.0)
         assert min(shares) == max(shares)
-    assert any("could equally be at" in sentence for sentence in summary_sentences(parallelogram))
+    assert any("could also be at" in sentence for sentence in summary_sentences(parallelogram))
 
 
 def test_a_joint_that_moves_like_no_other_is_named_alone() -> None:
@@ -47,4 +47,4 @@ def test_a_joint_that_moves_like_no_other_is_named_alone() -> None:
     (verdict,) = (each for each in answer.ranking if each.effect == EFFECT)
     assert verdict.actuators == ("left_elbow",)
     assert verdict.alike == {}
-    assert not any("could equally be at" in sentence for sentence in summary_sentences(answer))
+    assert not any("could also be at" in sentence for sentence in summary_sentences(answer))

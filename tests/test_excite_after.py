@@ -1,14 +1,20 @@
 """`bench excite --after`: the next best motion, and what it adds to the recordings that are there."""
 
 import json
+from dataclasses import replace
 
+import numpy as np
 import pytest
 
+from bench.basics.errors import BenchError
 from bench.cli import main
 from bench.dataset.robot import load_robot
 from bench.excitation.experiment.after import plan_after
+from bench.excitation.experiment.forecast import forecast
 from bench.excitation.experiment.plan import Aim, plan_experiment
 from bench.excitation.experiment.request import ExperimentTable
+from bench.excitation.experiment.sentences import sentences
+from bench.identification.finding_words import sentence
 from bench.identification.problem import problem_of
 from bench.scenario.scenario import load_scenario, resolve_trajectories
 from bench.truth.dataset import as_dataset, write_simulation
@@ -53,6 +59,30 @@ def test_the_command_writes_it(recorded, tmp_path, capsys):
     answer = json.loads((tmp_path / "next" / "answer.json").read_text())
     assert list(answer["recordings"]) == ["next", "next_check"]
     assert answer["value"] < answer["before"]
+
+
+def scaled(recorded, factor):
+    """The dataset with the current of its first motor multiplied."""
+    data = as_dataset(recorded)
+    recordings = [
+        replace(recording, current=recording.current * np.array([factor, 1.0]))
+        for recording in data.recordings
+    ]
+    return replace(data, recordings=tuple(recordings))
+
+
+def test_a_negative_gain_is_refused(recorded):
+    with pytest.raises(BenchError, match="drive gain of shoulder is negative"):
+        plan_after(problem_of(scaled(recorded, -1.0)), ExperimentTable.model_validate(SHORT), Aim(steps=0))
+
+
+def test_a_model_that_identify_rejects_is_no_ground_for_a_plan(recorded, following):
+    plan = plan_after(problem_of(scaled(recorded, 0.3)), ExperimentTable.model_validate(SHORT), Aim(steps=0))
+    said = sentences(plan, forecast(plan, None))[0]
+    assert said.startswith("Do not use this plan: `bench identify` rejects the model")
+    assert sentence(plan.nominal.doubts[0]) in said
+    assert "--with" in said
+    assert following.nominal.doubts == ()
 
 
 @pytest.mark.parametrize(

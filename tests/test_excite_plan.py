@@ -320,7 +320,7 @@ def test_a_folder_with_something_else_is_left_alone(tmp_path):
     ("robot", "given", "said"),
     [
         ("crank_slide", ["3rad/s"], "velocity: joint 'carriage' is in m/s: add --velocity NUMBERm/s"),
-        ("crank_slide", ["3rad/s", "0.3"], "velocity: 0.3 without a unit beside others"),
+        ("crank_slide", ["3rad/s", "0.3"], "velocity: 0.3 has no unit: write 0.3m/s"),
         ("emps", ["3rad/s"], "velocity: 3 in rad/s: no joint of 'emps' takes it"),
         ("emps", ["3m/s2"], "'3m/s2' is no positive number, alone or in rad/s or m/s"),
     ],

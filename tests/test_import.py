@@ -117,7 +117,8 @@ def test_a_second_log_is_added_and_comments_stay(tmp_path: Path, robot: str, mat
     save_mat(tmp_path / "second.mat", log(1))
     disc = Payload("disc", 0.5)
     imported(tmp_path / "second.mat", robot, MAP, out, payload=disc)
-    imported(tmp_path / "second.mat", robot, MAP, out, "validate", "disc", name="third.csv")
+    save_mat(tmp_path / "third.mat", log(2))
+    imported(tmp_path / "third.mat", robot, MAP, out, "validate", "disc")
     assert toml.read_text().startswith("# weighed on Monday\n")
     dataset = load_dataset(out)
     assert [(r.name, r.use, r.payload) for r in dataset.recordings] == [

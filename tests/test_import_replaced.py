@@ -62,7 +62,8 @@ def test_a_recording_and_its_payload_are_replaced_where_they_stand(folder: Path,
         (folder / "dataset.toml").read_text()
         + '[[recordings]]\nfile = "free-2.csv"\nuse = "validate"\npayload = "disc"\n'
     )
-    (folder / "free-2.csv").write_bytes((folder / "free.csv").read_bytes())
+    shorter = (folder / "free.csv").read_text().splitlines()[:-1]
+    (folder / "free-2.csv").write_text("\n".join(shorter) + "\n")
     capsys.readouterr()
     assert command(folder, "--payload", "disc", "--payload-mass", "0.5", "--replace") == 0
     assert "the payload disc was 2.5 kg and is 0.5 kg now, in free-2.csv as well" in capsys.readouterr().out

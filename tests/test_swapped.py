@@ -9,9 +9,9 @@ from bench.dataset.dataset import load_dataset
 from bench.identification.finding_words import sentence
 from bench.identification.findings import with_findings
 from bench.identification.identify import identify
-from bench.identification.mistaken import swapped_columns
 from bench.identification.prepare import prepare
 from bench.identification.problem import problem_of
+from bench.identification.swapped_columns import swapped_columns
 from bench.identification.tolerances import TOLERANCES
 from tests.workbench_kit import FRICTION, write_dataset
 

@@ -9,7 +9,7 @@ from bench.basics.errors import BenchError
 from bench.effects.catalogue import CATALOGUE
 from bench.studies.sweep.command import extent
 from bench.studies.sweep.plan import make_plan
-from bench.studies.sweep.preflight import check_plan
+from bench.studies.sweep.preflight import check_plan, fixed_declarations
 from bench.studies.sweep.sweep_file import IdentifyTable, SweepTable, built_in_sweeps, load_sweep
 from bench.truth.hidden import HIDDEN_EFFECTS
 from tests.sweep_stand_in import plan_of
@@ -38,6 +38,22 @@ def test_runs_that_share_work_stand_side_by_side(tmp_path):
     assert {len(task) for task in tasks} == {2}, "estimators share the equations"
     assert len({task[0].equations for task in tasks}) == len(tasks) == 3 * 3 * 4
     assert len({run.design for run in runs_of(plan)}) == 1
+
+
+@pytest.mark.parametrize(
+    ("axes", "noted"),
+    [
+        ('"payloads.disc.mass" = [0.1, 0.2]', True),
+        ('"payloads.disc.inertia" = [[1e-3, 1e-3, 1e-3, 0, 0, 0]]', False),
+        ('"payloads.disc.mass" = [0.1, 0.2]\n"payloads.disc.declared.mass" = [0.1, 0.2]', False),
+        ('method = ["ls", "wls"]', False),
+    ],
+)
+def test_a_declared_value_that_stays_while_the_truth_varies_is_noted(tmp_path, axes, noted):
+    head = 'base = "five_bar"\nscenario = { payloads.disc.declared.mass = 0.5 }'
+    notes = fixed_declarations(of(tmp_path, axes, head))
+    assert bool(notes) is noted
+    assert all("declares 0.5 in every run" in note for note in notes)
 
 
 @pytest.mark.parametrize(

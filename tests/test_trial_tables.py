@@ -47,6 +47,16 @@ def test_what_was_not_tried_is_left_out(nothing: TrialSummary) -> None:
         assert "Parameters of" not in text
 
 
+def test_the_terminal_says_which_cases_do_not_count_in_a_hundred_columns() -> None:
+    summary = summarised("robot", trial_rows())
+    text = printed(summary)
+    assert max(map(len, map(str.rstrip, text.splitlines()))) <= 100
+    assert summary.small > 0
+    said = f"at least 3 × the noise floor; this is not so in {summary.small} case"
+    assert said in " ".join(text.split())
+    assert "do not count" not in printed(summarised("robot", [trial_row("nothing", "", "")]))
+
+
 def test_pictures_are_of_what_there_are_cases_for(tmp_path: Path) -> None:
     nothing = [trial_row("nothing", "", "")] * 2
     assert write_figures(summarised("robot", nothing), nothing, tmp_path / "robot") == []

@@ -43,6 +43,12 @@ def test_noise_is_noise(gentle):
     assert "is at the noise floor of the currents" in unexplained_words(left)
 
 
+def test_an_error_below_the_floor_is_called_so(gentle):
+    noise = _left(gentle, lambda row, noise: noise)
+    lower = replace(noise, error=0.7 * noise.noise_floor)
+    assert "is below the noise floor of the currents" in unexplained_words(lower)
+
+
 def test_white_errors_beyond_the_currents_noise_are_not_called_the_currents_noise(gentle):
     left = _left(gentle, lambda row, noise: 3.0 * noise)
     assert not left.significant

@@ -9,6 +9,7 @@ from bench.diagnosis.mounting import mounted_otherwise
 from bench.identification.chosen_band import prepare_checked
 from bench.identification.decision import DecisionRule, deciding_by
 from bench.identification.estimators import DEFAULT_METHOD
+from bench.identification.finding import mended_first
 from bench.identification.findings import short_recordings
 from bench.identification.identify import identify as fitted
 from bench.identification.mistaken import mistaken
@@ -51,7 +52,7 @@ def identify(  # noqa: PLR0913 - an argument for each choice
         causes = mistaken(problem, result, prepared)
         mounted = mounted_otherwise(prepared)
         short = short_recordings(dataset.recordings, result.settings)
-        annotated = replace(result, findings=(*causes, *mounted, *result.findings, *short))
+        annotated = replace(result, findings=mended_first((*causes, *mounted, *result.findings, *short)))
         if not physical:
             return annotated
         from bench.export.physical import physically_consistent  # noqa: PLC0415 - slow, and for this alone

@@ -6,12 +6,12 @@ from typing import Any
 import click
 
 from bench.cli.last_lines import next_line, say, wrote
-from bench.cli.options import Rate, effect_file_option, in_existing_folder, path_option, with_option
+from bench.cli.options import Positive, Rate, effect_file_option, in_existing_folder, path_option, with_option
 from bench.cli.options import effects as effect_names
 from bench.cli.options import robots as robot_names
 from bench.cli.progress import quiet_option, shown_progress
 
-POSITIVE = click.FloatRange(min=0.0, min_open=True)
+POSITIVE = Positive()
 
 
 def _share(_context: click.Context, option: click.Parameter, text: str | None) -> float | None:

@@ -93,10 +93,10 @@ def identify(  # noqa: PLR0913, PLR0917 - an argument for each option
     from bench.cli.next_steps import Source, after_errors
     from bench.dataset.dataset import load_dataset
     from bench.document.terminal.identification import identification_report
-    from bench.identification.finding import MEND_FIRST
+    from bench.identification.finding import to_mend
     from bench.identification.model_file import model_json
     from bench.residuals.motor import compared
-    from bench.residuals.words import remaining_errors
+    from bench.residuals.words import beyond_noise, remaining_errors
 
     data = load_dataset(dataset)
     given = given_filters(**filters)
@@ -148,9 +148,8 @@ def identify(  # noqa: PLR0913, PLR0917 - an argument for each option
 
     def last_lines() -> None:
         what = compared(data.robot, data.recordings, result.recordings, result.settings)
-        mend = any(finding.code in MEND_FIRST for finding in result.findings)
         source = Source(dataset, effects, effect_files, given)
-        if mend:
+        if to_mend(result.findings, error_left=beyond_noise(what)):
             step: str | None = f"next: {source.command('identify', dataset)}    {AGAIN}"
         else:
             step = after_errors(source, what, kept=json_file not in (None, STANDARD_OUTPUT))

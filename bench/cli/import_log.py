@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from bench.cli.last_lines import next_line, say, wrote
-from bench.cli.options import Assignment, Numbers, number_or_word, path_option, robots, unique
+from bench.cli.options import Assignment, Numbers, Positive, number_or_word, path_option, robots, unique
 from bench.cli.progress import quiet_option, shown_progress
 
 if TYPE_CHECKING:
@@ -44,7 +44,7 @@ BESIDE_MAPPING = ("mapping_file", "output", "replace", "quiet")
     multiple=True,
     metavar="COLUMN=FACTOR",
     help="Multiply COLUMN to get SI units, or name its unit: time=ms, position.axis=1e-3, position=deg or"
-    " current=mA for all joints. It overrides units that the log states.",
+    " current=mA for all joints. It overrides units that the log states; -1 changes the sign and keeps the unit.",
 )
 @click.option("--skip-rows", type=click.IntRange(0), default=0, metavar="N", help="Skip N lines at the top.")
 @click.option("--no-header", is_flag=True, help="No line of the log names its columns.")
@@ -86,7 +86,7 @@ BESIDE_MAPPING = ("mapping_file", "output", "replace", "quiet")
 @click.option("--payload", metavar="NAME", help="The payload on the tool.")
 @click.option(
     "--payload-mass",
-    type=float,
+    type=Positive(),
     metavar="KG",
     help="Define the payload by its weighed mass; unknown values are estimated.",
 )

@@ -220,6 +220,24 @@ class Assignment(click.ParamType[tuple[str, str | float]]):
             self.fail(f"{value!r}: {text.strip()!r} is not a number", param, ctx)
 
 
+class Positive(click.ParamType[float]):
+    """A positive number; a comma in it is taken for what it is."""
+
+    name = "number"
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> float:
+        """Raise click.BadParameter for anything else."""
+        try:
+            number = float(value)
+        except ValueError:
+            point = str(value).replace(",", ".")
+            hint = f": write the decimal point as in {point}" if "," in str(value) else ""
+            self.fail(f"{value!r} is no number{hint}", param, ctx)
+        if not 0.0 < number < math.inf:
+            self.fail(f"{value!r} is not positive", param, ctx)
+        return number
+
+
 class Numbers(click.ParamType[tuple[float, ...]]):
     """So many numbers with commas between them."""
 

@@ -1,8 +1,11 @@
 """A dataset: a robot, its payloads and the recordings of its movements, as a folder with dataset.toml."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
+from hashlib import sha256
 from pathlib import Path
+
+import numpy as np
 
 from bench.basics.errors import BenchError
 from bench.basics.files.toml_input import read_toml
@@ -133,6 +136,7 @@ def load_dataset(folder: str | Path) -> Dataset:
         )
     ]
     release_tables()
+    _refuse_copies(path, recordings)
     controller = None
     if spec.controller is not None:
         controller = controller_of(path, spec.controller, robot.joints)
@@ -148,6 +152,19 @@ def refuse_log(path: Path) -> None:
     if path.suffix.lower() in LOGS and path.is_file() and not (path.parent / DATASET_FILE).exists():
         next_step = f"`{typed()} import {quoted(path)} --robot ROBOT` makes one of it"
         raise BenchError(f"{path}: is a log, not yet a dataset: {next_step}")
+
+
+def _refuse_copies(path: Path, recordings: Sequence[Recording]) -> None:
+    """Raise BenchError for two logs with the same samples: counted twice they look surer, and judge themselves."""
+    first: dict[bytes, str] = {}
+    for recording in recordings:
+        signals = np.hstack([recording.position, recording.current])
+        samples = sha256(signals.tobytes()).digest()
+        other = first.setdefault(samples, recording.name)
+        if other != recording.name:
+            raise BenchError(
+                f"{path}: recordings: {recording.name!r} holds the same samples as {other!r}: remove one of the two"
+            )
 
 
 def _check_references(path: Path, spec: DatasetSpec, robot: Robot) -> None:

@@ -22,11 +22,12 @@ from bench.dataset.names import Check
 CHECKS: tuple[Check, ...] = get_args(Check)
 
 DEGREES = 180.0 / np.pi
-MILLI = 1000.0
+CENTI, MILLI = 100.0, 1000.0
 LARGER: Mapping[str, tuple[tuple[float, str, Remedy], ...]] = {
     "hinge": ((DEGREES, "degrees", Remedy.FROM_DEGREES), (MILLI, "milliradians", Remedy.FROM_MILLIRADIANS)),
     "slide": (
         (MILLI, "millimetres", Remedy.FROM_MILLIMETRES),
+        (CENTI, "centimetres", Remedy.FROM_CENTIMETRES),
         (MILLI**2, "micrometres", Remedy.FROM_MICROMETRES),
     ),
 }

@@ -95,7 +95,8 @@ def _unit_fault(steps: Array) -> TimeFault | None:
             f"steps by {step:g} s, {1 / step:.3g} Hz: too slow for what a robot's motors need to be fitted",
         )
     if step <= FASTEST_STEP:
-        return TimeFault(None, f"steps by {step:g} s, {1 / step:.3g} Hz: is it in minutes or hours?")
+        what = f"steps by {step:g} s, {1 / step:.3g} Hz, which no controller logs: is its unit longer (ms, hours)"
+        return TimeFault(None, what, Remedy.FROM_LONGER_UNIT)
     return None
 
 

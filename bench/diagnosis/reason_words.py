@@ -6,6 +6,7 @@ from bench.basics.sentence import say
 from bench.diagnosis.reason import Because, Doubt
 from bench.diagnosis.result import Diagnosis, EffectVerdict, Remainder, Unexplained
 from bench.effects.display_names import begun, spoken
+from bench.identification.decision import RULE
 from bench.identification.wording import and_list, in_percent, or_list
 
 DOUBTS: Mapping[Doubt, str] = {
@@ -39,7 +40,9 @@ def unexplained_words(unexplained: Unexplained, *, searched: bool = True) -> str
     floor, encoders = (f"{100.0 * noise:.3g} %" for noise in (unexplained.noise_floor, unexplained.encoders))
     error = f"{100.0 * unexplained.error:.3g} %"
     if unexplained.what == Remainder.NOISE:
-        return f"the remaining error ({error}) is at the noise floor of the currents ({floor})"
+        below = unexplained.error * RULE.beyond_noise < unexplained.noise_floor
+        where = "below" if below else "at"
+        return f"the remaining error ({error}) is {where} the noise floor of the currents ({floor})"
     if unexplained.what == Remainder.NOISE_AND_ENCODERS:
         return (
             f"the remaining error ({error}) is explained by the noise of the currents ({floor}) and of the encoders "

@@ -15,7 +15,7 @@ from bench.diagnosis.result import Diagnosis, EffectVerdict, Remainder, Unfinish
 from bench.diagnosis.unfinished_words import unfinished_sentence
 from bench.effects.display_names import spoken
 from bench.identification.decision import RULE, deciding_by
-from bench.identification.finding import CAUSES
+from bench.identification.finding import CAUSES, Code
 from bench.identification.finding_words import sentence
 from bench.identification.findings import runaway, unlike
 from bench.identification.result import Identification, Quantity
@@ -82,7 +82,7 @@ def _summary(diagnosis: Diagnosis) -> DiagnosisSummary:
     missing = named_effects(diagnosis)
     first, last = diagnosis.ladder[0], diagnosis.ladder[-1]
     before, after = (_first_known(step.validate, step.identify) for step in (first, last))
-    floor = diagnosis.unexplained.noise_floor
+    floor = f"the noise floor is {in_percent(diagnosis.unexplained.noise_floor)}"
     residual_sentence = f"{_capital(unexplained_words(diagnosis.unexplained, searched=searched))}."
     validation = validated_on(diagnosis)
     needless = _superfluous(diagnosis)
@@ -98,12 +98,12 @@ def _summary(diagnosis: Diagnosis) -> DiagnosisSummary:
         if not searched:
             nothing = (
                 f"No missing effect was identified within the time limit: judged on {validation}, the error is "
-                f"{in_percent(before)} of the current; the noise floor is {in_percent(floor)}."
+                f"{in_percent(before)} of the current; {floor}."
             )
         elif not differs and _explains_nothing(diagnosis, before):
             nothing = (
                 f"No model of this program explains these currents: judged on {validation}, the error is "
-                f"{in_percent(before)} of the current; the noise floor is {in_percent(floor)}. No effect of the "
+                f"{in_percent(before)} of the current; {floor}. No effect of the "
                 "catalogue reduces it clearly."
             )
         causes = [expected for expected in diagnosis.after.findings if expected.code in CAUSES]
@@ -113,7 +113,12 @@ def _summary(diagnosis: Diagnosis) -> DiagnosisSummary:
                 f"clearly below {in_percent(before)} of the current."
             )
         strange = [
-            sentence(finding) for finding in (runaway(diagnosis.after), unlike(diagnosis.after)) if finding
+            *gains_in_doubt(diagnosis.after),
+            *(
+                sentence(finding)
+                for finding in (runaway(diagnosis.after), unlike(diagnosis.after))
+                if finding
+            ),
         ]
         moved = _largest_change(diagnosis) if each else None
         return DiagnosisSummary(
@@ -135,18 +140,19 @@ def _summary(diagnosis: Diagnosis) -> DiagnosisSummary:
     doubt, nominal = _strange(diagnosis), _nominal(diagnosis.after)
     if doubt or nominal:
         said_of = "seems to be" if len(parts) == 1 else "seem to be"
+    doubt = (*gains_in_doubt(diagnosis.after), *doubt)
     if laws:
         names = f"{names}, in addition to {'a law' if len(laws) == 1 else 'laws'} outside the catalogue,"
     elif each:
         names = f"{names}, in addition to the effects that differ from run to run,"
     verdict = (
         f"{_capital(names)} {said_of} missing: judged on {validation}, the error falls from {in_percent(before)} "
-        f"to {in_percent(after)} of the current; the noise floor is {in_percent(floor)}."
+        f"to {in_percent(after)} of the current; {floor}."
     )
     if not laws and not each and _explains_nothing(diagnosis, after):
         verdict = (
             f"No model of this program explains these currents: judged on {validation}, the best one has an error of "
-            f"{in_percent(after)} of the current; the noise floor is {in_percent(floor)}. It adds {names}; "
+            f"{in_percent(after)} of the current; {floor}. It adds {names}; "
             f"without, the error is {in_percent(before)}."
         )
     undecided = (
@@ -167,7 +173,15 @@ def _explains_nothing(diagnosis: Diagnosis, error: float | None) -> bool:
 
 def doubts(diagnosis: Diagnosis) -> list[str]:
     """What makes the names of the identified effects unsure: nominal gains, recordings that do not fit."""
-    return [doubt for doubt in (*_strange(diagnosis), _nominal(diagnosis.after)) if doubt]
+    gains = gains_in_doubt(diagnosis.after)
+    return [doubt for doubt in (*gains, *_strange(diagnosis), _nominal(diagnosis.after)) if doubt]
+
+
+def gains_in_doubt(result: Identification) -> list[str]:
+    """What makes drive gains unsure although the model explains the currents: all off alike, or one far off."""
+    alike = [finding for finding in result.findings if finding.code is Code.GAINS_ALIKE]
+    far = [finding for finding in result.findings if finding.code is Code.GAIN_FAR]
+    return [sentence(finding) for finding in alike or (() if runaway(result) else far)]
 
 
 def _strange(diagnosis: Diagnosis) -> tuple[str, ...]:
@@ -234,7 +248,7 @@ def _cannot_tell(verdict: EffectVerdict, missing: Sequence[EffectVerdict]) -> st
     motions = "; ".join(telling_motions([verdict.effect, *verdict.alternatives])[: TOLERANCES.report.motions])
     options = "".join(f" --with {other.effect}" for other in missing if other is not verdict)
     return (
-        f"Instead of {spoken(verdict.effect)} the cause could equally be "
+        f"Instead of {spoken(verdict.effect)} the cause could also be "
         f"{or_list([spoken(name) for name in verdict.alternatives])}: "
         f"these recordings cannot distinguish them. To distinguish them: {motions}. The motion is designed by "
         f"`bench discriminate DATASET {verdict.effect} {verdict.alternatives[0]}{options} -o DIR`."
@@ -309,7 +323,7 @@ def _place(place: str, others: Sequence[str]) -> str:
 def _alike(verdict: EffectVerdict) -> list[str]:
     """A sentence for each place that others could stand for."""
     return [
-        f"{_capital(spoken(verdict.effect))} at {place} could equally be at {or_list(others)}: these recordings cannot "
+        f"{_capital(spoken(verdict.effect))} at {place} could also be at {or_list(others)}: these recordings cannot "
         "distinguish these places."
         for place, others in verdict.alike.items()
     ]

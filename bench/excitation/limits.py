@@ -45,6 +45,16 @@ def limits_of(geometry: Geometry) -> Limits:
     )
 
 
+def unlimited(geometry: Geometry) -> tuple[str, ...]:
+    """The active joints for which the MJCF has no range."""
+    by_velocity = {joint.v.start: joint for joint in geometry.joints}
+    return tuple(
+        name
+        for name, index in zip(geometry.robot.joints, geometry.active, strict=True)
+        if by_velocity[int(index)].limits is None
+    )
+
+
 def keeps_clear(geometry: Geometry, limits: Limits, motion: Motion) -> bool:
     """Whether a motion keeps its distance from poses in which the loops come loose, slow ones included.
 

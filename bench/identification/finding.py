@@ -1,6 +1,6 @@
 """What limits an answer, as codes with their numbers; `bench.identification.finding_words` has the sentences."""
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from enum import StrEnum, auto
 from typing import Literal
@@ -17,7 +17,11 @@ class Code(StrEnum):
     NOISE_DECIDES = auto()
     UNITS_UNLIKE = auto()
     COLUMNS_SWAPPED = auto()
+    CURRENT_REVERSED = auto()
+    POSITION_REVERSED = auto()
+    POSITIONS_SWAPPED = auto()
     OTHER_LOAD = auto()
+    LOAD_UNDECLARED = auto()
     PAYLOAD_HEAVY = auto()
     NOT_REAL = auto()
     # what the data cannot tell
@@ -46,6 +50,7 @@ class Code(StrEnum):
     # what cannot be so
     GAINS_A_THOUSAND = auto()
     GAINS_A_THOUSANDTH = auto()
+    GAINS_ALIKE = auto()
     NO_MODEL_IS_BETTER = auto()
     SIGN_REVERSED = auto()
     GAIN_NEGATIVE = auto()
@@ -93,7 +98,10 @@ class Finding:
     unit: str = ""
 
 
-UNBELIEVABLE = frozenset(
+NEGATIVE = frozenset({Code.GAINS_NEGATIVE, Code.GAIN_NEGATIVE, Code.SIGN_REVERSED})
+"""Of a gain with an impossible sign."""
+
+UNBELIEVABLE = NEGATIVE | frozenset(
     {
         Code.GAIN_NOT_DETERMINED,
         Code.GAIN_RUNAWAY,
@@ -110,7 +118,11 @@ CAUSES = frozenset(
     {
         Code.UNITS_UNLIKE,
         Code.COLUMNS_SWAPPED,
+        Code.CURRENT_REVERSED,
+        Code.POSITION_REVERSED,
+        Code.POSITIONS_SWAPPED,
         Code.OTHER_LOAD,
+        Code.LOAD_UNDECLARED,
         Code.PAYLOAD_HEAVY,
         Code.CLOSURE_CONTRADICTED,
         Code.MOUNTED_OTHERWISE,
@@ -118,9 +130,24 @@ CAUSES = frozenset(
 )
 """Of false names: what is wrong with the data or the robot with which a diagnosis names effects."""
 
-MEND_FIRST = (
-    UNBELIEVABLE
-    | CAUSES
-    | {Code.GAINS_NEGATIVE, Code.GAIN_NEGATIVE, Code.SIGN_REVERSED, Code.NO_MODEL_IS_BETTER}
+WRONG_COLUMNS = frozenset({Code.CURRENT_REVERSED, Code.POSITION_REVERSED, Code.POSITIONS_SWAPPED})
+"""Of columns with which nothing that a diagnosis says is right."""
+
+BY_MISSING_EFFECTS = frozenset(
+    {Code.GAIN_NOT_DETERMINED, Code.GAIN_RUNAWAY, Code.GAIN_NEGATIVE, Code.PARAMETER_WITHOUT_DEVIATION}
 )
+"""Of an answer that is not to be believed, and that becomes right with the effects that the model lacks."""
+
+MEND_FIRST = UNBELIEVABLE | CAUSES | {Code.NO_MODEL_IS_BETTER, Code.GAINS_ALIKE}
 """What is to be mended before anything else is asked of the data."""
+
+
+def mended_first(findings: Iterable[Finding]) -> tuple[Finding, ...]:
+    """The findings in their order, those to be mended before the others."""
+    return tuple(sorted(findings, key=lambda finding: finding.code not in MEND_FIRST))
+
+
+def to_mend(findings: Iterable[Finding], *, error_left: bool) -> bool:
+    """Whether something is to be mended before a diagnosis, which helps where an error is left that effects explain."""
+    codes = {finding.code for finding in findings} & MEND_FIRST
+    return bool(codes - BY_MISSING_EFFECTS if error_left else codes)

@@ -7,6 +7,7 @@ from bench.dataset.dataset import HeavyPayload
 from bench.effects.display_names import begun, spoken
 from bench.effects.select import ROBOT, TAG
 from bench.identification.finding import UNBELIEVABLE, Code, Finding, Unknown
+from bench.identification.gain_words import GAIN_WORDS
 from bench.identification.scale_words import CODES, scale_sentence
 from bench.identification.wording import with_error
 
@@ -182,8 +183,8 @@ NOISE = (
 WORDS: Mapping[Code, str | Callable[[Finding], str]] = {
     Code.GAIN_NOT_DETERMINED: "These data do not determine the drive gain{places:?|s} of {places:and}: the standard "
     "error is larger than the value. Declare more of the payload, or record one that loads the motor more.",
-    Code.GAIN_RUNAWAY: f"{GAIN}; its nominal value is {{nominal:.3g}}. If the nominal value is right, no drive "
-    "differs that much from its data sheet.",
+    Code.GAIN_RUNAWAY: f"{GAIN}; its nominal value is {{nominal:.3g}}. No drive differs that much from its data "
+    "sheet: a physical effect is missing in the model, or the payload is not as declared.",
     Code.PARAMETER_WITHOUT_DEVIATION: "{of[0].name} is estimated as {value:.3g} {unit} without a known standard "
     "error: the data do not determine it.",
     Code.ROUNDING_DECIDES: "The scaled observation matrix has a condition number of {condition:.0e}: rounding errors "
@@ -191,6 +192,9 @@ WORDS: Mapping[Code, str | Callable[[Finding], str]] = {
     Code.UNITS_UNLIKE: _unlike_units,
     Code.COLUMNS_SWAPPED: _swapped,
     Code.OTHER_LOAD: _other_load,
+    Code.LOAD_UNDECLARED: "{names[0]} probably carries a load that is not declared: with a payload of about {mass:.2g} "
+    "kg in it the error falls from {before:%} to {after:%} (nominal gains, friction in the model). Weigh the load, and "
+    "declare it as `payload` of that recording in dataset.toml.",
     Code.PAYLOAD_HEAVY: _heavy,
     Code.NOT_REAL: "The estimated parameters are physically impossible: the nearest possible set, used in this "
     "answer, is {distance:.1f} standard errors away; noise explains {expected:.1f}. {names[0]} would need the most "
@@ -206,6 +210,7 @@ WORDS: Mapping[Code, str | Callable[[Finding], str]] = {
     Code.LOCKED: _locked,
     **dict.fromkeys(CODES.values(), scale_sentence),
     Code.PERIODS_NOT_WHOLE: _not_whole,
+    **GAIN_WORDS,
     Code.ROWS_REPEATED: "Of {names:and} up to {share:%} of the rows repeat the row before, while the robot moves: the "
     "logger ran faster than the controller. They are not used; check the time base, too.",
     Code.BAND_NARROWED: "The fit uses frequencies up to {band:.3g} Hz. The spectra suggest {rejected:.3g} Hz, but "

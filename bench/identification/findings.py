@@ -1,20 +1,25 @@
 """What limits an answer: what its data cannot tell, and what cannot be so."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from types import MappingProxyType
 
 import numpy as np
 
+from bench.dataset.payload import Payload
 from bench.dataset.recording import Recording
 from bench.dataset.robot_locked import LockedJoint
 from bench.effects import EffectInstance
 from bench.identification.decision import RULE
 from bench.identification.finding import Code, Finding, Unknown
+from bench.identification.gains_alike import gains_alike
 from bench.identification.result import DriveGain, Identification
 from bench.identification.tolerances import TOLERANCES
 from bench.signals.bounds import BANDS
 from bench.signals.settings import FilterSettings
+
+NO_PAYLOADS: Mapping[str, Payload] = MappingProxyType({})
 
 
 def with_findings(
@@ -23,14 +28,16 @@ def with_findings(
     outside: Sequence[EffectInstance] = (),
     more: Sequence[Finding] = (),
     scale: Sequence[Finding] = (),
+    payloads: Mapping[str, Payload] = NO_PAYLOADS,
 ) -> Identification:
     """The result with its findings.
 
     unusable: recordings that could not be used; outside: effects beyond their bounds. more: further findings.
-    scale: why drive gains stay nominal.
+    scale: why drive gains stay nominal. payloads: as they are declared.
     """
     doubt = runaway(result)
-    findings = [] if doubt is None else [doubt]
+    alike = [] if a_thousand(result) else gains_alike(result, payloads)
+    findings = alike if doubt is None else [*alike, doubt]
     findings += _beyond(outside)
     if unusable:
         findings.append(Finding(Code.PAYLOAD_NOT_DECLARED, unusable))
@@ -60,7 +67,12 @@ def with_findings(
     if taken_up:
         findings.append(Finding(Code.TAKEN_UP, of=taken_up))
     findings += periods_not_whole(result)
-    findings += _implausible(result)
+    far = Code.GAIN_FAR if alike else None
+    findings += [
+        finding
+        for finding in _implausible(result)
+        if finding.code != far and finding not in findings and not _runs_away(finding, doubt)
+    ]
     for j, joint in enumerate(result.joints):
         fitted = [recording for recording in result.recordings if recording.use == "identify"]
         reverses = any(np.ptp(np.sign(recording.velocity[:, j])) > 0 for recording in result.recordings)
@@ -155,8 +167,32 @@ def _doubtful_gain(result: Identification) -> Finding | None:
         return Finding(Code.GAIN_NOT_DETERMINED, of=tuple(Unknown("gain", "gain", joint) for joint in open_))
     for joint, gain in result.drive_gains.items() if result.gains_fitted else ():
         if not 1.0 / RULE.gain_far <= gain.value / gain.nominal <= RULE.gain_far:
-            return _gain(Code.GAIN_RUNAWAY, joint, gain)
+            return (_negative(result) or [_gain(Code.GAIN_RUNAWAY, joint, gain)])[0]
     return None
+
+
+def _runs_away(far: Finding, doubt: Finding | None) -> bool:
+    """Whether a gain that is far off is the one that has run away."""
+    runs = doubt is not None and doubt.code is Code.GAIN_RUNAWAY and doubt.names == far.names
+    return runs and far.code is Code.GAIN_FAR
+
+
+def _negative(result: Identification) -> list[Finding]:
+    """The gains with an impossible sign, and whether that of a current explains it."""
+    gains = result.drive_gains
+    negative = [joint for joint, gain in gains.items() if gain.value < 0 and gain.determined]
+    if not result.gains_fitted or not negative:
+        return []
+    if len(negative) == len(gains):
+        return [Finding(Code.GAINS_NEGATIVE)]
+    explained = [
+        joint in result.joints and _error_turned(result, joint) < TOLERANCES.findings.explained
+        for joint in negative
+    ]
+    return [
+        Finding(Code.SIGN_REVERSED if turned else Code.GAIN_NEGATIVE, (joint,))
+        for joint, turned in zip(negative, explained, strict=True)
+    ]
 
 
 def _gain(code: Code, joint: str, gain: DriveGain) -> Finding:
@@ -171,20 +207,12 @@ def _implausible(result: Identification) -> list[Finding]:
     error = result.error.identify
     if error is not None and error >= 1.0:
         findings.append(Finding(Code.NO_MODEL_IS_BETTER, numbers={"error": error}))
-    negative = [joint for joint, gain in result.drive_gains.items() if gain.value < 0 and gain.determined]
-    if result.gains_fitted and len(negative) < len(ratios):
-        for joint in negative:
-            reversed_sign = (
-                joint in result.joints and _error_turned(result, joint) < TOLERANCES.findings.explained
-            )
-            findings.append(Finding(Code.SIGN_REVERSED if reversed_sign else Code.GAIN_NEGATIVE, (joint,)))
+    findings += _negative(result)
     for joint, gain in result.drive_gains.items():
         deviation = abs(ratios[joint] - 1.0)
-        far = gain.determined and joint not in negative and deviation > TOLERANCES.findings.far_gain
+        far = gain.determined and ratios[joint] > 0.0 and deviation > TOLERANCES.findings.far_gain
         if result.gains_fitted and thousand is None and far:
             findings.append(_gain(Code.GAIN_FAR, joint, gain))
-    if result.gains_fitted and len(negative) == len(ratios):
-        findings.append(Finding(Code.GAINS_NEGATIVE))
     strange = unlike(result)
     return findings if strange is None else [*findings, strange]
 

@@ -1,8 +1,6 @@
 """Whether the data are what they are declared to be: units, columns and loads."""
 
-from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
-from itertools import combinations
 
 import numpy as np
 
@@ -10,24 +8,27 @@ from bench.basics.deadline import NEVER, Deadline
 from bench.basics.joint_units import drive_unit
 from bench.basics.threads import on_one_thread
 from bench.dataset.dataset import Dataset
-from bench.dataset.payload import Payload
 from bench.identification.compressed import triangular_factors
 from bench.identification.current_error import minimised, squared_errors
 from bench.identification.filtered import Measured
 from bench.identification.finding import Code, Finding
-from bench.identification.layout import ParameterLayout, known_rows, regressor_rows
-from bench.identification.observation import Observation, all_currents, observe
+from bench.identification.observation import observe
 from bench.identification.prepare import Prepared, prepare
 from bench.identification.problem import Problem
 from bench.identification.result import CurrentSeries, Identification, relative_error
+from bench.identification.reversed_currents import reversed_currents
+from bench.identification.reversed_positions import reversed_positions
 from bench.identification.solution import scaled_lstsq, solved_gains, torque_system
+from bench.identification.swapped_columns import rows_with_friction, swapped_columns, with_friction
 from bench.identification.tolerances import TOLERANCES
+from bench.identification.undeclared_load import undeclared_load
 
 
 def mistaken(
     problem: Problem, result: Identification, prepared: Prepared | None = None, deadline: Deadline = NEVER
 ) -> tuple[Finding, ...]:
-    """What is probably declared wrongly. With currents in unlike units nothing else is looked for: all is off then.
+    """What is probably declared wrongly. With currents in unlike units, or of the wrong sign, nothing else is looked
+    for: all is off then.
 
     prepared: the problem's equations with the filters of the result, where they are at hand. Raises TimeUpError after
     the deadline.
@@ -36,8 +37,24 @@ def mistaken(
     units = unlike_units(result)
     if units:
         return (*heavy, *units)
+    error = result.error.identify
+    if error is None or error < TOLERANCES.findings.large_error:
+        return (*heavy, *other_load(problem, result, prepared, deadline))
+    if prepared is None:
+        prepared = prepare(
+            replace(problem, effects=(), filters=result.settings, fit_gains=result.gains_fitted)
+        )
+    reversed_ = reversed_currents(result, prepared, deadline)
+    if reversed_:
+        left = min(finding.numbers["after"] for finding in reversed_)
+        better = reversed_positions(problem, result, prepared, deadline, other=left)
+        return (*heavy, *(better or reversed_))
     swapped = swapped_columns(problem, result, prepared, deadline)
-    return (*heavy, *swapped, *other_load(problem, result, prepared, deadline))
+    loads = other_load(problem, result, prepared, deadline)
+    if not (swapped or loads):
+        loads = undeclared_load(problem, result, prepared, deadline)
+    positions = [] if swapped or loads else reversed_positions(problem, result, prepared, deadline)
+    return (*heavy, *swapped, *loads, *positions)
 
 
 def heavy_payloads(dataset: Dataset) -> tuple[Finding, ...]:
@@ -80,124 +97,6 @@ def _sizes(series: CurrentSeries) -> np.ndarray:
     """Decades (n,) of the RMS of every motor's current; infinite where one has none."""
     rms = np.sqrt((series.measured**2).mean(axis=0))
     return np.log10(rms, out=np.full(len(rms), -np.inf), where=rms > 0.0)
-
-
-def friction_columns(observation: Observation) -> np.ndarray:
-    """Dry and viscous friction of every motor at the fit's rate, (M, n, 2 n): nearly every machine has them."""
-    motors = np.arange(observation.velocity.shape[1])
-    columns = np.zeros((*observation.velocity.shape, 2 * len(motors)))
-    columns[:, motors, 2 * motors] = np.sign(observation.velocity)
-    columns[:, motors, 2 * motors + 1] = observation.velocity
-    return columns
-
-
-def with_friction(layout: ParameterLayout, motors: int) -> ParameterLayout:
-    """The layout of equations in which every motor has dry and viscous friction, and no other effect."""
-    return replace(layout, effects=2 * motors)
-
-
-def rows_with_friction(
-    observation: Observation, layout: ParameterLayout, payloads: Mapping[str, Payload]
-) -> np.ndarray:
-    """Rows (M, n, p + 1) of [phi, kappa] with friction; layout: from `with_friction`."""
-    rows = np.empty((*observation.velocity.shape, layout.size + 1))
-    rows[:, :, :-1] = regressor_rows(replace(observation, effects=friction_columns(observation)), layout)
-    rows[:, :, -1] = known_rows(observation, payloads)
-    return rows
-
-
-@on_one_thread
-def swapped_columns(
-    problem: Problem, result: Identification, prepared: Prepared | None = None, deadline: Deadline = NEVER
-) -> list[Finding]:
-    """The two motors whose columns, exchanged, bring the error down most; none where none do.
-
-    Tried one pair at a time, in all fitted recordings and in each of them, with the filters of the result, and with dry
-    and viscous friction in addition to the rigid bodies, so that it does not hide the swap. The error must fall far
-    below that of the result and below what friction alone makes of it. Where the error of the result is small, nothing
-    is tried. prepared: the problem's equations with these filters, where they are at hand. Raises TimeUpError after the
-    deadline.
-    """
-    error = result.error.identify
-    joints = list(result.joints)
-    if error is None or error < TOLERANCES.findings.large_error or len(joints) < 2:
-        return []
-    if prepared is None:
-        prepared = prepare(
-            replace(problem, effects=(), filters=result.settings, fit_gains=result.gains_fitted)
-        )
-    trial = _ColumnsTrial(prepared)
-
-    def error_with(swap: tuple[tuple[str, ...], int, int]) -> float:
-        deadline.check()
-        return trial.error(trial.exchanged(*swap))
-
-    names, a, b = min(_swaps(tuple(trial.parts), len(joints)), key=error_with)
-    reached = trial.error(trial.exchanged(names, a, b), least=True)
-    both = trial.error(trial.exchanged((), a, b), least=True)
-    if not reached < TOLERANCES.findings.swapped_error * min(error, both, 1.0):
-        return []
-    first, second = joints[a], joints[b]
-    where = () if len(names) == len(trial.parts) else (names[0],)
-    return [Finding(Code.COLUMNS_SWAPPED, (first, second, *where), numbers={"error": reached})]
-
-
-def _swaps(names: tuple[str, ...], motors: int) -> Iterator[tuple[tuple[str, ...], int, int]]:
-    """Names of recordings, and the two motors whose columns may be exchanged in them."""
-    for chosen in dict.fromkeys([names, *((name,) for name in names)]):
-        for a, b in combinations(range(motors), 2):
-            yield chosen, a, b
-
-
-class _ColumnsTrial:
-    """The equations of all fitted recordings with every motor's current for every motor's rows, and friction.
-
-    parts: for each recording triangular factors (n, r, p + 1 + n) of [phi, kappa, all currents], formed once: an
-    exchange only picks other ones of the currents. Currents are interpolated where the motor of the rows does not move.
-    """
-
-    def __init__(self, prepared: Prepared) -> None:
-        n = len(prepared.dataset.robot.nominal_gains)
-        layout = with_friction(prepared.layout, n)
-        self.size = layout.size
-        self.gains = prepared.gains
-        self.parts: dict[str, np.ndarray] = {}
-        for observation, measured in zip(prepared.observations, prepared.measured, strict=True):
-            if observation.use != "identify":
-                continue
-            rows = np.empty((len(observation.time), n, self.size + 1 + n))
-            rows[:, :, : self.size + 1] = rows_with_friction(observation, layout, prepared.dataset.payloads)
-            rows[:, :, self.size + 1 :] = all_currents(measured)
-            rows *= observation.moving[:, :, None]
-            self.parts[observation.name] = triangular_factors(rows)
-
-    def exchanged(self, names: Sequence[str], a: int, b: int) -> np.ndarray:
-        """Factors (n, p + 2, p + 2) of [phi, kappa, current] with two motors' currents exchanged in some recordings."""
-        motors = np.arange(len(self.gains.values))
-        turned = motors.copy()
-        turned[[a, b]] = b, a
-        p = self.size
-        picked = [
-            np.concatenate(
-                (
-                    part[:, :, : p + 1],
-                    part[motors, :, p + 1 + (turned if name in names else motors)][:, :, None],
-                ),
-                axis=2,
-            )
-            for name, part in self.parts.items()
-        ]
-        return triangular_factors(np.concatenate(picked, axis=1).swapaxes(0, 1))
-
-    def error(self, factors: np.ndarray, *, least: bool = False) -> float:
-        """Relative error of the currents by least squares in torque; or the least that there can be, from there."""
-        rows, right = torque_system(factors, self.gains.held)
-        solution = scaled_lstsq(rows, right)
-        theta = solution[: self.size]
-        gains = solved_gains(factors, self.gains.with_fitted(solution[self.size :]), self.gains.values)
-        if least:
-            theta, gains = minimised(factors, theta, gains, np.ones(len(gains)), self.gains.fitted)
-        return float(np.sqrt(squared_errors(factors, theta, gains).sum() / (factors[:, :, -1] ** 2).sum()))
 
 
 @on_one_thread

@@ -106,6 +106,7 @@ def summarise(
             *collinear(prepared.effects, spread.covariance, rows),
         ],
         scale_findings(prepared.scale),
+        prepared.dataset.payloads,
     )
 
 

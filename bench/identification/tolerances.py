@@ -245,12 +245,18 @@ class FindingBounds:
     far_gain: float = 0.5  # share of the nominal gain: makers state gains within a tenth
     # factor to the nominal gain: a unit or a load is wrong, and laws are not sought
     unit_of_gain: float = 10.0
+    alike_gains: float = 1.25  # factor between the largest and the smallest of gains that are off alike
+    # factor to the nominal gains, by which all are off: a payload's mass is wrong, since makers are not so alike
+    common_gain: float = 1.3
     near_thousand: float = 3.0  # factor to a thousand or a thousandth of the nominal gain: a unit is wrong
     thousand: float = 3.0  # decades between the currents of recordings in unlike units
     # from these, a factor of five: loads and speeds change the currents of all motors by less
     near_decades: float = 0.7
     explained: float = 0.5  # relative error: with a larger one a model does not explain the current
     large_error: float = 0.05  # relative error, above which swapped columns and other loads are tried
+    wrong_position: float = (
+        0.15  # the same with friction and nominal gains, above which other positions are tried
+    )
     swapped_error: float = 0.5  # share of that error that may remain with other columns or another load
     other_motors: float = 1.05  # growth of the errors of the other motors that another load may cause
     # times the fitted error: recordings for validation have another machine, load or unit

@@ -14,9 +14,9 @@ from bench.basics.files.table import HUGE, release_tables
 from bench.basics.plural import plural
 from bench.dataset.joint_facts import JointFacts, joint_facts
 from bench.dataset.logs.columns import GROUPS
-from bench.dataset.logs.importing import CUTS
 from bench.dataset.logs.log_file import LogFile, Reading, read_log
 from bench.dataset.logs.segments import SHORTEST, Cutting, cut
+from bench.dataset.logs.unit_cures import CUTS
 from bench.dataset.logs.units import UNITS, factor_of, name_of
 from bench.dataset.recording_checks import Fault
 from bench.dataset.recording_faults import exchanged, faults_in, without_exchange

@@ -13,6 +13,7 @@ from bench.model.geometry import Coupling, Geometry
 from bench.model.nodes import robot_length
 
 SEED = 20120602  # of that pose
+SINGULAR_HOME = "home is a singular pose"
 
 
 def check_assembled(geometry: Geometry) -> None:
@@ -82,7 +83,7 @@ def check_mobility(geometry: Geometry) -> None:
         )
     if loose:
         raise BenchError(
-            f"robot {name}: home is a singular pose: {_in_words(geometry, loose)} can move there, all motors held; "
+            f"robot {name}: {SINGULAR_HOME}: {_in_words(geometry, loose)} can move there, all motors held; "
             "write a keyframe home away from it"
         )
     jacobian = scaled_jacobian(geometry, geometry.home if general is None else general)

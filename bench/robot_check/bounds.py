@@ -26,6 +26,7 @@ class PlausibleBounds:
     mass: float = 1e4  # kg: no link is as heavy
     fast: float = 20.0  # rad/rad, m/rad ...: passive for active speed at home, above which it is reported
     singular: float = 1e-6  # smallest singular value at home, below which it is singular
+    regular: float = 0.02  # the same of a home that is proposed: with less, a pose further away is looked for
     rounded_tilt: float = 1e-5  # rad: a smaller one is the rounding that loops may have
     meant_tilt: float = 0.02  # rad: a larger one is on purpose
     still: float = 1e-6  # rad or m: a smaller travel is none

@@ -140,8 +140,12 @@ def _assembled(report: RobotReport, machine: CheckedMachine) -> RobotReport:
     if swept is not None:
         singularity = singularity_of(geometry, swept)
         report = replace(report, singularity=singularity)
-        at = singularity.singular_at
-        met = [] if at is None else [Check(CheckCode.SINGULARITY_WITHIN_RANGES, "note", {"positions": at})]
+        values = {"positions": singularity.singular_at, "units": singularity.units}
+        met = (
+            []
+            if values["positions"] is None
+            else [Check(CheckCode.SINGULARITY_WITHIN_RANGES, "note", values)]
+        )
         report = _with(report, _regular_home(singularity), *met, *_passive_ranges(geometry, swept))
         report = _with(report, check_constraints(machine, motion.q), check_closed_motion(machine, motion))
     return _with(

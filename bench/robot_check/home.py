@@ -12,6 +12,7 @@ from bench.model.configuration import integrate, normalised
 from bench.model.geometry import Geometry, Joint, from_mujoco
 from bench.model.mobility import column_scales, smallest_singular_values
 from bench.model.passive_ranges import passive_ranges
+from bench.robot_check.bounds import PLAUSIBLE
 from bench.robot_check.machine import to_mujoco
 from bench.robot_check.outcome import Check, CheckCode, Verdict
 from bench.robot_check.report import HomeSource, LoopLine
@@ -93,19 +94,21 @@ def closed_pose(geometry: Geometry) -> np.ndarray | None:
     motors held, else with all joints free, else with the joints put into their ranges, else from random starts. None:
     no start closes.
 
-    Of several from one of these the one counts that the motors hold best. Where none is within the ranges, the best of
-    the first of these that closes.
+    Of several from one of these the one counts that the motors hold best. Nearly singular ones do not count, unless no
+    other is found. Where none is within the ranges, the best of the first of these that closes.
     """
-    other = None
+    other, most = None, 0.0
     for starts, free in _starts(geometry):
         closed = _turned_into_ranges(geometry, _closed(geometry, starts, free))
         if not len(closed):
             continue
         held, within = smallest_singular_values(geometry, closed), _within_ranges(geometry, closed)
-        best = np.asarray(closed[np.argmax(np.where(within, 1.0, 1e-3) * held)])
-        if within.any():
-            return best
-        other = best if other is None else other
+        index = int(np.argmax(np.where(within, 1.0, 1e-3) * held))
+        regular = held[index] > PLAUSIBLE.regular
+        if within.any() and regular:
+            return np.asarray(closed[index])
+        if other is None or (regular and most <= PLAUSIBLE.regular):
+            other, most = np.asarray(closed[index]), float(held[index])
     return other
 
 

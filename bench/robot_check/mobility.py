@@ -9,11 +9,14 @@ from bench.basics.errors import BenchError
 from bench.model.base import BaseParameters
 from bench.model.bounds import RANKS
 from bench.model.geometry import Geometry
+from bench.model.mobility import SINGULAR_HOME, column_scales, scaled_jacobians, smallest_singular_values
 from bench.model.mobility import check_mobility as require_mobility
-from bench.model.mobility import column_scales, scaled_jacobians
 from bench.model.regressor import rotor_columns
 from bench.model.spin import idle_spins
 from bench.robot_check.bounds import PLAUSIBLE
+from bench.robot_check.home import closed_pose
+from bench.robot_check.home_key import home_key
+from bench.robot_check.machine import to_mujoco
 from bench.robot_check.outcome import Check, CheckCode
 from bench.robot_check.report import Amplification, Mobility, RobotReport
 
@@ -46,6 +49,10 @@ def check_mobility(geometry: Geometry, mobility: Mobility) -> Check:
         require_mobility(geometry)
     except BenchError as error:
         fault = str(error).removeprefix(f"robot {geometry.robot.name}: ")
+        if fault.startswith(SINGULAR_HOME):
+            pose = closed_pose(geometry)
+            if pose is not None and smallest_singular_values(geometry, pose[None])[0] > PLAUSIBLE.regular:
+                fault += f", for example {home_key(to_mujoco(geometry, pose).tolist())}"
         return Check(CheckCode.MOBILITY_FAULT, "failed", {"fault": fault})
     return Check(
         CheckCode.MOBILITY,

@@ -1,6 +1,6 @@
 """What is worked out of a robot; every value is a plain number, text or code."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import mujoco
 import numpy as np
@@ -109,6 +109,8 @@ class Singularity:
     """Travel of each motor from home to there, rad or m."""
     loose: tuple[str, ...]
     """Passive joints that the held motors no longer hold there."""
+    units: dict[str, str] = field(default_factory=dict)
+    """rad or m, of each motor's position."""
 
 
 @dataclass(frozen=True)

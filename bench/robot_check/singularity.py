@@ -10,6 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from bench.basics.joint_units import units_of_gain
 from bench.model.follow import Follower, Pose, advance, close, home_pose, make_follower
 from bench.model.geometry import Geometry
 from bench.model.mobility import column_scales, scaled_jacobians, smallest_singular_values
@@ -83,6 +84,7 @@ def singularity_of(geometry: Geometry, swept: SingularitySweep) -> Singularity:
         singular_at=nearest,
         travel=travel,
         loose=loose,
+        units={motor.joint: units_of_gain(motor.gain_unit).position for motor in geometry.robot.actuators},
     )
 
 

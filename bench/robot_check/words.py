@@ -11,6 +11,7 @@ from bench.basics.sentence import say
 from bench.dataset.robot_locked import locked_from_data, locked_in_words
 from bench.dataset.robot_redundancy import use_connect
 from bench.robot_check.bounds import PLAUSIBLE
+from bench.robot_check.home_key import home_key
 from bench.robot_check.outcome import Check, CheckCode
 from bench.robot_check.report import Singularity
 
@@ -46,13 +47,14 @@ def nearest_singularity(singularity: Singularity) -> str:
     if singularity.singular_at is None:
         return (
             f"none within the joint ranges: over {singularity.poses} poses the smallest singular value stays "
-            f"above {singularity.lowest:.2g}, lowest at {_positions(singularity.lowest_at)}"
+            f"above {singularity.lowest:.2g}, lowest at {_positions(singularity.lowest_at, singularity.units)}"
         )
     travel = {
         name: value for name, value in (singularity.travel or {}).items() if abs(value) > PLAUSIBLE.still
     }
     return (
-        f"{_positions(travel, '+')} from home, at {_positions(singularity.singular_at)}: in that pose "
+        f"{_positions(travel, singularity.units, '+')} from home, at "
+        f"{_positions(singularity.singular_at, singularity.units)}: in that pose "
         f"{_first(singularity.loose)} can move while the motors are held"
     )
 
@@ -187,7 +189,7 @@ def _no_closed_pose(loop: str, gap: float, unit: str, given: int | None, positio
 def _open_home(
     loop: str, gap: float, unit: str, given: int | None, positions: int, closed_qpos: Sequence[float]
 ) -> str:
-    return f"{_open(loop, gap, unit, given, positions)}; this pose closes: {_key(closed_qpos)}"
+    return f"{_open(loop, gap, unit, given, positions)}; this pose closes: {home_key(closed_qpos)}"
 
 
 def _weld_too_much(welds: Sequence[str], motors: Sequence[str]) -> str:
@@ -199,7 +201,9 @@ def _outside_range(
     joint: str, home: float, unit: str, lower: float, upper: float, closed_qpos: Sequence[float] = ()
 ) -> str:
     said = f"joint {joint!r} is at {home:.6g} {unit} at home, outside its range [{lower:g}, {upper:g}]"
-    return f"{said}; this pose closes within all ranges: {_key(closed_qpos)}" if len(closed_qpos) else said
+    return (
+        f"{said}; this pose closes within all ranges: {home_key(closed_qpos)}" if len(closed_qpos) else said
+    )
 
 
 def _at_range_end(joint: str, lower: float, upper: float, closed_qpos: Sequence[float] = ()) -> str:
@@ -207,11 +211,7 @@ def _at_range_end(joint: str, lower: float, upper: float, closed_qpos: Sequence[
         f"home is at the end of the range of {joint!r}, {lower:.4g} to {upper:.4g}; bench excite starts its motions at "
         "home and needs room on both sides"
     )
-    return f"{said}; this pose closes further inside: {_key(closed_qpos)}" if len(closed_qpos) else said
-
-
-def _key(qpos: Sequence[float]) -> str:
-    return f'<key name="home" qpos="{" ".join(f"{value:.16g}" for value in qpos)}"/>'
+    return f"{said}; this pose closes further inside: {home_key(closed_qpos)}" if len(closed_qpos) else said
 
 
 def _mobility(tree: int, rank: int, spins: int, remaining: int, motors: int, redundant: Sequence[str]) -> str:
@@ -229,14 +229,15 @@ def _rotors(identified: Sequence[str], within_bodies: Sequence[str]) -> str:
     return "; ".join(parts)
 
 
-def _singularity(positions: Mapping[str, float]) -> str:
-    return (
-        f"the joint ranges contain a singularity, at {_positions(positions)}: keep trajectories away from it"
-    )
+def _singularity(positions: Mapping[str, float], units: Mapping[str, str]) -> str:
+    return f"the joint ranges contain a singularity, at {_positions(positions, units)}: keep trajectories away from it"
 
 
-def _positions(positions: Mapping[str, float], sign: str = "") -> str:
-    return ", ".join(f"{name} {value:{sign}.3g}" for name, value in positions.items())
+def _positions(positions: Mapping[str, float], units: Mapping[str, str], sign: str = "") -> str:
+    """Positions of motors, with units where there are hinges and slides."""
+    mixed = len({*units.values()}) > 1
+    of = {name: f" {units.get(name, '')}" if mixed else "" for name in positions}
+    return ", ".join(f"{name} {value:{sign}.3g}{of[name]}" for name, value in positions.items())
 
 
 REGULAR = (

@@ -12,10 +12,12 @@ class Remedy(Enum):
     FROM_DEGREES = auto()  # the column is in that unit
     FROM_MILLIRADIANS = auto()
     FROM_MILLIMETRES = auto()
+    FROM_CENTIMETRES = auto()
     FROM_MICROMETRES = auto()
     FROM_MILLISECONDS = auto()
     FROM_MICROSECONDS = auto()
     FROM_NANOSECONDS = auto()
+    FROM_LONGER_UNIT = auto()
     FROM_THOUSANDTHS = auto()
     LEAVE_ROWS_OUT = auto()  # rows without a measurement, amid others
     REMOVE_ROWS = auto()  # such rows at the end, or without a time
@@ -27,6 +29,7 @@ IN_UNIT: Mapping[Remedy, tuple[str, str]] = {
     Remedy.FROM_DEGREES: ("position", "deg"),
     Remedy.FROM_MILLIRADIANS: ("position", "mrad"),
     Remedy.FROM_MILLIMETRES: ("position", "mm"),
+    Remedy.FROM_CENTIMETRES: ("position", "cm"),
     Remedy.FROM_MICROMETRES: ("position", "um"),
     Remedy.FROM_MILLISECONDS: ("time", "ms"),
     Remedy.FROM_MICROSECONDS: ("time", "us"),

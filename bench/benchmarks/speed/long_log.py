@@ -20,9 +20,9 @@ from bench.benchmarks.speed.memory import peak_bytes
 from bench.dataset.dataset import RecordingEntry, load_dataset, write_dataset_toml
 from bench.dataset.recording import write_recording
 from bench.identification.identify import fit
-from bench.identification.mistaken import swapped_columns
 from bench.identification.prepare import prepare
 from bench.identification.problem import problem_of
+from bench.identification.swapped_columns import swapped_columns
 from bench.residuals.motor import compared
 from bench.scenario.file import find_scenario, read_with_bases
 from bench.scenario.scenario import Scenario, payload_declared, scenario_from_dict

@@ -7,9 +7,9 @@ from time import process_time
 from bench.benchmarks.measured.machines import dataset_of
 from bench.dataset.dataset import load_dataset
 from bench.identification.identify import fit
-from bench.identification.mistaken import swapped_columns
 from bench.identification.prepare import prepare
 from bench.identification.problem import problem_of
+from bench.identification.swapped_columns import swapped_columns
 
 MACHINE = "tx40"
 LIMIT = 2.0  # s

@@ -13,13 +13,14 @@ import numpy.typing as npt
 from bench.basics.errors import BenchError, meant, refuse
 from bench.basics.plural import plural
 from bench.dataset.logs.log_file import LogFile, Reading, read_log, text_log
-from bench.dataset.logs.units import UNITS, factor_of, measured_by, unit_in, units_of
+from bench.dataset.logs.units import UNITS, Unit, factor_of, measured_by, unit_in, unit_named, units_of
 from bench.dataset.names import TEXTS
 from bench.dataset.recording import velocity_column
 from bench.dataset.robot import Robot
 
 Array = npt.NDArray[np.float64]
 GROUPS = ("position", "current")
+REVERSED = -1.0  # as a scale: of a column whose sign changes, whatever its unit
 
 
 @dataclass(frozen=True)
@@ -31,7 +32,7 @@ class LogMap:
              does one called `velocity.JOINT`.
     scale    column -> factor that turns the log's unit into SI, such as 1e-3 for millimetres, or the unit's name
              (see UNITS); `position` and `current` represent those of all joints. It goes before a unit that the log
-             itself states.
+             itself states; -1 changes the sign alone, and keeps the unit.
     rate     Hz, for a log without a time column; its time then starts at zero
     """
 
@@ -60,10 +61,13 @@ def columns_of(file: Path, log: LogFile, robot: Robot, log_map: LogMap) -> Colum
 
     Raises BenchError for a joint, a name or a unit that does not exist, and for vectors of different length.
     """
-    given = _given_factors(file, log_map.scale, robot)
-    sources = _sources(file, log, robot, log_map, given)
+    reversed_ = {target: scale for target, scale in log_map.scale.items() if scale == REVERSED}
+    others = {target: scale for target, scale in log_map.scale.items() if target not in reversed_}
+    given, signs = (_given_factors(file, scales, robot) for scales in (others, reversed_))
+    sources = _sources(file, log, robot, log_map, given | signs)
     stated = _stated_factors(file, log, robot, sources, given)
     factors = {column: factor for column, (factor, _) in stated.items()} | given
+    factors |= {column: sign * factors.get(column, 1.0) for column, sign in signs.items()}
     values, faults = {}, []
     for column, source in sources.items():
         try:
@@ -117,18 +121,23 @@ def _given_factors(file: Path, scale: Mapping[str, float | str], robot: Robot) -
     """Factors by column: units by their names, and those of all joints one by one."""
     factors: dict[str, float] = {}
     for target, given in scale.items():
-        if isinstance(given, str) and given not in UNITS:
+        unit = unit_named(given) if isinstance(given, str) else None
+        if isinstance(given, str) and unit is None:
             raise BenchError(f"{file}: the scale of {target}: no unit {given!r}; {meant(given, UNITS)}")
-        factor = UNITS[given].factor if isinstance(given, str) else given
+        factor = float(given) if unit is None else unit.factor
         columns = [f"{target}.{joint}" for joint in robot.driven] if target in GROUPS else [target]
-        if isinstance(given, str):
-            columns = [column for column in columns if measured_by(column, robot) in (None, UNITS[given].of)]
+        if unit is not None:
+            columns = [column for column in columns if _fits(unit, column, robot)]
             if not columns:
-                raise BenchError(f"{file}: the scale of {target}: {given!r} is a {UNITS[given].of}")
+                raise BenchError(f"{file}: the scale of {target}: {given!r} is a {unit.of}")
         if not np.isfinite(factor) or factor == 0.0:
             raise BenchError(f"{file}: the scale of {target} must not be {factor:g}")
         factors |= dict.fromkeys(columns, factor)
     return factors
+
+
+def _fits(unit: Unit, column: str, robot: Robot) -> bool:
+    return measured_by(column, robot) in (None, unit.of)
 
 
 def _stated_factors(
@@ -170,7 +179,9 @@ def _sources(
     absent = [(target, source) for target, source in sources.items() if source not in there]
     if absent:
         named = ", ".join(f"{source!r} for {target}" for target, source in absent)
-        near = [name for _, source in absent for name in _nearest(source, there)]
+        taken = [source for source in sources.values() if source in there]
+        free = [name for name in there if name not in taken]
+        near = [name for _, source in absent for name in _nearest(source, free)]
         hint = (
             f": did you mean {' or '.join(map(repr, dict.fromkeys(near)))}?"
             if len(near) == len(absent)

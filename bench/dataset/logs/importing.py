@@ -1,6 +1,5 @@
 """Turn a controller's logs into recordings of a dataset."""
 
-import math
 import os
 import re
 from collections.abc import Mapping, Sequence
@@ -10,7 +9,7 @@ from pathlib import Path
 
 from bench.basics.errors import BenchError, lines_of, refuse
 from bench.basics.files.atomic import atomic_path, write_text_atomically
-from bench.basics.files.recording_fault import IN_UNIT, RecordingFaultError, Remedy
+from bench.basics.files.recording_fault import Remedy
 from bench.basics.files.table import FileTable
 from bench.basics.files.toml_input import read_toml
 from bench.basics.progress import SILENT, Progress
@@ -21,7 +20,7 @@ from bench.dataset.joint_facts import JointFacts, joint_facts
 from bench.dataset.logs.columns import LogMap, columns_of
 from bench.dataset.logs.log_file import AS_FOUND, Reading, read_log
 from bench.dataset.logs.segments import UNCUT, Cutting, Segment, cut
-from bench.dataset.logs.units import UNITS
+from bench.dataset.logs.unit_cures import UnitCures, once_a_row, with_cure
 from bench.dataset.names import DATASET_FILE, Check, Use
 from bench.dataset.payload import Payload
 from bench.dataset.recording import write_table
@@ -169,9 +168,10 @@ def _parts(
     for part in parts:
         table = FileTable(file, part.table, log.lines, part.first_row, columns.sources)
         table_faults = faults_of(table, joints, frozenset(request.accept))
-        for fault in table_faults:
+        cures = UnitCures(robot, columns, request.log_map.scale, table_faults)
+        for fault in once_a_row(table_faults):
             alike = (fault.column, fault.check or "", fault.remedy)
-            faults.append(LogFault(file, alike, _with_cure(fault, request.log_map.scale, columns.stated)))
+            faults.append(LogFault(file, alike, with_cure(fault, cures)))
     return parts, faults, (*log.notes, *columns.notes, *cuts)
 
 
@@ -233,53 +233,6 @@ def _reference(robot: Robot, folder: Path) -> str:
     except ValueError:  # on another drive
         return robot.folder.as_posix()
     return relative if relative.startswith(".") else f"./{relative}"
-
-
-CUTS: Mapping[Remedy, str] = {
-    Remedy.CUT_AT_GAPS: "cut the log there",
-    Remedy.CUT_WHERE_BACK: "cut the log there",
-    Remedy.LEAVE_ROWS_OUT: "omit such rows and split the log there",
-}
-"""What --split-gaps does about a fault."""
-
-
-def _with_cure(
-    fault: RecordingFaultError, scale: Mapping[str, float | str], stated: Mapping[str, str]
-) -> str:
-    """A fault's message as it helps in an import: an option instead of a key of dataset.toml.
-
-    scale: as it is given; stated: the units from which columns were turned since the log says so.
-    """
-    if fault.remedy is Remedy.REMOVE_ROWS:
-        return f"{fault.said}{fault.advice}"
-    said = fault.said if fault.check is None else f"{fault.said} (--accept {fault.check} if that is meant)"
-    if fault.remedy is not None and fault.remedy in CUTS:
-        return f"{said}; add --split-gaps to {CUTS[fault.remedy]}"
-    if fault.remedy is None or fault.remedy not in IN_UNIT:
-        return said
-    return f"{said}; {_unit_cure(*IN_UNIT[fault.remedy], fault.column, scale, stated)}"
-
-
-def _unit_cure(
-    target: str, unit: str, column: str | None, scale: Mapping[str, float | str], stated: Mapping[str, str]
-) -> str:
-    """What helps where a column looks as if it were in a unit; nothing does that would turn it twice."""
-    column = column or target
-    if column in stated:
-        return f"it is turned from {stated[column]} already, as the log says: is this its column?"
-    key = column if column in scale else target
-    if key not in scale:
-        return f"add --scale {target}={unit}"
-    given = scale[key]
-    factor = (UNITS[given].factor if isinstance(given, str) else given) * UNITS[unit].factor
-    known = (alike.factor for alike in UNITS.values() if alike.of == UNITS[unit].of)
-    if not any(math.isclose(factor, unit_factor, rel_tol=1e-9) for unit_factor in known):
-        return f"it is turned by --scale {key}={_number(given)} already: is this its column?"
-    return f"give --scale {key}={factor:.12g} in place of --scale {key}={_number(given)}"
-
-
-def _number(given: float | str) -> str:
-    return given if isinstance(given, str) else f"{given:.12g}"
 
 
 def _write(folder: Path, text: str, parts: Sequence[Segment], progress: Progress) -> None:

@@ -20,7 +20,7 @@ from pathlib import Path
 from bench.basics.errors import BenchError
 from bench.basics.files.csv_text import LINE, CsvText, decoded, is_number
 from bench.basics.plural import plural
-from bench.dataset.logs.units import unit_named
+from bench.dataset.logs.units import bracketed, unit_named
 
 LOOKED_AT = 400  # lines that tell what the table is like
 DELIMITERS = "\t;, "  # the first of those that give most numbers
@@ -76,7 +76,7 @@ def split_log(path: Path, content: bytes, skip_rows: int = 0, header: bool | Non
         used += 1
     if used == len(table):
         raise BenchError(f"{path}: has a header but no rows")
-    units |= {name: unit for name in names if (unit := _bracketed(name))}
+    units |= {name: unit for name in names if (unit := bracketed(name)) and unit_named(unit)}
     _refuse_cut_off(path, text, [_cells(line.text, delimiter)[-1] for line in table[used:]], delimiter)
     first = table[used]
     body = text[first.start :]
@@ -217,9 +217,3 @@ def _is_units(cells: Sequence[str]) -> bool:
     if not given or any(is_number(cell.replace(",", ".")) for cell in given):
         return False
     return 2 * sum(unit_named(cell) is not None for cell in given) > len(given)
-
-
-def _bracketed(name: str) -> str | None:
-    """The unit in square brackets at a name's end, as in "q1 [deg]", where it is a known one."""
-    match = re.search(r"\[([^\]]+)\]$", name)
-    return match.group(1) if match and unit_named(match.group(1)) else None

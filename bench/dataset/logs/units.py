@@ -25,6 +25,7 @@ UNITS: Mapping[str, Unit] = {
     "ms": Unit(1e-3, "time"),
     "us": Unit(1e-6, "time"),
     "ns": Unit(1e-9, "time"),
+    "min": Unit(60.0, "time"),
     "rad": Unit(1.0, "angle"),
     "mrad": Unit(1e-3, "angle"),
     "deg": Unit(TURN / 360.0, "angle"),
@@ -33,9 +34,11 @@ UNITS: Mapping[str, Unit] = {
     "deg/s": Unit(TURN / 360.0, "angular velocity"),
     "rpm": Unit(TURN / 60.0, "angular velocity"),
     "m": Unit(1.0, "length"),
+    "cm": Unit(1e-2, "length"),
     "mm": Unit(1e-3, "length"),
     "um": Unit(1e-6, "length"),
     "m/s": Unit(1.0, "velocity"),
+    "cm/s": Unit(1e-2, "velocity"),
     "mm/s": Unit(1e-3, "velocity"),
     "A": Unit(1.0, "current"),
     "mA": Unit(1e-3, "current"),
@@ -53,6 +56,7 @@ _SPELLINGS = {
     "°/s": "deg/s",
     "degree": "deg",
     "degrees": "deg",
+    "Grad": "deg",
     "sec": "s",
     "rev": "turn",
     "Nm": "N*m",
@@ -68,6 +72,17 @@ def unit_named(text: str) -> Unit | None:
     """The unit that a text spells, brackets and micro signs of all kinds allowed; None for others."""
     plain = text.strip().strip("[]()").strip().replace("µ", "u").replace("μ", "u")
     return UNITS.get(_SPELLINGS.get(plain, plain))
+
+
+def unit_called(text: str) -> Unit | None:
+    """As `unit_named`, for a unit without brackets."""
+    return unit_named(text) if text else None
+
+
+def bracketed(name: str) -> str:
+    """What square brackets at a name's end hold, as in "q1 [deg]"; "" where there are none."""
+    match = re.search(r"\[([^\]]+)\]$", name)
+    return match.group(1) if match else ""
 
 
 def measured_by(column: str, robot: Robot) -> str | None:

@@ -35,10 +35,11 @@ from bench.diagnosis.rounds import Round, round_about, usable
 from bench.diagnosis.search import best_set
 from bench.diagnosis.search_from import search_from
 from bench.diagnosis.search_result import SearchResult
+from bench.diagnosis.signs import refuse_signs
 from bench.diagnosis.split_problem import SplitProblem, split_and_fitted
 from bench.effects import EffectInstance
 from bench.identification.decision import RULE
-from bench.identification.finding import Finding
+from bench.identification.finding import Finding, mended_first
 from bench.identification.identify import fit
 from bench.identification.mistaken import mistaken
 from bench.identification.model_averaged import gains_model_averaged
@@ -62,7 +63,7 @@ def find_missing_effects(
     BenchError naming what in dataset or robot cannot be used.
 
     Columns that are probably swapped and loads that are probably others are reported. Unless that is asked for, no law
-    is looked for with them, nor with a drive gain that is ten times off.
+    is looked for with them, nor with a drive gain that is ten times off. A current of the wrong sign is refused.
     """
     case = split_and_fitted(problem, progress, deadline)
     progress.phase("looking for swapped columns and loads")
@@ -73,10 +74,11 @@ def find_missing_effects(
         causes = mistaken(problem, case.before, whole, deadline)
     except TimeUpError:
         unfinished = (Unfinished.CAUSES,)
+    refuse_signs(problem.dataset.folder, causes, case.before)
     diagnosis = _diagnosis(case, discover, not causes, progress)
     return replace(
         diagnosis,
-        after=replace(diagnosis.after, findings=(*causes, *diagnosis.after.findings)),
+        after=replace(diagnosis.after, findings=mended_first((*causes, *diagnosis.after.findings))),
         unfinished=(*unfinished, *diagnosis.unfinished),
     )
 

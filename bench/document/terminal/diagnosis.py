@@ -43,7 +43,11 @@ def diagnosis_report(diagnosis: Diagnosis, console: Console | None = None, *, ve
     ranked, left_out = _shown(diagnosis.ranking, verbose)
     section(console, "Ranking", printed(ranking_table(diagnosis, ranked), width))
     console.print(
-        Text("evidence: nats on recordings that were not fitted; 10, odds of 20,000 to 1, are strong", "dim")
+        Text(
+            "evidence: log-likelihood ratio on recordings that were not fitted, in nats (one is odds of e, 2.7, to 1); "
+            "10, odds of 20,000 to 1, are strong",
+            "dim",
+        )
     )
     console.print(
         Text("probability: that the effect is there, given that the catalogue holds what is there", "dim")

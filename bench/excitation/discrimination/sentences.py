@@ -38,6 +38,11 @@ def next_step(result: Discrimination, diagnose: str, folder: str | Path) -> str 
         return None
     if result.given_tells:
         return f"next: {diagnose}"
+    if not result.tells:
+        return (
+            f"next: {Path(folder) / 'trajectory.csv'} is the best motion, but not enough by itself: use a remedy "
+            "above, then this command again"
+        )
     return (
         f"next: record {Path(folder) / 'trajectory.csv'} twice, add both logs with bench import (how: "
         f"{Path(folder) / 'README.md'}), then {diagnose}"

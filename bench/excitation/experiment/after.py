@@ -24,7 +24,10 @@ from bench.excitation.experiment.planned_log import PlannedRows, row_evidence
 from bench.excitation.experiment.request import ExperimentTable
 from bench.excitation.experiment.room import Room, room_of
 from bench.excitation.experiment.search import largest_of
+from bench.identification.finding import MEND_FIRST
+from bench.identification.finding_words import sentence
 from bench.identification.identify import fit
+from bench.identification.mistaken import mistaken
 from bench.identification.prepare import Prepared, prepare
 from bench.identification.problem import Problem
 from bench.model.geometry import Geometry
@@ -55,7 +58,9 @@ def plan_after(
     dataset = problem.dataset
     prepared = prepare(replace(problem, effects=(*problem.effects, *aim.effects)))
     check_linear(prepared.effects)
-    nominal = _measured_machine(prepared, table)
+    nominal = _measured_machine(problem, prepared, table)
+    if nominal.doubts and not (nominal.gains > 0.0).all():
+        raise BenchError(f"{dataset.folder}: {sentence(nominal.doubts[0])}")
     known = _known(prepared, nominal)
     room = _room(nominal.model.geometry, table, prepared)
     shape = shape_of(room, table)
@@ -84,9 +89,10 @@ def plan_after(
     return replace(plan, before=largest_of(best.search.errors, equations(known)))
 
 
-def _measured_machine(prepared: Prepared, table: ExperimentTable) -> Nominal:
-    """The machine as the data give it, with the noise of its log."""
+def _measured_machine(problem: Problem, prepared: Prepared, table: ExperimentTable) -> Nominal:
+    """The machine as the data give it, with the noise of its log, and what `identify` has against that."""
     identified = fit(prepared)
+    findings = (*mistaken(problem, identified), *identified.findings)
     values = {parameter.name: parameter.value for parameter in identified.parameters}
     dataset, model = prepared.dataset, prepared.model
     carried = [observation.payload_name for observation in prepared.fitted]
@@ -100,6 +106,7 @@ def _measured_machine(prepared: Prepared, table: ExperimentTable) -> Nominal:
         gains_fitted=identified.gains_fitted,
         noise=_noise(prepared, table),
         source="the model and the gains that the recordings give",
+        doubts=tuple(finding for finding in findings if finding.code in MEND_FIRST),
     )
 
 
@@ -150,4 +157,4 @@ def _room(geometry: Geometry, table: ExperimentTable, prepared: Prepared) -> Roo
             changes[key] = dict(zip(joints, largest.tolist(), strict=True))
     assumption = f"{' and '.join(changes)}: the largest of each joint in the recordings"
     room = room_of(geometry, table.model_copy(update=changes))
-    return replace(room, assumed=(assumption,) if changes else ())
+    return replace(room, assumed=(*room.assumed, assumption)) if changes else room

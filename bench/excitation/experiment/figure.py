@@ -6,6 +6,7 @@ import matplotlib as mpl
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 
 from bench.basics.figure_style import DPI, STYLE
 from bench.basics.files.atomic import atomic_path
@@ -45,8 +46,10 @@ def plan_figure(plan: ExperimentPlan) -> Figure:
             axes[0, column].set_title(title)
             axes[-1, column].set_xlabel("time [s]")
         figure.align_ylabels()
-        handles = axes[0, 0].get_lines()[: len(plan.names)]
-        figure.legend(handles=handles, loc="outside upper center", ncols=3, frameon=False)
+        dashed = f"limits ({'ranges ' if room.unranged else ''}assumed)" if room.assumed else "limits"
+        limit = Line2D([], [], color=LIMIT, linewidth=0.9, linestyle="--", label=dashed)
+        handles = [*axes[0, 0].get_lines()[: len(plan.names)], limit]
+        figure.legend(handles=handles, loc="outside upper center", ncols=len(handles), frameon=False)
     return figure
 
 

@@ -14,6 +14,7 @@ from bench.basics.plain_data import finite
 from bench.dataset.catalogue import built_in_robots
 from bench.dataset.payload import Payload
 from bench.dataset.recording import write_table
+from bench.excitation.bounds import FORECAST
 from bench.excitation.discrimination.files import trajectory_table
 from bench.excitation.experiment.between_samples import extremes
 from bench.excitation.experiment.forecast import Forecast
@@ -222,6 +223,8 @@ def _readme(plan: ExperimentPlan, forecast: Forecast, drawn: tuple[str, ...]) ->
         std = "undetermined" if expected.std is None else f"{expected.std:.2g} {expected.unit}"
         share = "" if expected.std is None else in_percent(expected.relative, 2)
         lines.append(f"| {expected.name} | {value} | {std} | {share} |")
+    least = in_percent(FORECAST.smallest_size, 2)
+    lines += ["", f"Of its size: of the nominal value, or of {least} of the largest with that unit."]
     robot = plan.robot.name if plan.robot.name in built_in_robots() else "ROBOT"
     lines += ["", "## Record it", ""]
     lines.append(

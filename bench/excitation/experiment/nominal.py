@@ -48,7 +48,7 @@ class Nominal:
 
     layout: of the parameters; the gains come behind them where `gains_fitted`: they are unknowns where some payload's
     mass is known. source: where the values are from, in words. scale: why payloads, as they are declared, leave all
-    gains open; None where they do not.
+    gains open; None where they do not. doubts: why the values are not to be used, where recordings gave them.
     """
 
     model: IdentificationModel
@@ -61,6 +61,7 @@ class Nominal:
     noise: Noise
     source: str
     scale: Finding | None = None
+    doubts: tuple[Finding, ...] = ()
 
     @property
     def size(self) -> int:

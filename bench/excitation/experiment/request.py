@@ -88,6 +88,16 @@ def assumed_units(key: str, value: float | Mapping[str, float], robot: Robot) ->
     return [f"{key} {value:g}: rad/{PER[key]} at hinges, m/{PER[key]} at slides"]
 
 
+def assumed_ranges(robot: Robot, joints: Sequence[str], low: np.ndarray, high: np.ndarray) -> str:
+    """What is assumed of the joints that have no range in the MJCF: where they may move, low and high (n,)."""
+    ranges = []
+    for actuator, least, most in zip(robot.actuators, low, high, strict=True):
+        if actuator.joint in joints:
+            unit = units_of_gain(actuator.gain_unit).position
+            ranges.append(f"{actuator.joint} {least:.3g} to {most:.3g} {unit}")
+    return f"range: {', '.join(ranges)} (write `range` at each joint in the MJCF)"
+
+
 def by_unit(key: str, given: Sequence[tuple[float, str]], robot: Robot) -> float | dict[str, float] | None:
     """What the command line says of speeds or accelerations: None, a number, or one for each joint by its unit.
 
@@ -104,7 +114,10 @@ def by_unit(key: str, given: Sequence[tuple[float, str]], robot: Robot) -> float
     }
     for unit, value in numbers.items():
         if unit not in units.values():
-            what = f"in {unit}" if unit else "without a unit beside others"
+            lacking = next((other for other in units.values() if other not in numbers), "")
+            if not unit and lacking:
+                raise BenchError(f"{key}: {value:g} has no unit: write {value:g}{lacking}")
+            what = f"in {unit}" if unit else "without a unit, next to others with one"
             raise BenchError(f"{key}: {value:g} {what}: no joint of {robot.name!r} takes it")
     for joint, unit in units.items():
         if unit not in numbers:

@@ -7,8 +7,15 @@ import numpy as np
 from bench.basics.errors import BenchError
 from bench.excitation.bounds import LIMITS
 from bench.excitation.experiment.between_samples import extremes
-from bench.excitation.experiment.request import Box, ExperimentTable, assumed_units, check_joint, joint_values
-from bench.excitation.limits import Limits, limits_of
+from bench.excitation.experiment.request import (
+    Box,
+    ExperimentTable,
+    assumed_ranges,
+    assumed_units,
+    check_joint,
+    joint_values,
+)
+from bench.excitation.limits import Limits, limits_of, unlimited
 from bench.model.geometry import Geometry
 from bench.model.kinematics import ancestors, end_of, end_point, frames_of, link_of
 from bench.model.mobility import least_held
@@ -20,7 +27,8 @@ from bench.scenario.trajectory import FourierTrajectory
 @dataclass(frozen=True)
 class Room:
     """joint: ranges (n,), largest loop amplification, least hold of the closures; velocity, acceleration, torque (n,)
-    of the motors, the last inf where it is not limited; assumed: which limits nobody gave, in words.
+    of the motors, the last inf where it is not limited; assumed: which limits nobody gave, in words; unranged: joints
+    whose ranges are among them.
     """
 
     home: np.ndarray
@@ -30,6 +38,7 @@ class Room:
     torque: np.ndarray
     boxes: tuple[Box, ...]
     assumed: tuple[str, ...] = ()
+    unranged: tuple[str, ...] = ()
 
 
 def room_of(geometry: Geometry, table: ExperimentTable) -> Room:
@@ -38,10 +47,14 @@ def room_of(geometry: Geometry, table: ExperimentTable) -> Room:
     limits = limits_of(geometry)
     home = geometry.home[geometry.active_configuration] + geometry.active_offset
     low, high = limits.low.copy(), limits.high.copy()
+    without_range = unlimited(geometry)
     for joint, (least, most) in table.position.items():
         check_joint("position", joint, joints)
         j = joints.index(joint)
-        low[j], high[j] = max(low[j], least), min(high[j], most)
+        if joint in without_range:
+            low[j], high[j] = least, most
+        else:
+            low[j], high[j] = max(low[j], least), min(high[j], most)
         if not low[j] < home[j] < high[j]:
             raise BenchError(
                 f"position.{joint}: home, {home[j]:.4g}, from which every motion starts, is not between {least:g} and "
@@ -56,7 +69,8 @@ def room_of(geometry: Geometry, table: ExperimentTable) -> Room:
             )
     amplification = limits.amplification if table.amplification is None else table.amplification
     limits = replace(limits, low=low, high=high, amplification=amplification)
-    assumed = []
+    unranged = tuple(joint for joint in without_range if joint not in table.position)
+    assumed = [assumed_ranges(geometry.robot, unranged, low, high)] if unranged else []
     width = high - low
     if table.velocity is None:
         velocity = width / LIMITS.crossing
@@ -76,7 +90,7 @@ def room_of(geometry: Geometry, table: ExperimentTable) -> Room:
     if table.current is not None:
         by_current = joint_values("current", table.current, joints) * geometry.robot.nominal_gains
         torque = np.minimum(torque, by_current)
-    room = Room(home, limits, velocity, acceleration, torque, table.workspace, tuple(assumed))
+    room = Room(home, limits, velocity, acceleration, torque, table.workspace, tuple(assumed), unranged)
     _check_home(geometry, room)
     return room
 

@@ -7,13 +7,14 @@ from bench.excitation.experiment.forecast import Enough, Expected, Forecast, For
 from bench.excitation.experiment.plan import ExperimentPlan
 from bench.excitation.experiment.proof_words import made_smaller
 from bench.identification.decision import RULE
+from bench.identification.finding_words import sentence
 from bench.identification.scale_words import scale_sentence
 from bench.identification.wording import and_list, in_percent
 
 
 def sentences(plan: ExperimentPlan, forecast: Forecast) -> list[str]:
     """What is to be expected, the best first."""
-    lines = [_gains(forecast), _parameters(plan, forecast)]
+    lines = [_doubted(plan), _gains(forecast), _parameters(plan, forecast)]
     lines += _compared(plan, forecast)
     lines.append(_sizes(plan, forecast))
     for note in forecast.notes:
@@ -32,6 +33,17 @@ def sentences(plan: ExperimentPlan, forecast: Forecast) -> list[str]:
         "Effects that the model lacks, for example friction, add to the errors and to the currents."
     )
     return [line for line in lines if line]
+
+
+def _doubted(plan: ExperimentPlan) -> str:
+    """Why the model behind the plan is not to be used; "" where nothing speaks against it."""
+    doubts = plan.nominal.doubts
+    if not doubts:
+        return ""
+    return (
+        f"Do not use this plan: `bench identify` rejects the model that the recordings give. {sentence(doubts[0])} If "
+        "effects are missing, name them with --with; `bench diagnose DATASET` lists them."
+    )
 
 
 def _compared(plan: ExperimentPlan, forecast: Forecast) -> list[str]:
@@ -101,7 +113,8 @@ def _judged(plan: ExperimentPlan) -> str:
 def _proven(plan: ExperimentPlan) -> str:
     """Which limits are kept at all times, and which of them made a motion smaller."""
     room = plan.room
-    parts = ["ranges", "speeds", "accelerations"]
+    unranged = room.unranged
+    parts = [f"ranges (assumed at {and_list(unranged)})" if unranged else "ranges", "speeds", "accelerations"]
     if plan.nominal.model.geometry.closed:
         parts.append("the distance from singular poses")
     if room.boxes:

@@ -19,7 +19,7 @@ from bench.scenario.scenario import resolve_trajectories, scenario_from_dict
 from bench.studies.sweep.axes import Axis, DrawnAxis, GridAxis
 from bench.studies.sweep.hidden_share import without_share
 from bench.studies.sweep.plan import FITTING, MACHINE, MOVEMENT, Plan, Run, level, make_plan
-from bench.studies.sweep.preflight import check_plan
+from bench.studies.sweep.preflight import check_plan, fixed_declarations
 from bench.studies.sweep.print_summary import print_summary, table_console
 from bench.studies.sweep.progress import duration_text, progress_console, shown_progress
 from bench.studies.sweep.results import SUMMARY, write_plots, write_summary
@@ -160,6 +160,8 @@ def run_command(
     name, description = escape(plan.sweep.name), escape(plan.sweep.table.description)
     console.print(f"[bold]{name}[/]  {description}", highlight=False)
     console.print(_extent_text(plan, extent(plan), workers), highlight=False, markup=False)
+    for note in fixed_declarations(plan):
+        console.print(note, highlight=False, markup=False)
     if dry_run or folder is None:
         return 0
 

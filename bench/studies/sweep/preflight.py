@@ -155,6 +155,31 @@ def _check_payloads(plan: Plan, used: Collection[str]) -> None:
                 )
 
 
+def fixed_declarations(plan: Plan) -> list[str]:
+    """A note on each property of a payload that an axis varies, while the dataset goes on declaring one value."""
+    axis_of = {
+        path: axis.name
+        for axis in plan.sweep.axes
+        for path in (axis.paths if isinstance(axis, GridAxis) else (axis.name,))
+    }
+    payloads = plan.run(0).content.get("payloads") or {}
+    notes = []
+    for path, axis in axis_of.items():
+        head, *rest = path.split(".")
+        if head != "payloads" or len(rest) != 2 or rest[1] == "declared":
+            continue
+        name, key = rest
+        table = f"payloads.{name}.declared"
+        declared = (payloads.get(name, {}).get("declared") or {}).get(key)
+        if declared is None or table in axis_of or f"{table}.{key}" in axis_of:
+            continue
+        notes.append(
+            f"note: axes.{axis} varies the true {key} of {name}, while the dataset declares {declared} in every run: "
+            f"gains are off by the difference. Vary {table}.{key} along, or remove {table} to declare the truth."
+        )
+    return notes
+
+
 def _representative(plan: Plan) -> Iterator[int]:
     """Numbers of runs: all grid points with the first seed, then all seeds if something is drawn."""
     numbers = np.arange(plan.size).reshape(plan.shape)

@@ -12,6 +12,7 @@ from rich.text import Text
 from bench.basics.errors import BenchError
 from bench.basics.files.atomic import write_text_atomically
 from bench.basics.plural import plural
+from bench.document.layout import TEXT
 from bench.document.terminal.tables import printed
 from bench.studies.sweep.journal import Row
 from bench.studies.sweep.print_summary import table_console
@@ -21,7 +22,7 @@ from bench.studies.sweep.table import write_rows
 from bench.studies.sweep.workers import ON_ALL_CORES, Workers
 from bench.studies.trial.cases import KINDS, Kind, chosen_effects
 from bench.studies.trial.charts import write_figures
-from bench.studies.trial.markdown import parts, trial_markdown
+from bench.studies.trial.markdown import COUNTED, parts, trial_markdown
 from bench.studies.trial.plan import TrialPlan
 from bench.studies.trial.realise import check_scenario
 from bench.studies.trial.run_trial import TrialRequest, run_trial
@@ -110,7 +111,7 @@ def run_command(
     unknown = [row for row in rows if row["kind"] == "unknown"]
     if unknown:
         nothing = [row for row in rows if row["kind"] == "nothing"]
-        console.print(printed(unknown_table(unknown, nothing), console.width))
+        console.print(printed(unknown_table(unknown, nothing), min(console.width, TEXT.width)))
     console.print(
         f"\n{plural(len(rows), 'dataset')} in {duration_text(time.monotonic() - start)}", highlight=False
     )
@@ -150,9 +151,17 @@ def write_results(
 
 def show(summary: TrialSummary, console: Console) -> None:
     """Print the figures."""
-    for part in parts(summary):
+    width = min(console.width, TEXT.width)
+    for i, part in enumerate(parts(summary)):
         console.print(Text(part.title, "bold"))
-        console.print(printed(part.table, console.width))
+        console.print(printed(part.table, width), width=width)
+        if summary.small and i == 0:
+            few = (
+                "this is not so in 1 case"
+                if summary.small == 1
+                else f"this is not so in {summary.small} cases"
+            )
+            console.print(Text(f"{COUNTED[:-1]}; {few}.", "dim"), width=width)
         console.print()
 
 

@@ -5,7 +5,10 @@ from dataclasses import replace
 from typing import Any
 
 from bench.basics.errors import BenchError
+from bench.basics.joint_units import units_of_gain
+from bench.dataset.robot import load_robot
 from bench.effects import CATALOGUE
+from bench.identification.wording import and_list
 from bench.scenario.scenario import Scenario, scenario_from_dict
 from bench.scenario.trajectory import FourierTrajectory
 from bench.studies.trial.cases import GAIN_ERROR, Case, Hide
@@ -50,6 +53,16 @@ def case_scenario(setup: Setup, case: Case, reference: Reference) -> Scenario:
 
 def check_scenario(setup: Setup, case: Case) -> None:
     """Raise BenchError where the movements and sensors of all cases, of which this is one, do not suit the robot."""
+    sensors = setup.content.get("sensors", {})
+    robot = load_robot(setup.content["robot"])
+    turns = {motor.joint: units_of_gain(motor.gain_unit).rotates for motor in robot.motors}
+    if not all(turns.values()) and not sensors.get("encoder_resolution"):
+        steps = ", ".join(f"{joint} = {'6e-6' if turns[joint] else '1e-6'}" for joint in turns)
+        slides = and_list([joint for joint, rotates in turns.items() if not rotates])
+        raise BenchError(
+            f"trial: the encoder of a slide joint ({slides}) has no bits per turn: add `encoder_resolution = "
+            f"{{ {steps} }}` (rad or m, from your data sheets) under [sensors] in the scenario"
+        )
     _scenario(setup, case, [])
 
 

@@ -74,7 +74,8 @@ class TrialSummary:
     confusion: hidden effect -> what was named first -> count, of large effects alone, those that no
     model knows after the others, and of nothing hidden.
     undecided: hidden effect -> cases in which it was an openly listed alternative. absorbed: effect -> cases in
-    which the diagnosis said so, of how many.
+    which the diagnosis said so, of how many. small: cases with something hidden that do not count, since it is too
+    small.
     """
 
     robot: str
@@ -86,19 +87,22 @@ class TrialSummary:
     absorbed: Mapping[str, Share]
     misses: tuple[Miss, ...]
     coverage: tuple[Coverage, ...]
+    small: int = 0
 
 
 def summarised(robot: str, rows: Sequence[Row]) -> TrialSummary:
     """The figures of these rows; a case that failed counts as failed and nowhere else."""
     done = [row for row in rows if row["status"] == "ok"]
     seen = [row for row in done if not row["absorbed"]]
-    large = [row for row in seen if row["kind"] != "nothing" and row["least_own_error_over_floor"] >= LARGE]
+    hidden = [row for row in seen if row["kind"] != "nothing"]
+    large = [row for row in hidden if row["least_own_error_over_floor"] >= LARGE]
     absorbing = [row for row in done if row["absorbed"]]
     return TrialSummary(
         robot=robot,
         rows=len(rows),
         failed=Counter(row["reason"] for row in rows if row["status"] != "ok"),
         targets=_targets(done, large),
+        small=len(hidden) - len(large),
         confusion=_confusion([row for row in large if row["kind"] in ("one", "outside")], done),
         undecided=Counter(
             row["hidden"]

@@ -1,0 +1,117 @@
+"""Whether an encoder counts backwards, or an angle and a travel are exchanged: tried where little is explained."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from itertools import combinations
+
+import numpy as np
+
+from bench.basics.deadline import NEVER, Deadline
+from bench.basics.errors import BenchError
+from bench.basics.joint_units import units_of_gain
+from bench.basics.threads import on_one_thread
+from bench.dataset.logs.units import UNITS
+from bench.dataset.robot import Robot
+from bench.identification.finding import Code, Finding
+from bench.identification.prepare import Prepared, prepare
+from bench.identification.problem import Problem
+from bench.identification.result import Identification
+from bench.identification.swapped_columns import ColumnsTrial
+from bench.identification.tolerances import TOLERANCES
+
+
+@dataclass(frozen=True, eq=False)
+class PositionChange:
+    """Other positions, and what they would mean. order, factors (n,): which column each joint gets, times what."""
+
+    code: Code
+    joints: tuple[str, ...]
+    order: tuple[int, ...]
+    factors: np.ndarray
+
+    def of(self, position: np.ndarray) -> np.ndarray:
+        """The positions (N, n) that this makes of those in a log."""
+        return np.ascontiguousarray(position[:, list(self.order)] * self.factors)
+
+
+@on_one_thread
+def reversed_positions(
+    problem: Problem,
+    result: Identification,
+    prepared: Prepared,
+    deadline: Deadline = NEVER,
+    *,
+    other: float | None = None,
+) -> list[Finding]:
+    """The position whose sign, or the two positions whose exchange, brings the error far down; none where none do.
+
+    Tried in all recordings, with the nominal gains and with dry and viscous friction, where the error is so large that
+    a wrong column is likely: the loops have to be closed anew for each. Positions that the loops do not follow are no
+    candidates. With a sign, that of the current may change as well: numbers say whether it does. prepared: equations
+    with the filters of the result. other: the error with another sign of a current, which this must halve; where that
+    is small, nothing is tried. Raises TimeUpError after the deadline.
+    """
+    bounds, robot = TOLERANCES.findings, problem.dataset.robot
+    before = _error(prepared, None)
+    if before < bounds.wrong_position or (other is not None and other < bounds.large_error):
+        return []
+    tried: list[tuple[float, float, PositionChange]] = []
+    for change in changes(robot):
+        deadline.check()
+        recordings = tuple(
+            replace(recording, position=change.of(recording.position))
+            for recording in problem.dataset.recordings
+        )
+        changed = replace(
+            problem,
+            dataset=replace(problem.dataset, recordings=recordings),
+            effects=(),
+            filters=result.settings,
+            fit_gains=result.gains_fitted,
+        )
+        try:
+            equations = prepare(changed)
+        except BenchError:
+            continue
+        tried.append((_error(equations, None), 0.0, change))
+        if change.code is Code.POSITION_REVERSED:
+            tried.append((_error(equations, robot.joints.index(change.joints[0])), 1.0, change))
+    if not tried:
+        return []
+    after, current, change = min(tried, key=lambda trial: trial[0])
+    least = before if other is None else other
+    if not after < min(bounds.swapped_error * least, bounds.explained):
+        return []
+    return [
+        Finding(change.code, change.joints, numbers={"before": before, "after": after, "current": current})
+    ]
+
+
+def _error(prepared: Prepared, motor: int | None) -> float:
+    trial = ColumnsTrial(prepared)
+    motors = () if motor is None else (motor,)
+    return trial.error(trial.reversed_in(tuple(trial.parts), motors), nominal=True)
+
+
+def changes(robot: Robot) -> Iterator[PositionChange]:
+    """Each joint's sign, and each exchange of an angle with a travel."""
+    joints = robot.joints
+    turns = [units_of_gain(actuator.gain_unit).rotates for actuator in robot.actuators]
+    motors = range(len(joints))
+    for j, joint in enumerate(joints):
+        signs = np.where(np.arange(len(joints)) == j, -1.0, 1.0)
+        yield PositionChange(Code.POSITION_REVERSED, (joint,), tuple(motors), signs)
+    for a, b in combinations(motors, 2):
+        if turns[a] == turns[b]:
+            continue  # those of like motors are tried by their currents
+        order = list(motors)
+        order[a], order[b] = b, a
+        for scale in (
+            1.0,
+            UNITS["mm"].factor / UNITS["deg"].factor,
+        ):  # in SI, or in what a log states of each column
+            factors = np.ones(len(joints))
+            factors[a], factors[b] = (1.0 / scale, scale) if turns[a] else (scale, 1.0 / scale)
+            yield PositionChange(Code.POSITIONS_SWAPPED, (joints[a], joints[b]), tuple(order), factors)
