@@ -192,12 +192,17 @@ def test_a_reason_carries_its_size_in_torque_and_in_percent(found):
     assert f"0.33 N·m at left ({100 * 0.33 / torque:.2g} % of its torque)" in text
     assert text.endswith("removes 99 % of the squared error.")
     assert error_share(VISCOUS) == pytest.approx(0.99)
-    assert size_words(found, VISCOUS) == f"0.33 N·m ({100 * 0.33 / torque:.2g} %)"
+    assert (
+        size_words(found, VISCOUS).replace("\N{NO-BREAK SPACE}", " ")
+        == f"0.33 N·m ({100 * 0.33 / torque:.2g} %)"
+    )
     gains = dict(found.after.drive_gains)
     gains["right"] = replace(gains["right"], unit="N/A")
     slides = replace(found, after=replace(found.after, drive_gains=gains, recordings=()))
     both = replace(VISCOUS, size={"left": 0.33, "right": 12.0})
-    assert size_words(slides, both) == "12 N, 0.33 N·m"  # never 0.33 to 12 of one of them
+    assert (
+        size_words(slides, both).replace("\N{NO-BREAK SPACE}", " ") == "12 N, 0.33 N·m"
+    )  # never 0.33 to 12 of one of them
     assert reason(found, OTHERS[0]) == reason_sentence(OTHERS[0])
 
 
