@@ -93,7 +93,7 @@ def _mean(rows: Iterable[Row]) -> float:
     return sum(costs) / len(costs)
 
 
-def check_kept_cases(table: Path, pool: Pool, console: Console, seconds: float = 60.0) -> int:
+def check_kept_cases(table: Path, pool: Pool, console: Console, seconds: float = 30.0) -> int:
     """Run right cases of an evaluation again, print what came out, and return how many are wrong now."""
     evaluation = read_evaluation(table)
     chosen = cheapest_right(evaluation, seconds)
