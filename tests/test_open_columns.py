@@ -77,6 +77,16 @@ def test_units_tell_what_is_what_where_the_words_are_not_known(robot):
     assert set(guesses(names, robot)) == {"time"}
 
 
+def test_a_current_is_that_of_the_position_that_is_named_alike():
+    slide = load_robot("crank_slide")
+    names = ["Zeit [ms]", "Winkel links [°]", "Weg rechts [mm]", "Strom links [mA]", "Strom rechts [A]"]
+    found = guesses(names, slide)
+    assert found["current.crank"] == {"column": "Strom links [mA]", "unit": "mA", "why": "alike"}
+    assert found["current.carriage"] == {"column": "Strom rechts [A]", "unit": "A", "why": "alike"}
+    same = ["Zeit [ms]", "Winkel [deg]", "Weg [mm]", "Strom a [A]", "Strom b [A]"]
+    assert not {"current.crank", "current.carriage"} & guesses(same, slide).keys()
+
+
 def test_what_is_ambiguous_is_left_open(robot):
     assert guessed(["q_left", "q_left_filtered", "volts", "left", "right"], robot) == {}
 

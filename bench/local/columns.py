@@ -74,8 +74,8 @@ def guesses(
     stated: units by column as the log gives them; in a language that is not known, they tell what is what.
     values: of the columns (N,), which tell a path in mm from one in m by the joint's range.
     why is "name" where the log's name holds the joint's, "order" where names are numbered as the joints are, "unit"
-    where no other column measures what this joint needs, "rest" where none but this joint and column remain, and
-    "range" where the values tell the unit.
+    where no other column measures what this joint needs, "rest" where none but this joint and column remain, "alike"
+    where a current's name has a word of the name of its joint's position, and "range" where the values tell the unit.
     """
     proposed: dict[str, tuple[str, str]] = {}
     time = next((name for name in names if (words := _words(name)) and words[0] in TIME), None)
@@ -97,6 +97,8 @@ def guesses(
     proposed |= _by_unit(
         rest, {target: facts[target] for target in facts if target not in proposed}, robot, stated
     )
+    currents = [name for name in rest if _measures(name, stated) in DRIVES]
+    proposed |= _alike(currents, {target: name for target, (name, _) in proposed.items()}, robot.driven)
     guessed = {}
     for target, (name, why) in proposed.items():
         unit = unit_in(name, units_of(target, robot))
@@ -131,6 +133,21 @@ def _by_unit(
     if len(last) == len(unmeasured) == 1:
         chosen[last[0]] = unmeasured[0], "rest"
     return chosen
+
+
+def _alike(
+    currents: Sequence[str], proposed: Mapping[str, str], joints: Sequence[str]
+) -> dict[str, tuple[str, str]]:
+    """Currents of joints that no name tells, by the words that their names share with the position's alone."""
+    places = {joint: proposed[f"position.{joint}"] for joint in joints if f"position.{joint}" in proposed}
+    chosen = {}
+    for joint, place in places.items():
+        others = {word for other in places.values() if other != place for word in _words(other)}
+        words = {*_words(place)} - others
+        alike = [name for name in currents if words & {*_words(name)}]
+        if len(alike) == 1 and f"current.{joint}" not in proposed:
+            chosen[f"current.{joint}"] = alike[0], "alike"
+    return chosen if len({name for name, _ in chosen.values()}) == len(chosen) else {}
 
 
 def _within(joint: JointFacts, values: np.ndarray | None, unit: str | None) -> bool:

@@ -6,6 +6,7 @@ const Columns = (() => {
   const GUESSED = {
     order: () => "taken in the order of their numbers",
     unit: () => "taken for its unit",
+    alike: () => "named like the position",
     rest: () => "taken as the last one",
     range: (unit) => `taken to be in ${Dom.unit(unit)} for its range`,
   };
