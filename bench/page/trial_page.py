@@ -229,10 +229,12 @@ def _targets_section(summary: TrialSummary) -> Section:
     )
     rows = []
     for target in summary.targets:
+        if target.reached is None:
+            continue  # not asked for
         name, reached, bound, _, cases, interval = target_cells(target)
-        kept = Cell("") if not bound or target.reached is None else _kept(target)
+        kept = Cell("") if not bound else _kept(target)
         first = typeset(name.replace("`", ""))
-        texts = (typeset(cell) for cell in (reached or "–", bound))
+        texts = (typeset(cell) for cell in (reached, bound))
         rows.append(row(first, *texts, kept, cases, typeset(interval), kind="" if bound else "weak"))
     parts = (PageTable("Figures and what they must reach", COUNTED, columns, tuple(rows)),)
     lead = "A wide interval means too few cases: more seeds add to what is there."
