@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from bench.basics.errors import BenchError
+from bench.dataset.robot import load_robot
 from bench.effects import CATALOGUE
 from bench.studies.trial.cases import KINDS, SETS_FROM, SHARES, SHARES_OF, Kind, datasets_a_seed, draw_case
 from bench.studies.trial.compatible import compatible, exclusive, expected
@@ -20,6 +21,7 @@ from bench.studies.trial.summary import A_LAW, NOTHING, SOMETHING, placed, summa
 from bench.studies.trial.target import Share, TargetFigure
 from bench.studies.trial.unknown import FAMILIES, LAW
 from bench.truth.hidden import HIDDEN_EFFECTS
+from bench.truth.hidden.geometric_error import reach_of
 from tests.trial_rows import trial_row
 
 
@@ -262,3 +264,13 @@ def test_the_motors_that_are_named_are_held_against_those_that_have_an_effect() 
         case(two, cell_of(("left", "right")), ("viscous_friction", ["right"])),  # found beside a missed one
     ]
     assert placed(rows) == Share(2, 4)
+
+
+@pytest.mark.parametrize(("robot", "without"), [("wrist", "joint_4"), ("orthoglide", "axis_1")])
+def test_a_wrong_length_is_drawn_only_where_a_link_extends_to_one_side(robot: str, without: str) -> None:
+    """A link along its hinge's axis, and a carriage with joints on both sides, have no length that may be wrong."""
+    setup = make_setup(robot, duration=6.0)
+    assert without not in setup.links
+    model, tool = load_robot(robot).mjcf_model(), load_robot(robot).tool_site
+    assert setup.links
+    assert all(np.linalg.norm(reach_of(model, joint, tool)) > 1e-3 for joint in setup.links)

@@ -7,6 +7,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal
 
+import numpy as np
+
 from bench.basics.errors import BenchError
 from bench.basics.joint_units import units_of_gain
 from bench.dataset.catalogue import built_in_scenarios
@@ -18,6 +20,7 @@ from bench.model.geometry import read_geometry
 from bench.scenario.file import find_scenario, read_with_bases
 from bench.studies.trial.unknown import LAW
 from bench.truth.hidden import HIDDEN_EFFECTS, JointEffect
+from bench.truth.hidden.geometric_error import reach_of
 
 Where = Literal["actuated", "passive", "link", "machine"]
 MOVEMENTS = (
@@ -81,11 +84,14 @@ def make_setup(robot: str, scenario: str | None = None, duration: float | None =
     ]
     geometry = read_geometry(description)
     places = places_in(geometry, weighed)
+    model = description.mjcf_model()
     long = {name for name, body in lengths(geometry).items() if body.direction is not None}
     links = {
         joint.name: joint.body
         for joint in geometry.joints
-        if joint.body in long and joint.kind in ("hinge", "slide")
+        if joint.body in long
+        and joint.kind in ("hinge", "slide")
+        and not np.allclose(reach_of(model, joint.name, description.tool_site), 0.0)
     }
     setup = Setup(description.name, content, description.joints, places.passive, links, places.payload, ())
     names = tuple(

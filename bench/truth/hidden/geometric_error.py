@@ -36,14 +36,8 @@ class GeometricError(JointEffect):
         tool = -1 if draft.robot.tool_site is None else model.site(draft.robot.tool_site).id
         bodies = [i for i in range(1, model.nbody) if model.body_parentid[i] == body]
         sites, anchors = _ends_of_loops(model, body)
-        ends = [model.body_pos[i] for i in bodies if model.body_jntnum[i] > 0]
-        ends += [model.site_pos[i] for i in sites] + [model.eq_data[i, part] for i, part in anchors]
-        if not ends and tool >= 0 and model.site_bodyid[tool] == body:
-            ends = [model.site_pos[tool]]
-        reach = np.mean(ends, axis=0) - joint.pos if ends else np.zeros(3)
-        if joint.type[0] == int(mujoco.mjtJoint.mjJNT_HINGE):
-            reach -= (reach @ joint.axis) * joint.axis
-        if not np.linalg.norm(reach) > 0:
+        reach = reach_of(model, self.joint, draft.robot.tool_site)
+        if np.allclose(reach, 0.0):
             raise BenchError(
                 f"{self.name}: the link of joint {self.joint} has no length: nothing is fixed to it"
             )
@@ -59,6 +53,28 @@ class GeometricError(JointEffect):
             data[i, part] += move
         mujoco.mj_setConst(model, mujoco.MjData(model))
         model.eq_data[:] = data  # MuJoCo has closed the loops anew in the reference pose
+
+
+def reach_of(model: mujoco.MjModel, joint: str, tool: str | None) -> np.ndarray:
+    """From a joint to the mean of what is fixed on the link that it moves (3,), m; of a hinge, across its axis.
+
+    tool: name of the tool's site, None without.
+    """
+    at = model.joint(joint)
+    body = int(at.bodyid[0])
+    sites, anchors = _ends_of_loops(model, body)
+    ends = [
+        model.body_pos[i]
+        for i in range(1, model.nbody)
+        if model.body_parentid[i] == body and model.body_jntnum[i] > 0
+    ]
+    ends += [model.site_pos[i] for i in sites] + [model.eq_data[i, part] for i, part in anchors]
+    if not ends and tool is not None and model.site_bodyid[model.site(tool).id] == body:
+        ends = [model.site_pos[model.site(tool).id]]
+    reach = np.mean(ends, axis=0) - at.pos if ends else np.zeros(3)
+    if at.type[0] == int(mujoco.mjtJoint.mjJNT_HINGE):
+        reach = reach - (reach @ at.axis) * at.axis
+    return np.asarray(reach)
 
 
 def _ends_of_loops(model: mujoco.MjModel, body: int) -> tuple[list[int], list[tuple[int, slice]]]:
