@@ -8,6 +8,7 @@ import numpy as np
 
 from bench.effects import Bracket, EffectInstance, JointSamples, ShapeParameter
 from bench.identification.bounded import minimum_between
+from bench.identification.decision import RULE
 from bench.identification.joint_samples import joint_samples, stands_still
 from bench.identification.newton import within_reach
 from bench.identification.partial_regression import PartialRegression, RegressionProducts
@@ -20,7 +21,8 @@ def best_shape(prepared: Prepared, instance: EffectInstance, partial: PartialReg
     """The instance with the shape values that explain most of what remains.
 
     Every combination of discrete values is tried, and with each the other parameters, one after the other; all of it
-    from every start of the effect. At a motor that does not move the shape stays as it is: nothing there depends on it.
+    from every start of the effect, if the first explains a share that is worth an effect. At a motor that does not move
+    the shape stays as it is: nothing there depends on it.
     """
     if stands_still(prepared, instance):
         return instance
@@ -36,6 +38,8 @@ def best_shape(prepared: Prepared, instance: EffectInstance, partial: PartialReg
         for effect in instance.effect.starts(prepared.signals[0], instance.joint)
     ]
     for start, chosen in product(starts, product(*choices)):
+        if start is not starts[0] and -least < RULE.material * partial.sum_of_squares:
+            break
         names = [shape_parameter.name for shape_parameter in shape if shape_parameter not in free]
         tried = reshaped(start, dict(zip(names, chosen, strict=True)))
         for parameter in free:
