@@ -7,11 +7,11 @@ import statistics
 import pyarrow.parquet as pq
 import pytest
 
+from bench.basics.sentence import in_percent
 from bench.benchmarks.trust.evaluation import read_evaluation
 from bench.benchmarks.trust.readme import readme_block, with_block
 from bench.benchmarks.trust.run import TABLE
 from bench.cli import main
-from bench.identification.wording import in_percent
 from bench.studies.readme_commands import FILE, commands_of
 from bench.studies.trial.summary import summarised
 from bench.studies.trial.target import TargetFigure

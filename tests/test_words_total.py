@@ -9,6 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from rich.console import Console
 
+from bench.basics.sentence import and_list, in_percent, or_list
 from bench.cli.last_lines import after_diagnosis
 from bench.diagnosis.as_json import diagnosis_json
 from bench.diagnosis.differs_words import from_run_to_run
@@ -23,7 +24,7 @@ from bench.effects import CATALOGUE
 from bench.identification.finding import Code
 from bench.identification.finding_words import note
 from bench.identification.model_file import model_json
-from bench.identification.wording import and_list, in_percent, or_list, with_error
+from bench.identification.wording import with_error
 from bench.page.section_effects import ranking_section
 from bench.page.section_run import limits_section
 from bench.page.verdict import diagnosis_tiles, diagnosis_verdict, identification_tiles

@@ -1,7 +1,7 @@
 """A frozen value that decides in many places, and another in its place while a caller asks for that."""
 
 from collections.abc import Callable, Iterator
-from contextlib import AbstractContextManager, contextmanager
+from contextlib import contextmanager
 from contextvars import ContextVar
 from typing import Any, Generic, TypeVar, cast
 
@@ -31,12 +31,9 @@ class InForce(Generic[Value]):
         """The value in force, whole."""
         return self._variable.get()
 
-    def during(self, value: Value | None) -> AbstractContextManager[None]:
-        """Another value while the context lasts, in this thread; None: no other."""
-        return self._during(value)
-
     @contextmanager
-    def _during(self, value: Value | None) -> Iterator[None]:
+    def during(self, value: Value | None) -> Iterator[None]:
+        """Another value while the context lasts, in this thread; None: no other."""
         token = self._variable.set(self._variable.get() if value is None else value)
         try:
             yield

@@ -2,10 +2,10 @@
 
 from collections.abc import Collection, Sequence
 
+from bench.basics.sentence import and_list, in_percent
 from bench.diagnosis.result import Differing
 from bench.effects.display_names import spoken
 from bench.identification.decision import RULE
-from bench.identification.wording import and_list, in_percent
 
 
 def from_run_to_run(

@@ -3,9 +3,9 @@
 import re
 from collections.abc import Sequence
 
+from bench.basics.sentence import in_percent
 from bench.diagnosis.result import Discovered, LawTerm, LooksAt
 from bench.effects.display_names import spoken
-from bench.identification.wording import in_percent
 
 WHAT = {
     "position": "position",

@@ -12,7 +12,7 @@ from bench.diagnosis.evidence import Samples
 from bench.diagnosis.normal_equations import System
 from bench.diagnosis.reason import Because, Reason
 from bench.diagnosis.result import EffectVerdict, ProbableSet, Unexplained
-from bench.diagnosis.search import Selection, held_out_error, log_posterior, possible, score
+from bench.diagnosis.search import Selection, held_out_error, log_posterior, possible
 from bench.identification.decision import RULE
 from bench.identification.tolerances import TOLERANCES
 
@@ -45,21 +45,15 @@ def posterior_of(
     """
     best = selection.selected
     usable = {*selection.singles, *best.fit.chosen}
-    solved = [
-        score(system, fit)
-        for fit in system.solved.values()
-        if usable.issuperset(fit.chosen) and possible(system, fit)
-    ]
     samples = system.samples.beyond(excess)
     most = log_posterior(system, best.fit, samples)
     weighed = [
-        (total, each.fit)
-        for each in solved
-        if each.total <= best.total
-        and (
-            (total := log_posterior(system, each.fit, samples)) <= most
-            or {*each.fit.chosen} < {*best.fit.chosen}
-        )
+        (total, fit)
+        for fit in system.solved.values()
+        if usable.issuperset(fit.chosen)
+        and possible(system, fit)
+        and log_posterior(system, fit, system.samples) <= best.total
+        and ((total := log_posterior(system, fit, samples)) <= most or {*fit.chosen} < {*best.fit.chosen})
     ]
     weighed.sort(key=lambda pair: -pair[0])
     fits, weights = [fit for _, fit in weighed], shares_of([total for total, _ in weighed])

@@ -2,12 +2,11 @@
 
 from collections.abc import Callable, Mapping
 
-from bench.basics.sentence import say
+from bench.basics.sentence import and_list, in_percent, or_list, say
 from bench.diagnosis.reason import Because, Doubt
 from bench.diagnosis.result import Diagnosis, EffectVerdict, Remainder, Unexplained
 from bench.effects.display_names import begun, spoken
 from bench.identification.decision import RULE
-from bench.identification.wording import and_list, in_percent, or_list
 
 DOUBTS: Mapping[Doubt, str] = {
     Doubt.MUCH_LEFT: "a large error remains that no effect of the catalogue explains, and this effect may only "

@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from bench.basics.joint_units import units_of_gain
+from bench.basics.sentence import and_list, in_percent, or_list
 from bench.diagnosis.differs_words import from_run_to_run
 from bench.diagnosis.law_words import law_sentences
 from bench.diagnosis.motions import telling_motions
@@ -23,7 +24,7 @@ from bench.identification.scale_words import cure, nominal_gains, why_nominal
 from bench.identification.scale_words import reason as why_in_words
 from bench.identification.summary import ROBOT
 from bench.identification.tolerances import TOLERANCES, bounded_by
-from bench.identification.wording import and_list, in_percent, or_list, with_error
+from bench.identification.wording import with_error
 
 
 @dataclass(frozen=True)

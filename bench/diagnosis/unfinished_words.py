@@ -2,8 +2,8 @@
 
 from collections.abc import Mapping
 
+from bench.basics.sentence import and_list
 from bench.diagnosis.result import Diagnosis, Unfinished
-from bench.identification.wording import and_list
 
 NOT_LOOKED_AT: Mapping[Unfinished, str] = {
     Unfinished.CAUSES: "swapped columns and wrong payloads",

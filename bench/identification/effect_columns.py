@@ -1,6 +1,7 @@
 """What effects may know of a recording, and of the model as it is at present."""
 
 from collections.abc import Callable, Hashable, Mapping
+from contextlib import suppress
 from dataclasses import dataclass, field
 from functools import cache, partial
 
@@ -212,15 +213,8 @@ def needed_torque(seen: Callable[[], RobotSignals], present: PresentModel) -> Ca
             for instance, values in present.effects:
                 if instance.effect.before_torque:
                     continue
-                try:
-                    parts = [
-                        (share, *columns_at_motors(part, signals))
-                        for part, share in made_of(signals, instance)
-                    ]
-                except AskedWithinError:  # it is made of this very torque
-                    continue
-                for share, columns, motors in parts:
-                    total[:, motors] += columns @ (share * values)
+                with suppress(AskedWithinError):  # it is made of this very torque
+                    _add_torque(total, signals, instance, values)
         finally:
             adding = False
         return total
@@ -242,12 +236,19 @@ def torque_at_links(seen: Callable[[], RobotSignals], present: PresentModel) -> 
         total = np.zeros_like(signals.position)
         for instance, values in present.effects:
             if instance.effect.at_link or instance.effect.place != "actuator":
-                for part, share in made_of(signals, instance):
-                    columns, motors = columns_at_motors(part, signals)
-                    total[:, motors] += columns @ (share * values)
+                _add_torque(total, signals, instance, values)
         return total
 
     return needed
+
+
+def _add_torque(
+    total: np.ndarray, signals: RobotSignals, instance: EffectInstance, values: np.ndarray
+) -> None:
+    """Add to `total` (N, n) what an effect with these values needs of the motors; nothing where an effect raises."""
+    parts = [(share, *columns_at_motors(part, signals)) for part, share in made_of(signals, instance)]
+    for share, columns, motors in parts:
+        total[:, motors] += columns @ (share * values)
 
 
 def torques_in_joints(

@@ -2,9 +2,8 @@
 
 from collections.abc import Callable, Mapping
 
-from bench.basics.sentence import in_percent
+from bench.basics.sentence import and_list, in_percent
 from bench.identification.finding import Code, Finding
-from bench.identification.wording import and_list
 
 
 def _gains_alike(finding: Finding) -> str:

@@ -13,17 +13,24 @@ from bench.identification.current_error import minimised, squared_errors
 from bench.identification.filtered import Measured
 from bench.identification.finding import Code, Finding
 from bench.identification.observation import observe
-from bench.identification.prepare import Prepared, prepare
+from bench.identification.prepare import Prepared
 from bench.identification.problem import Problem
 from bench.identification.result import CurrentSeries, Identification, relative_error
 from bench.identification.reversed_currents import reversed_currents
 from bench.identification.reversed_positions import reversed_positions
-from bench.identification.solution import scaled_lstsq, solved_gains, torque_system
-from bench.identification.swapped_columns import rows_with_friction, swapped_columns, with_friction
+from bench.identification.swapped_columns import (
+    ColumnsTrial,
+    least_squares,
+    rigid_equations,
+    rows_with_friction,
+    swapped_columns,
+    with_friction,
+)
 from bench.identification.tolerances import TOLERANCES
 from bench.identification.undeclared_load import undeclared_load
 
 
+@on_one_thread
 def mistaken(
     problem: Problem, result: Identification, prepared: Prepared | None = None, deadline: Deadline = NEVER
 ) -> tuple[Finding, ...]:
@@ -41,19 +48,18 @@ def mistaken(
     if error is None or error < TOLERANCES.findings.large_error:
         return (*heavy, *other_load(problem, result, prepared, deadline))
     if prepared is None:
-        prepared = prepare(
-            replace(problem, effects=(), filters=result.settings, fit_gains=result.gains_fitted)
-        )
-    reversed_ = reversed_currents(result, prepared, deadline)
+        prepared = rigid_equations(problem, result, fit_gains=result.gains_fitted)
+    trial = ColumnsTrial(prepared)
+    reversed_ = reversed_currents(result, trial, deadline)
     if reversed_:
         left = min(finding.numbers["after"] for finding in reversed_)
-        better = reversed_positions(problem, result, prepared, deadline, other=left)
+        better = reversed_positions(problem, result, trial, deadline, other=left)
         return (*heavy, *(better or reversed_))
-    swapped = swapped_columns(problem, result, prepared, deadline)
+    swapped = swapped_columns(problem, result, prepared, deadline, trial)
     loads = other_load(problem, result, prepared, deadline)
     if not (swapped or loads):
-        loads = undeclared_load(problem, result, prepared, deadline)
-    positions = [] if swapped or loads else reversed_positions(problem, result, prepared, deadline)
+        loads = undeclared_load(problem, result, trial, deadline)
+    positions = [] if swapped or loads else reversed_positions(problem, result, trial, deadline)
     return (*heavy, *swapped, *loads, *positions)
 
 
@@ -115,7 +121,7 @@ def other_load(
     if not _large(result) or not result.gains_fitted:
         return []
     if prepared is None:
-        prepared = prepare(replace(problem, effects=(), filters=result.settings, fit_gains=True))
+        prepared = rigid_equations(problem, result, fit_gains=True)
     trial, bounds = _LoadTrial(prepared), TOLERANCES.findings
     declared = {
         measurement.recording.name: measurement.recording.payload for measurement in prepared.measured
@@ -170,9 +176,7 @@ class _LoadTrial:
         parts = [self._part(name, load) for name, load in loads.items()]
         factors = triangular_factors(np.concatenate(parts, axis=1).swapaxes(0, 1))
         gains = self.prepared.gains
-        solution = scaled_lstsq(*torque_system(factors, gains.held))
-        theta = solution[: self.layout.size]
-        fitted_gains = solved_gains(factors, gains.with_fitted(solution[self.layout.size :]), gains.values)
+        theta, fitted_gains = least_squares(factors, gains)
         theta, fitted_gains = minimised(
             factors, theta, fitted_gains, np.ones(len(fitted_gains)), gains.fitted
         )

@@ -1,13 +1,10 @@
 """Whether a motor's current has the wrong sign, in all recordings or in one: tried where the model explains little."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 
 from bench.basics.deadline import NEVER, Deadline
 from bench.basics.threads import on_one_thread
 from bench.identification.finding import Code, Finding
-from bench.identification.prepare import Prepared
 from bench.identification.result import Identification
 from bench.identification.swapped_columns import ColumnsTrial
 from bench.identification.tolerances import TOLERANCES
@@ -18,16 +15,15 @@ _Reversal = tuple[tuple[str, ...], tuple[int, ...]]
 
 @on_one_thread
 def reversed_currents(
-    result: Identification, prepared: Prepared, deadline: Deadline = NEVER
+    result: Identification, trial: ColumnsTrial, deadline: Deadline = NEVER
 ) -> list[Finding]:
     """The currents whose sign, changed, brings the error far down; none where none do.
 
     Tried with the nominal gains, since fitted ones would only change their own sign, and with dry and viscous friction
-    in addition to the rigid bodies: one motor in all fitted recordings or in one, or all motors. prepared: equations
+    in addition to the rigid bodies: one motor in all fitted recordings or in one, or all motors. trial: equations
     with the filters of the result. Raises TimeUpError after the deadline.
     """
     bounds = TOLERANCES.findings
-    trial = ColumnsTrial(prepared)
 
     def error_with(change: _Reversal) -> float:
         deadline.check()

@@ -1,7 +1,5 @@
 """Whether an encoder counts backwards, or an angle and a travel are exchanged: tried where little is explained."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from itertools import combinations
@@ -15,10 +13,9 @@ from bench.basics.threads import on_one_thread
 from bench.dataset.logs.units import UNITS
 from bench.dataset.robot import Robot
 from bench.identification.finding import Code, Finding
-from bench.identification.prepare import Prepared, prepare
 from bench.identification.problem import Problem
 from bench.identification.result import Identification
-from bench.identification.swapped_columns import ColumnsTrial
+from bench.identification.swapped_columns import ColumnsTrial, rigid_equations
 from bench.identification.tolerances import TOLERANCES
 
 
@@ -40,7 +37,7 @@ class PositionChange:
 def reversed_positions(
     problem: Problem,
     result: Identification,
-    prepared: Prepared,
+    trial: ColumnsTrial,
     deadline: Deadline = NEVER,
     *,
     other: float | None = None,
@@ -49,12 +46,12 @@ def reversed_positions(
 
     Tried in all recordings, with the nominal gains and with dry and viscous friction, where the error is so large that
     a wrong column is likely: the loops have to be closed anew for each. Positions that the loops do not follow are no
-    candidates. With a sign, that of the current may change as well: numbers say whether it does. prepared: equations
+    candidates. With a sign, that of the current may change as well: numbers say whether it does. trial: equations
     with the filters of the result. other: the error with another sign of a current, which this must halve; where that
     is small, nothing is tried. Raises TimeUpError after the deadline.
     """
     bounds, robot = TOLERANCES.findings, problem.dataset.robot
-    before = _error(prepared, None)
+    before = _error(trial)
     if before < bounds.wrong_position or (other is not None and other < bounds.large_error):
         return []
     tried: list[tuple[float, float, PositionChange]] = []
@@ -64,20 +61,15 @@ def reversed_positions(
             replace(recording, position=change.of(recording.position))
             for recording in problem.dataset.recordings
         )
-        changed = replace(
-            problem,
-            dataset=replace(problem.dataset, recordings=recordings),
-            effects=(),
-            filters=result.settings,
-            fit_gains=result.gains_fitted,
-        )
+        changed = replace(problem, dataset=replace(problem.dataset, recordings=recordings))
         try:
-            equations = prepare(changed)
+            equations = rigid_equations(changed, result, fit_gains=result.gains_fitted)
         except BenchError:
             continue
-        tried.append((_error(equations, None), 0.0, change))
+        there = ColumnsTrial(equations)
+        tried.append((_error(there), 0.0, change))
         if change.code is Code.POSITION_REVERSED:
-            tried.append((_error(equations, robot.joints.index(change.joints[0])), 1.0, change))
+            tried.append((_error(there, robot.joints.index(change.joints[0])), 1.0, change))
     if not tried:
         return []
     after, current, change = min(tried, key=lambda trial: trial[0])
@@ -89,9 +81,8 @@ def reversed_positions(
     ]
 
 
-def _error(prepared: Prepared, motor: int | None) -> float:
-    trial = ColumnsTrial(prepared)
-    motors = () if motor is None else (motor,)
+def _error(trial: ColumnsTrial, *motors: int) -> float:
+    """With the nominal gains, and other signs of the currents of some motors."""
     return trial.error(trial.reversed_in(tuple(trial.parts), motors), nominal=True)
 
 

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING
 
+from bench.basics.sentence import and_list, or_list
 from bench.identification.finding import Code, Finding, Unknown
 from bench.identification.scale import Scale, ScaleCase, ScaleRemedy
-from bench.identification.wording import and_list, or_list
 
 if TYPE_CHECKING:
     from bench.identification.result import Identification

@@ -17,7 +17,7 @@ from bench.identification.observation import Observation, all_currents
 from bench.identification.prepare import Prepared, prepare
 from bench.identification.problem import Problem
 from bench.identification.result import Identification
-from bench.identification.solution import scaled_lstsq, solved_gains, torque_system
+from bench.identification.solution import NominalGains, scaled_lstsq, solved_gains, torque_system
 from bench.identification.tolerances import TOLERANCES
 
 
@@ -45,30 +45,40 @@ def rows_with_friction(
     return rows
 
 
+def least_squares(factors: np.ndarray, known: NominalGains) -> tuple[np.ndarray, np.ndarray]:
+    """Parameters (p,) and gains (n,) by least squares in torque, of factors (n, r, p + 2) of [phi, kappa, current]."""
+    solution = scaled_lstsq(*torque_system(factors, known.held))
+    size = factors.shape[2] - 2
+    return solution[:size], solved_gains(factors, known.with_fitted(solution[size:]), known.values)
+
+
+def rigid_equations(problem: Problem, result: Identification, *, fit_gains: bool) -> Prepared:
+    """The problem's equations without effects, with the filters of a result."""
+    return prepare(replace(problem, effects=(), filters=result.settings, fit_gains=fit_gains))
+
+
 @on_one_thread
 def swapped_columns(
     problem: Problem,
     result: Identification,
     prepared: Prepared | None = None,
     deadline: Deadline = NEVER,
+    trial: "ColumnsTrial | None" = None,
 ) -> list[Finding]:
     """The two motors whose columns, exchanged, bring the error down most; none where none do.
 
     Tried one pair at a time, in all fitted recordings and in each of them, with the filters of the result, and with dry
     and viscous friction in addition to the rigid bodies, so that it does not hide the swap. The error must fall far
     below that of the result and below what friction alone makes of it. Where the error of the result is small, nothing
-    is tried. prepared: the problem's equations with these filters, where they are at hand. Raises TimeUpError after the
-    deadline.
+    is tried. prepared: the problem's equations with these filters, and trial: with all currents, where they are at
+    hand. Raises TimeUpError after the deadline.
     """
     error = result.error.identify
     joints = list(result.joints)
     if error is None or error < TOLERANCES.findings.large_error or len(joints) < 2:
         return []
-    if prepared is None:
-        prepared = prepare(
-            replace(problem, effects=(), filters=result.settings, fit_gains=result.gains_fitted)
-        )
-    trial = ColumnsTrial(prepared)
+    if trial is None:
+        trial = ColumnsTrial(prepared or rigid_equations(problem, result, fit_gains=result.gains_fitted))
 
     def error_with(swap: tuple[tuple[str, ...], int, int]) -> float:
         deadline.check()
@@ -115,42 +125,30 @@ class ColumnsTrial:
 
     def exchanged(self, names: Sequence[str], a: int, b: int) -> np.ndarray:
         """Factors (n, p + 2, p + 2) of [phi, kappa, current] with two motors' currents exchanged in some recordings."""
-        motors = np.arange(len(self.gains.values))
-        turned = motors.copy()
-        turned[[a, b]] = b, a
-        p = self.size
-        picked = [
-            np.concatenate(
-                (
-                    part[:, :, : p + 1],
-                    part[motors, :, p + 1 + (turned if name in names else motors)][:, :, None],
-                ),
-                axis=2,
-            )
-            for name, part in self.parts.items()
-        ]
-        return triangular_factors(np.concatenate(picked, axis=1).swapaxes(0, 1))
+        order = np.arange(len(self.gains.values))
+        order[[a, b]] = b, a
+        return self._with_currents(names, order, np.ones(len(order)))
 
     def reversed_in(self, names: Sequence[str], motors: Sequence[int]) -> np.ndarray:
         """Factors (n, p + 2, p + 2) of [phi, kappa, current] with the signs of some currents changed in recordings."""
-        at = np.arange(len(self.gains.values))
+        signs = np.ones(len(self.gains.values))
+        signs[list(motors)] = -1.0
+        return self._with_currents(names, np.arange(len(signs)), signs)
+
+    def _with_currents(self, names: Sequence[str], order: np.ndarray, factors: np.ndarray) -> np.ndarray:
+        """Factors in which every motor has, in some recordings, the current of another, times a factor."""
+        at, p = np.arange(len(order)), self.size
         picked = []
         for name, part in self.parts.items():
-            signs = np.ones(len(at))
-            if name in names:
-                signs[list(motors)] = -1.0
-            current = part[at, :, self.size + 1 + at] * signs[:, None]
-            picked.append(np.concatenate((part[:, :, : self.size + 1], current[:, :, None]), axis=2))
+            changed = name in names
+            current = part[at, :, p + 1 + (order if changed else at)]
+            current = current * factors[:, None] if changed else current
+            picked.append(np.concatenate((part[:, :, : p + 1], current[:, :, None]), axis=2))
         return triangular_factors(np.concatenate(picked, axis=1).swapaxes(0, 1))
 
     def solved(self, factors: np.ndarray, *, nominal: bool = False) -> tuple[np.ndarray, np.ndarray]:
         """Parameters (p,) and gains (n,) by least squares in torque; nominal: with the nominal gains."""
-        known = replace(self.gains, fitted=False) if nominal else self.gains
-        rows, right = torque_system(factors, known.held)
-        solution = scaled_lstsq(rows, right)
-        return solution[: self.size], solved_gains(
-            factors, known.with_fitted(solution[self.size :]), known.values
-        )
+        return least_squares(factors, replace(self.gains, fitted=False) if nominal else self.gains)
 
     def error(self, factors: np.ndarray, *, least: bool = False, nominal: bool = False) -> float:
         """Relative error of the currents by least squares in torque; or the least that there can be, from there.

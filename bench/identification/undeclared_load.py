@@ -1,7 +1,5 @@
 """Whether a recording carries a load that nobody declares: tried where the model explains little."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np
@@ -11,10 +9,9 @@ from bench.basics.errors import BenchError
 from bench.basics.threads import on_one_thread
 from bench.dataset.payload import Payload
 from bench.identification.finding import Code, Finding
-from bench.identification.prepare import Prepared, prepare
 from bench.identification.problem import Problem
 from bench.identification.result import Identification
-from bench.identification.swapped_columns import ColumnsTrial
+from bench.identification.swapped_columns import ColumnsTrial, rigid_equations
 from bench.identification.tolerances import TOLERANCES
 
 LOAD = "an undeclared load"
@@ -22,13 +19,13 @@ LOAD = "an undeclared load"
 
 @on_one_thread
 def undeclared_load(
-    problem: Problem, result: Identification, prepared: Prepared, deadline: Deadline = NEVER
+    problem: Problem, result: Identification, trial: ColumnsTrial, deadline: Deadline = NEVER
 ) -> list[Finding]:
     """The fitted recording without a payload that an unknown payload explains, with its mass; none where none does.
 
     Tried with the nominal gains and with dry and viscous friction, in one recording after the other. Of two recordings
     the one is named whose load has a positive mass. With a payload of known mass in another one, that mass may be what
-    is wrong, and nothing is tried. prepared: equations with the filters of the result. Raises
+    is wrong, and nothing is tried. trial: equations with the filters of the result. Raises
     TimeUpError after the deadline.
     """
     bounds, dataset = TOLERANCES.findings, problem.dataset
@@ -36,7 +33,6 @@ def undeclared_load(
     weighed = any(recording.payload in dataset.weighed for recording in fitted)
     if dataset.robot.tool_site is None or len(fitted) < 2 or weighed:
         return []
-    trial = ColumnsTrial(prepared)
     before = trial.error(trial.reversed_in((), ()), nominal=True)
     if before < bounds.large_error:
         return []
@@ -66,7 +62,7 @@ def _with_load(problem: Problem, result: Identification, name: str) -> tuple[flo
     )
     payloads = {**dataset.payloads, LOAD: Payload(LOAD, None)}
     loaded = replace(dataset, recordings=recordings, payloads=payloads)
-    prepared = prepare(replace(problem, dataset=loaded, effects=(), filters=result.settings, fit_gains=False))
+    prepared = rigid_equations(replace(problem, dataset=loaded), result, fit_gains=False)
     index = prepared.layout.payloads.get(LOAD, np.empty(0))
     if 0 not in index:
         return np.inf, 0.0  # no motion of this robot shows the mass of a payload

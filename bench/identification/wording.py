@@ -1,10 +1,7 @@
-"""Numbers, lists and motors in a sentence."""
+"""Numbers and motors in a sentence."""
 
 import math
 
-from bench.basics.sentence import and_list as and_list
-from bench.basics.sentence import in_percent as in_percent
-from bench.basics.sentence import or_list as or_list
 from bench.identification.tolerances import TOLERANCES
 
 

@@ -7,9 +7,9 @@ from pathlib import Path
 
 from bench.basics.errors import BenchError
 from bench.basics.plural import plural
+from bench.basics.sentence import and_list
 from bench.document.typeset import typeset
 from bench.effects.display_names import begun
-from bench.identification.wording import and_list
 from bench.page.figures_sweep import grid_figure, plot_figure, runs_part, spread_figure
 from bench.page.parts import (
     Cell,

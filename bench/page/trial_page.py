@@ -9,9 +9,9 @@ from typing import Any
 
 from bench.basics.errors import BenchError
 from bench.basics.plural import plural
+from bench.basics.sentence import and_list
 from bench.basics.shell_word import quoted
 from bench.document.typeset import typeset
-from bench.identification.wording import and_list
 from bench.page.chart_spec import chart_figure
 from bench.page.parts import (
     Cell,

@@ -3,6 +3,7 @@
 from collections.abc import Collection, Mapping
 
 from bench.basics.chi_squared import WITHIN_95
+from bench.basics.sentence import and_list, or_list
 from bench.diagnosis.result import Diagnosis
 from bench.diagnosis.summary import moved_gain, named_effects, summary_of
 from bench.document.numbers import gain_change, pretty_unit
@@ -12,7 +13,7 @@ from bench.identification.finding_words import note, sentence
 from bench.identification.findings import runaway
 from bench.identification.result import DriveGain, ErrorSummary, Identification, relative_error
 from bench.identification.scale_words import in_short, scale_sentence, why_nominal
-from bench.identification.wording import and_list, motor_words, or_list, with_error
+from bench.identification.wording import motor_words, with_error
 from bench.page.parts import Tile
 from bench.residuals.residuals import WhereItFails
 

@@ -2,9 +2,10 @@
 
 import math
 
+from bench.basics.sentence import in_percent
 from bench.effects.display_names import spoken
 from bench.identification.decision import RULE
-from bench.identification.wording import in_percent, motor_words, with_error
+from bench.identification.wording import motor_words, with_error
 from bench.residuals.bounds import NAMING
 from bench.residuals.look_alikes import LookAlike
 from bench.residuals.motor import Compared, relative_error_of, relative_noise

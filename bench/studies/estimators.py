@@ -22,6 +22,7 @@ from bench.basics.chi_squared import WITHIN_95
 from bench.basics.errors import BenchError
 from bench.basics.files.atomic import write_json_atomically, write_text_atomically
 from bench.basics.plain_data import finite
+from bench.basics.sentence import in_percent
 from bench.basics.threads import on_one_thread
 from bench.basics.versions import versions
 from bench.dataset.dataset import Dataset
@@ -30,7 +31,6 @@ from bench.identification.estimators import ESTIMATORS
 from bench.identification.identify import identify
 from bench.identification.prepare import prepare
 from bench.identification.problem import problem_of
-from bench.identification.wording import in_percent
 from bench.scenario.scenario import Scenario, load_scenario, resolve_trajectories
 from bench.scenario.trajectory import FourierTrajectory
 from bench.truth.dataset import as_dataset

@@ -17,6 +17,7 @@ from scipy.stats import chi2
 from bench.basics.errors import BenchError
 from bench.basics.files.atomic import write_json_atomically, write_text_atomically
 from bench.basics.progress import SILENT, Progress
+from bench.basics.sentence import in_percent
 from bench.basics.versions import versions
 from bench.dataset.dataset import Dataset
 from bench.dataset.robot import load_robot
@@ -29,7 +30,6 @@ from bench.identification.identify import identify
 from bench.identification.prepare import Prepared, prepare
 from bench.identification.problem import problem_of
 from bench.identification.standstill import interpolated
-from bench.identification.wording import in_percent
 from bench.scenario.scenario import Scenario, load_scenario
 from bench.signals.decimation import decimate
 from bench.signals.processing import trim

@@ -12,12 +12,12 @@ from typing import Any
 import mkdocs_gen_files
 import pyarrow.parquet as pq
 
+from bench.basics.sentence import in_percent
 from bench.document.markdown.tables import rows_in_markdown
 from bench.document.numbers import pretty_unit
 from bench.effects import CATALOGUE, Effect
 from bench.effects.display_names import begun, spoken
 from bench.effects.effect import EffectParameter, ShapeParameter
-from bench.identification.wording import in_percent
 from bench.residuals.look_alikes import QUESTION
 from bench.studies.trial.name_list import names_in
 from bench.studies.trial.summary import LARGE, first_named

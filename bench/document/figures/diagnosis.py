@@ -14,6 +14,7 @@ from bench.basics.chi_squared import WITHIN_95
 from bench.basics.figure_style import DPI, STYLE
 from bench.basics.files.atomic import atomic_path
 from bench.basics.joint_units import drive_unit
+from bench.basics.sentence import and_list
 from bench.diagnosis.result import Diagnosis
 from bench.document.charts.currents import before_after_chart, ladder_chart
 from bench.document.figures.comparison import errors_figure
@@ -21,7 +22,6 @@ from bench.document.figures.draw import COLOURS, PLAIN, ZERO, draw
 from bench.document.layout import SCREEN
 from bench.document.numbers import effect_name, is_poor, percent, pretty_unit
 from bench.identification.result import CurrentSeries, Quantity, relative_error
-from bench.identification.wording import and_list
 from bench.residuals.motor import Compared
 
 VERDICT_COLOURS = {

@@ -4,12 +4,13 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from bench.basics.joint_units import units_of_gain
+from bench.basics.sentence import and_list, in_percent, or_list
 from bench.diagnosis.motions import telling_motions
 from bench.effects.display_names import begun, spoken
 from bench.excitation.bounds import DISCRIMINATION
 from bench.excitation.discrimination.result import Discrimination, MotionFacts
 from bench.identification.decision import RULE
-from bench.identification.wording import and_list, in_percent, motor_words, or_list
+from bench.identification.wording import motor_words
 
 NATS = "one nat is odds of e, 2.7, to 1; ten are 22,000 to 1, which is certain"
 

@@ -9,6 +9,7 @@ closures repeat one another, more of them than passive joints, it is their combi
 """
 
 from dataclasses import dataclass, fields
+from functools import cached_property
 
 import numpy as np
 
@@ -132,17 +133,17 @@ class _Speeds:
     motors: MotorBalls
     motion: Motion
 
-    @property
+    @cached_property
     def fastest(self) -> np.ndarray:
         """Speeds of the motors."""
         return np.asarray(np.abs(self.motors.middle[1]) + self.motors.radius[1])
 
-    @property
+    @cached_property
     def changes(self) -> np.ndarray:
         """What the motors' changes of speed do to all joints (K, nv), with the Jacobian in the middles."""
         return _by(np.abs(self.motion.jacobian), self.motors.radius[1])
 
-    @property
+    @cached_property
     def first(self) -> np.ndarray:
         """Speeds of the passive joints."""
         return np.asarray((np.abs(self.motion.v) + self.changes)[:, self.geometry.passive])

@@ -11,6 +11,7 @@ from bench.basics.errors import BenchError
 from bench.basics.files.atomic import whole_folder, write_json_atomically, write_text_atomically
 from bench.basics.files.toml_output import toml_header, toml_line
 from bench.basics.plain_data import finite
+from bench.basics.sentence import in_percent
 from bench.dataset.catalogue import built_in_robots
 from bench.dataset.payload import Payload
 from bench.dataset.recording import write_table
@@ -21,7 +22,6 @@ from bench.excitation.experiment.forecast import Forecast
 from bench.excitation.experiment.plan import ExperimentPlan
 from bench.excitation.experiment.sentences import sentences
 from bench.excitation.experiment.simulated import FIRST, SimulatedDrive
-from bench.identification.wording import in_percent
 from bench.scenario.trajectory import FourierTrajectory
 
 ANSWER, SCENARIO, SUMMARY, PICTURE, VIEW = (

@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from bench.basics.sentence import and_list, in_percent
 from bench.excitation.bounds import FORECAST, SEARCH
 from bench.excitation.experiment.forecast import Enough, Expected, Forecast, ForecastCode, ForecastNote
 from bench.excitation.experiment.plan import ExperimentPlan
@@ -9,7 +10,6 @@ from bench.excitation.experiment.proof_words import made_smaller
 from bench.identification.decision import RULE
 from bench.identification.finding_words import sentence
 from bench.identification.scale_words import scale_sentence
-from bench.identification.wording import and_list, in_percent
 
 
 def sentences(plan: ExperimentPlan, forecast: Forecast) -> list[str]:

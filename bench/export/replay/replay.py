@@ -14,6 +14,7 @@ from bench.basics.errors import BenchError
 from bench.basics.interpolation import cubic_spline
 from bench.basics.plain_data import finite
 from bench.basics.progress import SILENT, Progress
+from bench.basics.sentence import in_percent
 from bench.basics.threads import on_one_thread
 from bench.effects import JointSignals
 from bench.effects.effect import ActuatorEffect
@@ -27,7 +28,6 @@ from bench.identification.observation import all_currents
 from bench.identification.problem import Problem
 from bench.identification.result import CurrentSeries, error_summary, relative_error
 from bench.identification.summary import modelled_series
-from bench.identification.wording import in_percent
 from bench.model.configuration import configuration_rates
 from bench.model.geometry import Geometry, to_mujoco
 from bench.twin import Twin, load_twin

@@ -6,10 +6,10 @@ from typing import Any
 
 import numpy as np
 
+from bench.basics.sentence import and_list
 from bench.document.charts.chart import Axis, Chart, Histogram, Panel, Role, Rule, Whiskers, is_wide
 from bench.document.typeset import share, short, typeset
 from bench.effects.display_names import begun
-from bench.identification.wording import and_list
 from bench.studies.sweep.metrics import (
     axis_parts,
     axis_title,

@@ -6,9 +6,9 @@ from typing import Any
 
 from bench.basics.errors import BenchError
 from bench.basics.joint_units import units_of_gain
+from bench.basics.sentence import and_list
 from bench.dataset.robot import load_robot
 from bench.effects import CATALOGUE
-from bench.identification.wording import and_list
 from bench.scenario.scenario import Scenario, scenario_from_dict
 from bench.scenario.trajectory import FourierTrajectory
 from bench.studies.trial.cases import GAIN_ERROR, Case, Hide
