@@ -158,8 +158,8 @@ def _refuse_copies(path: Path, recordings: Sequence[Recording]) -> None:
     """Raise BenchError for two logs with the same samples: counted twice they look surer, and judge themselves."""
     for first, second in combinations(recordings, 2):
         if first.name != second.name and all(
-            np.array_equal(one, other, equal_nan=True)
-            for one, other in ((first.position, second.position), (first.current, second.current))
+            np.array_equal(samples, others, equal_nan=True)
+            for samples, others in ((first.position, second.position), (first.current, second.current))
         ):
             raise BenchError(
                 f"{path}: recordings: {second.name!r} holds the same samples as {first.name!r}: remove one of the two"

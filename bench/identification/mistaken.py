@@ -48,7 +48,7 @@ def mistaken(
     if error is None or error < TOLERANCES.findings.large_error:
         return (*heavy, *other_load(problem, result, prepared, deadline))
     if prepared is None:
-        prepared = rigid_equations(problem, result, fit_gains=result.gains_fitted)
+        prepared = rigid_equations(replace(problem, fit_gains=result.gains_fitted), result)
     trial = ColumnsTrial(prepared)
     reversed_ = reversed_currents(result, trial, deadline)
     if reversed_:
@@ -121,7 +121,7 @@ def other_load(
     if not _large(result) or not result.gains_fitted:
         return []
     if prepared is None:
-        prepared = rigid_equations(problem, result, fit_gains=True)
+        prepared = rigid_equations(replace(problem, fit_gains=True), result)
     trial, bounds = _LoadTrial(prepared), TOLERANCES.findings
     declared = {
         measurement.recording.name: measurement.recording.payload for measurement in prepared.measured

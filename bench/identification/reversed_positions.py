@@ -61,9 +61,10 @@ def reversed_positions(
             replace(recording, position=change.of(recording.position))
             for recording in problem.dataset.recordings
         )
-        changed = replace(problem, dataset=replace(problem.dataset, recordings=recordings))
+        dataset = replace(problem.dataset, recordings=recordings)
+        changed = replace(problem, dataset=dataset, fit_gains=result.gains_fitted)
         try:
-            equations = rigid_equations(changed, result, fit_gains=result.gains_fitted)
+            equations = rigid_equations(changed, result)
         except BenchError:
             continue
         there = ColumnsTrial(equations)

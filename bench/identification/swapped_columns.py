@@ -52,9 +52,9 @@ def least_squares(factors: np.ndarray, known: NominalGains) -> tuple[np.ndarray,
     return solution[:size], solved_gains(factors, known.with_fitted(solution[size:]), known.values)
 
 
-def rigid_equations(problem: Problem, result: Identification, *, fit_gains: bool) -> Prepared:
-    """The problem's equations without effects, with the filters of a result."""
-    return prepare(replace(problem, effects=(), filters=result.settings, fit_gains=fit_gains))
+def rigid_equations(problem: Problem, result: Identification) -> Prepared:
+    """What a problem asks for, without effects and with the filters of a result."""
+    return prepare(replace(problem, effects=(), filters=result.settings))
 
 
 @on_one_thread
@@ -78,7 +78,9 @@ def swapped_columns(
     if error is None or error < TOLERANCES.findings.large_error or len(joints) < 2:
         return []
     if trial is None:
-        trial = ColumnsTrial(prepared or rigid_equations(problem, result, fit_gains=result.gains_fitted))
+        trial = ColumnsTrial(
+            prepared or rigid_equations(replace(problem, fit_gains=result.gains_fitted), result)
+        )
 
     def error_with(swap: tuple[tuple[str, ...], int, int]) -> float:
         deadline.check()

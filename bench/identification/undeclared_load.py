@@ -62,7 +62,7 @@ def _with_load(problem: Problem, result: Identification, name: str) -> tuple[flo
     )
     payloads = {**dataset.payloads, LOAD: Payload(LOAD, None)}
     loaded = replace(dataset, recordings=recordings, payloads=payloads)
-    prepared = rigid_equations(replace(problem, dataset=loaded), result, fit_gains=False)
+    prepared = rigid_equations(replace(problem, dataset=loaded, fit_gains=False), result)
     index = prepared.layout.payloads.get(LOAD, np.empty(0))
     if 0 not in index:
         return np.inf, 0.0  # no motion of this robot shows the mass of a payload
