@@ -6,31 +6,37 @@ from bench.diagnosis.base_model import BaseModel
 from bench.diagnosis.candidates import Proposal
 from bench.diagnosis.evidence import answer_weight
 from bench.diagnosis.rounds import Round
-from bench.diagnosis.search import Scored, close, scored
+from bench.diagnosis.search import close, scored
+from bench.diagnosis.unnamed_effects import unnamed_spread
 from bench.effects import EffectInstance
 from bench.identification.decision import RULE
 from bench.identification.findings import runaway
 from bench.identification.identify import fit
-from bench.identification.model_averaged import gains_model_averaged
+from bench.identification.model_averaged import gains_model_averaged, gains_spread
 from bench.identification.prepare import Prepared
 from bench.identification.result import Identification
-from bench.identification.tolerances import TOLERANCES
 
 
 def with_spread_over_models(
     base_model: BaseModel, last: Round, model: Prepared, after: Identification, *, remains: bool
 ) -> Identification:
-    """The identified model's answer, with deviations of its gains that hold those of models that are as good.
+    """The identified model's answer, with standard errors of its gains that hold those of models that are as good.
 
-    One effect more that the data support, though it makes the error too little smaller to be reported, counts for how
-    sure a gain is. remains: where something remains that no effect accounts for, another effect in the place of an
-    identified one represents similar effects, too, whatever its sign: each has the shape of a torque that is not
-    modelled. model: with the identified effects where they show. Raises TimeUpError after the deadline.
+    An effect that is too small to be named counts for how sure a gain is. remains: where something remains that no
+    effect accounts for, another effect in the place of an identified one represents similar effects, too, whatever its
+    sign: each has the shape of a torque that is not modelled. model: with the identified effects where they show.
+    Raises TimeUpError after the deadline.
     """
+    if not after.gains_fitted:
+        return after
+    spread = unnamed_spread(last.system, last.selection.selected.fit, last.proposals)
+    after = gains_spread(after, dict(zip(after.drive_gains, spread.tolist(), strict=True)))
+    if not remains:
+        return after
     samples = last.system.samples
     least = answer_weight(samples, model, after) - RULE.undecided
     others, added = [], model.effects[len(base_model.start.effects) :]
-    for chosen in _as_good(last, instead=remains):
+    for chosen in _as_good(last):
         instances = [
             instance for i in chosen for instance in _instances(last.proposals[i], i in last.chosen, added)
         ]
@@ -42,28 +48,17 @@ def with_spread_over_models(
     return gains_model_averaged(after, others)
 
 
-def _as_good(last: Round, *, instead: bool) -> Iterator[tuple[int, ...]]:
-    """Sets one effect away from the identified one that the data support as well.
-
-    The best with one more keep what the identified ones do to the gains; for each identified one, the best with another
-    in its place does not: these only where they are asked for by `instead`.
-    """
+def _as_good(last: Round) -> Iterator[tuple[int, ...]]:
+    """For each identified effect, the best set with another in its place, if the data support it as well."""
     system, best = last.system, last.selection.selected
     usable = [
         i for i, proposal in enumerate(last.proposals) if not proposal.absorbed and i not in last.chosen
     ]
-
-    def best_first(sets: Sequence[tuple[int, ...]]) -> list[Scored]:
-        return sorted(scored(system, sets), key=lambda each: -each.total)
-
-    more = best_first([(*last.chosen, i) for i in usable])
-    supported = [larger for larger in more if larger.total + RULE.prior > best.total]
-    candidates = supported[: TOLERANCES.search.one_more]
-    for k in last.chosen if instead else ():
-        others = best_first([(*(c for c in last.chosen if c != k), i) for i in usable])
-        candidates += [other for other in others if close(best, other)][:1]
-    for candidate in candidates:
-        yield candidate.fit.chosen
+    for k in last.chosen:
+        sets = [(*(c for c in last.chosen if c != k), i) for i in usable]
+        other = max(scored(system, sets), key=lambda each: each.total, default=None)
+        if other is not None and close(best, other):
+            yield other.fit.chosen
 
 
 def _instances(

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
-from math import inf
+from math import hypot, inf
 from typing import TypeVar
 
 import numpy as np
@@ -53,6 +53,16 @@ def gains_model_averaged(
         if gain.std > 0.0
     }
     return model_averaged(result, apart, by)
+
+
+def gains_spread(result: Identification, spread: Mapping[str, float]) -> Identification:
+    """As `model_averaged`, for the gains that were fitted, by further standard deviations of each joint's."""
+    apart = {
+        Unknown("gain", "gain", joint): hypot(gain.std, spread[joint])
+        for joint, gain in result.drive_gains.items()
+        if 0.0 < gain.std < inf
+    }
+    return model_averaged(result, apart, "models")
 
 
 def _away(gain: DriveGain) -> bool:

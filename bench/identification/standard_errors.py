@@ -179,9 +179,8 @@ def uncertainty(stack: Stack, solution: Solution, deviations: Deviations) -> Unc
         returns = stack.returns
         repeated = times_repeated(parts, returns, reach=0)
         std_from = "periods" if repeated > TOLERANCES.findings.repeated_rows else "noise"
-        equations = int(stack.moving.sum()) / repeated
-        freedom = equations / max(equations - size, 1)
-        middle = inverse @ _score(stack, solution, residual, returns, seen, lengths) @ inverse * freedom
+        middle = inverse @ _score(stack, solution, residual, returns, seen, lengths) @ inverse
+        middle *= _small_sample(float((middle * (unit.T @ unit)).sum()) / float((residual**2).sum()), size)
         scatter = block_scatter(_blocks(stack, solution, residual, seen, lengths))
         if scatter is not None and scatter.beyond(middle):
             middle, std_from = _enlarged(middle, scatter.stated), "blocks"
@@ -196,6 +195,17 @@ def uncertainty(stack: Stack, solution: Solution, deviations: Deviations) -> Unc
         float(singular[0] / max(singular[-1], np.finfo(float).tiny)),
         std_from,
     )
+
+
+def _small_sample(share: float, size: int) -> float:
+    """By how much a covariance from the residual of a fit of `size` unknowns is too small.
+
+    share: of the errors' squares that the fit takes up, tr(H Sigma) / tr((I - H) Sigma (I - H)), by the covariance that
+    is corrected. Of independent errors it is size / equations; in general the errors count as size / share
+    independent ones, so that the factor is that of so few, and 1.96 standard errors hold 95 % by Student's t.
+    """
+    freedom = max(size / share - size, 1.0)
+    return (1.0 + size / freedom) * (stdtrit(freedom, 0.975) / WITHIN_95) ** 2
 
 
 def _enlarged(covariance: np.ndarray, other: np.ndarray) -> np.ndarray:

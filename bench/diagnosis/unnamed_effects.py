@@ -1,0 +1,100 @@
+"""How far effects that are too small to be named can have moved the drive gains.
+
+One effect in every candidate's place is added to the answer with sizes that are random, not fitted: at every place the
+torque of an effect has the same standard deviation s, so that many places cost no more than one (a random-effects
+model; Gelman and Hill, "Data Analysis Using Regression and Multilevel/Hierarchical Models", 2007, chapter 12). The
+data weigh every s, and the effects against each other and against none.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from bench.diagnosis.candidates import Proposal
+from bench.diagnosis.normal_equations import SetFit, System, inner_of
+from bench.identification.bilinear import normal_equations
+from bench.identification.tolerances import TOLERANCES
+
+
+@dataclass(frozen=True)
+class RandomEffect:
+    """An effect with random sizes. evidence: logarithm of its marginal likelihood over that of the model without it,
+    averaged over s; squares (n,): mean square of how far it can have moved each drive gain.
+    """
+
+    evidence: float
+    squares: np.ndarray
+
+
+def unnamed_spread(system: System, fit: SetFit, proposals: Sequence[Proposal]) -> np.ndarray:
+    """Standard deviation (n,) of the drive gains by effects that a set's fit lacks.
+
+    The prior is even: that one of them acts is as probable as that none does, and all are equally probable.
+    """
+    others = [
+        i
+        for i, proposal in enumerate(proposals)
+        if not proposal.absorbed and i not in fit.chosen and len(system.candidates[i].columns)
+    ]
+    if not others:
+        return np.zeros_like(fit.gains)
+    columns = np.concatenate([fit.columns, *(system.candidates[i].columns for i in others)])
+    values = np.concatenate((fit.values, np.zeros(len(columns) - len(fit.values))))
+    normal, right = _weighted_equations(system, fit, columns, values)
+    known = np.r_[: len(fit.values), len(columns) : len(normal)]
+    inverse = _inverse(normal[np.ix_(known, known)])
+    effects, at = [], len(fit.values)
+    for i in others:
+        added = np.arange(at, at + len(system.candidates[i].columns))
+        at += len(added)
+        across = normal[np.ix_(known, added)]
+        by_unit = -(inverse @ across)[len(fit.values) :]
+        own = normal[np.ix_(added, added)] - across.T @ inverse @ across
+        score = right[added] - across.T @ (inverse @ right[known])
+        lengths = system.candidates[i].lengths
+        sizes = np.divide(1.0, lengths, out=np.zeros(len(lengths)), where=lengths > 0.0)
+        effects.append(_random_effect(own * np.outer(sizes, sizes), score * sizes, by_unit * sizes))
+    weights = np.exp(
+        [effect.evidence - max(0.0, *(e.evidence for e in effects)) for effect in effects]
+    ) / len(effects)
+    none = np.exp(-max(0.0, *(effect.evidence for effect in effects)))
+    squares = np.array([effect.squares for effect in effects])
+    return np.asarray(np.sqrt(weights @ squares / (none + weights.sum())))
+
+
+def _weighted_equations(
+    system: System, fit: SetFit, columns: np.ndarray, values: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Normal equations of a set's fit and further columns, in units of the noise of independent samples."""
+    start = system.start
+    precision = np.sqrt(system.samples.fitted / np.maximum(fit.by_motor[0], np.finfo(float).tiny))
+    inner = inner_of(system.fitted, columns)
+    return normal_equations(inner, values, fit.gains, precision, start.gains, start.gains_fitted)
+
+
+def _inverse(normal: np.ndarray) -> np.ndarray:
+    """Pseudo-inverse of normal equations, scaled to a unit diagonal."""
+    lengths = np.sqrt(np.maximum(normal.diagonal(), np.finfo(float).tiny))
+    scaled = normal / np.outer(lengths, lengths)
+    inverse = np.linalg.pinv(scaled, rcond=TOLERANCES.rank.products, hermitian=True)
+    return np.asarray(inverse / np.outer(lengths, lengths))
+
+
+def _random_effect(own: np.ndarray, score: np.ndarray, by_unit: np.ndarray) -> RandomEffect:
+    """A random effect from the information on its k sizes (k, k), their score (k,), and how far each unit of them moves
+    the gains (n, k).
+    """
+    information, turned = np.linalg.eigh(own)
+    information = np.maximum(information, 0.0)
+    if information[-1] <= 0.0:
+        return RandomEffect(-np.inf, np.zeros(len(by_unit)))
+    score, by_unit = turned.T @ score, by_unit @ turned
+    least, most = TOLERANCES.search.random_sizes
+    variance = (np.geomspace(least, most, TOLERANCES.search.random_steps) ** 2 / information[-1])[:, None]
+    shrunk = variance / (1.0 + variance * information)
+    log_likelihood = 0.5 * (shrunk * score**2 - np.log1p(variance * information)).sum(axis=1)
+    weights = np.exp(log_likelihood - log_likelihood.max())
+    evidence = float(np.log(weights.mean()) + log_likelihood.max())
+    squares = shrunk @ (by_unit**2).T + ((shrunk * score) @ by_unit.T) ** 2
+    return RandomEffect(evidence, weights @ squares / weights.sum())
