@@ -5,12 +5,16 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from bench.identification.compressed import Stack, compress
 from bench.identification.identify import identify
 from bench.identification.model_json import from_json, to_json
 from bench.identification.prepare import prepare
 from bench.identification.problem import problem_of
-from bench.identification.standard_errors import Block, _enlarged, block_scatter, blocks_in
+from bench.identification.scatter import Block, block_scatter, blocks_in
+from bench.identification.solution import Solution
+from bench.identification.standard_errors import _enlarged, uncertainty
 from bench.scenario.scenario import load_scenario
+from bench.signals.returning import Course
 from bench.truth.dataset import as_dataset
 from bench.truth.machine import true_gains
 from bench.truth.simulate import Simulation, simulate
@@ -107,3 +111,50 @@ def test_an_unmodelled_saturation_is_not_taken_for_noise(simulations):
     assert identify(prepare(problem_of(dataset))).std_from == "periods"
     never = [recording.part(slice(0, 4500)) for recording in dataset.recordings]  # the motion does not return
     assert identify(prepare(problem_of(replace(dataset, recordings=tuple(never))))).std_from == "blocks"
+
+
+def test_errors_that_return_with_the_state_are_not_taken_for_noise():
+    """A function of the position that the model lacks, in a motion that never returns as a whole."""
+    random = np.random.default_rng(3)
+    ratios = {False: [], True: []}
+    for _ in range(60):
+        position = random.uniform(-1.0, 1.0, (ROWS, 1))
+        jacobian = position ** np.arange(3)
+        steps = random.normal(size=8)[np.floor(4.0 * (position[:, 0] + 1.0)).astype(int)]
+        error = steps + 0.3 * random.normal(size=ROWS)
+        off = np.linalg.lstsq(jacobian, error)[0]
+        for known in ratios:
+            ratios[known].append(off / stated(jacobian, error, (Course(position),) if known else ()))
+    without, with_states = (float(np.sqrt(np.mean(np.square(ratios[known])))) for known in ratios)
+    assert without > 10.0
+    assert 0.7 < with_states < 2.0
+
+
+def test_few_errors_that_follow_each_other_are_as_uncertain_as_they_say():
+    random = np.random.default_rng(4)
+    within = []
+    for _ in range(300):
+        error, jacobian = (smooth(random, columns) for columns in (1, 8))
+        off = np.linalg.lstsq(jacobian, error[:, 0])[0]
+        within.append(np.abs(off) < 1.96 * stated(jacobian, error[:, 0]))
+    assert np.mean(within) > 0.845  # 0.82 by the number of rows, of which few are independent
+
+
+def smooth(random: np.random.Generator, columns: int) -> np.ndarray:
+    """Signals (80, columns) whose neighbours are alike, with a correlation of 0.8."""
+    signals = random.normal(size=(80, columns))
+    for row in range(1, len(signals)):
+        signals[row] = 0.8 * signals[row - 1] + 0.6 * signals[row]
+    return signals
+
+
+def stated(jacobian: np.ndarray, error: np.ndarray, courses: tuple[Course, ...] = ()) -> np.ndarray:
+    """Standard errors of a least-squares fit of one motor."""
+    phi, kappa, current = jacobian[:, None], np.zeros((len(error), 1)), error[:, None]
+    moving = np.ones((len(error), 1), bool)
+    stack = Stack(phi, kappa, current, moving, (0,), compress(phi, kappa, current), courses)
+    solution = Solution(
+        np.linalg.lstsq(jacobian, error)[0], np.ones(1), np.ones(1), "current", gains_fitted=False
+    )
+    covariance = uncertainty(stack, solution, "autocorrelated").covariance
+    return np.sqrt(np.diag(covariance)[: jacobian.shape[1]])

@@ -103,9 +103,10 @@ def with_probability(
     if probability is None or probability >= RULE.sure:
         return verdict
     with_it = [probable.effects for probable in sets if verdict.effect in probable.effects]
-    if verdict.effect in reported and verdict.verdict in DECIDED:
+    if verdict.effect in reported and verdict.verdict in (*DECIDED, "indistinguishable"):
         without = [probable.effects for probable in sets if probable.effects not in with_it]
-        others = tuple(dict.fromkeys(name for effects in without for name in effects if name not in reported))
+        names = (*verdict.alternatives, *(name for effects in without for name in effects))
+        others = tuple(dict.fromkeys(name for name in names if name not in reported))
         if others:
             return replace(verdict, verdict="indistinguishable", alternatives=others)
         return replace(verdict, verdict="resembles") if probability < RULE.even else verdict

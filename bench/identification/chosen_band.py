@@ -32,9 +32,9 @@ def prepare_checked(problem: Problem) -> Prepared:
     places = places_in(prepared.model.geometry, problem.dataset.weighed)
     instances = select_effects(friction, places, problem.catalogue, prepared.logs)
     model = converged(with_effects(prepared, (*prepared.effects, *instances)))
-    result, rejected = fit(model), list[FilterSettings]()
+    result, rejected = fit(model, deviations="serial"), list[FilterSettings]()
     while (half := narrower(model)) is not None:
-        of_half = fit(half)
+        of_half = fit(half, deviations="serial")
         if not (moved(result, of_half) or sharper(result, of_half)):
             break
         rejected.append(model.settings)

@@ -5,16 +5,14 @@ estimate, since they are alike for as long as the motion is. What each part of t
 holds whatever they are.
 """
 
-from collections.abc import Iterator
 from dataclasses import dataclass
-from itertools import pairwise
 from typing import Literal
 
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 from scipy.special import stdtrit
 
-from bench.basics.chi_squared import WITHIN_95, exceeded_with
+from bench.basics.chi_squared import WITHIN_95
 from bench.identification.autocorrelation_time import (
     Returns,
     repeated_covariances,
@@ -23,74 +21,13 @@ from bench.identification.autocorrelation_time import (
 )
 from bench.identification.compressed import Stack
 from bench.identification.decision import RULE
+from bench.identification.scatter import Block, Scatter, block_of, block_scatter, blocks_in, state_cells
 from bench.identification.solution import Solution
 from bench.identification.tolerances import TOLERANCES
 from bench.signals.returning import lagged_products
 
 
-@dataclass(frozen=True)
-class Block:
-    """What one part of a recording says: normal equations J'J (P, P) and J'e (P,) of its rows."""
-
-    normal: np.ndarray
-    score: np.ndarray
-
-
-@dataclass(frozen=True)
-class Scatter:
-    """covariance (P, P) of an estimate from its scatter between so many blocks; freedom: how many independent squares
-    noise would make of it.
-    """
-
-    covariance: np.ndarray
-    freedom: float
-    blocks: int
-
-    @property
-    def stated(self) -> np.ndarray:
-        """The covariance so that 1.96 standard errors hold 95 % as those of few blocks do: by Student's t."""
-        return np.asarray(self.covariance * (stdtrit(self.blocks - 1, 0.975) / WITHIN_95) ** 2)
-
-    def beyond(self, noise: np.ndarray) -> bool:
-        """Whether the estimate scatters more than errors of this covariance (P, P) make it, all unknowns together."""
-        values, vectors = np.linalg.eigh(noise)
-        seen = values > TOLERANCES.rank.products * values[-1]
-        turned = vectors[:, seen].T @ self.covariance @ vectors[:, seen]
-        ratio = float((np.diag(turned) / values[seen]).mean())
-        return ratio > exceeded_with(RULE.surprising, self.freedom) / self.freedom
-
-
-def blocks_in(starts: tuple[int, ...], rows: int) -> Iterator[slice]:
-    """The rows of every block, of all recordings."""
-    for a, b in zip(starts, (*starts[1:], rows), strict=True):
-        count = min(TOLERANCES.statistics.blocks, max((b - a) // TOLERANCES.statistics.block_rows, 1))
-        edges = np.linspace(a, b, count + 1).astype(int)
-        yield from (slice(int(x), int(y)) for x, y in pairwise(edges))
-
-
-def block_scatter(blocks: list[Block]) -> Scatter | None:
-    """The scatter of the estimate between blocks; None where there are too few of them.
-
-    With J'J = sum of all blocks = (R R')^-1, what a block b says moves the estimate by R z_b, where
-    z_b = (1 - R' J_b' J_b R)^(-1/2) R' J_b' e_b: the root makes up for what the fit has taken of the block's error,
-    so that the sum of squares is right on average where the errors are noise (Bell and McCaffrey 2002).
-    """
-    if len(blocks) < TOLERANCES.statistics.fewest_blocks:
-        return None
-    values, vectors = np.linalg.eigh(sum(block.normal for block in blocks))
-    seen = values > TOLERANCES.rank.products * values[-1]
-    root = vectors[:, seen] / np.sqrt(values[seen])
-    moved, squares = [], 0.0
-    for block in blocks:
-        share, turned = np.linalg.eigh(root.T @ block.normal @ root)
-        remaining = np.maximum(1.0 - share, TOLERANCES.rank.combination)
-        moved.append(root @ turned @ ((turned.T @ root.T @ block.score) / np.sqrt(remaining)))
-        squares += float((share**2).sum())
-    shifts = np.array(moved)
-    return Scatter(shifts.T @ shifts, int(seen.sum()) ** 2 / squares, len(blocks))
-
-
-Deviations = Literal["autocorrelated", "independent"]
+Deviations = Literal["autocorrelated", "serial", "independent"]
 StdFrom = Literal["noise", "blocks", "periods", "models", "instruments", "payload", "bandwidth"]
 """What standard errors stand for: the error as a noise, the scatter of the estimate between parts of the recordings,
 the error as one that returns with the motion, the spread over models that explain the data as well, the distance from
@@ -149,7 +86,8 @@ def uncertainty(stack: Stack, solution: Solution, deviations: Deviations) -> Unc
     nothing, such as the damping of a drive without a compliance, are omitted, with variances of zero.
 
     Where the estimate scatters more between parts of the recordings than an autocorrelated noise makes it, the model's
-    error is at work, and the deviations are those of that scatter, wherever they are larger.
+    error is at work, and the deviations are those of that scatter, wherever they are larger. "serial": parts in time
+    alone, not in positions or velocities.
     """
     if solution.transform is not None:
         stack = solution.transform(stack)
@@ -180,10 +118,11 @@ def uncertainty(stack: Stack, solution: Solution, deviations: Deviations) -> Unc
         repeated = times_repeated(parts, returns, reach=0)
         std_from = "periods" if repeated > TOLERANCES.findings.repeated_rows else "noise"
         middle = inverse @ _score(stack, solution, residual, returns, seen, lengths) @ inverse
-        middle *= _small_sample(float((middle * (unit.T @ unit)).sum()) / float((residual**2).sum()), size)
-        scatter = block_scatter(_blocks(stack, solution, residual, seen, lengths))
-        if scatter is not None and scatter.beyond(middle):
-            middle, std_from = _enlarged(middle, scatter.stated), "blocks"
+        middle *= _small_sample(float((middle * (unit.T @ unit)).sum()), float((residual**2).sum()), size)
+        with_states = bool(stack.courses) and deviations != "serial"
+        for scatter in _scatters(stack, solution, residual, seen, lengths, with_states=with_states):
+            if scatter is not None and scatter.beyond(middle):
+                middle, std_from = _enlarged(middle, scatter.stated), "blocks"
     covariance = np.zeros((stack.phi.shape[2] + len(solution.gains),) * 2)
     covariance[np.ix_(seen, seen)] = middle / np.outer(lengths, lengths)
     raw = np.linalg.svd(np.linalg.qr(triangle[:, seen], mode="r"), compute_uv=False)
@@ -197,15 +136,17 @@ def uncertainty(stack: Stack, solution: Solution, deviations: Deviations) -> Unc
     )
 
 
-def _small_sample(share: float, size: int) -> float:
+def _small_sample(taken: float, remaining: float, size: int) -> float:
     """By how much a covariance from the residual of a fit of `size` unknowns is too small.
 
-    share: of the errors' squares that the fit takes up, tr(H Sigma) / tr((I - H) Sigma (I - H)), by the covariance that
-    is corrected. Of independent errors it is size / equations; in general the errors count as size / share
-    independent ones, so that the factor is that of so few, and 1.96 standard errors hold 95 % by Student's t.
+    taken, remaining: squares of the error that the fit takes up, tr(H Sigma) by the covariance that is corrected, and
+    that remain. Errors that are alike count as size * remaining / taken independent ones; the factor is that of so few,
+    so that 1.96 standard errors hold 95 % by Student's t.
     """
-    freedom = max(size / share - size, 1.0)
-    return (1.0 + size / freedom) * (stdtrit(freedom, 0.975) / WITHIN_95) ** 2
+    if not taken:
+        return 1.0
+    freedom = max(size * (remaining / taken - 1.0), 1.0)
+    return float((1.0 + size / freedom) * (stdtrit(freedom, 0.975) / WITHIN_95) ** 2)
 
 
 def _enlarged(covariance: np.ndarray, other: np.ndarray) -> np.ndarray:
@@ -238,19 +179,34 @@ def _weighted_rows(
     return np.asarray(solution.weights[motor] * derivatives[:, seen] / lengths)
 
 
-def _blocks(
-    stack: Stack, solution: Solution, residual: np.ndarray, seen: np.ndarray, lengths: np.ndarray
-) -> list[Block]:
-    """The normal equations of every block, for the unknowns seen, each divided by its length."""
-    blocks = []
-    for rows in blocks_in(stack.starts, len(residual)):
-        normal, score = np.zeros((len(seen),) * 2), np.zeros(len(seen))
-        for j in range(len(solution.weights)):
-            jacobian = _weighted_rows(stack, solution, j, rows, seen, lengths)
-            normal += jacobian.T @ jacobian
-            score += jacobian.T @ residual[rows, j]
-        blocks.append(Block(normal, score))
-    return blocks
+def _scatters(
+    stack: Stack,
+    solution: Solution,
+    residual: np.ndarray,
+    seen: np.ndarray,
+    lengths: np.ndarray,
+    *,
+    with_states: bool,
+) -> list[Scatter | None]:
+    """How the estimate scatters between stretches of time, and if asked for between positions and between velocities of
+    a motor's joint; for the unknowns seen, each divided by its length.
+    """
+    stretches = list(blocks_in(stack.starts, len(residual)))
+    in_time = [Block(np.zeros((len(seen),) * 2), np.zeros(len(seen))) for _ in stretches]
+    kinds = state_cells(stack.courses) if with_states else ()
+    by_state: list[list[Block]] = [[] for _ in kinds]
+    motors = np.flatnonzero(stack.moving.any(axis=0))
+    for j in motors.tolist():
+        jacobian, error = _weighted_rows(stack, solution, j, slice(None), seen, lengths), residual[:, j]
+        in_time = [
+            block + block_of(jacobian[rows], error[rows])
+            for block, rows in zip(in_time, stretches, strict=True)
+        ]
+        moving = stack.moving[:, j]
+        for cells, blocks in zip(kinds, by_state, strict=True):
+            rows_of = [moving & (cells[:, j] == cell) for cell in np.unique(cells[moving, j])]
+            blocks += [block_of(jacobian[rows], error[rows]) for rows in rows_of]
+    return [block_scatter(in_time), *(block_scatter(blocks, len(motors)) for blocks in by_state)]
 
 
 def _score(

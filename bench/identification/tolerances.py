@@ -110,7 +110,9 @@ class StatisticsBounds:
     most_lags: int = 64  # rows: 25 periods of the fit's highest frequency, and more than one of the motion
     longest_memory: int = 60  # rows over which errors can be correlated
     pattern_lags: int = 12  # lags of the test for errors that follow each other
-    blocks: int = 8  # of a recording, between which an estimate scatters
+    blocks: int = (
+        8  # of a recording, of a joint's travel and of its velocities, between which an estimate scatters
+    )
     block_rows: int = 32  # fewest rows of such a block: many times the reach of the fit's low-pass
     fewest_blocks: int = 6  # that determine a scatter
     # of a recording, alternately fitted and validated, so that both have about the same motion
