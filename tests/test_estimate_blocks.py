@@ -123,8 +123,8 @@ def test_errors_that_return_with_the_state_are_not_taken_for_noise():
         steps = random.normal(size=8)[np.floor(4.0 * (position[:, 0] + 1.0)).astype(int)]
         error = steps + 0.3 * random.normal(size=ROWS)
         off = np.linalg.lstsq(jacobian, error)[0]
-        for known in ratios:
-            ratios[known].append(off / stated(jacobian, error, (Course(position),) if known else ()))
+        for known, each in ratios.items():
+            each.append(off / stated(jacobian, error, (Course(position),) if known else ()))
     without, with_states = (float(np.sqrt(np.mean(np.square(ratios[known])))) for known in ratios)
     assert without > 10.0
     assert 0.7 < with_states < 2.0

@@ -26,7 +26,6 @@ from bench.identification.solution import Solution
 from bench.identification.tolerances import TOLERANCES
 from bench.signals.returning import lagged_products
 
-
 Deviations = Literal["autocorrelated", "serial", "independent"]
 StdFrom = Literal["noise", "blocks", "periods", "models", "instruments", "payload", "bandwidth"]
 """What standard errors stand for: the error as a noise, the scatter of the estimate between parts of the recordings,
