@@ -101,6 +101,7 @@ _CARRIES = {  # names, numbers, whether it is of unknowns
     Code.POSITION_REVERSED: (_ONE, "before after current", False),
     Code.POSITIONS_SWAPPED: (_TWO, "before after current", False),
     Code.LOAD_UNDECLARED: (_ONE, "before after mass", False),
+    Code.TIME_BASE: (_SOME, "factor step true", False),
     Code.COLUMNS_SWAPPED: (some(names, 2, 3), "error", False),
     Code.OTHER_LOAD: (
         st.tuples(names, names, st.just("") | names, st.just("") | names),

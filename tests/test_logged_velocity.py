@@ -9,6 +9,7 @@ import pytest
 from bench.dataset.dataset import Dataset
 from bench.dataset.recording import Recording, velocity_column
 from bench.identification.finding import Code
+from bench.identification.finding_words import note
 from bench.identification.identify import identify
 from bench.identification.prepare import prepare
 from bench.identification.problem import problem_of
@@ -133,3 +134,42 @@ def test_gains_are_better_where_better_velocities_were_logged(coarse: Dataset) -
         assert logged.drive_gains[joint].std < 0.9 * gain.std
     assert Code.VELOCITY_UNLIKE in codes(late)
     assert late.drive_gains == plain.drive_gains
+
+
+@pytest.mark.parametrize(
+    ("scale", "found"),
+    [
+        (0.625, {Code.TIME_BASE}),
+        (np.degrees(1.0), {Code.VELOCITY_UNLIKE}),
+        (1.0, set()),
+    ],
+    ids=["time base", "deg/s", "as it is"],
+)
+def test_velocities_of_all_joints_that_are_off_alike_contradict_the_time(
+    coarse: Dataset, scale: float, found: set[Code]
+) -> None:
+    result = answer(changed(coarse, lambda velocity: scale * velocity))
+    findings = {finding.code: finding for finding in result.findings}
+    assert {Code.TIME_BASE, Code.VELOCITY_UNLIKE} & set(findings) == found
+    if Code.TIME_BASE in found:
+        numbers = findings[Code.TIME_BASE].numbers
+        assert findings[Code.TIME_BASE].names == tuple(log.name for log in coarse.recordings)
+        assert numbers["factor"] == pytest.approx(1.6, rel=1e-3)
+        assert numbers["true"] == pytest.approx(numbers["factor"] * numbers["step"])
+        assert numbers["step"] == pytest.approx(1e3 / coarse.recordings[0].rate)
+    elif found:
+        assert findings[Code.VELOCITY_UNLIKE].unit == "deg/s"
+        assert "--scale velocity." in note(findings[Code.VELOCITY_UNLIKE])
+
+
+def test_a_velocity_of_one_joint_says_nothing_of_the_time(coarse: Dataset) -> None:
+    first = velocity_column(coarse.robot.joints[0])
+    logs = tuple(
+        replace(log, extra={**log.extra, first: 0.625 * log.extra[first]}) for log in coarse.recordings
+    )
+    alone = tuple(replace(log, extra={first: log.extra[first]}) for log in logs)
+    for recordings in (logs, alone):
+        result = answer(replace(coarse, recordings=recordings))
+        assert Code.TIME_BASE not in codes(result)
+        (finding,) = [finding for finding in result.findings if finding.code is Code.VELOCITY_UNLIKE]
+        assert finding.unit == ""

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from bench.basics.errors import BenchError
+from bench.basics.files.cut_off import refuse_cut_off
 from bench.dataset.dataset import load_dataset
 from bench.dataset.logs.columns import LogMap
 from bench.dataset.logs.log_file import Reading, read_log
@@ -271,6 +272,23 @@ def test_a_last_line_that_was_cut_off_is_refused(tmp_path: Path, robot: str) -> 
     file.write_text(HEAD + text(rows()).rstrip())  # as many digits as each value has
     told(file, robot, BY_NAME, tmp_path / "free")
     assert not (tmp_path / "out").exists()
+
+
+@pytest.mark.parametrize("end", ["-9.87654321", "1.25e-02"], ids=["digits as needed", "exponent"])
+@pytest.mark.parametrize("delimiter", [",", ";", "\t", " "])
+def test_a_number_that_was_cut_off_has_fewer_decimals_than_all_others(delimiter: str, end: str) -> None:
+    lines = [delimiter.join(["0.1", end if i % 2 else f"{end[:3]}4567{end[3:]}"]) for i in range(50)]
+    text = "\n".join(lines)
+    refuse_cut_off(Path("log.csv"), text, delimiter)
+    for less in (1, 2, len(end) - 2):
+        refuse_cut_off(Path("log.csv"), f"{text[:-less]}\n", delimiter)  # a line that was written whole
+        with pytest.raises(BenchError, match="the last line was cut off"):
+            refuse_cut_off(Path("log.csv"), text[:-less], delimiter)
+
+
+def test_numbers_without_decimals_and_words_at_the_end_are_not_cut_off() -> None:
+    for rows in ("0,395\n1,395\n2,39", "0,1.5\n1,0\n2,1", "0,1.5\n1,2.5\nend of log", "0,1.5", ""):
+        refuse_cut_off(Path("log.csv"), rows, ",")
 
 
 def test_a_name_without_its_unit_is_enough_to_be_asked_whether_it_was_meant(

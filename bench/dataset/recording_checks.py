@@ -84,11 +84,16 @@ def constant(channel: Channel) -> Fault | None:
     span = np.ptp(values)
     if span == 0.0:
         return Fault("constant", None, f"is constant ({values[0]:g} throughout)")
-    # White noise changes by √2 of its deviation from sample to sample, a movement by far less.
-    noise = np.sqrt(np.mean(np.diff(values) ** 2)) > 0.5 * values.std()
-    if channel.joint is not None and span < 1e-3 and noise:
+    if channel.joint is not None and span < 1e-3 and only_noise(values):
         return Fault("constant", None, f"does not move: only noise within {span:.2g}")
     return None
+
+
+def only_noise(values: Array) -> bool:
+    """Whether (N,) values are like white noise: it changes by √2 of its deviation from sample to sample, a movement by
+    far less.
+    """
+    return bool(np.sqrt(np.mean(np.diff(values) ** 2)) >= 0.5 * values.std())
 
 
 def position_units(channel: Channel) -> Fault | None:

@@ -59,27 +59,6 @@ def velocity_noise(joints: Sequence[str], compared: Mapping[str, LoggedVelocity]
     )
 
 
-def velocity_findings(of: Sequence[tuple[str, Mapping[str, LoggedVelocity]]]) -> list[Finding]:
-    """Which velocities are taken as logged, and which are not what the positions say. of: recordings by name."""
-    taken = [(joint, velocity) for _, every in of for joint, velocity in every.items() if velocity.taken]
-    findings = []
-    if taken:
-        quieter = float(np.median([1.0 / max(velocity.louder, 1e-12) for _, velocity in taken]))
-        names = tuple(dict.fromkeys(joint for joint, _ in taken))
-        findings.append(Finding(Code.VELOCITY_TAKEN, names, numbers={"quieter": quieter}))
-    unlike = [
-        (name, joint, velocity)
-        for name, every in of
-        for joint, velocity in every.items()
-        if not velocity.agrees
-    ]
-    if unlike:
-        name, joint, worst = max(unlike, key=lambda each: each[2].off)
-        numbers = {"off": worst.off, "scale": worst.scale, "delay": worst.delay, "count": float(len(unlike))}
-        findings.append(Finding(Code.VELOCITY_UNLIKE, (joint, name), numbers=numbers))
-    return findings
-
-
 @dataclass(frozen=True)
 class Measured:
     """One recording at its rate, N samples of n motors, border samples dropped.

@@ -16,6 +16,7 @@ class Code(StrEnum):
     ROUNDING_DECIDES = auto()
     NOISE_DECIDES = auto()
     UNITS_UNLIKE = auto()
+    TIME_BASE = auto()
     COLUMNS_SWAPPED = auto()
     CURRENT_REVERSED = auto()
     POSITION_REVERSED = auto()
@@ -117,6 +118,7 @@ UNBELIEVABLE = NEGATIVE | frozenset(
 CAUSES = frozenset(
     {
         Code.UNITS_UNLIKE,
+        Code.TIME_BASE,
         Code.COLUMNS_SWAPPED,
         Code.CURRENT_REVERSED,
         Code.POSITION_REVERSED,

@@ -110,10 +110,18 @@ def _velocity_taken(finding: Finding) -> str:
 def _velocity_unlike(finding: Finding) -> str:
     joint, recording = finding.names
     n = finding.numbers
-    more = f", and neither are {n['count'] - 1:.0f} others" if n["count"] > 1.0 else ""
+    others = f"{n['count'] - 1:.0f} other{'s' * (n['count'] != 2.0)}"
+    more = f", and neither {'is' if n['count'] == 2.0 else 'are'} {others}" if n["count"] > 1.0 else ""
+    if finding.unit:
+        return (
+            f"velocity.{joint} of {recording} seems to be in {finding.unit}: it is {n['scale']:.4g} times the derivative "
+            f"of position.{joint}. It is not used{more}. Import it with `--scale velocity.{joint}={finding.unit}`."
+        )
+    delay = f"{1e3 * n['delay']:.2f}"
+    late = "" if delay.lstrip("-") == "0.00" else f" and {delay} ms late"
     return (
         f"velocity.{joint} of {recording} is not the derivative of position.{joint}: it is {in_percent(n['off'])} off, "
-        f"{n['scale']:.4g} times as large and {1e3 * n['delay']:.2g} ms late. It is not used{more}."
+        f"{n['scale']:.4g} times as large{late}. It is not used{more}."
     )
 
 
@@ -190,6 +198,10 @@ WORDS: Mapping[Code, str | Callable[[Finding], str]] = {
     Code.ROUNDING_DECIDES: "The scaled observation matrix has a condition number of {condition:.0e}: rounding errors "
     "determine some parameters.",
     Code.UNITS_UNLIKE: _unlike_units,
+    Code.TIME_BASE: "The time of {names:and} contradicts the logged velocities: at all joints they are those of a log "
+    "that took {factor:.3g} times as long, with samples {true:.3g} ms apart where the time says {step:.3g} ms. "
+    "Accelerations and inertias are wrong by the square of that. Import {names:?it|them} again with "
+    "`--scale time={factor:.4g}`.",
     Code.COLUMNS_SWAPPED: _swapped,
     Code.OTHER_LOAD: _other_load,
     Code.LOAD_UNDECLARED: "{names[0]} probably carries a load that is not declared: with a payload of about {mass:.2g} "

@@ -4,7 +4,6 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from bench.basics.errors import BenchError
 from bench.basics.threads import on_one_thread
 from bench.dataset.recording import Recording
 from bench.effects import EffectInstance
@@ -31,6 +30,7 @@ from bench.identification.robust import bad_stretches
 from bench.identification.solution import Solution
 from bench.identification.standard_errors import Deviations, uncertainty
 from bench.identification.summary import modelled_series, redundant_gains, summarise
+from bench.identification.too_few import refuse_too_few_equations
 
 
 def identify(
@@ -117,11 +117,7 @@ def _solved(prepared: Prepared, method: str, deviations: Deviations, *, essentia
     stack = stack_observations(prepared.fitted, layout, dataset.payloads)
     kept = np.setdiff1d(identifiable_columns(stack, layout, gains), columns_of(prepared, outside))
     unknowns = len(kept) + int(gains.is_fitted.sum())
-    equations = int(stack.moving.sum())
-    if equations < 2 * unknowns:
-        raise BenchError(
-            f"{dataset.folder}: {equations} equations after decimation are too few for {unknowns} unknowns"
-        )
+    refuse_too_few_equations(prepared, stack.moving, unknowns)
     motors = np.arange(len(gains.values))
 
     def solved(system: Stack, columns: np.ndarray) -> Solution:

@@ -8,7 +8,6 @@ from bench.basics.joint_units import drive_unit
 from bench.effects import EffectInstance
 from bench.effects.select import ROBOT as ROBOT
 from bench.identification.by_recording import in_this_recording, without_values_by_log
-from bench.identification.filtered import velocity_findings
 from bench.identification.finding import Code, Finding, Unknown
 from bench.identification.findings import with_findings
 from bench.identification.identifiability_of_effects import collinear, unsettled
@@ -26,6 +25,7 @@ from bench.identification.result import (
 from bench.identification.scale_words import scale_findings
 from bench.identification.solution import Solution
 from bench.identification.standard_errors import Deviations, Uncertainty
+from bench.identification.velocity_findings import velocity_findings
 
 
 def summarise(
@@ -99,7 +99,7 @@ def summarise(
         outside,
         [
             *prepared.contradicted,
-            *velocity_findings([(seen.recording.name, seen.logged) for seen in prepared.measured]),
+            *velocity_findings(robot, [(seen.recording, seen.logged) for seen in prepared.measured]),
             *_repeated_rows(prepared),
             *without_values_by_log(prepared),
             *([Finding(Code.NOT_SETTLED, of=tuple(unknown for _, unknown in loose))] if loose else []),

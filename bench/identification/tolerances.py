@@ -106,6 +106,7 @@ class RobustBounds:
 class StatisticsBounds:
     """Standard errors, noise and patterns of the errors. Rows are those of the fit."""
 
+    equations: int = 2  # for each unknown, at the least
     low_pass_lags: int = 6  # rows over which the low-pass of the fit correlates white noise
     most_lags: int = 64  # rows: 25 periods of the fit's highest frequency, and more than one of the motion
     longest_memory: int = 60  # rows over which errors can be correlated

@@ -38,6 +38,7 @@ class LoggedVelocityBounds:
     noise: float = 2.0  # times the noise's power: a smaller difference says nothing
     # share of the positions' noise in the acceleration: a logged velocity with less is used
     quieter: float = 0.5
+    unit: float = 0.02  # relative difference from the factor of a unit, of a velocity that may be in it
 
 
 @dataclass(frozen=True)

@@ -67,13 +67,14 @@ class LoggedVelocity:
     """How one joint's logged velocity compares with its differentiated position, up to the position cut-off.
 
     scale: by which it is larger; delay: by which it is later, s; off: RMS difference over the RMS velocity, noise
-    aside; density: of its noise [unit^2/Hz]; louder: power of this noise in the acceleration over that of the
-    position's.
+    aside; other: RMS of what scale and delay do not explain over the RMS of the logged velocity, noise aside; density:
+    of its noise [unit^2/Hz]; louder: power of this noise in the acceleration over that of the position's.
     """
 
     scale: float
     delay: float
     off: float
+    other: float
     density: float
     louder: float
 
@@ -106,6 +107,7 @@ def compared_velocity(
     density = max(_density(velocity, rate), (remaining - of_position) / cutoff)
     chance = LOGGED.noise * (of_position + density * cutoff)
     off = max(float(np.mean((logged - derived) ** 2)) - chance, 0.0)
+    other = max(remaining - chance, 0.0)
     moved = float(np.mean(derived**2))
     once, twice = density * turned**2 * cutoff / 3.0, of_position * turned**2 * 3.0 / 5.0
     tiny = float(np.finfo(float).tiny)
@@ -113,6 +115,7 @@ def compared_velocity(
         scale=float(scale),
         delay=-float(late) / (float(scale) or 1.0),
         off=float(np.sqrt(off / max(moved, tiny))),
+        other=float(np.sqrt(other / max(float(np.mean(logged**2)), tiny))),
         density=float(density),
         louder=float(once / max(twice, tiny)),
     )

@@ -13,6 +13,7 @@ from itertools import islice
 from pathlib import Path
 
 from bench.basics.errors import BenchError
+from bench.basics.files.cut_off import refuse_cut_off
 from bench.basics.plural import plural
 
 DELIMITERS = ",;\t"
@@ -163,6 +164,7 @@ def split_csv(path: Path, content: bytes) -> CsvText:
         raise BenchError(f"{path}: the file is empty")
     if all(is_number(name.replace(",", ".")) for name in names):
         raise BenchError(f"{path}: line {first_line - 1}: has no header line that names the columns")
+    refuse_cut_off(path, body, delimiter)
     first_row = body.lstrip().split("\n", 1)[0]
     return CsvText(
         path, names, body if end else "", first_line, delimiter, delimiter != "," and "," in first_row

@@ -20,6 +20,7 @@ from bench.dataset.robot import Robot
 
 Array = npt.NDArray[np.float64]
 GROUPS = ("position", "current")
+SCALED = (*GROUPS, "velocity")  # what a scale can name for all joints
 REVERSED = -1.0  # as a scale: of a column whose sign changes, whatever its unit
 
 
@@ -31,8 +32,8 @@ class LogMap:
              name for a column to keep for plots. A column that the log itself calls so needs no entry, and neither
              does one called `velocity.JOINT`.
     scale    column -> factor that turns the log's unit into SI, such as 1e-3 for millimetres, or the unit's name
-             (see UNITS); `position` and `current` represent those of all joints. It goes before a unit that the log
-             itself states; -1 changes the sign alone, and keeps the unit.
+             (see UNITS); `position`, `current` and `velocity` represent those of all joints. It goes before a unit
+             that the log itself states; -1 changes the sign alone, and keeps the unit.
     rate     Hz, for a log without a time column; its time then starts at zero
     """
 
@@ -125,7 +126,7 @@ def _given_factors(file: Path, scale: Mapping[str, float | str], robot: Robot) -
         if isinstance(given, str) and unit is None:
             raise BenchError(f"{file}: the scale of {target}: no unit {given!r}; {meant(given, UNITS)}")
         factor = float(given) if unit is None else unit.factor
-        columns = [f"{target}.{joint}" for joint in robot.driven] if target in GROUPS else [target]
+        columns = [f"{target}.{joint}" for joint in robot.driven] if target in SCALED else [target]
         if unit is not None:
             columns = [column for column in columns if _fits(unit, column, robot)]
             if not columns:
@@ -165,9 +166,11 @@ def _sources(
         raise BenchError(f"{file}: give a rate or map time, not both")
     elif not (np.isfinite(log_map.rate) and log_map.rate > 0.0):
         raise BenchError(f"{file}: the rate must be positive, not {log_map.rate:g} Hz")
-    _check_targets(file, log_map, given, needed, robot)
     there = [*log.vectors, *log.texts]
-    kept = [*needed, *(velocity_column(joint) for joint in robot.driven)]
+    velocities = [velocity_column(joint) for joint in robot.driven]
+    kept = [*needed, *velocities]
+    known = kept if any(name in there or name in log_map.columns for name in velocities) else needed
+    _check_targets(file, log_map, given, known, robot)
     sources = {target: target for target in kept if target in there} | dict(log_map.columns)
     missing = [target for target in needed if target not in sources]
     if missing:
@@ -223,14 +226,14 @@ def _example(target: str, sources: Mapping[str, str], there: Sequence[str], robo
 
 
 def _check_targets(
-    file: Path, log_map: LogMap, given: Mapping[str, float], needed: Sequence[str], robot: Robot
+    file: Path, log_map: LogMap, given: Mapping[str, float], known: Sequence[str], robot: Robot
 ) -> None:
     for target in (*log_map.columns, *given):
-        if target not in needed and target.startswith(("position.", "current.")):
+        if target not in known and target.startswith(("position.", "current.")):
             joints = ", ".join(robot.driven)
             raise BenchError(f"{file}: {target!r}: the robot {robot.name!r} drives {joints}")
     for target in given:
-        if target not in needed and target not in log_map.columns:
+        if target not in known and target not in log_map.columns:
             raise BenchError(f"{file}: {target!r} has a scale but nothing is mapped to it")
 
 

@@ -19,13 +19,13 @@ from pathlib import Path
 
 from bench.basics.errors import BenchError
 from bench.basics.files.csv_text import LINE, CsvText, decoded, is_number
+from bench.basics.files.cut_off import refuse_cut_off
 from bench.basics.plural import plural
 from bench.dataset.logs.units import bracketed, unit_named
 
 LOOKED_AT = 400  # lines that tell what the table is like
 DELIMITERS = "\t;, "  # the first of those that give most numbers
 COMMENTS = ("#", "%", "//")
-DECIMALS = re.compile(r"[.,](\d+)$")
 CONTROL = re.compile(rb"[\x00-\x08\x0e-\x1f]")  # in no text
 
 
@@ -77,32 +77,14 @@ def split_log(path: Path, content: bytes, skip_rows: int = 0, header: bool | Non
     if used == len(table):
         raise BenchError(f"{path}: has a header but no rows")
     units |= {name: unit for name in names if (unit := bracketed(name)) and unit_named(unit)}
-    _refuse_cut_off(path, text, [_cells(line.text, delimiter)[-1] for line in table[used:]], delimiter)
     first = table[used]
     body = text[first.start :]
+    refuse_cut_off(path, body, delimiter)
     if delimiter == " ":  # a run of blanks is one separator
         delimiter, body = ";", "\n".join(";".join(line.split()) for line in body.splitlines())
     decimal_comma = delimiter != "," and "," in first.text
     csv_text = CsvText(path, tuple(names), body, first.number, delimiter, decimal_comma)
     return TextLog(csv_text, units, tuple(notes))
-
-
-def _refuse_cut_off(path: Path, text: str, above: Sequence[str], delimiter: str) -> None:
-    """A last line without an end whose last value has fewer decimals than all others have: 39 instead of 395,22."""
-    if text.endswith(("\n", "\r")):
-        return
-    decimals = {_decimals(cell) for cell in above[:-1]}
-    last = _cells(text[text.rstrip().rfind("\n") + 1 :], delimiter)[-1]
-    if len(decimals) == 1 and _decimals(last) < decimals.pop():
-        raise BenchError(
-            f"{path}: the last line was cut off: it ends in {last!r}, with fewer decimals than any other, and has no "
-            "end of line: remove it"
-        )
-
-
-def _decimals(cell: str) -> int:
-    match = DECIMALS.search(cell)
-    return len(match.group(1)) if match else 0
 
 
 def _text(path: Path, content: bytes) -> tuple[str, tuple[str, ...]]:

@@ -103,6 +103,15 @@ def measured_by(column: str, robot: Robot) -> str | None:
     return None
 
 
+def unit_of_velocity(scale: float, rotates: bool, near: float) -> str:
+    """The unit in which a velocity is `scale` times as large as in SI; "" where none is within a relative difference."""
+    of = "angular velocity" if rotates else "velocity"
+    for name, unit in UNITS.items():
+        if unit.of == of and unit.factor != 1.0 and abs(scale * unit.factor - 1.0) < near:
+            return name
+    return ""
+
+
 def _of_current(actuator: Actuator) -> str:
     return _OF_CURRENT[drive_unit(actuator.gain_unit)]
 
