@@ -96,3 +96,15 @@ def test_what_is_wrong_in_a_used_part_is_named_by_its_line(folder: Path) -> None
 def test_what_cannot_be_is_refused(folder: Path, keys: str, said: str) -> None:
     with pytest.raises(BenchError, match=said):
         loaded(folder, keys)
+
+
+def test_parts_of_a_log_with_the_clock_of_a_controller_have_names_of_their_own(tmp_path: Path) -> None:
+    folder = write_good_dataset(tmp_path)
+    lines = (folder / "unloaded.csv").read_text().splitlines()
+    since = [line.split(",", 1) for line in lines[1:]]
+    rows = [f"{1.7e9 + float(stamp):.6f},{rest}" for stamp, rest in since]
+    (folder / "unloaded.csv").write_text("\n".join([lines[0], *rows]) + "\n")
+    middle = 1.7e9 + END / 2
+    first, second, _ = loaded(folder, f"exclude = [{middle - 0.01!r}, {middle + 0.01!r}]").recordings
+    assert first.name != second.name
+    assert second.name.startswith(f"unloaded.csv ({middle:.1f}"[:24])

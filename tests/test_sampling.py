@@ -1,5 +1,6 @@
 """What is said of a time column: its unit, its rate, and the stretches between its gaps."""
 
+from ast import literal_eval
 from pathlib import Path
 
 import numpy as np
@@ -7,7 +8,7 @@ import pytest
 
 from bench.basics.files.recording_fault import Remedy
 from bench.dataset.logs.segments import UNCUT, cut
-from bench.dataset.recording_faults import _between_gaps
+from bench.dataset.recording_faults import _between_gaps, _left_out
 from bench.dataset.sampling import on_uniform_grid, repeated_rows, time_fault
 
 
@@ -33,6 +34,28 @@ def test_windows_are_offered_that_have_enough_samples():
     assert _between_gaps(lost).startswith("window = [[0.004, 0.398], [0.408, 1.198]] under its file name")
     short = np.delete(0.002 * np.arange(300), [80, 81, 82, 160, 161, 162, 240, 241, 242])
     assert _between_gaps(short) == "no stretch between gaps has the 100 samples that are needed"
+
+
+@pytest.mark.parametrize("start", [0.0, 1.7e9], ids=["from zero", "since 1970"])
+def test_a_window_and_an_exclusion_that_are_offered_hold_their_samples_whatever_the_clock(start):
+    time = start + np.delete(0.002 * np.arange(600), [250, 251])
+    ((first, second),) = [literal_eval(_between_gaps(time).split(" = ")[1].split(" under ")[0])]
+    for (begin, end), rows in ((first, time[:250]), (second, time[250:])):
+        np.testing.assert_array_equal(time[(time >= begin) & (time <= end)], rows)
+    said, _ = _left_out(time, np.array([120, 121, 300]))
+    spans = literal_eval(said.split(" = ")[1].split(" under ")[0])
+    outside = [k for k, stamp in enumerate(time) if any(begin <= stamp <= end for begin, end in spans)]
+    assert outside == [120, 121, 300]
+
+
+@pytest.mark.parametrize("often", [0.01, 0.004], ids=["a few", "many"])
+def test_stamps_that_repeat_ask_for_the_rate(often):
+    time = 0.002 * np.arange(1000)
+    time[1::5] = time[::5]
+    fault = time_fault(np.floor(time / often) * often)
+    assert "repeats" in fault.what
+    assert "bench import --rate 50" in fault.what
+    assert fault.remedy is None
 
 
 def test_rows_that_a_fast_logger_repeats_are_not_measurements():

@@ -11,7 +11,7 @@ from bench.basics.files.recording_fault import IN_UNIT, RecordingFaultError, Rem
 from bench.basics.files.table import FileTable
 from bench.dataset.joint_facts import JointFacts
 from bench.dataset.recording_checks import LIMIT_SLACK, Array, Channel, Fault, find
-from bench.dataset.sampling import FEWEST, LIKE, TimeFault, cut_rows, gap_rows, time_fault
+from bench.dataset.sampling import FEWEST, LIKE, TimeFault, cut_rows, gap_rows, stamp_to, time_fault
 
 MOST_SPANS = 3  # that are reported
 SECONDS = {remedy: 1.0 / factor for factor, (_, remedy) in LIKE.items()}
@@ -137,11 +137,12 @@ def _left_out(time: np.ndarray, bad: np.ndarray) -> tuple[str, Remedy]:
     """What helps where rows (K,) have no value: stretches that dataset.toml leaves out, or lines to be removed."""
     if bad[0] == len(time) - len(bad):
         return _removed(bad, len(time))
-    half = 0.5 * float(np.median(np.diff(time)))
+    step = float(np.median(np.diff(time)))
     first = np.concatenate(([True], np.diff(bad) > 1))
     last = np.concatenate((first[1:], [True]))
     spans = [
-        f"[{time[a] - half:.9g}, {time[b] + half:.9g}]" for a, b in zip(bad[first], bad[last], strict=True)
+        _span(time[a] - 0.5 * step, time[b] + 0.5 * step, step)
+        for a, b in zip(bad[first], bad[last], strict=True)
     ]
     said = f"exclude = [{listed(spans, MOST_SPANS)}] under its file name in dataset.toml excludes it"
     return said, Remedy.LEAVE_ROWS_OUT
@@ -149,11 +150,16 @@ def _left_out(time: np.ndarray, bad: np.ndarray) -> tuple[str, Remedy]:
 
 def _between_gaps(time: np.ndarray) -> str:
     """What helps where samples were lost: the stretches between, but those with too few samples."""
-    rows = [0, *gap_rows(time).tolist(), len(time)]
-    spans = [f"[{time[a]:.9g}, {time[b - 1]:.9g}]" for a, b in pairwise(rows) if b - a >= FEWEST]
+    rows, step = [0, *gap_rows(time).tolist(), len(time)], float(np.median(np.diff(time)))
+    spans = [_span(time[a], time[b - 1], step, 1) for a, b in pairwise(rows) if b - a >= FEWEST]
     if not spans:
         return f"no stretch between gaps has the {FEWEST} samples that are needed"
     return f"window = [{listed(spans, MOST_SPANS)}] under its file name in dataset.toml uses the part between them"
+
+
+def _span(start: float, end: float, step: float, outward: int = 0) -> str:
+    """From when to when, to a tenth of a step, as a key of dataset.toml has it. outward: 1 for no shorter."""
+    return f"[{stamp_to(start, 0.1 * step, -outward)}, {stamp_to(end, 0.1 * step, outward)}]"
 
 
 def listed(names: Sequence[str], most: int = 12) -> str:

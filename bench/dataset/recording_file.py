@@ -14,7 +14,7 @@ from bench.dataset.names import Use
 from bench.dataset.recording import Recording, position_column
 from bench.dataset.recording_faults import faults_of, listed
 from bench.dataset.recording_window import WHOLE, Window
-from bench.dataset.sampling import on_uniform_grid, repeated_rows
+from bench.dataset.sampling import on_uniform_grid, repeated_rows, stamp_to
 
 
 def load_recordings(
@@ -43,12 +43,18 @@ def load_recordings(
     return [
         replace(
             recording,
-            name=f"{name} ({recording.time[0]:.4g} to {recording.time[-1]:.4g} s)",
+            name=f"{name} ({' to '.join(_stamps(recording))} s)",
             part_of=name,
             started=started,
         )
         for recording in recordings
     ]
+
+
+def _stamps(recording: Recording) -> list[str]:
+    """When a part of a log begins and ends, to a thousandth of its length."""
+    first, last = float(recording.time[0]), float(recording.time[-1])
+    return [stamp_to(stamp, 1e-3 * (last - first)) for stamp in (first, last)]
 
 
 def recording_from_table(

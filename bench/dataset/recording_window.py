@@ -24,12 +24,12 @@ def _spans(value: Any) -> tuple[tuple[float, float], ...]:
         if not numbers or len(span) != 2 or not np.isfinite(span).all():
             raise ValueError("should be [start, end] in seconds, or several of them")
         if not span[0] < span[1]:
-            raise ValueError(f"[{span[0]:g}, {span[1]:g}] does not start before it ends")
+            raise ValueError(f"[{span[0]:.12g}, {span[1]:.12g}] does not start before it ends")
         spans.append((float(span[0]), float(span[1])))
     spans.sort()
     for earlier, other in pairwise(spans):
         if other[0] < earlier[1]:
-            raise ValueError(f"[{earlier[0]:g}, {earlier[1]:g}] and [{other[0]:g}, {other[1]:g}] overlap")
+            raise ValueError(f"[{earlier[0]:.12g}, {earlier[1]:.12g}] and [{other[0]:.12g}, {other[1]:.12g}] overlap")
     return tuple(spans)
 
 
@@ -63,8 +63,8 @@ class Window:
             for start, end in spans:
                 if not ((time >= start) & (time <= end)).any():
                     raise BenchError(
-                        f"{table.path}: {name} [{start:g}, {end:g}]: no sample is there; time runs from {first:g} to "
-                        f"{last:g} s"
+                        f"{table.path}: {name} [{start:.12g}, {end:.12g}]: no sample is there; time runs from "
+                        f"{first:.12g} to {last:.12g} s"
                     )
         return [_part(table, *stretch) for stretch in self._stretches(time, first, last)]
 
@@ -98,7 +98,7 @@ def _part(table: "FileTable", start: float, end: float, chosen: npt.NDArray[np.b
     rows = np.flatnonzero(chosen)
     if len(rows) < FEWEST:
         raise BenchError(
-            f"{table.path}: only {len(rows)} samples are used between {start:g} and {end:g} s, at least {FEWEST} are "
+            f"{table.path}: only {len(rows)} samples are used between {start:.12g} and {end:.12g} s, at least {FEWEST} are "
             "needed: use more of it, or exclude it, too"
         )
     begin, stop = int(rows[0]), int(rows[-1]) + 1

@@ -14,6 +14,7 @@ Positions are differentiated twice, so a recording must lie on a uniform grid. R
 from collections.abc import Mapping
 from dataclasses import dataclass
 from itertools import pairwise
+from math import ceil, log10
 
 import numpy as np
 import numpy.typing as npt
@@ -76,8 +77,10 @@ def _order_fault(time: Array, steps: Array) -> TimeFault | None:
     row = int(wrong[0]) + 1
     what = "repeats" if steps[row - 1] == 0.0 else "goes back: it follows"
     text = f"{_stamp(time[row])} s {what} {_stamp(time[row - 1])} s{_more(wrong.size)}"
-    if wrong.size > 0.1 * time.size and not (steps < 0.0).any():
-        text += ": are the stamps rounded more coarsely than a step?"
+    if wrong.size > 1 and not (steps < 0.0).any():
+        rate = (time.size - 1) / (time[-1] - time[0]) if time[-1] > time[0] else 0.0
+        cure = f" If samples were taken regularly, bench import --rate {rate:.5g} replaces them" if rate else ""
+        return TimeFault(row, f"{text}: are the stamps rounded more coarsely than a step?{cure}")
     longest = int(np.diff([0, *cut_rows(time).tolist(), time.size]).max())
     return TimeFault(row, text, Remedy.CUT_WHERE_BACK if longest >= FEWEST else None)
 
@@ -131,6 +134,17 @@ def _gap_fault(time: Array, steps: Array) -> TimeFault | None:
         f"{_more(rows.size)}",
         Remedy.CUT_AT_GAPS,
     )
+
+
+def stamp_to(value: float, resolution: float, outward: int = 0) -> str:
+    """A time in s to so many seconds, or finer, however long after zero it is. outward: -1 or 1 for none later or none
+    earlier than it.
+    """
+    decimals = max(0, ceil(-log10(resolution)))
+    rounded = round(value, decimals)
+    if outward * (rounded - value) < 0.0:
+        rounded = round(rounded + outward * 10.0**-decimals, decimals)
+    return np.format_float_positional(rounded, trim="-")
 
 
 def _stamp(value: float) -> str:
