@@ -79,7 +79,7 @@ def test_pieces_that_are_too_short_are_dropped_and_told(tmp_path: Path, robot: s
         " 198 of 1995 samples, 0.394 s"
     )
     assert [entry.file for entry in found.entries] == ["log-1.csv", "log-2.csv"]
-    with pytest.raises(BenchError, match="nothing remains"):
+    with pytest.raises(BenchError, match=r"nothing remains; --shortest 1\.99 keeps the longest"):
         told(file, robot, LogMap(), tmp_path / "other", shortest=3.0)
     assert not (tmp_path / "other").exists()
 
@@ -147,6 +147,16 @@ def test_rows_without_a_measurement_are_left_out_where_the_log_may_be_cut(tmp_pa
     assert np.array_equal(np.concatenate([first.time, second.time]), kept)
 
 
+def test_lines_that_were_written_twice_are_read_once(tmp_path: Path, robot: str) -> None:
+    file = with_lost(tmp_path)
+    lines = file.read_text().splitlines()
+    file.write_text("\n".join([*lines[:500], *lines[499:900], lines[899], *lines[900:]]) + "\n")
+    found = told(file, robot, LogMap(), tmp_path / "out")
+    assert [note for _, note in found.notes] == ["2 rows written twice omitted"]
+    (recording,) = load_dataset(tmp_path / "out").recordings
+    assert np.array_equal(recording.time, time_stamps())
+
+
 def refused(folder: Path, lines: list[str], robot: str) -> str:
     """What is said of a dataset with a log of these lines."""
     (folder / "log.csv").write_text("\n".join(lines) + "\n")
@@ -185,6 +195,20 @@ def test_a_file_that_breaks_off_is_told_so(tmp_path: Path, robot: str) -> None:
     assert "the file breaks off there: remove that line" in refused(tmp_path, lines, robot)
     lines[-1], lines[900] = lines[-2], lines[900].rpartition(",")[0]
     assert refused(tmp_path, lines, robot).endswith("; mend or remove that line")
+
+
+def test_logs_that_were_joined_a_column_of_nothing_and_zeros_at_the_end_are_named(tmp_path: Path, robot: str) -> None:
+    lines = with_lost(tmp_path).read_text().splitlines()
+    said = refused(tmp_path, [*lines, *lines], robot)
+    assert "line 2002: names the columns once more: two logs were joined there" in said
+    empty = [lines[0], *(f"{line.rpartition(',')[0]}," for line in lines[1:])]
+    said = refused(tmp_path, empty, robot)
+    assert said.endswith("the column has no measurement at all: is it the right one?")
+    said = refused(tmp_path, [*lines, 8 * "\0"], robot)
+    assert "not a text file" in said  # a line follows
+    (tmp_path / "log.csv").write_text("\n".join(lines) + "\n" + 8 * "\0")
+    with pytest.raises(BenchError, match=r"line 2002: 8 zero bytes up to the end: .*; remove them"):
+        load_dataset(tmp_path)
 
 
 @pytest.mark.parametrize(

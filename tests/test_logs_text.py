@@ -127,7 +127,10 @@ def test_a_log_of_any_layout_gives_the_same_recording(name: str, tmp_path: Path,
     np.testing.assert_allclose(recording.current, current, rtol=1e-12, atol=1e-15)
 
 
-@pytest.mark.parametrize(("encoding", "said"), [("cp1252", "Windows-1252"), ("utf-16", "UTF-16")])
+@pytest.mark.parametrize(
+    ("encoding", "said"),
+    [("cp1252", "Windows-1252"), ("utf-16", "UTF-16"), ("utf-16-le", "UTF-16"), ("utf-16-be", "UTF-16")],
+)
 def test_texts_of_controllers_and_spreadsheets_are_read(
     encoding: str, said: str, tmp_path: Path, robot: str
 ) -> None:

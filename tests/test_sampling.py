@@ -79,14 +79,14 @@ def test_a_robot_that_stands_still_repeats_nothing():
 
 
 @pytest.mark.parametrize(
-    ("late", "parts"),
-    [([0], 1), ([10_000], 2), (list(range(200, 20_000, 200)), 1)],
-    ids=["first", "one", "many"],
+    ("late", "parts", "gap"),
+    [([0], 1, 0.02), ([0], 1, 1.7e9), ([10_000], 2, 0.02), ([10_000], 2, 60.0), (list(range(200, 20_000, 200)), 1, 0.02)],
+    ids=["first", "first at zero", "one", "one long", "many"],
 )
-def test_a_gap_costs_that_place_and_not_the_log(late, parts):
-    """20 ms in 40 s; where so many are lost that no piece is long enough, the log stays whole, and is refused."""
+def test_a_gap_costs_that_place_and_not_the_log(late, parts, gap):
+    """Of 40 s; where so many are lost that no piece is long enough, the log stays whole, and is refused."""
     steps = np.full(20_000, 0.002)
-    steps[late] = 0.02
+    steps[late] = gap
     time = np.concatenate(([0.0], np.cumsum(steps)))
     segments, notes = cut(Path("log.csv"), {"time": time}, "identify", "log.csv", UNCUT)
     assert len(segments) == parts

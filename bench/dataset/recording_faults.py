@@ -126,7 +126,9 @@ def _imported(remedy: Remedy | None) -> str:
 
 
 def _removed(bad: np.ndarray, count: int) -> tuple[str, Remedy]:
-    """What helps where rows (K,) of so many have no time."""
+    """What helps where rows (K,) of so many have no value that is needed."""
+    if len(bad) == count:
+        return "the column has no measurement at all: is it the right one?", Remedy.OTHER_COLUMN
     lines = "that line" if len(bad) == 1 else "those lines"
     at_the_end = bool(bad[0] == count - len(bad))
     said = f"the file breaks off there: remove {lines}" if at_the_end else f"remove {lines}"

@@ -19,6 +19,7 @@ from bench.basics.plural import plural
 DELIMITERS = ",;\t"
 # characters of a text whose cells are kept once they are asked for; of a larger one they are read anew
 KEPT = 1 << 25
+SEEN = 256  # bytes that tell whether a text is in UTF-16
 LINE = re.compile(r"[^\r\n]*(?:\r\n|\n|\r)|[^\r\n]+\Z")
 FOREIGN = {
     b"PAR1": "a Parquet file",
@@ -26,9 +27,9 @@ FOREIGN = {
     b"MATLAB 5.0": "a MATLAB file",
     b"\x89HDF": "an HDF5 file (MATLAB 7.3 writes them)",
     b"\x93NUMPY": "a NumPy file",
-    b"\xff\xfe": "UTF-16 text: save it as UTF-8",
-    b"\xfe\xff": "UTF-16 text: save it as UTF-8",
 }
+UTF_16 = {b"\xff\xfe": "utf-16", b"\xfe\xff": "utf-16"}
+"""First bytes of a text in UTF-16 -> its name in Python."""
 
 
 @dataclass(frozen=True)
@@ -131,13 +132,37 @@ class CsvText:
             raise BenchError(f"{self.path}: line {start}: {error} (an unclosed quotation mark?)") from error
 
 
+def utf_16(content: bytes) -> str | None:
+    """The name in Python of UTF-16, of the order in which a text has its bytes, by its mark or by its zeros; None where
+    it is in another encoding.
+    """
+    for mark, name in UTF_16.items():
+        if content.startswith(mark):
+            return name
+    start = content[:SEEN]
+    for name, zeros, letters in (("utf-16-le", start[1::2], start[::2]), ("utf-16-be", start[::2], start[1::2])):
+        if len(zeros) > 1 and not any(zeros) and all(letters[: len(zeros)]):
+            return name
+    return None
+
+
 def decoded(path: Path, content: bytes) -> str:
     """The text of a file; BenchError where it is none, with what it is instead or the line that is not UTF-8."""
     for magic, kind in FOREIGN.items():
         if content.startswith(magic):
             raise BenchError(f"{path}: is {kind}, not a CSV text")
+    if utf_16(content):
+        raise BenchError(f"{path}: is UTF-16 text: save it as UTF-8, or turn it into a recording with bench import")
     if b"\x00" in content:
-        raise BenchError(f"{path}: is not a text file (zero byte at offset {content.index(0)})")
+        padding = len(content) - len(content.rstrip(b"\x00"))
+        where = content.index(0)
+        if where == len(content) - padding:
+            line = content.count(b"\n") + 1
+            raise BenchError(
+                f"{path}: line {line}: {plural(padding, 'zero byte')} up to the end: the logger broke off there; remove "
+                "them"
+            )
+        raise BenchError(f"{path}: is not a text file (zero byte at offset {where})")
     try:
         return content.decode("utf-8-sig")
     except UnicodeDecodeError as error:

@@ -21,6 +21,7 @@ class Remedy(Enum):
     FROM_THOUSANDTHS = auto()
     LEAVE_ROWS_OUT = auto()  # rows without a measurement, amid others
     REMOVE_ROWS = auto()  # such rows at the end, or without a time
+    OTHER_COLUMN = auto()  # this one has no measurement
     CUT_AT_GAPS = auto()  # samples were lost
     CUT_WHERE_BACK = auto()  # time does not rise there
 

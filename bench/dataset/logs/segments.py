@@ -3,6 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from itertools import pairwise
+from math import floor
 from pathlib import Path
 
 import numpy as np
@@ -17,7 +18,7 @@ from bench.dataset.sampling import FEWEST, cut_rows, gap_rows
 
 Array = npt.NDArray[np.float64]
 MOST = 5  # cuts of a kind that are reported one by one
-LITTLE = 0.05  # of a log's time: what gaps may cost without being asked
+LITTLE = 0.05  # of a log's samples: what gaps may cost without being asked
 SHORTEST = 2.0  # s: a piece between gaps that is worth a recording; filters take their share at both ends
 
 
@@ -69,22 +70,27 @@ def cut(
         raise BenchError(
             f"{file}: a part of 0 to 1 of a log to identify can be reserved for validation, not {fraction:g}"
         )
-    if cutting.shortest is None and _costs_little(columns["time"]):
+    rows, twice = _written_once(columns)
+    if cutting.shortest is None and _costs_little(columns["time"][rows]):
         cutting = replace(cutting, shortest=SHORTEST)
-    rows, lost = _measured(columns) if cutting.shortest is not None else (np.arange(columns["time"].size), 0)
-    columns = {key: column[rows] for key, column in columns.items()} if lost else columns
+    lost = 0
+    if cutting.shortest is not None:
+        measured = _measured(columns)[rows]
+        rows, lost = rows[measured], int(np.sum(~measured))
+    columns = {key: column[rows] for key, column in columns.items()} if lost or twice else columns
     time = columns["time"]
     count = time.size
     apart = round(count * (1.0 - fraction)) if fraction else count
     cuts = [] if cutting.shortest is None else cut_rows(time).tolist()
     starts = sorted({0, *cuts, *([apart] if apart < count else [])})
     pieces = list(pairwise([*starts, count]))
-    notes: tuple[str, ...] = (f"{plural(lost, 'row')} without a measurement omitted",) if lost else ()
+    notes = (f"{plural(twice, 'row')} written twice omitted",) if twice else ()
+    notes = (*notes, f"{plural(lost, 'row')} without a measurement omitted") if lost else notes
     if cuts and cutting.shortest is not None:
         whole = [piece for piece in pieces if _long_enough(time, *piece, cutting.shortest)]
         said = _note_on(time, cuts, pieces, whole, cutting.shortest)
         if not whole:
-            raise BenchError(f"{file}: {said}: nothing remains")
+            raise BenchError(f"{file}: {said}: nothing remains{_shorter(time, pieces)}")
         notes = (*notes, said)
         pieces = whole
     parts = []
@@ -99,31 +105,40 @@ def cut(
     return parts, notes
 
 
-def _measured(columns: Mapping[str, Array]) -> tuple[npt.NDArray[np.intp], int]:
-    """The rows in which every column that a recording needs is a measurement, and how many others there are."""
+def _written_once(columns: Mapping[str, Array]) -> tuple[npt.NDArray[np.intp], int]:
+    """The rows that do not repeat the one before in all columns, the time included, and how many do."""
+    again = np.all([column[1:] == column[:-1] for column in columns.values()], axis=0)
+    rows = np.flatnonzero(np.append(True, ~again))
+    return rows, columns["time"].size - rows.size
+
+
+def _measured(columns: Mapping[str, Array]) -> npt.NDArray[np.bool_]:
+    """In which rows (N,) every column that a recording needs is a measurement."""
     needed = [
         column
         for name, column in columns.items()
         if name == "time" or name.startswith(("position.", "current."))
     ]
-    good = np.all([np.abs(column) < HUGE for column in needed], axis=0)
-    return np.flatnonzero(good), int(np.sum(~good))
+    return np.all([np.abs(column) < HUGE for column in needed], axis=0)
 
 
 def _costs_little(time: Array) -> bool:
-    """Whether a log has gaps, and the pieces between them that are long enough hold nearly all of it."""
+    """Whether a log has gaps, and the pieces between them that are long enough hold nearly all of its samples."""
     if np.any(np.diff(time) <= 0.0) or not (gaps := gap_rows(time).tolist()):
         return False
-    kept = [
-        float(time[end - 1] - time[first])
-        for first, end in pairwise([0, *gaps, time.size])
-        if _long_enough(time, first, end, SHORTEST)
-    ]
-    return sum(kept) >= (1.0 - LITTLE) * float(time[-1] - time[0])
+    pieces = pairwise([0, *gaps, time.size])
+    kept = sum(end - first for first, end in pieces if _long_enough(time, first, end, SHORTEST))
+    return kept >= (1.0 - LITTLE) * time.size
 
 
 def _long_enough(time: Array, first: int, end: int, shortest: float) -> bool:
     return end - first >= FEWEST and bool(time[end - 1] - time[first] >= shortest)
+
+
+def _shorter(time: Array, pieces: list[tuple[int, int]]) -> str:
+    """What helps where no piece is long enough; "" where none has samples enough."""
+    lengths = [float(time[end - 1] - time[first]) for first, end in pieces if end - first >= FEWEST]
+    return f"; --shortest {floor(1e2 * max(lengths)) / 1e2:g} keeps the longest" if lengths else ""
 
 
 def _note_on(

@@ -18,7 +18,7 @@ from itertools import islice
 from pathlib import Path
 
 from bench.basics.errors import BenchError
-from bench.basics.files.csv_text import LINE, CsvText, decoded, is_number
+from bench.basics.files.csv_text import LINE, CsvText, decoded, is_number, utf_16
 from bench.basics.files.cut_off import refuse_cut_off
 from bench.basics.plural import plural
 from bench.dataset.logs.units import bracketed, unit_named
@@ -89,9 +89,9 @@ def split_log(path: Path, content: bytes, skip_rows: int = 0, header: bool | Non
 
 def _text(path: Path, content: bytes) -> tuple[str, tuple[str, ...]]:
     """What a file says, and how it was read where that is not UTF-8: many controllers and spreadsheets write others."""
-    if content.startswith((b"\xff\xfe", b"\xfe\xff")):
+    if name := utf_16(content):
         try:
-            return content.decode("utf-16"), ("read as UTF-16 text",)
+            return content.decode(name), ("read as UTF-16 text",)
         except UnicodeDecodeError:
             raise BenchError(f"{path}: begins like UTF-16 text but is not") from None
     try:

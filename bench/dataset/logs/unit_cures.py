@@ -87,7 +87,7 @@ class UnitCures:
 
 def with_cure(fault: RecordingFaultError, cures: UnitCures) -> str:
     """A fault's message as it helps in an import: an option instead of a key of dataset.toml."""
-    if fault.remedy is Remedy.REMOVE_ROWS:
+    if fault.remedy in (Remedy.REMOVE_ROWS, Remedy.OTHER_COLUMN):
         return f"{fault.said}{fault.advice}"
     said = fault.said if fault.check is None else f"{fault.said} (--accept {fault.check} if that is meant)"
     if fault.remedy is not None and fault.remedy in CUTS:
