@@ -183,6 +183,7 @@ _REASON_NAMES = {
     Because.IMPOSSIBLE: some(names, 1, 2),
     Because.CANCELS: some(names, 1, 1),
     Because.MOVES_GAIN: some(names, 1, 1),
+    Because.TOO_SHORT: some(names, 1, 1),
 }
 
 

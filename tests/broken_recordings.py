@@ -48,7 +48,10 @@ def csv_is_utf16(folder: Path) -> None:
 @broken(CSV, "the last line was cut off", "remove it")
 def csv_cut_off_in_a_number(folder: Path) -> None:
     lines = (folder / CSV).read_text().splitlines()
-    rows = [",".join([*cells[:-1], f"{float(cells[-1]):.3f}"]) for cells in (line.split(",") for line in lines[1:])]
+    rows = [
+        ",".join([*cells[:-1], f"{float(cells[-1]):.3f}"])
+        for cells in (line.split(",") for line in lines[1:])
+    ]
     (folder / CSV).write_text("\n".join([lines[0], *rows])[:-2])
 
 

@@ -13,6 +13,7 @@ from bench.identification.identify import fit
 from bench.identification.nonlinear import converged
 from bench.identification.prepare import prepare, with_effects
 from bench.identification.problem import problem_of
+from bench.identification.tolerances import LawBounds, Tolerances, bounded_by
 from bench.scenario.scenario import load_scenario, resolve_trajectories
 from bench.truth.dataset import as_dataset
 from bench.truth.simulate import simulate
@@ -108,7 +109,9 @@ def test_a_friction_shows_beside_a_drift_that_has_taken_its_part() -> None:
         {"effect": "thermal_friction_drift", "Fv": 0.1, "T": 2.4},
         {"effect": "viscous_friction", "Fv": 0.06},
     )
-    found = diagnose_with_catalogue(problem_of(measured(*hidden)))
+    dataset = measured(*hidden)
+    with bounded_by(Tolerances(laws=LawBounds(of_time=5.0))):
+        found = diagnose_with_catalogue(problem_of(dataset))
     assert set(found.missing) == {one["effect"] for one in hidden}
     assert left_over_floor(found) < NOISE_LEFT
     for place in found.after.effect_parameters["thermal_friction_drift"].values():

@@ -9,8 +9,9 @@ import pytest
 
 from bench.dataset.robot import load_robot
 from bench.diagnosis.evidence import ResidualSumOfSquares, Samples
-from bench.diagnosis.pruning import gain_like_effect, superfluous_effect
+from bench.diagnosis.pruning import cancelling_effect, gain_like_effect, superfluous_effect
 from bench.diagnosis.reason import Because, Reason
+from bench.effects import CATALOGUE, EffectInstance
 from bench.identification.decision import RULE
 from bench.identification.result import Identification
 from tests.shown import dataset_of, identification_of
@@ -64,3 +65,42 @@ def test_without_effects_nothing_goes(answer: Identification) -> None:
     whole = replace(answer, effects=())
     assert superfluous_effect(fits_with(answer, 1.0, 0.0), (), MANY) == {}
     assert gain_like_effect(fits_with(answer, 1.0, 0.0), (), MANY, whole, lambda: 1.0) == {}
+
+
+def torques(answer: Identification, **of: tuple[float, float]) -> Identification:
+    """The answer with effects of these shares of the left motor's torque: as it goes, and across it."""
+    gain = answer.drive_gains["left"].value
+    traces = []
+    for trace in answer.recordings:
+        given = gain * np.where(trace.moving, trace.measured, 0.0)
+        across = np.roll(given, len(given) // 2, axis=0)
+        by_effect = {name: along * given + other * across for name, (along, other) in of.items()}
+        for torque in by_effect.values():
+            torque[:, 1:] = 0.0
+        traces.append(replace(trace, by_effect=by_effect))
+    return replace(answer, recordings=tuple(traces))
+
+
+def added(*names: str) -> list[EffectInstance]:
+    return [EffectInstance(CATALOGUE[name], "left", f"{name}:left") for name in names]
+
+
+@pytest.mark.parametrize(
+    ("of", "goes"),
+    [
+        ({"joint_spring": (4.0, 0.0)}, None),
+        ({"joint_spring": (5.7, 0.0)}, "joint_spring"),
+        ({"coulomb_friction": (1.2, 0.0)}, None),
+        ({"coulomb_friction": (2.2, 0.0)}, "coulomb_friction"),
+        ({"joint_spring": (3.0, 0.0), "constant_offset": (-3.0, 0.5)}, "constant_offset"),
+        ({"joint_spring": (3.0, 0.0), "constant_offset": (-0.8, 0.0)}, None),
+        ({"viscous_friction": (73.0, 0.0), "joint_spring": (-72.5, 0.0)}, "joint_spring"),
+    ],
+    ids=["spring", "large spring", "friction", "large friction", "cancel", "one is small", "both"],
+)
+def test_a_term_larger_than_what_the_motor_gives_is_no_answer(
+    answer: Identification, of: dict[str, tuple[float, float]], goes: str | None
+) -> None:
+    """A spring may hold a weight; the motor has to give what friction takes."""
+    out = cancelling_effect(torques(answer, **of), added(*of))
+    assert out == ({goes: Reason(Because.CANCELS, ("left",))} if goes else {})

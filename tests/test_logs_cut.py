@@ -197,7 +197,9 @@ def test_a_file_that_breaks_off_is_told_so(tmp_path: Path, robot: str) -> None:
     assert refused(tmp_path, lines, robot).endswith("; mend or remove that line")
 
 
-def test_logs_that_were_joined_a_column_of_nothing_and_zeros_at_the_end_are_named(tmp_path: Path, robot: str) -> None:
+def test_logs_that_were_joined_a_column_of_nothing_and_zeros_at_the_end_are_named(
+    tmp_path: Path, robot: str
+) -> None:
     lines = with_lost(tmp_path).read_text().splitlines()
     said = refused(tmp_path, [*lines, *lines], robot)
     assert "line 2002: names the columns once more: two logs were joined there" in said

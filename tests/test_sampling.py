@@ -80,7 +80,13 @@ def test_a_robot_that_stands_still_repeats_nothing():
 
 @pytest.mark.parametrize(
     ("late", "parts", "gap"),
-    [([0], 1, 0.02), ([0], 1, 1.7e9), ([10_000], 2, 0.02), ([10_000], 2, 60.0), (list(range(200, 20_000, 200)), 1, 0.02)],
+    [
+        ([0], 1, 0.02),
+        ([0], 1, 1.7e9),
+        ([10_000], 2, 0.02),
+        ([10_000], 2, 60.0),
+        (list(range(200, 20_000, 200)), 1, 0.02),
+    ],
     ids=["first", "first at zero", "one", "one long", "many"],
 )
 def test_a_gap_costs_that_place_and_not_the_log(late, parts, gap):

@@ -47,7 +47,9 @@ def test_logs_that_are_too_short_or_too_slow_are_told_what_would_do(five_bar_sim
     dataset = as_dataset(five_bar_simulation)
     log = replace(dataset.recordings[0], payload=None)
     step = round(log.rate / 10.0)
-    slow = replace(log, time=log.time[::step], position=log.position[::step], current=log.current[::step], extra={})
+    slow = replace(
+        log, time=log.time[::step], position=log.position[::step], current=log.current[::step], extra={}
+    )
     said = refusal(dataset, [slow])
     seconds, rate = np.ptp(slow.time), slow.rate
     assert f"{seconds:.3g} s of log at {rate:.3g} Hz are too little" in said

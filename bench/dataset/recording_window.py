@@ -29,7 +29,9 @@ def _spans(value: Any) -> tuple[tuple[float, float], ...]:
     spans.sort()
     for earlier, other in pairwise(spans):
         if other[0] < earlier[1]:
-            raise ValueError(f"[{earlier[0]:.12g}, {earlier[1]:.12g}] and [{other[0]:.12g}, {other[1]:.12g}] overlap")
+            raise ValueError(
+                f"[{earlier[0]:.12g}, {earlier[1]:.12g}] and [{other[0]:.12g}, {other[1]:.12g}] overlap"
+            )
     return tuple(spans)
 
 

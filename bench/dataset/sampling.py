@@ -79,7 +79,9 @@ def _order_fault(time: Array, steps: Array) -> TimeFault | None:
     text = f"{_stamp(time[row])} s {what} {_stamp(time[row - 1])} s{_more(wrong.size)}"
     if wrong.size > 1 and not (steps < 0.0).any():
         rate = (time.size - 1) / (time[-1] - time[0]) if time[-1] > time[0] else 0.0
-        cure = f" If samples were taken regularly, bench import --rate {rate:.5g} replaces them" if rate else ""
+        cure = (
+            f" If samples were taken regularly, bench import --rate {rate:.5g} replaces them" if rate else ""
+        )
         return TimeFault(row, f"{text}: are the stamps rounded more coarsely than a step?{cure}")
     longest = int(np.diff([0, *cut_rows(time).tolist(), time.size]).max())
     return TimeFault(row, text, Remedy.CUT_WHERE_BACK if longest >= FEWEST else None)

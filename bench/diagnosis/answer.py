@@ -10,12 +10,13 @@ from bench.diagnosis.candidates import Proposal
 from bench.diagnosis.compared import compared
 from bench.diagnosis.elsewhere import differing_elsewhere
 from bench.diagnosis.encoder_noise import encoder_error
-from bench.diagnosis.ladder import errors_nearly_without, errors_without
+from bench.diagnosis.ladder import errors_nearly_without, errors_without, step_of
 from bench.diagnosis.mounting import mounted_otherwise
 from bench.diagnosis.normal_equations import System
 from bench.diagnosis.posterior import posterior_of, something_else, with_probability
 from bench.diagnosis.pruning import refused
-from bench.diagnosis.result import Diagnosis, EffectVerdict, Unfinished
+from bench.diagnosis.reason import Because, Reason
+from bench.diagnosis.result import Diagnosis, EffectVerdict, LadderStep, Unfinished
 from bench.diagnosis.search import Selection, held_out_error
 from bench.diagnosis.search_result import SearchResult
 from bench.diagnosis.sizes import sizes_of
@@ -84,12 +85,19 @@ def answered(case: SplitProblem, finding: SearchResult, progress: Progress = SIL
         )
         for verdict in ranking
     )
-    missing = tuple(verdict.effect for verdict in _by_strength(ranking) if verdict.effect in places)
+    ranking = tuple(
+        replace(verdict, verdict="not supported", alternatives=(), why=Reason(Because.USUAL))
+        if verdict.effect in finding.usual
+        else verdict
+        for verdict in ranking
+    )
+    named = {*places} - {*finding.usual}
+    missing = tuple(verdict.effect for verdict in _by_strength(ranking) if verdict.effect in named)
     return Diagnosis(
         robot=dataset.robot.name,
         held_out=case.held_out,
         missing=missing,
-        ladder=finding.ladder,
+        ladder=_ending_with(finding.ladder, after),
         ranking=ranking,
         unexplained=remaining,
         before=case.before,
@@ -100,6 +108,12 @@ def answered(case: SplitProblem, finding: SearchResult, progress: Progress = SIL
         sets=posterior.sets,
         something_else=something_else(posterior, system.samples, remaining),
     )
+
+
+def _ending_with(ladder: Sequence[LadderStep], after: Identification) -> tuple[LadderStep, ...]:
+    """A ladder whose last step is the answer, which may have other payloads or less biased columns."""
+    *steps, last = ladder
+    return (*steps, step_of(last.effects, after.recordings)) if steps else (last,)
 
 
 def _relative(after: Identification, system: System, selection: Selection) -> float:

@@ -7,6 +7,7 @@ from bench.diagnosis.base_model import base_model_of
 from bench.diagnosis.compared import compared
 from bench.diagnosis.elsewhere import differing_elsewhere, worse_elsewhere
 from bench.diagnosis.evidence import answer_weight
+from bench.diagnosis.fading import not_asked
 from bench.diagnosis.result import Unfinished
 from bench.diagnosis.rounds import first_round
 from bench.diagnosis.search_from import search_from
@@ -63,10 +64,12 @@ def _search_with_values(
 
     before: the answer of `model` as it is.
     """
+    given = [instance.effect.name for instance in model.effects]
+    barred = not_asked(case.problem.dataset.recordings, case.problem.catalogue, given)
     for start in origins_of(model):
         base_model = base_model_of(start, case.deadline)
         first = first_round(base_model, case.problem.catalogue, progress)
-        finding = search_from(case, base_model, first, progress)
+        finding = search_from(case, base_model, first, progress, barred)
         samples = finding.last.system.samples
         if start is model or finding.weight_by(samples) >= answer_weight(samples, model, before):
             break

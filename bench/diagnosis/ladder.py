@@ -87,6 +87,16 @@ def ladder_of(names: Sequence[str], fits: Fits) -> tuple[LadderStep, ...]:
     return tuple(steps)
 
 
+def with_values_before(
+    ladder: Sequence[LadderStep], requests: Sequence[str], before: Identification
+) -> tuple[LadderStep, ...]:
+    """A ladder whose steps all have effects with a value for each recording, as requested, after the model without."""
+    if not requests:
+        return tuple(ladder)
+    steps = [replace(step, effects=(*requests, *step.effects)) for step in ladder]
+    return (step_of((), before.recordings), *steps)
+
+
 def ends_of_ladder(names: Sequence[str], fits: Fits) -> tuple[LadderStep, ...]:
     """The first and the last step of a ladder."""
     first = fits(frozenset()).step

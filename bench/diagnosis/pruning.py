@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from itertools import combinations
 
 import numpy as np
 
@@ -45,17 +46,36 @@ def impossible_but_needed(whole: Identification, dropped: Sequence[EffectInstanc
 
 
 def cancelling_effect(result: Identification, added: Sequence[EffectInstance]) -> dict[str, Reason]:
-    """The effect added last, of those with a torque many times all that a motor gives: it cancels another, or the
-    model's parameters, and has no size by itself.
+    """The effect added last, of those with a torque many times all that a motor gives, or which cancels that of another:
+    it has no size by itself.
     """
-    fitted = [trace for trace in result.recordings if trace.use == "identify"]
-    for name in reversed(list(dict.fromkeys(instance.effect.name for instance in added))):
-        for j, (joint, gain) in enumerate((joint, result.drive_gains[joint]) for joint in result.joints):
-            torque = sum(np.nansum(trace.by_effect[name][:, j] ** 2) for trace in fitted)
-            whole = sum(np.sum((gain.value * trace.measured * trace.moving)[:, j] ** 2) for trace in fitted)
-            if torque > RULE.cancels**2 * whole:
+    by_motor = {instance.effect.name: instance.effect.by_motor for instance in added}
+    for j, (joint, gain) in enumerate((joint, result.drive_gains[joint]) for joint in result.joints):
+        given, torques = _torques_at(result, j, gain.value, list(by_motor))
+        for name, torque in reversed(torques.items()):
+            if _rms(torque) > (RULE.much if by_motor[name] else RULE.cancels) * given:
                 return {name: Reason(Because.CANCELS, (joint,))}
+        for first, second in combinations(torques, 2):
+            smaller = min(_rms(torques[first]), _rms(torques[second]))
+            if smaller > max(given, _rms(torques[first] + torques[second])):
+                return {second: Reason(Because.CANCELS, (joint,))}
     return {}
+
+
+def _torques_at(
+    result: Identification, j: int, gain: float, names: Sequence[str]
+) -> tuple[float, dict[str, np.ndarray]]:
+    """RMS torque of motor j in the fitted recordings, N*m or N, and there the torque (N,) of every effect."""
+    fitted = [trace for trace in result.recordings if trace.use == "identify"]
+    given = np.concatenate([(gain * trace.measured * trace.moving)[:, j] for trace in fitted])
+    return _rms(given), {
+        name: np.nan_to_num(np.concatenate([trace.by_effect[name][:, j] for trace in fitted]))
+        for name in names
+    }
+
+
+def _rms(torque: np.ndarray) -> float:
+    return float(np.sqrt(np.mean(torque**2)))
 
 
 def superfluous_effect(fits: Fits, names: Sequence[str], samples: Samples) -> dict[str, Reason]:

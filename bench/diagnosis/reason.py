@@ -16,9 +16,18 @@ class Because(StrEnum):
     IMPOSSIBLE = (
         "impossible"  # a parameter is negative that cannot be [parameter, its place if not everywhere]
     )
-    CANCELS = "cancels"  # its torque is many times all that a motor gives [the motor]
+    CANCELS = "cancels"  # its torque is many times all that a motor gives, or cancels another's [the motor]
     MOVES_GAIN = (
         "moves a gain"  # where the model's error is no noise, and explains too little for that [the motor]
+    )
+    USUAL = (
+        "usual"  # friction, without which the error is larger than with the usual friction of a drive alone
+    )
+    WORSE_THAN_USUAL = (
+        "worse than usual"  # the error is larger with it than with the usual friction of a drive
+    )
+    TOO_SHORT = (
+        "too short"  # are the logs for something that changes with the time alone [the longest log's length]
     )
     NOT_NEEDED = "not needed"  # the other identified effects do as well without it
 

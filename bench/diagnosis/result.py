@@ -9,7 +9,7 @@ from enum import StrEnum
 from math import hypot, inf, log
 from typing import TYPE_CHECKING, Literal
 
-from bench.diagnosis.reason import Reason
+from bench.diagnosis.reason import Because, Reason
 from bench.effects.select import TAG
 from bench.identification.decision import RULE
 from bench.identification.frame import data_frame, html_table
@@ -269,9 +269,15 @@ class Diagnosis:
         return tuple(request for request in requests if request in self.after.effects)
 
     @property
+    def usual(self) -> tuple[str, ...]:
+        """Friction that `after` has so that it is no worse than with that of nearly every drive, and that is not missing."""
+        return tuple(verdict.effect for verdict in self.ranking if verdict.why.because is Because.USUAL)
+
+    @property
     def added(self) -> tuple[str, ...]:
         """Names of all that `after` has beyond `before`: effects of the catalogue, values by recording, and laws."""
-        return (*self.missing, *self.by_recording, *dict.fromkeys(law.law for law in self.discovered))
+        laws = dict.fromkeys(law.law for law in self.discovered)
+        return (*self.missing, *self.usual, *self.by_recording, *laws)
 
     def __repr__(self) -> str:
         parts = (*self.missing, *self.by_recording, *(law.formula for law in self.discovered))

@@ -1,14 +1,13 @@
 """Search from a first round on until every selected effect is possible and needed."""
 
 from collections.abc import Mapping
-from dataclasses import replace
 from functools import partial
 
 from bench.basics.deadline import TimeUpError
 from bench.basics.progress import SILENT, Progress
 from bench.diagnosis.base_model import BaseModel
 from bench.diagnosis.encoder_noise import encoder_error
-from bench.diagnosis.ladder import ends_of_ladder, fits_of, ladder_of, step_of
+from bench.diagnosis.ladder import ends_of_ladder, fits_of, ladder_of, with_values_before
 from bench.diagnosis.pruning import gain_like_effect, superfluous_effect
 from bench.diagnosis.reason import Reason
 from bench.diagnosis.result import Unfinished
@@ -73,11 +72,7 @@ def search_from(
                 out = out or gain_like_effect(fits, names, last.system.samples, after, error_excess)
         if not out:
             ladder = ends_of_ladder(names, fits) if cut else ladder_of(names, fits)
-            if each:
-                ladder = (
-                    step_of((), case.before.recordings),
-                    *(replace(s, effects=(*each, *s.effects)) for s in ladder),
-                )
+            ladder = with_values_before(ladder, [*each], case.before)
             missed = (Unfinished.SETS,) if cut else ()
             return SearchResult(
                 searching,

@@ -35,7 +35,8 @@ class DiagnosisSummary:
     nominal, "" where they are fitted or do not matter; undecided: what could as well be missing; moved: what became of
     the gain that moves most, "" where none does; superfluous: what the model had in vain; differs: what has another
     value in each recording; residual: what no effect accounts for; laws: those that are in no catalogue;
-    unfinished: what the time did not allow to look at, "" where all was.
+    unfinished: what the time did not allow to look at, "" where all was; usual: friction that is in the model without
+    being missing, "" where none is.
     """
 
     verdict: str
@@ -48,6 +49,7 @@ class DiagnosisSummary:
     residual: str
     laws: tuple[str, ...] = ()
     unfinished: str = ""
+    usual: str = ""
 
     @property
     def sentences(self) -> list[str]:
@@ -61,6 +63,7 @@ class DiagnosisSummary:
             *self.undecided,
             self.moved,
             self.superfluous,
+            self.usual,
             *self.differs,
             self.residual,
         ]
@@ -75,7 +78,9 @@ def summary_sentences(diagnosis: Diagnosis) -> list[str]:
 def summary_of(diagnosis: Diagnosis) -> DiagnosisSummary:
     """What is missing, what it changes, how sure that is, the residual, and what was not looked at."""
     with deciding_by(diagnosis.after.rule), bounded_by(diagnosis.after.tolerances):
-        return replace(_summary(diagnosis), unfinished=unfinished_sentence(diagnosis))
+        return replace(
+            _summary(diagnosis), unfinished=unfinished_sentence(diagnosis), usual=_usual(diagnosis.usual)
+        )
 
 
 def _summary(diagnosis: Diagnosis) -> DiagnosisSummary:
@@ -233,6 +238,18 @@ def _superfluous(diagnosis: Diagnosis) -> str:
         f"Of the effects in the given model, {and_list(parts)}: the error is no larger without."
         if parts
         else ""
+    )
+
+
+def _usual(names: Sequence[str]) -> str:
+    """Friction that is in the model without being missing; "" where none is."""
+    if not names:
+        return ""
+    are, them = ("is", "it") if len(names) == 1 else ("are", "them")
+    return (
+        f"{_capital(and_list([spoken(name) for name in names]))} {are} in the model, too, though these recordings do not "
+        f"prove {them}: without {them}, those that were not fitted are explained worse than with viscous and Coulomb friction and "
+        "an offset alone."
     )
 
 

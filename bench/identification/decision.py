@@ -34,7 +34,8 @@ class DecisionRule:
     an error, that a model of another kind must take away, with values by recording or an effect in place of a law: less
     may be another effect. dominant: times the residual, that must remain without an effect which is named though
     something has no name. dominant_in_much: the same where `much` remains. cancels: times a motor's torque; a spring
-    that balances 80 % of a weight has four times what the motor gives.
+    that balances 80 % of a weight has four times what the motor gives; of an effect whose torque the motor has to give,
+    such as friction, `much` is too much.
 
     Drive gains. gain_far: factor to the nominal gain, up or down; a gain beyond is not credible, since makers are
     wrong by a tenth. gain_lost: the same, beyond which a model says nothing of the gain, and a fit starts again from

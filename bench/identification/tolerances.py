@@ -217,6 +217,8 @@ class LawBounds:
     merged_exponents: tuple[float, ...] = (0.5, 1.5, 2.5)
     exponent_range: float = 0.5  # by which an exponent is adapted, either way
     durations: tuple[float, ...] = (0.03, 0.1, 0.3, 1.0, 3.0, 10.0)  # s, time constants of what has a memory
+    # s, of the longest log: in a shorter one no law of the time alone is looked for
+    of_time: float = 11.0
     duration_factor: float = 2.0  # by which a time constant is adapted, either way
     # shares of a recording's duration: time constants of a decay
     decays: tuple[float, ...] = (0.05, 0.1, 0.2, 0.4, 0.8)

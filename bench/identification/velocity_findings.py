@@ -30,7 +30,9 @@ class _Unlike:
 
 def velocity_findings(robot: Robot, compared: Compared) -> list[Finding]:
     """Which velocities are taken as logged, which are not the rate of their position, and which contradict the time."""
-    taken = [(joint, velocity) for _, every in compared for joint, velocity in every.items() if velocity.taken]
+    taken = [
+        (joint, velocity) for _, every in compared for joint, velocity in every.items() if velocity.taken
+    ]
     findings = []
     if taken:
         quieter = float(np.median([1.0 / max(velocity.louder, 1e-12) for _, velocity in taken]))
@@ -74,9 +76,7 @@ def time_factor(robot: Robot, compared: Mapping[str, LoggedVelocity]) -> float |
     return float(np.exp(-factors.mean()))
 
 
-def _unlike(
-    robot: Robot, recording: Recording, every: Mapping[str, LoggedVelocity]
-) -> Iterator[_Unlike]:
+def _unlike(robot: Robot, recording: Recording, every: Mapping[str, LoggedVelocity]) -> Iterator[_Unlike]:
     for joint, velocity in every.items():
         if not velocity.agrees:
             yield _Unlike(recording.name, joint, velocity, _unit(robot, joint, velocity))

@@ -140,7 +140,10 @@ def utf_16(content: bytes) -> str | None:
         if content.startswith(mark):
             return name
     start = content[:SEEN]
-    for name, zeros, letters in (("utf-16-le", start[1::2], start[::2]), ("utf-16-be", start[::2], start[1::2])):
+    for name, zeros, letters in (
+        ("utf-16-le", start[1::2], start[::2]),
+        ("utf-16-be", start[::2], start[1::2]),
+    ):
         if len(zeros) > 1 and not any(zeros) and all(letters[: len(zeros)]):
             return name
     return None
@@ -152,7 +155,9 @@ def decoded(path: Path, content: bytes) -> str:
         if content.startswith(magic):
             raise BenchError(f"{path}: is {kind}, not a CSV text")
     if utf_16(content):
-        raise BenchError(f"{path}: is UTF-16 text: save it as UTF-8, or turn it into a recording with bench import")
+        raise BenchError(
+            f"{path}: is UTF-16 text: save it as UTF-8, or turn it into a recording with bench import"
+        )
     if b"\x00" in content:
         padding = len(content) - len(content.rstrip(b"\x00"))
         where = content.index(0)

@@ -37,6 +37,7 @@ from bench.diagnosis.search_from import search_from
 from bench.diagnosis.search_result import SearchResult
 from bench.diagnosis.signs import refuse_signs
 from bench.diagnosis.split_problem import SplitProblem, split_and_fitted
+from bench.diagnosis.usual_friction import judged_error, no_worse_than_usual
 from bench.effects import EffectInstance
 from bench.identification.decision import RULE
 from bench.identification.finding import Finding, mended_first
@@ -101,14 +102,28 @@ def _diagnosis(case: SplitProblem, discover: bool | None, believed: bool, progre
     plain = answered(case, finding, progress)
     if finding.unfinished:
         return _without_laws(plain, discover)
-    best = _Answer(finding, (), plain)
+    first = best = _Answer(finding, (), plain)
     try:
         for better in _with_more(case, best, discover, believed, progress):
             best = better
     except TimeUpError:
         return _without_laws(best.diagnosis, discover)
+    best = _no_worse_than_usual(case, first, best, progress)
     progress.phase("looking at half of the band")
     return completed(best.finding, best.diagnosis)
+
+
+def _no_worse_than_usual(case: SplitProblem, first: _Answer, best: _Answer, progress: Progress) -> _Answer:
+    """The answer where it is no worse than the usual friction; else one that is, without laws."""
+    if not something_remains(best.diagnosis.unexplained):
+        return best
+    progress.phase("comparing with the usual friction")
+    better = no_worse_than_usual(case, best.finding, judged_error(best.diagnosis.after))
+    if better is None:
+        return best
+    if best.laws:
+        better = no_worse_than_usual(case, first.finding, judged_error(first.diagnosis.after))
+    return first if better is None else _Answer(better, (), answered(case, better, progress))
 
 
 def _without_laws(diagnosis: Diagnosis, discover: bool | None) -> Diagnosis:

@@ -21,7 +21,8 @@ class Scope:
 
     others: how many other motors; several: whether their loads can be added up; tool: whether there is one. duration s,
     of the longest recording. lowest, highest: positions, rad or m; rates: of waves over the position, rad a unit;
-    pulses: of waves over the time, rad/s. shortest s: between samples.
+    pulses: of waves over the time, rad/s. shortest s: between samples. of_time: whether a law may change with the time
+    alone.
     """
 
     others: int
@@ -33,6 +34,7 @@ class Scope:
     rates: tuple[float, ...]
     pulses: tuple[float, ...]
     shortest: float
+    of_time: bool
 
 
 def grammar(scope: Scope) -> list[Term]:
@@ -42,12 +44,12 @@ def grammar(scope: Scope) -> list[Term]:
     load = [*_powers(LOAD, (0.5, 1.0, 1.5, 2.0), (0.5, 1.0, 1.5, 2.0)), Power(LOAD, 0.0)]
     place = [Power(Q), Power(Q, 2.0, odd=False), Power(Q, 3.0), Power(Q, 1.0, odd=False)]
     waves = [Wave(Q, rate, 0.5) for rate in scope.rates]
-    clock = [
-        *_decays(scope),
-        Power(T),
-        *(Wave(T, pulse, np.pi / scope.duration, free=True) for pulse in scope.pulses),
-    ]
-    steps = [*_steps(Q, scope.lowest, scope.highest), *_steps(T, 0.0, scope.duration)]
+    steps = [*_steps(Q, scope.lowest, scope.highest)]
+    clock: list[Factor] = []
+    if scope.of_time:
+        pulses = (Wave(T, pulse, np.pi / scope.duration, free=True) for pulse in scope.pulses)
+        clock = [*_decays(scope), Power(T), *pulses]
+        steps += _steps(T, 0.0, scope.duration)
     tool = [Power(TOOL, exponent, odd=False) for exponent in (1.0, 2.0)] if scope.tool else []
     together = [Power(OTHERS), Power(OTHERS, 1.0, odd=False)] if scope.several else []
     others = [factor for ahead in range(1, scope.others + 1) for factor in _of_another(ahead)]

@@ -7,6 +7,7 @@ import numpy as np
 
 from bench.diagnosis.discovery.grammar import Scope
 from bench.diagnosis.discovery.variables import OF_A_MOTOR, Place, Seen, Variable
+from bench.diagnosis.fading import too_short
 from bench.effects import RobotSignals
 from bench.effects.load import load_at
 from bench.effects.tool_motion import tool_speed
@@ -73,6 +74,7 @@ def scope_of(prepared: Prepared, regression: PartialRegression, places: Sequence
         rates=tuple(rates),
         pulses=_pulses(regression, [len(observation.time) for observation in fitted], interval),
         shortest=interval,
+        of_time=too_short(prepared.dataset.recordings) is None,
     )
 
 

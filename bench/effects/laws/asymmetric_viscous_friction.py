@@ -30,6 +30,7 @@ class AsymmetricViscousFriction(ActuatorEffect):
         EffectParameter("Fv_plus", "{effort}*s/{angle}", positive=True),
         EffectParameter("Fv_minus", "{effort}*s/{angle}", positive=True),
     )
+    by_motor = True
     contains = ("viscous_friction",)
 
     def torque(self, joint: JointSignals) -> np.ndarray:

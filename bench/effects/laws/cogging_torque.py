@@ -29,6 +29,7 @@ class CoggingTorque(ActuatorEffect):
     seen = ("repeats",)
     in_key = ("is the same at any torque",)
     parameters = (EffectParameter("a", "{effort}"), EffectParameter("b", "{effort}"))
+    by_motor = True
     shape = (PERIODS,)
 
     periods: float = 12.0

@@ -25,6 +25,7 @@ class CoulombFriction(ActuatorEffect):
     varies_by_run = True
     of_velocity = True
     parameters = (EffectParameter("Fc", "{effort}", positive=True),)
+    by_motor = True
     in_mjcf = "frictionloss"
 
     def torque(self, joint: JointSignals) -> np.ndarray:

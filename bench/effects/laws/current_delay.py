@@ -34,6 +34,7 @@ class CurrentDelay(ActuatorEffect):
         "a line in a wide band, since it is the current's change that counts",
     )
     parameters = (EffectParameter("T", "s"),)
+    by_motor = True
     depends_on_model = True
     before_torque = True
     every_sample = True

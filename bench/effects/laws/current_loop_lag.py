@@ -28,6 +28,7 @@ class CurrentLoopLag(ActuatorEffect):
         "a line in a wide band, since it is the current's change that counts",
     )
     parameters = (EffectParameter("T", "s", positive=True),)
+    by_motor = True
     depends_on_model = True
     before_torque = True
     every_sample = True

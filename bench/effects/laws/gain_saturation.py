@@ -29,6 +29,7 @@ class GainSaturation(ActuatorEffect):
     seen = ("current",)
     in_key = ("a bowl over the current, largest where the current is",)
     parameters = (EffectParameter("k", "1/{drive}^2", positive=True),)
+    by_motor = True
     depends_on_model = True
     before_torque = True
     of_instant = True

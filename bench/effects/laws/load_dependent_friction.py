@@ -34,6 +34,7 @@ class LoadDependentFriction(ActuatorEffect):
     seen = ("load", "opposes")
     in_key = ("grows with the torque of the motor", "")
     parameters = (EffectParameter("mu", "1", positive=True, below=MOST),)
+    by_motor = True
     depends_on_model = True
     every_sample = True
     before_torque = True

@@ -30,6 +30,7 @@ class PassiveCoulombFriction(PassiveEffect):
     seen = ("opposes",)
     in_key = ("is there at several motors at once, and varies with the pose",)
     parameters = (EffectParameter("Fc", "{effort}", positive=True),)
+    by_motor = True
     in_balls = True
     in_mjcf = "frictionloss"
 

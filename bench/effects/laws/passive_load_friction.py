@@ -42,6 +42,7 @@ class PassiveLoadFriction(Effect):
         EffectParameter("mu", "{effort}/N", positive=True),
         EffectParameter("mum", "{effort}*s^2/m"),
     )
+    by_motor = True
     place = "bearing"
     depends_on_model = True
     every_sample = True

@@ -27,6 +27,7 @@ class PassiveViscousFriction(PassiveEffect):
     seen = ("velocity",)
     in_key = ("a line whose slope depends on the pose, at several motors",)
     parameters = (EffectParameter("Fv", "{effort}*s/{angle}", positive=True),)
+    by_motor = True
     in_balls = True
     in_mjcf = "damping"
 

@@ -32,6 +32,7 @@ class PositionDependentFriction(ActuatorEffect):
     seen = ("opposes",)
     in_key = ("varies over the position, forwards and backwards as mirror images",)
     parameters = (EffectParameter("a", "{effort}"), EffectParameter("b", "{effort}"))
+    by_motor = True
     shape = (ShapeParameter("harmonic", "1/{turn}", (1.0, 2.0, 3.0, 4.0, 6.0, 8.0), discrete=True),)
     every_sample = True
 

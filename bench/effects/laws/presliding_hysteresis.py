@@ -27,6 +27,7 @@ class PreslidingHysteresis(ActuatorEffect):
     seen = ("opposes",)
     in_key = ("rises over a short way after the reversal, as a spring does",)
     parameters = (EffectParameter("Fc", "{effort}", positive=True),)
+    by_motor = True
     shape = (ShapeParameter("x0", "{angle}", (0.001, 0.003, 0.01, 0.03, 0.1, 0.3), scale="speed"),)
     every_sample = True
     contains = ("coulomb_friction",)

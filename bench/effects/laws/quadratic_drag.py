@@ -24,6 +24,7 @@ class QuadraticDrag(ActuatorEffect):
     in_key = ("bent, small at low speeds",)
     of_velocity = True
     parameters = (EffectParameter("c", "{effort}*s^2/{angle}^2", positive=True),)
+    by_motor = True
 
     def torque(self, joint: JointSignals) -> np.ndarray:
         return (joint.velocity * np.abs(joint.velocity))[:, None]

@@ -32,6 +32,7 @@ class ShearThinningFriction(ActuatorEffect):
     in_key = ("bent, steep at low speeds and flatter at high ones",)
     of_velocity = True
     parameters = (EffectParameter("Fa", "{effort}", positive=True),)
+    by_motor = True
     shape = (ShapeParameter("va", "{angle}/s", (0.1, 0.2, 0.4, 0.8, 1.6, 3.2), scale="speed"),)
     contains = ("viscous_friction",)
 

@@ -34,6 +34,7 @@ class StribeckFriction(ActuatorEffect):
         EffectParameter("Fc", "{effort}", positive=True),
         EffectParameter("Fs", "{effort}", positive=True),
     )
+    by_motor = True
     shape = (
         ShapeParameter("vs", "{angle}/s", (0.02, 0.05, 0.1, 0.2, 0.4, 0.8), scale="speed"),
         ShapeParameter("delta", "1", (1.0, 2.0), discrete=True),

@@ -32,6 +32,7 @@ class ThermalFrictionDrift(ActuatorEffect):
         "a fan: a line whose slope changes in the course of a recording",
     )
     parameters = (EffectParameter("Fc", "{effort}"), EffectParameter("Fv", "{effort}*s/{angle}"))
+    by_motor = True
     shape = (ShapeParameter("T", "s", (0.05, 0.1, 0.2, 0.4, 0.8, 2.0), scale="duration"),)
     every_sample = True
 

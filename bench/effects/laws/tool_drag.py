@@ -28,6 +28,7 @@ class ToolDrag(Effect):
     seen = ("velocity",)
     in_key = ("bent, and its size depends on the pose, at several motors",)
     parameters = (EffectParameter("c", "N*s^2/m^2", positive=True),)
+    by_motor = True
     place = "robot"
 
     def columns(self, robot: RobotSignals, joint: str) -> np.ndarray:  # noqa: ARG002 - it sits nowhere in particular

@@ -34,6 +34,7 @@ class TorqueRipple(ActuatorEffect):
     seen = ("repeats",)
     in_key = ("grows with the current",)
     parameters = (EffectParameter("a", "1"), EffectParameter("b", "1"))
+    by_motor = True
     shape = (PERIODS,)
     depends_on_model = True
     before_torque = True

@@ -25,6 +25,7 @@ class ViscousFriction(ActuatorEffect):
     varies_by_run = True
     of_velocity = True
     parameters = (EffectParameter("Fv", "{effort}*s/{angle}", positive=True),)
+    by_motor = True
     in_mjcf = "damping"
 
     def torque(self, joint: JointSignals) -> np.ndarray:
