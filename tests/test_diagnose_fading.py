@@ -6,7 +6,7 @@ import pytest
 
 from bench.dataset.dataset import Dataset
 from bench.dataset.robot import load_robot
-from bench.diagnosis.discovery.grammar import T, Scope, grammar
+from bench.diagnosis.discovery.grammar import Scope, T, grammar
 from bench.diagnosis.fading import not_asked, too_short
 from bench.diagnosis.reason import Because, Reason
 from bench.diagnosis.reason_words import reason_sentence

@@ -100,8 +100,8 @@ def _part(table: "FileTable", start: float, end: float, chosen: npt.NDArray[np.b
     rows = np.flatnonzero(chosen)
     if len(rows) < FEWEST:
         raise BenchError(
-            f"{table.path}: only {len(rows)} samples are used between {start:.12g} and {end:.12g} s, at least {FEWEST} are "
-            "needed: use more of it, or exclude it, too"
+            f"{table.path}: only {len(rows)} samples are used between {start:.12g} and {end:.12g} s, at least {FEWEST} "
+            "are needed: use more of it, or exclude it, too"
         )
     begin, stop = int(rows[0]), int(rows[-1]) + 1
     return replace(table, data=table.data.slice(begin, stop - begin), first_row=table.first_row + begin)

@@ -46,8 +46,8 @@ def impossible_but_needed(whole: Identification, dropped: Sequence[EffectInstanc
 
 
 def cancelling_effect(result: Identification, added: Sequence[EffectInstance]) -> dict[str, Reason]:
-    """The effect added last, of those with a torque many times all that a motor gives, or which cancels that of another:
-    it has no size by itself.
+    """The effect added last, of those with a torque many times all that a motor gives, or which cancels that of
+    another: it has no size by itself.
     """
     by_motor = {instance.effect.name: instance.effect.by_motor for instance in added}
     for j, (joint, gain) in enumerate((joint, result.drive_gains[joint]) for joint in result.joints):

@@ -105,15 +105,15 @@ WORDS: Mapping[Because, str | Callable[[EffectVerdict], str]] = {
     "payloads can show it",
     Because.IMPOSSIBLE: "{begun} would need a negative {names[0]}{place} to explain the data, which is physically "
     "impossible: the cause is a similar effect",
-    Because.CANCELS: "{begun} would need a torque at {names[0]} larger than all that the motor gives, which other terms "
-    "of the model would have to cancel",
+    Because.CANCELS: "{begun} would need a torque at {names[0]} larger than all that the motor gives, which other "
+    "terms of the model would have to cancel",
     Because.MOVES_GAIN: "{begun} would change the drive gain of {names[0]}, and explains too little for that, compared "
     "with what the model leaves unexplained",
-    Because.USUAL: "{begun} is in the model although these recordings do not prove it: without it, recordings that were "
-    "not fitted are explained worse than with viscous and Coulomb friction and an offset alone",
-    Because.WORSE_THAN_USUAL: "With {spoken}, recordings that were not fitted are explained worse than with viscous and "
-    "Coulomb friction and an offset alone",
-    Because.TOO_SHORT: "{begun} is not asked of logs of up to {names[0]}: what changes with nothing but the time takes a "
-    "longer one to be distinguished from other errors",
+    Because.USUAL: "{begun} is in the model although these recordings do not prove it: without it, recordings that "
+    "were not fitted are explained worse than with viscous and Coulomb friction and an offset alone",
+    Because.WORSE_THAN_USUAL: "With {spoken}, recordings that were not fitted are explained worse than with viscous "
+    "and Coulomb friction and an offset alone",
+    Because.TOO_SHORT: "{begun} is not asked of logs of up to {names[0]}: what changes with nothing but the time takes "
+    "a longer one to be distinguished from other errors",
     Because.NOT_NEEDED: "{begun} is not needed: without it, the other effects explain the data as well",
 }

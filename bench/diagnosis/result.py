@@ -270,7 +270,7 @@ class Diagnosis:
 
     @property
     def usual(self) -> tuple[str, ...]:
-        """Friction that `after` has so that it is no worse than with that of nearly every drive, and that is not missing."""
+        """Friction in `after` that is not missing: without it, it is worse than with that of nearly every drive."""
         return tuple(verdict.effect for verdict in self.ranking if verdict.why.because is Because.USUAL)
 
     @property

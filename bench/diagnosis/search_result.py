@@ -21,9 +21,9 @@ from bench.identification.result import Identification
 @dataclass(frozen=True)
 class SearchResult:
     """The result of a search. new: beyond what the starting model has; names: of their effects; fits: see `fits_of`;
-    barred: effects that may not be selected, and why. usual: those that are there for the usual friction's sake alone. differs: what differs from run to run, and differently: the
+    barred: effects that may not be selected, and why. differs: what differs from run to run, and differently: the
     answer with a value of it for each; compared: whether they are known. unfinished: what the deadline kept from being
-    looked at.
+    looked at. usual: those of the names that are there only since the model is worse than usual friction without them.
     """
 
     base_model: BaseModel

@@ -246,10 +246,10 @@ def _usual(names: Sequence[str]) -> str:
     if not names:
         return ""
     are, them = ("is", "it") if len(names) == 1 else ("are", "them")
+    friction = _capital(and_list([spoken(name) for name in names]))
     return (
-        f"{_capital(and_list([spoken(name) for name in names]))} {are} in the model, too, though these recordings do not "
-        f"prove {them}: without {them}, those that were not fitted are explained worse than with viscous and Coulomb friction and "
-        "an offset alone."
+        f"{friction} {are} in the model, too, though these recordings do not prove {them}: without {them}, those that "
+        "were not fitted are explained worse than with viscous and Coulomb friction and an offset alone."
     )
 
 

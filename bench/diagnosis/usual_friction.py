@@ -28,8 +28,8 @@ from bench.identification.result import Identification, relative_error
 
 @dataclass(frozen=True)
 class _Tried:
-    """A model with some effects, and its answer. added: names of the usual friction in it that the search did not select;
-    searched: whether what the search selected is in it.
+    """A model with some effects, and its answer. added: names of the usual friction in it that the search did not
+    select; searched: whether what the search selected is in it.
     """
 
     model: Prepared

@@ -116,11 +116,11 @@ class Effect(ABC):
     columns times parameter is then exact where the parameter has that value. bends: the columns change much with it,
     so that the fit goes by derivatives. every_sample: its columns follow from all samples, as differences do, or change
     much between few, as friction does where a joint is slow: a search must not take few of them. of_velocity: its
-    torque is an odd function of its joint's velocity alone. by_motor: the motor has to give its torque, since it neither
-    stores energy nor carries a weight, so that it cannot be many times what the motor gives. varies_by_run: it may have another value from one recording
-    to the next, as an amplifier's offset has, and a diagnosis looks for that. of_instant: it follows from acceleration
-    or torque of the same instant, and from nothing before. in_balls: of those at passive joints, one that a ball joint
-    can have, too. in_mjcf: the term of an MJCF's joint that has its law.
+    torque is an odd function of its joint's velocity alone. by_motor: the motor has to give its torque, since it
+    neither stores energy nor carries a weight; it cannot be many times what the motor gives. varies_by_run: it may have
+    another value from one recording to the next, as an amplifier's offset has, and a diagnosis looks for that.
+    of_instant: it follows from acceleration or torque of the same instant, and from nothing before. in_balls: of those
+    at passive joints, one that a ball joint can have, too. in_mjcf: the term of an MJCF's joint that has its law.
     in_single_joints: what an effect of the whole robot is in single joints, see `in_joints_of`.
     """
 

@@ -114,8 +114,9 @@ def _velocity_unlike(finding: Finding) -> str:
     more = f", and neither {'is' if n['count'] == 2.0 else 'are'} {others}" if n["count"] > 1.0 else ""
     if finding.unit:
         return (
-            f"velocity.{joint} of {recording} seems to be in {finding.unit}: it is {n['scale']:.4g} times the derivative "
-            f"of position.{joint}. It is not used{more}. Import it with `--scale velocity.{joint}={finding.unit}`."
+            f"velocity.{joint} of {recording} seems to be in {finding.unit}: it is {n['scale']:.4g} times the "
+            f"derivative of position.{joint}. It is not used{more}. Import it with `--scale "
+            f"velocity.{joint}={finding.unit}`."
         )
     delay = f"{1e3 * n['delay']:.2f}"
     late = "" if delay.lstrip("-") == "0.00" else f" and {delay} ms late"

@@ -22,8 +22,9 @@ def refuse_too_few_equations(prepared: Prepared, moving: np.ndarray, unknowns: i
     equations, needed = int(moving.sum()), TOLERANCES.statistics.equations * unknowns
     if equations >= needed:
         return
+    are = "is" if equations == 1 else "are"
     said = (
-        f"{prepared.dataset.folder}: {plural(equations, 'equation')} after decimation {'is' if equations == 1 else 'are'} too few for "
+        f"{prepared.dataset.folder}: {plural(equations, 'equation')} after decimation {are} too few for "
         f"{plural(unknowns, 'unknown')}, at least {needed} are needed"
     )
     raise BenchError(f"{said}: {_standing_still(prepared) or _too_little(prepared, moving, needed)}")
@@ -52,8 +53,8 @@ def _too_little(prepared: Prepared, moving: np.ndarray, needed: int) -> str:
     slow = [f"{joint} {in_percent(share, 2)}" for joint, share in shares.items() if share < RULE.most]
     few = f" (usable rows, away from standstill and reversals: {', '.join(slow)})" if slow else ""
     return (
-        f"{seconds:.3g} s of log at {rate:.3g} Hz are too little{few}; record such motions for {ceil(more * seconds)} s, "
-        f"or log them at {ceil(more * rate)} Hz"
+        f"{seconds:.3g} s of log at {rate:.3g} Hz are too little{few}; record such motions for {ceil(more * seconds)} "
+        f"s, or log them at {ceil(more * rate)} Hz"
     )
 
 

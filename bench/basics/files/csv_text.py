@@ -164,8 +164,8 @@ def decoded(path: Path, content: bytes) -> str:
         if where == len(content) - padding:
             line = content.count(b"\n") + 1
             raise BenchError(
-                f"{path}: line {line}: {plural(padding, 'zero byte')} up to the end: the logger broke off there; remove "
-                "them"
+                f"{path}: line {line}: {plural(padding, 'zero byte')} up to the end: the logger broke off there; "
+                "remove them"
             )
         raise BenchError(f"{path}: is not a text file (zero byte at offset {where})")
     try:

@@ -81,8 +81,8 @@ class FileTable:
         row, cell = first
         if cell == self.text.names[index]:
             raise BenchError(
-                f"{self.path}: line {self.text.line(row)}: names the columns once more: two logs were joined there; put "
-                "each into a file of its own"
+                f"{self.path}: line {self.text.line(row)}: names the columns once more: two logs were joined there; "
+                "put each into a file of its own"
             )
         raise BenchError(f"{self.place(column, row - self.first_row)}: {cell!r} is not a number")
 

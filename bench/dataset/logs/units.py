@@ -104,7 +104,7 @@ def measured_by(column: str, robot: Robot) -> str | None:
 
 
 def unit_of_velocity(scale: float, rotates: bool, near: float) -> str:
-    """The unit in which a velocity is `scale` times as large as in SI; "" where none is within a relative difference."""
+    """The unit in which a velocity is `scale` times as large as in SI, within a relative difference; "" for none."""
     of = "angular velocity" if rotates else "velocity"
     for name, unit in UNITS.items():
         if unit.of == of and unit.factor != 1.0 and abs(scale * unit.factor - 1.0) < near:
