@@ -27,7 +27,7 @@ from bench.identification.result import Identification, relative_error
 
 
 @dataclass(frozen=True)
-class _Tried:
+class _WithFriction:
     """A model with some effects, and its answer. added: names of the usual friction in it that the search did not
     select; searched: whether what the search selected is in it.
     """
@@ -61,7 +61,7 @@ def no_worse_than_usual(case: SplitProblem, finding: SearchResult, error: float)
     least = judged_error(fit(finding.base_model.with_instances(every)))
     if error <= least:
         return None
-    best: _Tried | None = None
+    best: _WithFriction | None = None
     for together in _more_and_more(finding, usual):
         tried = [_tried(finding, usual, names, searched=searched) for searched, names in together]
         able = [each for each in tried if each.error <= least]
@@ -90,7 +90,7 @@ def _tried(
     names: tuple[str, ...],
     *,
     searched: bool,
-) -> _Tried:
+) -> _WithFriction:
     """A model with these effects where their sign is possible."""
     base_model = finding.base_model
     given = len(base_model.start.effects)
@@ -105,10 +105,10 @@ def _tried(
     after = with_errors_in_variables_checked(model, with_possible_payloads(model, after, fit), fit)
     there = {instance.effect.name for instance in kept}
     before = finding.names if searched else ()
-    return _Tried(model, after, tuple(n for n in names if n in there and n not in before), searched)
+    return _WithFriction(model, after, tuple(n for n in names if n in there and n not in before), searched)
 
 
-def _as_result(case: SplitProblem, finding: SearchResult, tried: _Tried) -> SearchResult:
+def _as_result(case: SplitProblem, finding: SearchResult, tried: _WithFriction) -> SearchResult:
     """The result of the search with another model."""
     base_model, given = finding.base_model, case.start.effects
     kept, new = kept_and_new(tried.model.effects[len(base_model.start.effects) :], given)

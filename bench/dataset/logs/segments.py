@@ -18,7 +18,7 @@ from bench.dataset.sampling import FEWEST, cut_rows, gap_rows
 
 Array = npt.NDArray[np.float64]
 MOST = 5  # cuts of a kind that are reported one by one
-LITTLE = 0.05  # of a log's samples: what gaps may cost without being asked
+LITTLE = 0.05  # of a log: what gaps may cost without being asked
 SHORTEST = 2.0  # s: a piece between gaps that is worth a recording; filters take their share at both ends
 
 
@@ -123,12 +123,18 @@ def _measured(columns: Mapping[str, Array]) -> npt.NDArray[np.bool_]:
 
 
 def _costs_little(time: Array) -> bool:
-    """Whether a log has gaps, and the pieces between them that are long enough hold nearly all of its samples."""
+    """Whether a log has gaps, and the pieces between them that are long enough hold nearly all of its samples, and of
+    its time from the first of them on to the last: a first sample that comes early costs nothing but itself.
+    """
     if np.any(np.diff(time) <= 0.0) or not (gaps := gap_rows(time).tolist()):
         return False
-    pieces = pairwise([0, *gaps, time.size])
-    kept = sum(end - first for first, end in pieces if _long_enough(time, first, end, SHORTEST))
-    return kept >= (1.0 - LITTLE) * time.size
+    pieces = [piece for piece in pairwise([0, *gaps, time.size]) if _long_enough(time, *piece, SHORTEST)]
+    if not pieces:
+        return False
+    samples = sum(end - first for first, end in pieces)
+    seconds = sum(float(time[end - 1] - time[first]) for first, end in pieces)
+    lasts = float(time[pieces[-1][1] - 1] - time[pieces[0][0]])
+    return samples >= (1.0 - LITTLE) * time.size and seconds >= (1.0 - LITTLE) * lasts
 
 
 def _long_enough(time: Array, first: int, end: int, shortest: float) -> bool:
