@@ -5,6 +5,7 @@ from dataclasses import replace
 from itertools import combinations
 
 import numpy as np
+from scipy.special import expit
 
 from bench.diagnosis.evidence import Samples
 from bench.diagnosis.ladder import Fits
@@ -88,6 +89,24 @@ def superfluous_effect(fits: Fits, names: Sequence[str], samples: Samples) -> di
     without = {name: fits(every - {name}).residual.weight(samples) for name in names}
     name = max(without, key=lambda name: without[name], default=None)
     if name is None or without[name] < fits(every).residual.weight(samples):
+        return {}
+    return {name: Reason(Because.NOT_NEEDED)}
+
+
+def improbable_effect(
+    fits: Fits, names: Sequence[str], samples: Samples, excess: Callable[[], float]
+) -> dict[str, Reason]:
+    """The effect that is needed least, if it is improbable where samples count as they do beyond noise; and why it goes.
+
+    excess: of the model, asked for only where there are effects. The others stay as they are: what would take the place
+    of an improbable effect is no more probable.
+    """
+    if not names:
+        return {}
+    samples, every = samples.beyond(excess()), frozenset(names)
+    without = {name: fits(every - {name}).residual.weight(samples) for name in names}
+    name = max(names, key=lambda name: without[name])
+    if expit(fits(every).residual.weight(samples) - without[name]) > 1.0 - RULE.sure:
         return {}
     return {name: Reason(Because.NOT_NEEDED)}
 

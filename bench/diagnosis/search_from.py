@@ -8,7 +8,7 @@ from bench.basics.progress import SILENT, Progress
 from bench.diagnosis.base_model import BaseModel
 from bench.diagnosis.encoder_noise import encoder_error
 from bench.diagnosis.ladder import ends_of_ladder, fits_of, ladder_of, with_values_before
-from bench.diagnosis.pruning import gain_like_effect, superfluous_effect
+from bench.diagnosis.pruning import gain_like_effect, improbable_effect, superfluous_effect
 from bench.diagnosis.reason import Reason
 from bench.diagnosis.result import Unfinished
 from bench.diagnosis.rounds import Round, searched, staying
@@ -38,7 +38,7 @@ def search_from(
     its end; wholly: TimeUpError is raised instead.
     """
     known, given = dict(barred), case.start.effects
-    given_count, cut = len(base_model.start.effects), False
+    given_count, cut, only_stays = len(base_model.start.effects), False, False
     searching, base_model = base_model, base_model.at_leisure
     given_round = [first]
     del first  # handed on without a name, so that its system is gone before the next is built
@@ -46,10 +46,10 @@ def search_from(
         this_round = given_round.pop()
         last = (
             staying(base_model, this_round, known)
-            if cut
+            if cut or only_stays
             else searched(searching, this_round, known, progress)
         )
-        cut = last.cut
+        cut = last.cut and not only_stays
         if cut and wholly:
             raise TimeUpError
         progress.phase("fitting what was found")
@@ -70,6 +70,9 @@ def search_from(
                 )
                 out = superfluous_effect(fits, names, last.system.samples)
                 out = out or gain_like_effect(fits, names, last.system.samples, after, error_excess)
+                if not out:
+                    out = improbable_effect(fits, names, last.system.samples, error_excess)
+                    only_stays = only_stays or bool(out)
         if not out:
             ladder = ends_of_ladder(names, fits) if cut else ladder_of(names, fits)
             ladder = with_values_before(ladder, [*each], case.before)
