@@ -108,7 +108,7 @@ def improbable_effect(
     name = max(names, key=lambda name: without[name])
     if expit(fits(every).residual.weight(samples) - without[name]) > 1.0 - RULE.sure:
         return {}
-    return {name: Reason(Because.NOT_NEEDED)}
+    return {name: Reason(Because.GAINS_LITTLE)}
 
 
 def gain_like_effect(

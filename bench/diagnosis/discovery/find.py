@@ -159,8 +159,11 @@ def _with_more(
 
 
 def _never(finding: SearchResult) -> dict[str, Reason]:
-    """Effects that may not be named with a law either: what others did as well without one may be needed with it."""
-    return {name: why for name, why in finding.barred.items() if why.because is not Because.NOT_NEEDED}
+    """Effects that may not be named with a law either: what is not needed, or improbable, without one may be needed
+    with it.
+    """
+    passing = (Because.NOT_NEEDED, Because.GAINS_LITTLE)
+    return {name: why for name, why in finding.barred.items() if why.because not in passing}
 
 
 def _never_with_laws(finding: SearchResult, named: Sequence[EffectInstance]) -> dict[str, Reason]:
