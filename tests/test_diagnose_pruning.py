@@ -74,7 +74,7 @@ def test_what_moves_a_gain_must_explain_more_where_the_model_leaves_more(
 def test_what_is_improbable_beyond_noise_goes(
     answer: Identification, error: float, excess: float, goes: bool
 ) -> None:
-    """A delay of a measured slide took a seventh of an error of 40 times the noise: one log had it, the next had not."""
+    """A delay of a measured slide took a seventh of an error of 40 times the noise: one log had it, the next not."""
     out = improbable_effect(fits_with(answer, error, 0.0), NAMES, MANY, lambda: excess)
     assert out == ({"saturation": Reason(Because.GAINS_LITTLE)} if goes else {})
 

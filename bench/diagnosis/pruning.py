@@ -96,7 +96,7 @@ def superfluous_effect(fits: Fits, names: Sequence[str], samples: Samples) -> di
 def improbable_effect(
     fits: Fits, names: Sequence[str], samples: Samples, excess: Callable[[], float]
 ) -> dict[str, Reason]:
-    """The effect that is needed least, if it is improbable where samples count as they do beyond noise; and why it goes.
+    """The effect that is needed least, if it is improbable where samples count as beyond noise; and why it goes.
 
     excess: of the model, asked for only where there are effects. The others stay as they are: what would take the place
     of an improbable effect is no more probable.

@@ -18,7 +18,7 @@ USES = {"identify": "fitted", "validate": "not fitted"}
 
 STD_FROM: dict[StdFrom, str] = {
     "noise": "the error as noise",
-    "blocks": "differences of the estimate between parts of the logs, positions or velocities: model errors exceed noise",
+    "blocks": "differences between parts of the logs, positions or velocities: model errors exceed noise",
     "periods": "errors that return with the motion: model errors exceed noise, however often the motion is repeated",
     "models": "how the estimate differs between models that explain the data as well",
     "instruments": "how the estimate differs from that of instrumental variables: the filters let noise through",
