@@ -10,7 +10,17 @@ from bench.basics.errors import BenchError
 from bench.benchmarks.measured import __main__ as program
 from bench.benchmarks.measured.known import AgainstKnown, KnownValue, compared, known_machines
 from bench.benchmarks.measured.machines import MACHINES
-from bench.benchmarks.measured.run import MachineRun, MachineStep, NamedEffects, Record, keep, kept
+from bench.benchmarks.measured.run import (
+    FoundParameter,
+    LogOmitted,
+    MachineRun,
+    MachineStep,
+    NamedEffects,
+    Record,
+    keep,
+    kept,
+)
+from bench.benchmarks.measured.sentences import FRICTION, OTHERS, absent_values, machine_sentence
 from bench.benchmarks.measured.tables import measured_markdown
 from bench.effects import CATALOGUE
 
@@ -118,6 +128,7 @@ def record() -> Record:
         found=(NamedEffects("coulomb_friction", "missing", ("j1",), ("stribeck_friction",)),),
         ladder=(MachineStep((), 0.5, 0.6), MachineStep(("coulomb_friction",), 0.03, 0.04)),
         noise_floor=0.01,
+        omitted=(LogOmitted("a.csv", ("coulomb_friction",)), LogOmitted("b.csv", ())),
     )
     failed = MachineRun("diagnose ur10e --with x", 0.1, failed="bench: no effect 'x'")
     return Record("ur10e", (identified, diagnosed, failed), {"commit": "abc"})
@@ -133,10 +144,78 @@ def test_a_record_is_kept_whole_and_wrong_values_show(tmp_path: Path) -> None:
     )
     assert "1 of 2" in text
     assert "bench: no effect 'x'" in text
+    assert text.splitlines()[2].startswith("- **UR10e**: ")
+    assert (
+        "| ur10e | drive gain [N·m/A] | j1 | 10 ± 2.00 % | 11.00 ± 0.30 | +10.0 % | 11, not determined | +10.0 % |"
+        in text
+    )
+    assert "| without log | effects not supported |" in text
+    assert "| a.csv | Coulomb friction |" in text
     program.write_pages(tmp_path)
     page = (tmp_path / "measured.html").read_text(encoding="utf-8")
     assert "no effect &#39;x&#39;" in page
     assert "not determined" in page
+
+
+def fc(place: str, value: float, std: float) -> FoundParameter:
+    return FoundParameter(place, "Fc", value, std, "N*m")
+
+
+def test_a_machine_in_a_sentence() -> None:
+    """What an engineer understands: what is known and how well, what friction does, and what remains."""
+    machine = known_machines()["ur10e"]
+    friction = NamedEffects(
+        "coulomb_friction", "missing", ("j1", "j2"), (), parameters=(fc("j1", 2.0, 0.1), fc("j2", -1.0, 0.07))
+    )
+    load = NamedEffects("load_dependent_friction", "missing", ("j1",), ())
+    thin = NamedEffects("shear_thinning_friction", "resembles", ("j1",), ())
+    gains = tuple(
+        AgainstKnown("drive_gain", joint, "N*m/A", value, 0.1, 10.0, 0.02, 0.05)
+        for joint, value in (
+            ("j1", 10.2),
+            ("j2", 9.9),
+            ("j3", 11.3),
+            ("j4", 11.4),
+            ("j5", 10.0),
+            ("j6", 10.0),
+        )
+    )
+    run = MachineRun("diagnose ur10e", 1.0, (), 0.01, 0.0183, rows=gains, found=(load, friction, thin))
+    known = machine.known[0].model_copy(update={"goal": 0.05})
+    machine = machine.model_copy(update={"known": (known,)})
+    assert machine_sentence(Record("ur10e", (run,), {}), machine) == (
+        "Drive gains within 2 % of what is known at j1, j2, j5 and j6, 13 to 14 % above at j3 and j4; friction grows with "
+        "the load; it seems that friction levels off at high speed; Coulomb friction is known to 6 %; 1.8 % of the "
+        "current remains in motions that were not fitted."
+    )
+    near = replace(run, rows=tuple(replace(row, value=10.2) for row in gains), found=(), error_validate=0.6)
+    assert machine_sentence(Record("ur10e", (near,), {}), machine) == (
+        "Drive gains within 2 % of what is known; 60 % of the current remains in motions that were not fitted, and no "
+        "model of this program explains it."
+    )
+    failed = replace(run, failed="bench: no file")
+    assert machine_sentence(Record("ur10e", (failed,), {}), machine) == "No command gives an answer."
+
+
+def test_effects_of_sentences_are_in_the_catalogue() -> None:
+    assert {*FRICTION, *OTHERS} <= set(CATALOGUE)
+    assert not {*FRICTION} & {*OTHERS}
+
+
+def test_known_friction_that_is_not_in_the_model_is_explained_by_what_is() -> None:
+    values = (
+        FoundParameter("axis", "Fv_plus", 162.0, 3.0, "N*s/m"),
+        FoundParameter("axis", "Fv_minus", 238.0, 3.0, "N*s/m"),
+    )
+    found = NamedEffects("asymmetric_viscous_friction", "missing", ("axis",), (), parameters=values)
+    absent = AgainstKnown("viscous_friction Fv", "axis", "", None, None, 203.5)
+    run = MachineRun("diagnose emps", 1.0, rows=(absent,), found=(found,))
+    (said,) = absent_values(Record("emps", (run,), {}))
+    assert said.startswith(
+        "Asymmetric viscous friction at axis: Fv_plus = 162.0 ± 3.0 and Fv_minus = 238.0 ± 3.0 N·s/m"
+    )
+    assert said.endswith("known as viscous friction: Fv = 203.5.")
+    assert known_machines()["emps"].note
 
 
 def test_a_damaged_record_is_named(tmp_path: Path) -> None:

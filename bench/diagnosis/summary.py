@@ -36,7 +36,7 @@ class DiagnosisSummary:
     the gain that moves most, "" where none does; superfluous: what the model had in vain; differs: what has another
     value in each recording; residual: what no effect accounts for; laws: those that are in no catalogue;
     unfinished: what the time did not allow to look at, "" where all was; usual: friction that is in the model without
-    being missing, "" where none is.
+    being missing, "" where none is; by_log: which names stay with each log omitted, "" where there is one log.
     """
 
     verdict: str
@@ -50,6 +50,7 @@ class DiagnosisSummary:
     laws: tuple[str, ...] = ()
     unfinished: str = ""
     usual: str = ""
+    by_log: str = ""
 
     @property
     def sentences(self) -> list[str]:
@@ -61,6 +62,7 @@ class DiagnosisSummary:
             *self.strange,
             self.nominal,
             *self.undecided,
+            self.by_log,
             self.moved,
             self.superfluous,
             self.usual,
@@ -79,7 +81,10 @@ def summary_of(diagnosis: Diagnosis) -> DiagnosisSummary:
     """What is missing, what it changes, how sure that is, the residual, and what was not looked at."""
     with deciding_by(diagnosis.after.rule), bounded_by(diagnosis.after.tolerances):
         return replace(
-            _summary(diagnosis), unfinished=unfinished_sentence(diagnosis), usual=_usual(diagnosis.usual)
+            _summary(diagnosis),
+            unfinished=unfinished_sentence(diagnosis),
+            usual=_usual(diagnosis.usual),
+            by_log=_by_log(diagnosis),
         )
 
 
@@ -239,6 +244,24 @@ def _superfluous(diagnosis: Diagnosis) -> str:
         if parts
         else ""
     )
+
+
+def _by_log(diagnosis: Diagnosis) -> str:
+    """Which names stay whichever log is omitted, and on which logs the others depend; "" where nothing is named."""
+    rows = diagnosis.without_logs
+    if not rows or not diagnosis.missing:
+        return ""
+    needed = {name: [row.log for row in rows if name in row.gone] for name in diagnosis.missing}
+    stay = [spoken(name) for name, logs in needed.items() if not logs]
+    depend = [f"{spoken(name)} on {and_list(logs)}" for name, logs in needed.items() if logs]
+    parts = []
+    if stay:
+        parts.append(f"whichever log is omitted, {and_list(stay)} {'stays' if len(stay) == 1 else 'stay'}")
+    if depend:
+        first, _, on = depend[0].partition(" on ")
+        parts.append(", ".join([f"{first} depends on {on}", *depend[1:]]))
+    without = ": without such a log, the others do not show it" if depend else ""
+    return f"{_capital('; '.join(parts))}{without}."
 
 
 def _usual(names: Sequence[str]) -> str:

@@ -23,6 +23,7 @@ class KnownValue(UserTable):
 
     of: str
     parameter: str = ""
+    called: str = ""
     values: Mapping[str, Annotated[float, Field(allow_inf_nan=False)]]
     uncertainty: Share = 0.0
     goal: Share | Mapping[str, Share] | None = None
@@ -48,6 +49,7 @@ class MachineTable(UserTable):
 
     machine: str
     log: str
+    note: str = ""
     error_goal: Share | None = None
     effects: tuple[str, ...]
     diagnose_with: tuple[tuple[str, ...], ...] = ((),)

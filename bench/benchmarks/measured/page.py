@@ -1,44 +1,54 @@
 """The records as a page for a browser."""
 
 from collections.abc import Mapping, Sequence
-from typing import Literal
 
 import numpy as np
 
 from bench.basics.plural import plural
 from bench.benchmarks.measured.known import WITHIN, MachineTable
 from bench.benchmarks.measured.run import MachineRun, Record
+from bench.benchmarks.measured.sentences import absent_values, machine_sentence, short_name
 from bench.benchmarks.measured.tables import (
+    ERRORS,
     EXPLANATION,
+    KNOWN_HEADS,
+    KNOWN_TITLE,
+    OMITTED_HEADS,
     RUN_HEADS,
+    RUNS_TITLE,
     VALUE_HEADS,
     MeasuredCell,
+    known_rows,
+    omitted_rows,
     quantity_name,
     run_rows,
     sources,
     value_rows,
 )
 from bench.document.charts.chart import Axis, Chart, Panel, Role, Rule, Spans
-from bench.document.typeset import share, typeset
+from bench.document.typeset import typeset
 from bench.page.chart_spec import chart_figure
 from bench.page.parts import (
     Cell,
     Commands,
     Figure,
     Items,
+    Kind,
     Page,
     PageColumn,
     PageRow,
     PageTable,
     Part,
     Section,
-    Tile,
+    Text,
+    row,
 )
 from bench.page.section_run import versions_of
 
 ROLES: tuple[Role, ...] = ("before", "after", "noise")
 LINE = 16  # px, of an interval
-RUN_KINDS: Mapping[str, Literal["words"]] = {"command": "words", "missing, as it says": "words"}
+KNOWN_KINDS: Mapping[str, Kind] = {"quantity": "", "at": "keep"}
+RUN_KINDS: Mapping[str, Kind] = {"command": "keep", "verdict: missing": "words"}
 
 
 def measured_page(records: Sequence[Record], machines: Mapping[str, MachineTable], again: str) -> Page:
@@ -50,8 +60,10 @@ def measured_page(records: Sequence[Record], machines: Mapping[str, MachineTable
             plural(sum(len(record.runs) for record in records), "command"),
         ),
         verdict=_verdict(records),
-        tiles=_tiles(records, machines),
+        tiles=(),
         sections=(
+            _sentences_section(records, machines),
+            _known_section(records, machines),
             _commands_section(records, machines),
             *(_machine_section(record, machines[record.name]) for record in records),
             _again_section(records, again),
@@ -60,49 +72,69 @@ def measured_page(records: Sequence[Record], machines: Mapping[str, MachineTable
 
 
 def _verdict(records: Sequence[Record]) -> tuple[str, ...]:
-    """Two sentences: how many values are right, and which are wrong."""
-    rows = [(record, run, row) for record in records for run in record.runs for row in run.rows]
-    inside = [row.inside for _, _, row in rows if row.inside is not None]
-    reached = [row.reached for _, _, row in rows if row.reached is not None]
+    """How many values are right; which commands gave no answer."""
+    rows = [row for record in records for run in record.runs for row in run.rows]
+    inside = [row.inside for row in rows if row.inside is not None]
+    reached = [row.reached for row in rows if row.reached is not None]
     first = (
-        f"Of {plural(len(inside), 'value')} that can be compared, {sum(inside)} are inside twice their stated "
-        f"deviation and what the reference may be off by"
+        f"Of {plural(len(inside), 'value')} that can be compared, {sum(inside)} are inside twice their standard error "
+        f"and what the reference may be off by"
     )
     first += f"; of {plural(len(reached), 'goal')} {sum(reached)} are reached." if reached else "."
-    wrong = [
-        f"{quantity_name(row)} of {row.place} ({record.name}, {run.command.split(' ')[0]}, "
-        f"{share(row.off, signed=True)})"
-        for record, run, row in rows
-        if row.inside is False
-    ]
     failed = [f"bench {run.command}" for record in records for run in record.runs if run.failed]
-    second = f"Outside: {'; '.join(wrong)}." if wrong else "None is outside."
-    third = (f"No answer: {'; '.join(failed)}.",) if failed else ()
-    return tuple(typeset(entry) for entry in (first, second, *third))
+    return tuple(map(typeset, (first, *([f"No answer: {'; '.join(failed)}."] if failed else []))))
 
 
-def _tiles(records: Sequence[Record], machines: Mapping[str, MachineTable]) -> tuple[Tile, ...]:
-    tiles = []
-    for record in records:
-        best = [run for run in record.runs if run.error_identify is not None]
-        if best:
-            last = best[-1]
-            known = last.error_validate if last.error_validate is not None else last.error_identify
-            kind = "not fitted" if last.error_validate is not None else "fitted"
-            machine = machines[record.name].machine.split(":")[0]
-            tiles.append(Tile(machine, share(known), f"error, {kind}, after {last.command.split(' ')[0]}"))
-    return tuple(tiles)
+def _sentences_section(records: Sequence[Record], machines: Mapping[str, MachineTable]) -> Section:
+    """Each machine in a sentence."""
+    rows = tuple(
+        row(Cell(short_name(machine)), typeset(machine_sentence(record, machine)))
+        for record in records
+        for machine in [machines[record.name]]
+    )
+    table = PageTable("", "", (PageColumn("machine", "keep"), PageColumn("in a sentence", "words")), rows)
+    return Section("machines", "Each machine in a sentence", "", (table,), "In a sentence")
+
+
+def _known_section(records: Sequence[Record], machines: Mapping[str, MachineTable]) -> Section:
+    """What is known of all machines, and what came out."""
+    of_machines = {short_name(machines[record.name]): list(known_rows(record)) for record in records}
+    columns = tuple(PageColumn(head, KNOWN_KINDS.get(head, "right")) for head in KNOWN_HEADS)
+    table = PageTable("", "", columns, _grouped(of_machines))
+    return Section("known", KNOWN_TITLE, EXPLANATION, (table,), "Known and estimated")
 
 
 def _commands_section(records: Sequence[Record], machines: Mapping[str, MachineTable]) -> Section:
+    """Errors of every command, and what each diagnosis names."""
+    of_machines = {}
+    for record in records:
+        machine = machines[record.name]
+        rows = zip(record.runs, run_rows(record, machine), strict=True)
+        of_machines[short_name(machine)] = [(MeasuredCell(_what(run)), *cells) for run, (_, *cells) in rows]
     columns = tuple(PageColumn(head, RUN_KINDS.get(head, "right")) for head in RUN_HEADS)
-    rows = tuple(_row(cells) for record in records for cells in run_rows(record, machines[record.name]))
-    table = PageTable("Commands", "", columns, rows)
-    return Section("commands", "What the commands gave", EXPLANATION, (table,), "Commands")
+    return Section(
+        "commands", RUNS_TITLE, ERRORS, (PageTable("", "", columns, _grouped(of_machines)),), "Errors"
+    )
+
+
+def _grouped(of_machines: Mapping[str, Sequence[Sequence[MeasuredCell]]]) -> tuple[PageRow, ...]:
+    """Rows below the names of their machines, without those that have none."""
+    rows = []
+    for name, lines in of_machines.items():
+        if lines:
+            rows += [row(name, *[""] * (len(lines[0]) - 1), kind="strong"), *map(_row, lines)]
+    return tuple(rows)
+
+
+def _what(run: MachineRun) -> str:
+    """What a command was asked; its whole line is in the section of its machine."""
+    given = "--with" in run.command
+    return ("diagnose" if run.diagnosis else "identify") + (", with friction" if given else "")
 
 
 def _machine_section(record: Record, machine: MachineTable) -> Section:
-    parts: list[Part] = [*_figure(record)]
+    note = " ".join((machine.note, *absent_values(record))).strip()
+    parts: list[Part] = [*_figure(record), *([Text("", (typeset(note),))] if note else [])]
     for run in record.runs:
         title = typeset(f"bench {run.command}")
         if run.failed:
@@ -113,10 +145,17 @@ def _machine_section(record: Record, machine: MachineTable) -> Section:
             for head in VALUE_HEADS
         )
         parts.append(PageTable(title, "", columns, tuple(map(_row, value_rows(run)))))
+        if run.omitted:
+            omitted = tuple(map(_row, omitted_rows(run)))
+            parts.append(
+                PageTable("With each log omitted", "", tuple(map(PageColumn, OMITTED_HEADS)), omitted)
+            )
         if run.said:
             parts.append(Items("What it says", "", tuple(map(typeset, run.said)), folded=not run.diagnosis))
     parts.append(Items("What is known, and from where", "", tuple(map(typeset, sources(machine)))))
-    return Section(record.name, machine.machine, typeset(f"{machine.log}."), tuple(parts), record.name)
+    return Section(
+        record.name, machine.machine, typeset(f"{machine.log}."), tuple(parts), short_name(machine)
+    )
 
 
 def _figure(record: Record) -> list[Figure]:

@@ -48,6 +48,14 @@ class NamedEffects:
 
 
 @dataclass(frozen=True)
+class LogOmitted:
+    """What a diagnosis supports no longer with a fitted log omitted."""
+
+    log: str
+    gone: tuple[str, ...]
+
+
+@dataclass(frozen=True)
 class MachineStep:
     """A step of the ladder: the effects of the model, and its errors."""
 
@@ -60,8 +68,8 @@ class MachineStep:
 class MachineRun:
     """One command's answer. seconds: of the processor, from start to end. failed: why there is no answer.
 
-    judged: what the errors not fitted are of; said: sentences of a diagnosis, else notes; found, ladder, noise_floor:
-    of a diagnosis. The names of the fields are keys of results/measured/*.json.
+    judged: what the errors not fitted are of; said: sentences of a diagnosis, else notes; found, ladder, noise_floor,
+    omitted: of a diagnosis. The names of the fields are keys of results/measured/*.json.
     """
 
     command: str
@@ -76,6 +84,7 @@ class MachineRun:
     ladder: tuple[MachineStep, ...] = ()
     noise_floor: float | None = None
     failed: str = ""
+    omitted: tuple[LogOmitted, ...] = ()
 
     @property
     def diagnosis(self) -> bool:
@@ -171,6 +180,7 @@ def _diagnosed(line: str, seconds: float, answer: dict[str, Any], table: Machine
         ),
         ladder=ladder,
         noise_floor=answer["unexplained"]["noise_floor"],
+        omitted=tuple(LogOmitted(row["log"], tuple(row["gone"])) for row in answer["without_logs"]),
     )
 
 

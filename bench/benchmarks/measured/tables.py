@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 from bench.benchmarks.measured.known import DRIVE_GAIN, PARAMETER, WITHIN, AgainstKnown, MachineTable
 from bench.benchmarks.measured.run import MachineRun, NamedEffects, Record
+from bench.benchmarks.measured.sentences import absent_values, machine_sentence, short_name
 from bench.document.markdown.tables import rows_in_markdown
 from bench.document.numbers import percent, pretty_unit, value_and_std
 from bench.effects.display_names import spoken
@@ -12,6 +13,8 @@ from bench.effects.display_names import spoken
 _WORDS = {DRIVE_GAIN: "drive gain", PARAMETER: "base parameter"}
 MOST_OTHERS = 3  # alternatives that are named one by one
 YES, NO, NONE = "yes", "NO", "–"
+KNOWN_HEADS = ("quantity", "at", "known", "identify", "off by", "diagnose", "off by", "inside", "goal")
+OMITTED_HEADS = ("without log", "effects not supported")
 RUN_HEADS = (
     "command",
     "fitted",
@@ -23,11 +26,16 @@ RUN_HEADS = (
     "verdict: missing",
 )
 VALUE_HEADS = ("quantity", "at", "value ± std", "unit", "known", "off by", "inside", "goal", "reached")
+KNOWN_TITLE, RUNS_TITLE = "Known and estimated values", "Errors, and what is missing"
 EXPLANATION = (
-    "Each command uses only the robot's geometry and its nominal gains; known values of the machines serve for "
-    f"comparison. Inside: the difference is within {WITHIN:g} standard errors plus the reference's own uncertainty. "
-    "Goal: the largest acceptable difference or error. Errors are those of the current, of fitted recordings and of "
-    "recordings that were not fitted; processor: CPU seconds from start to end."
+    "Each command uses only the robot's geometry and its nominal gains; known values serve for comparison. Inside: the "
+    f"difference is within {WITHIN:g} standard errors plus the reference's own uncertainty. Goal: the largest "
+    "acceptable difference. The model of bench identify has viscous and Coulomb friction and an offset; bench diagnose "
+    "begins with rigid bodies."
+)
+ERRORS = (
+    "Errors are those of the current, of fitted recordings and of recordings that were not fitted; goal: the largest "
+    "acceptable error; processor: CPU seconds from start to end."
 )
 
 
@@ -45,6 +53,49 @@ class MeasuredCell:
 
 
 Cells = tuple[MeasuredCell, ...]
+
+
+def known_rows(record: Record) -> Iterator[Cells]:
+    """A row for every known value: what the first identification and the first diagnosis give for it."""
+    runs = [run for run in record.runs if not run.failed]
+    pair = [next((run for run in runs if run.diagnosis == diagnosis), None) for diagnosis in (False, True)]
+    by_name = [{(row.quantity, row.place): row for row in run.rows} if run else {} for run in pair]
+    for name in dict.fromkeys(name for rows in by_name for name in rows):
+        both = [rows.get(name) for rows in by_name]
+        first = next(row for row in both if row is not None)
+        if first.known is None:
+            continue
+        unit = next((row.unit for row in both if row is not None and row.unit), "")
+        name = f"{quantity_name(first)} [{pretty_unit(unit)}]"
+        cells: list[str | MeasuredCell] = [name, first.place, _known(first)]
+        for row in both:
+            cells += [NONE, NONE] if row is None else [estimate(row), _off(row)]
+        answers = [row for row in both if row is not None]
+        yield _cells(
+            *cells,
+            _of_both([row.inside for row in answers]),
+            _of_both([row.reached for row in answers]),
+        )
+
+
+def _off(against: AgainstKnown) -> str:
+    return NONE if against.off is None else f"{100.0 * against.off:+.1f} %"
+
+
+def _of_both(answers: Sequence[bool | None]) -> MeasuredCell:
+    """Yes where both commands are right; no, with which, where one is not."""
+    known = [entry for entry in answers if entry is not None]
+    if not known:
+        return MeasuredCell(NONE)
+    return MeasuredCell(
+        YES if all(known) else NO if not any(known) else f"{sum(known)} of {len(known)}", all(known)
+    )
+
+
+def omitted_rows(run: MachineRun) -> Iterator[Cells]:
+    """A row for each log that is omitted."""
+    for row in run.omitted:
+        yield _cells(row.log, ", ".join(spoken(name) for name in row.gone) or "none")
 
 
 def run_rows(record: Record, table: MachineTable) -> Iterator[Cells]:
@@ -88,12 +139,15 @@ def said_missing(run: MachineRun) -> str:
     """The effects that a diagnosis identified, strongest first."""
     if not run.diagnosis:
         return NONE
-    return "; ".join(map(named, run.found)) if run.found else "nothing"
+    motors = [row.place for row in run.rows if row.quantity == DRIVE_GAIN]
+    return "; ".join(named(effects, motors) for effects in run.found) if run.found else "nothing"
 
 
-def named(effects: NamedEffects) -> str:
+def named(effects: NamedEffects, motors: Sequence[str]) -> str:
     """An effect with its places, its verdict unless it is plainly missing, and what it could be instead."""
     places = f" at {', '.join(effects.places)}" if effects.places else ""
+    if len(motors) > 1 and set(effects.places) == set(motors):
+        places = " at all motors"
     verdict = "" if effects.verdict == "missing" else f" ({effects.verdict})"
     others = [spoken(name) for name in effects.alternatives]
     if len(others) > MOST_OTHERS:
@@ -105,20 +159,23 @@ def named(effects: NamedEffects) -> str:
 def value_rows(run: MachineRun) -> Iterator[Cells]:
     """A row for every gain and everything that is known."""
     for against in run.rows:
-        known = NONE if against.known is None else f"{against.known:g}"
-        if against.known is not None and against.uncertainty:
-            known += f" ± {percent(against.uncertainty)}"
         yield _cells(
             quantity_name(against),
             against.place,
             estimate(against),
             pretty_unit(against.unit),
-            known,
+            _known(against),
             percent(against.off, signed=True),
             answer(against.inside),
             NONE if against.goal is None else percent(against.goal),
             answer(against.reached),
         )
+
+
+def _known(against: AgainstKnown) -> str:
+    if against.known is None:
+        return NONE
+    return f"{against.known:g}" + (f" ± {percent(against.uncertainty)}" if against.uncertainty else "")
 
 
 def quantity_name(known: AgainstKnown) -> str:
@@ -153,28 +210,46 @@ def sources(machine: MachineTable) -> list[str]:
 
 
 def measured_markdown(records: Sequence[Record], machines: Mapping[str, MachineTable]) -> str:
-    """All machines: first what the commands gave, then the estimates of each with the known values."""
-    rows = [
-        (kept.name, _unbroken(command.text), *_weighted(cells))
-        for kept in records
-        for command, *cells in run_rows(kept, machines[kept.name])
+    """All machines: a sentence each, what is known and what came out, the errors, then the details of each."""
+    known = [(record.name, *_weighted(cells)) for record in records for cells in known_rows(record)]
+    runs = [
+        (record.name, _unbroken(command.text), *_weighted(cells))
+        for record in records
+        for command, *cells in run_rows(record, machines[record.name])
     ]
-    blocks = ["# On measured logs", EXPLANATION, rows_in_markdown(("machine", *RUN_HEADS), rows)]
+    sentences = (
+        f"- **{short_name(machines[record.name])}**: {machine_sentence(record, machines[record.name])}"
+        for record in records
+    )
+    blocks = [
+        "# On measured logs",
+        "\n".join(sentences),
+        f"## {KNOWN_TITLE}",
+        EXPLANATION,
+        rows_in_markdown(("machine", *KNOWN_HEADS), known),
+        f"## {RUNS_TITLE}",
+        ERRORS,
+        rows_in_markdown(("machine", *RUN_HEADS), runs),
+    ]
     for record in records:
-        machine = machines[record.name]
-        blocks += [
-            f"## {machine.machine}",
-            f"{machine.log}. Program: commit {record.program.get('commit', '')}.",
-        ]
-        blocks.append("\n".join(f"- {source}" for source in sources(machine)))
-        for run in record.runs:
-            blocks.append(f"### bench {run.command}")
-            if run.failed:
-                blocks.append(f"Failed: {run.failed}")
-                continue
-            blocks.append(rows_in_markdown(VALUE_HEADS, map(_weighted, value_rows(run))))
-            blocks.append("\n".join(f"- {sentence}" for sentence in run.said))
+        blocks += _machine_blocks(record, machines[record.name])
     return "\n\n".join(block for block in blocks if block) + "\n"
+
+
+def _machine_blocks(record: Record, machine: MachineTable) -> Iterator[str]:
+    yield f"## {machine.machine}"
+    yield f"{machine.log}. Program: commit {record.program.get('commit', '')}."
+    yield "\n".join(f"- {source}" for source in sources(machine))
+    yield " ".join((machine.note, *absent_values(record))).strip()
+    for run in record.runs:
+        yield f"### bench {run.command}"
+        if run.failed:
+            yield f"Failed: {run.failed}"
+            continue
+        yield rows_in_markdown(VALUE_HEADS, map(_weighted, value_rows(run)))
+        yield "\n".join(f"- {sentence}" for sentence in run.said)
+        if run.omitted:
+            yield rows_in_markdown(OMITTED_HEADS, map(_weighted, omitted_rows(run)))
 
 
 def _unbroken(command: str) -> str:
