@@ -66,8 +66,8 @@ def known_rows(record: Record) -> Iterator[Cells]:
         if first.known is None:
             continue
         unit = next((row.unit for row in both if row is not None and row.unit), "")
-        name = f"{quantity_name(first)} [{pretty_unit(unit)}]"
-        cells: list[str | MeasuredCell] = [name, first.place, _known(first)]
+        quantity = f"{quantity_name(first)} [{pretty_unit(unit)}]"
+        cells: list[str | MeasuredCell] = [quantity, first.place, _known(first)]
         for row in both:
             cells += [NONE, NONE] if row is None else [estimate(row), _off(row)]
         answers = [row for row in both if row is not None]
