@@ -8,7 +8,7 @@ import pytest
 from bench.api.diagnose import diagnose
 from bench.dataset.dataset import Dataset
 from bench.diagnosis.as_json import diagnosis_json
-from bench.diagnosis.result import WithoutLog
+from bench.diagnosis.result import Diagnosis, WithoutLog
 from bench.diagnosis.summary import summary_of
 from bench.document.diagnosis import without_logs_table
 from bench.scenario.scenario import load_scenario
@@ -30,8 +30,12 @@ def everywhere() -> Dataset:
     return dataset_of(VISCOUS)
 
 
-def test_a_friction_that_is_always_there_hangs_on_no_log(everywhere: Dataset) -> None:
-    answer = diagnose(everywhere, discover=False)
+@pytest.fixture(scope="module")
+def answer(everywhere: Dataset) -> Diagnosis:
+    return diagnose(everywhere, discover=False)
+
+
+def test_a_friction_that_is_always_there_hangs_on_no_log(everywhere: Dataset, answer: Diagnosis) -> None:
     fitted = [recording for recording in everywhere.recordings if recording.use == "identify"]
     assert [row.log for row in answer.without_logs] == [recording.name for recording in fitted]
     assert all(row.gone == () for row in answer.without_logs)
@@ -40,20 +44,19 @@ def test_a_friction_that_is_always_there_hangs_on_no_log(everywhere: Dataset) ->
     assert summary_of(answer).by_log == "Whichever log is omitted, viscous friction stays."
 
 
-def test_the_summary_says_which_names_stay_and_which_depend_on_a_log(everywhere: Dataset) -> None:
-    answer = diagnose(everywhere, discover=False)
+def test_the_summary_says_which_names_stay_and_which_depend_on_a_log(answer: Diagnosis) -> None:
     rows = (WithoutLog("a.csv", ("cogging_torque",), {}), WithoutLog("b.csv", (), {}))
     both = replace(answer, missing=("viscous_friction", "cogging_torque"), without_logs=rows)
     assert summary_of(both).by_log == (
-        "Whichever log is omitted, viscous friction stays; cogging torque depends on a.csv: without such a log, the others "
-        "do not show it."
+        "Whichever log is omitted, viscous friction stays; cogging torque depends on a.csv: without such a log, "
+        "the others do not show it."
     )
     each = replace(
         both, without_logs=(rows[0], WithoutLog("b.csv", ("viscous_friction", "cogging_torque"), {}))
     )
     assert summary_of(each).by_log == (
-        "Viscous friction depends on b.csv, cogging torque on a.csv and b.csv: without such a log, the others do not show "
-        "it."
+        "Viscous friction depends on b.csv, cogging torque on a.csv and b.csv: without such a log, the others do not "
+        "show it."
     )
     assert summary_of(replace(answer, without_logs=())).by_log == ""
 
