@@ -185,8 +185,8 @@ def test_a_machine_in_a_sentence() -> None:
     machine = machine.model_copy(update={"known": (known,)})
     assert machine_sentence(Record("ur10e", (run,), {}), machine) == (
         "Drive gains within 2 % of what is known at j1, j2, j5 and j6, 13 to 14 % above at j3 and j4; friction "
-        "grows with the load; it seems that friction levels off at high speed; Coulomb friction is known to 6 %; 1.8 % of "
-        "the current remains in motions that were not fitted."
+        "grows with the load; it seems that friction levels off at high speed; Coulomb friction is known to 6 %; 1.8 % "
+        "of the current remains in motions that were not fitted."
     )
     near = replace(run, rows=tuple(replace(row, value=10.2) for row in gains), found=(), error_validate=0.6)
     assert machine_sentence(Record("ur10e", (near,), {}), machine) == (

@@ -38,6 +38,11 @@ def in_percent(share: float | None, digits: int = 3) -> str:
     return f"{value:.0f} %" if abs(value) >= 10.0**digits else f"{value:.{digits}g} %"
 
 
+def capital(text: str) -> str:
+    """A text that begins with a capital letter."""
+    return text[:1].upper() + text[1:]
+
+
 def and_list(names: Sequence[str]) -> str:
     """Names as in "a, b and c"; "none" where there is no name."""
     return _joined(names, "and")

@@ -7,13 +7,14 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from bench.basics.joint_units import units_of_gain
-from bench.basics.sentence import and_list, in_percent, or_list
+from bench.basics.sentence import and_list, capital, in_percent, or_list
 from bench.diagnosis.differs_words import from_run_to_run
 from bench.diagnosis.law_words import law_sentences
 from bench.diagnosis.motions import telling_motions
 from bench.diagnosis.reason_words import reason_sentence, unexplained_words, validated_on
 from bench.diagnosis.result import Diagnosis, EffectVerdict, Remainder, Unfinished
 from bench.diagnosis.unfinished_words import unfinished_sentence
+from bench.diagnosis.unproven_words import by_log_sentence, usual_sentence
 from bench.effects.display_names import spoken
 from bench.identification.decision import RULE, deciding_by
 from bench.identification.finding import CAUSES, Code
@@ -83,8 +84,8 @@ def summary_of(diagnosis: Diagnosis) -> DiagnosisSummary:
         return replace(
             _summary(diagnosis),
             unfinished=unfinished_sentence(diagnosis),
-            usual=_usual(diagnosis.usual),
-            by_log=_by_log(diagnosis),
+            usual=usual_sentence(diagnosis.usual),
+            by_log=by_log_sentence(diagnosis),
         )
 
 
@@ -94,7 +95,7 @@ def _summary(diagnosis: Diagnosis) -> DiagnosisSummary:
     first, last = diagnosis.ladder[0], diagnosis.ladder[-1]
     before, after = (_first_known(step.validate, step.identify) for step in (first, last))
     floor = f"the noise floor is {in_percent(diagnosis.unexplained.noise_floor)}"
-    residual_sentence = f"{_capital(unexplained_words(diagnosis.unexplained, searched=searched))}."
+    residual_sentence = f"{capital(unexplained_words(diagnosis.unexplained, searched=searched))}."
     validation = validated_on(diagnosis)
     needless = _superfluous(diagnosis)
     each = diagnosis.by_recording
@@ -157,7 +158,7 @@ def _summary(diagnosis: Diagnosis) -> DiagnosisSummary:
     elif each:
         names = f"{names}, in addition to the effects that differ from run to run,"
     verdict = (
-        f"{_capital(names)} {said_of} missing: judged on {validation}, the error falls from {in_percent(before)} "
+        f"{capital(names)} {said_of} missing: judged on {validation}, the error falls from {in_percent(before)} "
         f"to {in_percent(after)} of the current; {floor}."
     )
     if not laws and not each and _explains_nothing(diagnosis, after):
@@ -243,36 +244,6 @@ def _superfluous(diagnosis: Diagnosis) -> str:
         f"Of the effects in the given model, {and_list(parts)}: the error is no larger without."
         if parts
         else ""
-    )
-
-
-def _by_log(diagnosis: Diagnosis) -> str:
-    """Which names stay whichever log is omitted, and on which logs the others depend; "" where nothing is named."""
-    rows = diagnosis.without_logs
-    if not rows or not diagnosis.missing:
-        return ""
-    needed = {name: [row.log for row in rows if name in row.gone] for name in diagnosis.missing}
-    stay = [spoken(name) for name, logs in needed.items() if not logs]
-    depend = [f"{spoken(name)} on {and_list(logs)}" for name, logs in needed.items() if logs]
-    parts = []
-    if stay:
-        parts.append(f"whichever log is omitted, {and_list(stay)} {'stays' if len(stay) == 1 else 'stay'}")
-    if depend:
-        first, _, on = depend[0].partition(" on ")
-        parts.append(", ".join([f"{first} depends on {on}", *depend[1:]]))
-    without = ": without such a log, the others do not show it" if depend else ""
-    return f"{_capital('; '.join(parts))}{without}."
-
-
-def _usual(names: Sequence[str]) -> str:
-    """Friction that is in the model without being missing; "" where none is."""
-    if not names:
-        return ""
-    are, them = ("is", "it") if len(names) == 1 else ("are", "them")
-    friction = _capital(and_list([spoken(name) for name in names]))
-    return (
-        f"{friction} {are} in the model, too, though these recordings do not prove {them}: without {them}, those that "
-        "were not fitted are explained worse than with viscous and Coulomb friction and an offset alone."
     )
 
 
@@ -364,7 +335,7 @@ def _place(place: str, others: Sequence[str]) -> str:
 def _alike(verdict: EffectVerdict) -> list[str]:
     """A sentence for each place that others could stand for."""
     return [
-        f"{_capital(spoken(verdict.effect))} at {place} could also be at {or_list(others)}: these recordings cannot "
+        f"{capital(spoken(verdict.effect))} at {place} could also be at {or_list(others)}: these recordings cannot "
         "distinguish these places."
         for place, others in verdict.alike.items()
     ]
@@ -414,7 +385,3 @@ def _share(size: float, torque: float) -> str:
 
 def _most(share: float) -> str:
     return "more than 99.9 %" if share > 0.999 else in_percent(share)
-
-
-def _capital(text: str) -> str:
-    return text[:1].upper() + text[1:]

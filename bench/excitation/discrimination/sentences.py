@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from bench.basics.joint_units import units_of_gain
-from bench.basics.sentence import and_list, in_percent, or_list
+from bench.basics.sentence import and_list, capital, in_percent, or_list
 from bench.diagnosis.motions import telling_motions
 from bench.effects.display_names import begun, spoken
 from bench.excitation.bounds import DISCRIMINATION
@@ -182,7 +182,7 @@ def _not_enough(result: Discrimination) -> list[str]:
 def _imitated(result: Discrimination, name: str) -> str:
     other = next(effect for effect in result.effects if effect != name)
     return (
-        f"{_capital(_spoken(other))} includes {_spoken(name)} as a special case: data can only give evidence for "
+        f"{capital(_spoken(other))} includes {_spoken(name)} as a special case: data can only give evidence for "
         f"{_spoken(other)}; without it, the simpler {_spoken(name)} is preferred."
     )
 
@@ -216,7 +216,3 @@ def _spoken(request: str) -> str:
 
 def _number(nats: float) -> str:
     return f"{nats:.0f}" if nats >= 100.0 else f"{nats:.2g}"
-
-
-def _capital(text: str) -> str:
-    return text[:1].upper() + text[1:]
