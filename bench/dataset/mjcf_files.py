@@ -27,8 +27,8 @@ MASSLESS = "mass and inertia of moving bodies"
 
 @dataclass(frozen=True)
 class Unreadable:
-    """files: what cannot be read, as the MJCF names it; bodies: those whose mass was, or may have been, that of shapes
-    from these files.
+    """files: what cannot be read, as the MJCF names it; bodies: the moving ones whose mass was, or may have been, that
+    of shapes from these files.
     """
 
     files: tuple[str, ...] = ()
@@ -76,10 +76,10 @@ def _unreadable(path: Path, _changed: int) -> Unreadable:
             if file is None:
                 raise
             files.append(file)
-            bodies += [name for name in _remove(spec, file) if name not in bodies]
+            bodies += _remove(spec, file)
         else:
-            return Unreadable(tuple(files), tuple(bodies))
-    return Unreadable(tuple(files), tuple(bodies))
+            break
+    return Unreadable(tuple(files), tuple(dict.fromkeys(bodies)))
 
 
 def names_a_file(message: str) -> bool:
@@ -107,8 +107,17 @@ def _at_fault(spec: mujoco.MjSpec, message: str) -> str | None:
     return None
 
 
+def _moves(body: mujoco.MjsBody) -> bool:
+    """Whether a joint of this body or of one that carries it moves it."""
+    while body.name != "world":
+        if body.first_joint() is not None:
+            return True
+        body = body.parent
+    return False
+
+
 def _remove(spec: mujoco.MjSpec, file: str) -> list[str]:
-    """Remove all that needs this file; the names of the bodies whose mass is that of their shapes."""
+    """Remove all that needs this file; the names of the moving bodies whose mass is that of their shapes."""
     import mujoco  # noqa: PLC0415 - likewise
 
     gone = [part for part in _parts(spec) if part.file == file]
@@ -117,7 +126,7 @@ def _remove(spec: mujoco.MjSpec, file: str) -> list[str]:
     bodies = []
     for geom in [geom for geom in spec.geoms if geom.meshname in meshes or geom.hfieldname in fields]:
         from_shapes = spec.compiler.inertiafromgeom == mujoco.mjtInertiaFromGeom.mjINERTIAFROMGEOM_TRUE
-        if from_shapes or not geom.parent.explicitinertial:
+        if (from_shapes or not geom.parent.explicitinertial) and _moves(geom.parent):
             bodies.append(geom.parent.name)
         spec.delete(geom)
     textures = names.get(mujoco.MjsTexture, set())

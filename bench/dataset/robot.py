@@ -15,7 +15,15 @@ from bench.basics.files.toml_input import UserTable, one_line, read_toml
 from bench.basics.joint_units import HINGE, SLIDE, units_of_gain
 from bench.dataset.catalogue import built_in_robots
 from bench.dataset.robot_locked import LockedJoint, locked_in_words, locked_joints
-from bench.dataset.robot_mjcf import Transmission, drawn_spec, joints_of, robot_model, robot_spec
+from bench.dataset.robot_mjcf import (
+    AS_IT_IS,
+    RobotSetup,
+    Transmission,
+    drawn_spec,
+    joints_of,
+    robot_model,
+    robot_spec,
+)
 from bench.dataset.robot_redundancy import independent_motors
 
 if TYPE_CHECKING:
@@ -61,15 +69,15 @@ class Robot:
 
     def mjcf_model(self) -> "mujoco.MjModel":
         """The compiled MJCF without the locked joints, and with a joint for every motor."""
-        return robot_model(self.model_path, _transmissions(self.motors), self.locked)
+        return robot_model(self.model_path, self.setup)
 
     def mjcf_spec(self) -> "mujoco.MjSpec":
         """The same, to be changed before it is compiled."""
-        return robot_spec(self.model_path, _transmissions(self.motors), self.locked)
+        return robot_spec(self.model_path, self.setup)
 
     def mjcf_as_drawn(self) -> "mujoco.MjSpec":
         """The same, before what rounding leaves of the drawing is taken up."""
-        return drawn_spec(self.model_path, _transmissions(self.motors), self.locked)
+        return drawn_spec(self.model_path, self.setup)
 
     def file_qpos(self, qpos: Sequence[float]) -> list[float]:
         """Positions (nq,) of `mjcf_model` as a keyframe of the MJCF has them: with locked joints, without rotors."""
@@ -81,6 +89,11 @@ class Robot:
             name = file.joint(joint).name
             positions += [held[name]] if name in held else islice(rest, end - len(positions))
         return positions
+
+    @property
+    def setup(self) -> RobotSetup:
+        """What is said of the MJCF."""
+        return RobotSetup(_transmissions(self.motors), self.locked, self.driven)
 
     @property
     def motors(self) -> tuple[Actuator, ...]:
@@ -246,7 +259,7 @@ def _locked(
         _refuse_driven(plain, actuators, values)
     except BenchError as error:
         raise BenchError(f"{description}: locked: {error}") from None
-    _compiled(f"{description}: locked", model_path, locked=locked)
+    _compiled(f"{description}: locked", model_path, RobotSetup(locked=locked))
     return locked
 
 
@@ -262,16 +275,13 @@ def _refuse_driven(
 
 
 def _compiled(
-    where: str,
-    model_path: Path,
-    transmissions: Sequence[Transmission] = (),
-    locked: Sequence[LockedJoint] = (),
+    where: str, model_path: Path, setup: RobotSetup = AS_IT_IS
 ) -> tuple["mujoco.MjModel", list[str]]:
     """The MJCF with its joints' names. Raises BenchError that begins with the file, or with `where`."""
     import mujoco  # noqa: PLC0415 - slow to import: only once a robot is really read
 
     try:
-        model = robot_model(model_path, transmissions, locked)
+        model = robot_model(model_path, setup)
         return model, [model.joint(i).name for i in range(model.njnt)]  # ValueError: a name is not UTF-8
     except (ValueError, mujoco.FatalError) as error:
         raise BenchError(compiler_message(model_path, str(error))) from error
@@ -284,7 +294,7 @@ def _checked(
     actuators: Sequence[Actuator],
     tool: _ToolTable | None,
     model_path: Path,
-    locked: Sequence[LockedJoint],
+    locked: tuple[LockedJoint, ...],
 ) -> tuple[tuple[Actuator, ...], frozenset[str]]:
     """The actuators, held against the MJCF, and the joints of those that move independently.
 
@@ -292,7 +302,8 @@ def _checked(
     """
     import mujoco  # noqa: PLC0415 - slow to import: only once a robot is really read
 
-    model, joint_names = _compiled(f"{description}: actuators", model_path, _transmissions(actuators), locked)
+    setup = RobotSetup(_transmissions(actuators), locked)
+    model, joint_names = _compiled(f"{description}: actuators", model_path, setup)
     units = {int(mujoco.mjtJoint.mjJNT_HINGE): HINGE.effort, int(mujoco.mjtJoint.mjJNT_SLIDE): SLIDE.effort}
     checked: list[Actuator] = []
     seen: dict[str, int] = {}

@@ -16,6 +16,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
 from bench.basics.errors import BenchError
+from bench.dataset.idle_parts import release_held_tendons, release_whole_turns
 from bench.dataset.mjcf_files import names_a_file, read_spec
 from bench.dataset.mjcf_neutral import keep_masses, neutral
 from bench.dataset.robot_drawing import take_up_rounding
@@ -41,9 +42,21 @@ class Transmission:
     """Whether the motor's position is a length [m], so that its joint is a slide."""
 
 
-def robot_model(
-    path: Path, transmissions: Sequence[Transmission] = (), locked: Sequence[LockedJoint] = ()
-) -> mujoco.MjModel:
+@dataclass(frozen=True)
+class RobotSetup:
+    """What robot.toml says of an MJCF: motors that no single joint represents, locked joints, and the names of all that
+    motors drive; driven is None where nothing is known of motors.
+    """
+
+    transmissions: tuple[Transmission, ...] = ()
+    locked: tuple[LockedJoint, ...] = ()
+    driven: tuple[str, ...] | None = None
+
+
+AS_IT_IS = RobotSetup()
+
+
+def robot_model(path: Path, setup: RobotSetup = AS_IT_IS) -> mujoco.MjModel:
     """The compiled file with the rotors, without the locked joints.
 
     Raises ValueError where MuJoCo refuses the file, BenchError for a motor or a locked joint.
@@ -51,10 +64,10 @@ def robot_model(
     try:
         content = path.read_bytes()
     except OSError:
-        return _compiled(path, transmissions, locked)  # MuJoCo says what is wrong
+        return _compiled(path, setup)  # MuJoCo says what is wrong
     if b"file" in content:  # other files belong to it, which may change as well
-        return _compiled(path, transmissions, locked)
-    return copy.copy(_of_content(_Content(path, content), tuple(transmissions), tuple(locked)))
+        return _compiled(path, setup)
+    return copy.copy(_of_content(_Content(path, content), setup))
 
 
 @dataclass(frozen=True)
@@ -66,18 +79,14 @@ class _Content:
 
 
 @lru_cache(maxsize=KEPT)
-def _of_content(
-    file: _Content, transmissions: Sequence[Transmission], locked: Sequence[LockedJoint]
-) -> mujoco.MjModel:
-    return _compiled(file.path, transmissions, locked)
+def _of_content(file: _Content, setup: RobotSetup) -> mujoco.MjModel:
+    return _compiled(file.path, setup)
 
 
-def _compiled(
-    path: Path, transmissions: Sequence[Transmission], locked: Sequence[LockedJoint]
-) -> mujoco.MjModel:
+def _compiled(path: Path, setup: RobotSetup) -> mujoco.MjModel:
     model = read_model(path)
-    if transmissions or locked or model.neq:
-        model = robot_spec(path, transmissions, locked).compile()
+    if setup.transmissions or setup.locked or model.neq:
+        model = robot_spec(path, setup).compile()
     model.opt.enableflags = 0  # bodies that sleep, other contacts: of no concern, and not for every equality
     return model
 
@@ -94,26 +103,27 @@ def read_model(path: Path) -> mujoco.MjModel:
     return read_spec(path).compile()
 
 
-def robot_spec(
-    path: Path, transmissions: Sequence[Transmission] = (), locked: Sequence[LockedJoint] = ()
-) -> mujoco.MjSpec:
+def robot_spec(path: Path, setup: RobotSetup = AS_IT_IS) -> mujoco.MjSpec:
     """The same, not compiled yet; what rounding leaves of the drawing is taken up, see `take_up_rounding`."""
-    return take_up_rounding(drawn_spec(path, transmissions, locked))
+    return take_up_rounding(drawn_spec(path, setup))
 
 
-def drawn_spec(
-    path: Path, transmissions: Sequence[Transmission] = (), locked: Sequence[LockedJoint] = ()
-) -> mujoco.MjSpec:
-    """The same as it is drawn."""
+def drawn_spec(path: Path, setup: RobotSetup = AS_IT_IS) -> mujoco.MjSpec:
+    """The same as it is drawn, apart from `bench.dataset.idle_parts`."""
     spec = read_spec(path)
-    of_locked = lock_joints(spec, locked) if locked else {}
-    if not transmissions:
+    of_locked = lock_joints(spec, setup.locked) if setup.locked else {}
+    release_held_tendons(spec)
+    sums: list[_Length] = []
+    if setup.transmissions:
+        keep_masses(spec)
+        plain = spec.copy().compile()
+        sums = [_length_of(plain, transmission, of_locked) for transmission in setup.transmissions]
+    if setup.driven is not None:
+        release_whole_turns(spec, {*setup.driven, *(name for length in sums for name, _, _ in length.joints)})
+    if not sums:
         return spec
-    keep_masses(spec)
-    plain = spec.copy().compile()
-    sums = [_length_of(plain, transmission, of_locked) for transmission in transmissions]
     added = [[length.at(qpos) for length in sums] for qpos in plain.key_qpos]
-    for transmission, length in zip(transmissions, sums, strict=True):
+    for transmission, length in zip(setup.transmissions, sums, strict=True):
         _add_rotor(spec, plain, transmission, length)
     for key, qpos, lengths in zip(spec.keys, plain.key_qpos, added, strict=True):
         key.qpos = [*qpos.tolist(), *lengths]

@@ -12,7 +12,7 @@ import numpy as np
 from bench.basics.sentence import say
 from bench.dataset.joint_facts import joints_with_springs
 from bench.dataset.robot_redundancy import listed, use_connect, welds_to_connect
-from bench.model.bounds import RANKS
+from bench.model.bounds import CLOSURE, RANKS
 
 if TYPE_CHECKING:
     from bench.model.geometry import Geometry, Joint
@@ -34,13 +34,15 @@ class Cure:
     """names: of a body to be fixed or removed, of joints to be locked, of welds; positions: of the joints at home, rad
     or m.
 
-    others: joints that could be locked in place of these.
+    others: joints that could be locked in place of these; stops: some that are at their end stops at home and would do,
+    where all that are to be locked have springs.
     """
 
     code: CureCode
     names: tuple[str, ...]
     positions: Mapping[str, float] = field(default_factory=dict)
     others: tuple[str, ...] = ()
+    stops: tuple[str, ...] = ()
 
 
 def floating_base(geometry: Geometry) -> Cure | None:
@@ -105,21 +107,39 @@ def joints_to_lock(geometry: Geometry, jacobian: np.ndarray, rank: int) -> Cure 
         name: column for name, column in columns.items() if np.abs(column).max(initial=0.0) > RANKS.cure
     }
     springs = [name for name in joints_with_springs(geometry.robot) if name in moving]
+    chosen = _sufficient(moving, (*springs, *moving), len(motions))
+    if not chosen:
+        return None
+    by_springs = set(chosen) <= set(springs)
+    pressed = [joint.name for joint in undriven if joint.name in moving and _at_stop(geometry, joint)]
+    stops = _sufficient(moving, [name for name in pressed if name not in springs], len(motions))
+    home = {joint.name: float(geometry.home[joint.q.start]) + joint.offset for joint in undriven}
+    return Cure(
+        CureCode.LOCK_SPRINGS if by_springs else CureCode.LOCK,
+        tuple(chosen),
+        home,
+        tuple(name for name in moving if name not in chosen),
+        tuple(stops) if by_springs else (),
+    )
+
+
+def _sufficient(moving: Mapping[str, np.ndarray], names: Sequence[str], motions: int) -> list[str]:
+    """The first of the joints, by name, that stop as many motions; none where all of them do not."""
     chosen: list[str] = []
-    for name in dict.fromkeys((*springs, *moving)):
+    for name in dict.fromkeys(names):
         of_chosen = np.array([moving[joint] for joint in (*chosen, name)])
         sizes = np.linalg.svd(of_chosen, compute_uv=False)
         if len(sizes) > len(chosen) and sizes[-1] > RANKS.cure:
             chosen.append(name)
-    if not chosen or len(chosen) < len(motions):
-        return None
-    home = {
-        joint.name: float(geometry.home[joint.q.start]) + joint.offset
-        for joint in geometry.joints
-        if joint.name in chosen
-    }
-    code = CureCode.LOCK_SPRINGS if set(chosen) <= set(springs) else CureCode.LOCK
-    return Cure(code, tuple(chosen), home, tuple(name for name in moving if name not in chosen))
+    return chosen if len(chosen) == motions else []
+
+
+def _at_stop(geometry: Geometry, joint: Joint) -> bool:
+    """Whether a joint is at an end of its range at home."""
+    if joint.limits is None:
+        return False
+    at = float(geometry.home[joint.q.start]) + joint.offset
+    return min(abs(at - end) for end in joint.limits) < CLOSURE.assembled
 
 
 def welds_as_connects(geometry: Geometry, open_by: np.ndarray, closed: float) -> Cure | None:
@@ -172,11 +192,19 @@ def cure_in_words(cure: Cure | None) -> str:
         return f"; {use_connect(cure.names)}"
     if cure.code in SENTENCES:
         return say(SENTENCES[cure.code], names=cure.names)
-    values = ", ".join(f"{name} = {cure.positions[name]:.10g}" for name in cure.names)
+    values, stops = (
+        ", ".join(f"{name} = {cure.positions[name]:.10g}" for name in names)
+        for names in (cure.names, cure.stops)
+    )
     single = len(cure.names) == 1
     line = f"lock {'it' if single else 'them'}: [locked] {values} in robot.toml"
     if cure.code == CureCode.LOCK_SPRINGS:
-        return f"; {'its spring is' if single else 'their springs are'} not in the model, {line}"
+        said = f"; {'its spring is' if single else 'their springs are'} not in the model, {line}"
+        return (
+            f"{said}; or, where springs press joints against their end stops, [locked] {stops}"
+            if stops
+            else said
+        )
     if cure.others:
         return f"; a motor, a closure or a lock is missing, for example [locked] {values} in robot.toml"
     return f"; if {'it is' if single else 'they are'} held, {line}"

@@ -351,7 +351,16 @@ def _tool(robot: Robot, compiled: mujoco.MjModel, frames: dict[int, tuple[int, P
         )
     joint, frame = frames[int(compiled.site_bodyid[site])]
     if joint < 0:
-        raise BenchError(f"{robot.model_path}: the tool site {robot.tool_site!r} does not move")
+        moving = [
+            _name(compiled, mujoco.mjtObj.mjOBJ_SITE, other, "")
+            for other in range(compiled.nsite)
+            if frames[int(compiled.site_bodyid[other])][0] >= 0
+        ]
+        named = ", ".join(repr(name) for name in moving if name)
+        raise BenchError(
+            f"{robot.model_path}: the tool site {robot.tool_site!r} does not move, since no joint carries it; "
+            + (f"sites that move: {named}" if named else 'write <site name="tool"/> into a body that moves')
+        )
     place = Placement(_rotation(compiled.site_quat[site]), compiled.site_pos[site].copy())
     return Anchor(joint, frame @ place)
 

@@ -13,7 +13,14 @@ SUPPORTED = (
     mujoco.mjtEq.mjEQ_JOINT,
     mujoco.mjtEq.mjEQ_TENDON,
 )
-COUPLING = ("stiffness", "damping", "frictionloss", "armature", "limited")
+# fields of a tendon, and the attribute of the MJCF
+COUPLING = {
+    "stiffness": "stiffness",
+    "damping": "damping",
+    "frictionloss": "frictionloss",
+    "armature": "armature",
+    "limited": "range",
+}
 CLOSURES = int(mujoco.mjtEq.mjEQ_CONNECT), int(mujoco.mjtEq.mjEQ_WELD)
 SWITCHES = {
     mujoco.mjtDisableBit.mjDSBL_GRAVITY: "gravity",
@@ -41,6 +48,7 @@ def unsupported_features(compiled: mujoco.MjModel) -> Iterator[str]:
     for flex in range(compiled.nflex):
         label = label_of(compiled, mujoco.mjtObj.mjOBJ_FLEX, flex)
         yield f"flex {label!r}: deformable bodies are not supported"
+    yield from _coupling_tendons(compiled)
     for tendon in range(compiled.ntendon):
         label = label_of(compiled, mujoco.mjtObj.mjOBJ_TENDON, tendon)
         for actuator in driving(compiled, tendon):
@@ -51,12 +59,27 @@ def unsupported_features(compiled: mujoco.MjModel) -> Iterator[str]:
                     f"motor {actuator!r} drives tendon {label!r}: name it in robot.toml, as "
                     f'tendon = "{label}" (its length is the logged position) or motor = "{actuator}" (times gear)'
                 )
-        acting = [what for what in COUPLING if np.any(getattr(compiled, f"tendon_{what}")[tendon])]
+
+
+def _coupling_tendons(compiled: mujoco.MjModel) -> Iterator[str]:
+    """Tendons that act on joints by a spring, damper, friction, rotor or range, those with the same ones together."""
+    alike: dict[tuple[str, ...], list[str]] = {}
+    for tendon in range(compiled.ntendon):
+        acting = tuple(
+            attribute
+            for field, attribute in COUPLING.items()
+            if np.any(getattr(compiled, f"tendon_{field}")[tendon])
+        )
         if acting:
-            yield (
-                f"tendon {label!r} has {', '.join(acting)}: it couples joints, unknown to the model; remove "
-                f"{'it' if len(acting) == 1 else 'them'} or the tendon from the MJCF"
-            )
+            label = label_of(compiled, mujoco.mjtObj.mjOBJ_TENDON, tendon)
+            alike.setdefault(acting, []).append(repr(label))
+    for acting, labels in alike.items():
+        single = len(labels) == 1
+        yield (
+            f"tendon{'' if single else 's'} {', '.join(labels)} {'has' if single else 'have'} {', '.join(acting)}: "
+            f"{'it couples' if single else 'they couple'} joints, unknown to the model; remove "
+            f"{'it' if len(acting) == 1 else 'them'} or the tendon{'' if single else 's'} from the MJCF"
+        )
 
 
 def _held_bodies(compiled: mujoco.MjModel) -> set[int]:

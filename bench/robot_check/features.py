@@ -10,6 +10,7 @@ from bench.dataset.mjcf_files import read_spec, unreadable
 from bench.dataset.robot import Robot
 from bench.dataset.robot_drawing import CLOSED, ROUNDING, home_gap
 from bench.dataset.robot_locked import locked_as_data
+from bench.dataset.robot_mjcf import read_model
 from bench.effects import CATALOGUE
 from bench.effects.effect import MjcfTerm, Place
 from bench.model.supported import label_of, unsupported_features
@@ -101,8 +102,21 @@ def _notes(compiled: mujoco.MjModel, robot: Robot) -> Iterator[tuple[CheckCode, 
 def _of_the_file(robot: Robot) -> Iterator[tuple[CheckCode, dict[str, Any]]]:
     if (left_out := unreadable(robot.model_path)).files:
         yield CheckCode.FILES_LEFT_OUT, {"files": list(left_out.files), "bodies": list(left_out.bodies)}
+    if turning := _whole_turns(robot):
+        yield CheckCode.RANGES_OF_A_TURN, {"joints": turning}
     if narrow := _ranges_in_degrees(robot):
         yield CheckCode.RANGES_IN_DEGREES, {"joints": narrow}
+
+
+def _whole_turns(robot: Robot) -> list[str]:
+    """Joints of the file with a range that `Robot.mjcf_model` leaves out."""
+    file, read = read_model(robot.model_path), robot.mjcf_model()
+    endless = {read.joint(joint).name for joint in range(read.njnt) if not read.jnt_limited[joint]}
+    return [
+        name
+        for joint in np.flatnonzero(file.jnt_limited)
+        if (name := file.joint(int(joint)).name) in endless and name not in robot.driven
+    ]
 
 
 def _ranges_in_degrees(robot: Robot) -> list[str]:

@@ -68,22 +68,20 @@ def with_pose_in_ranges(geometry: Geometry, ranges: Check) -> Check:
 
 def home_at_range_end(geometry: Geometry) -> list[Check]:
     """A note where a joint is at the end of its range at home, a motor within MARGIN, with a pose further inside."""
-    for joint, low, high in _ranged(geometry):
-        margin = MARGIN * (high - low) if joint.v.start in geometry.active else 0.0
-        if not low + margin < geometry.home[joint.q.start] < high - margin:
-            break
-    else:
-        return []
     home, pose = geometry.home[:, None], None
-    motors = [joint for joint, _, _ in _ranged(geometry) if joint.v.start in geometry.active]
+    joint = _at_end(geometry, geometry.home)
+    if joint is None or joint.limits is None:
+        return []
+    motors = [other for other, _, _ in _ranged(geometry) if other.v.start in geometry.active]
     for start in (_put_into_ranges(geometry, home, motors), _put_into_ranges(geometry, home)):
         for free in (geometry.passive, np.arange(geometry.nv)) if geometry.closed else ():
             poses = _turned_into_ranges(geometry, _closed(geometry, start, free))
-            poses = poses[_within_ranges(geometry, poses, MARGIN)]
-            pose = poses[0] if pose is None and len(poses) else pose
+            inside = [other for other in poses if _at_end(geometry, other) is None]
+            pose = inside[0] if pose is None and inside else pose
         if not geometry.closed:
             pose = start[:, 0]
-    values = {"joint": joint.name, "lower": low + joint.offset, "upper": high + joint.offset}
+    low, high = joint.limits
+    values = {"joint": joint.name, "lower": low, "upper": high}
     if pose is not None:
         values["closed_qpos"] = to_mujoco(geometry, pose).tolist()
     return [Check(CheckCode.HOME_AT_RANGE_END, "note", values)]
@@ -187,13 +185,19 @@ def _turned_into_ranges(geometry: Geometry, q: np.ndarray) -> np.ndarray:
     return q
 
 
-def _within_ranges(geometry: Geometry, q: np.ndarray, margin: float = 0.0) -> np.ndarray:
-    """Whether each of the poses q (N, nq) keeps the ranges of all hinges and slides: (N,). margin: share of a motor's
-    range that stays free at both ends.
-    """
+def _within_ranges(geometry: Geometry, q: np.ndarray) -> np.ndarray:
+    """Whether each of the poses q (N, nq) keeps the ranges of all hinges and slides: (N,)."""
     within = np.ones(len(q), dtype=bool)
     for joint, low, high in _ranged(geometry):
         at = q[:, joint.q.start]
-        room = margin * (high - low) if joint.v.start in geometry.active else 0.0
-        within &= (at >= low + room) & (at <= high - room)
+        within &= (at >= low) & (at <= high)
     return within
+
+
+def _at_end(geometry: Geometry, q: np.ndarray) -> Joint | None:
+    """The first joint that is at an end of its range at q (nq,), or beyond; a motor's already within MARGIN of it."""
+    for joint, low, high in _ranged(geometry):
+        margin = MARGIN * (high - low) if joint.v.start in geometry.active else 0.0
+        if not low + margin < q[joint.q.start] < high - margin:
+            return joint
+    return None

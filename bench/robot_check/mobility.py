@@ -52,7 +52,8 @@ def check_mobility(geometry: Geometry, mobility: Mobility) -> Check:
         if fault.startswith(SINGULAR_HOME):
             pose = closed_pose(geometry)
             if pose is not None and smallest_singular_values(geometry, pose[None])[0] > PLAUSIBLE.regular:
-                fault += f", for example {home_key(to_mujoco(geometry, pose).tolist())}"
+                qpos = geometry.robot.file_qpos(to_mujoco(geometry, pose).tolist())
+                fault += f", for example {home_key(qpos)}"
         return Check(CheckCode.MOBILITY_FAULT, "failed", {"fault": fault})
     return Check(
         CheckCode.MOBILITY,

@@ -17,6 +17,7 @@ class CheckCode(StrEnum):
     GEOMETRY_UNREADABLE = auto()
     FILES_LEFT_OUT = auto()
     RANGES_IN_DEGREES = auto()
+    RANGES_OF_A_TURN = auto()
     KEYFRAMES_UNUSED = auto()
     EQUALITY_INACTIVE = auto()
     JOINT_FORCE_NOT_MODELLED = auto()

@@ -84,6 +84,10 @@ def _ranges_in_degrees(joints: Sequence[str]) -> str:
     )
 
 
+def _ranges_of_a_turn(joints: Sequence[str]) -> str:
+    return f"the ranges of {_first(joints)} are a whole turn or more and no motor moves these hinges: no end stops"
+
+
 def _keyframes_unused(keyframes: Sequence[str]) -> str:
     return (
         f"home is qpos0, as no keyframe is named home: if {_first(list(map(repr, keyframes)))} is the assembled pose, "
@@ -250,6 +254,7 @@ WORDS: Mapping[CheckCode, str | tuple[str, Callable[..., str]]] = {
     CheckCode.GEOMETRY_UNREADABLE: "geometry: {fault}",
     CheckCode.FILES_LEFT_OUT: ("note", _files_left_out),
     CheckCode.RANGES_IN_DEGREES: ("note", _ranges_in_degrees),
+    CheckCode.RANGES_OF_A_TURN: ("note", _ranges_of_a_turn),
     CheckCode.KEYFRAMES_UNUSED: ("note", _keyframes_unused),
     CheckCode.EQUALITY_INACTIVE: "note: equality {equality!r} is inactive and ignored",
     CheckCode.JOINT_FORCE_NOT_MODELLED: ("note", _joint_force),

@@ -10,10 +10,11 @@ from bench.document.numbers import pretty_unit
 from bench.document.table import Column, Table
 from bench.document.terminal.identification import section
 from bench.document.terminal.tables import printed
-from bench.robot_check.outcome import Check
+from bench.robot_check.outcome import Check, CheckCode
 from bench.robot_check.report import JointLine, Mobility, RobotReport, Singularity
 from bench.robot_check.words import detail_of, name_of, nearest_singularity
 
+UNREAD = {CheckCode.MJCF_UNSUPPORTED, CheckCode.GEOMETRY_UNREADABLE}  # of loops, nothing is known then
 MARKS = {"ok": ("✓", "green"), "note": ("!", "yellow"), "failed": ("✗", "bold red")}
 
 
@@ -23,8 +24,9 @@ def robot_report(report: RobotReport, console: Console | None = None, *, verbose
     verbose: the base parameters, each with its grouping.
     """
     console = console or Console()
-    loops = plural(len(report.loops), "loop") if report.loops else "no loops"
-    facts = f"{plural(len(report.joints), 'joint')} · {plural(len(report.robot.driven), 'motor')} · {loops}"
+    facts = f"{plural(len(report.joints), 'joint')} · {plural(len(report.robot.driven), 'motor')}"
+    if report.loops or not any(check.code in UNREAD for check in report.failures):
+        facts += f" · {plural(len(report.loops), 'loop') if report.loops else 'no loops'}"
     console.print()
     console.print(Text.assemble((report.robot.name, "bold"), "  ", (facts, "dim")))
     section(console, "Joints", printed(joints_table(report), console.width))

@@ -1,0 +1,59 @@
+"""Parts of an MJCF that have no effect on how a robot moves, and would only be in the way of reading it.
+
+A fixed tendon whose length an equality holds does no work: its spring, damping, friction, armature and range act on
+nothing. A hinge without a motor whose range is a whole turn has no end stop: exporters write 0 to 2 pi for a pin.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Collection
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+if TYPE_CHECKING:
+    import mujoco
+
+WHOLE_TURN = 6.28  # rad: a whole turn as it is rounded in files
+
+
+def release_held_tendons(spec: mujoco.MjSpec) -> None:
+    """Take spring, damping, friction, armature and range from fixed tendons of which an equality holds the length."""
+    import mujoco  # noqa: PLC0415 - slow to import: only once a robot is really read
+
+    held = {
+        equality.name1
+        for equality in spec.equalities
+        if equality.type == mujoco.mjtEq.mjEQ_TENDON and equality.active and not equality.name2
+    }
+    for tendon in spec.tendons:
+        parts = (tendon.path[i].type for i in range(len(tendon.path)))
+        if tendon.name in held and all(part == mujoco.mjtWrap.mjWRAP_JOINT for part in parts):
+            tendon.stiffness, tendon.damping = np.zeros_like(tendon.stiffness), np.zeros_like(tendon.damping)
+            tendon.frictionloss = tendon.armature = 0.0
+            tendon.limited = False
+
+
+def release_whole_turns(spec: mujoco.MjSpec, driven: Collection[str]) -> None:
+    """Take the range from hinges that may turn by a whole turn and that no motor moves; driven: those that one does."""
+    for joint in whole_turns(spec, driven):
+        joint.limited = False
+
+
+def whole_turns(spec: mujoco.MjSpec, driven: Collection[str]) -> list[mujoco.MjsJoint]:
+    """Hinges that no motor moves with a range of a whole turn or more."""
+    import mujoco  # noqa: PLC0415 - likewise
+
+    turn = math.degrees(WHOLE_TURN) if spec.compiler.degree else WHOLE_TURN
+    stops = {mujoco.mjtLimited.mjLIMITED_TRUE}
+    if spec.compiler.autolimits:
+        stops.add(mujoco.mjtLimited.mjLIMITED_AUTO)
+    return [
+        joint
+        for joint in spec.joints
+        if joint.type == mujoco.mjtJoint.mjJNT_HINGE
+        and joint.limited in stops
+        and joint.name not in driven
+        and joint.range[1] - joint.range[0] >= turn
+    ]
