@@ -100,3 +100,18 @@ def test_the_surgical_arm_s_gains(measured_data: Path) -> None:
     for joint in ("j1", "j2"):
         gain = result.drive_gains[joint]
         assert abs(gain.value - 1.0) < min(0.05, 2.0 * gain.std)
+
+
+def test_a_payload_that_is_taken_as_a_point_is_judged_in_the_same_rows(
+    wrist: Dataset, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Rows that a diagnosis does not judge stay so: its models are compared, and written, row by row."""
+    monkeypatch.setattr(DecisionRule, "material", np.inf)
+    prepared = prepare(problem_of(carrying(wrist, 1.5 * TRUE)))
+    first, *others = prepared.observations
+    few = first.moving & (np.arange(len(first.moving)) % 3 > 0)[:, None]
+    narrowed = replace(prepared, observations=(replace(first, moving=few), *others))
+    result = identify(narrowed)
+    assert Code.PAYLOAD_TAKEN_AS_POINT in codes(result)
+    for series, observation in zip(result.recordings, narrowed.observations, strict=True):
+        np.testing.assert_array_equal(series.moving, observation.moving)

@@ -122,12 +122,17 @@ def _with_values(result: Identification, other: Identification, known: Mapping[s
 
 
 def _with_payloads(prepared: Prepared, payloads: Mapping[str, Payload]) -> Prepared:
-    """The same recordings and effects with some payloads declared otherwise."""
+    """The same recordings, rows and effects with some payloads declared otherwise."""
     dataset = replace(prepared.dataset, payloads={**prepared.dataset.payloads, **payloads})
     fitted_only = any(recording.use == "identify" for recording in dataset.recordings)
     problem = Problem(dataset, {}, filters=prepared.settings, fit_gains=prepared.fit_gains)
     plain = replace(prepare(problem, fitted_only=fitted_only), scale=prepared.scale)
-    return with_effects(plain, prepared.effects)
+    counted = {observation.name: observation.moving for observation in prepared.observations}
+    rows = tuple(
+        replace(observation, moving=counted.get(observation.name, observation.moving))
+        for observation in plain.observations
+    )
+    return with_effects(replace(plain, observations=rows), prepared.effects)
 
 
 def _least_spread(prepared: Prepared, result: Identification, name: str) -> _Spread | None:
