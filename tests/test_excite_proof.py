@@ -219,7 +219,7 @@ def test_ranges_of_passive_joints_between_two_samples_only_are_caught(delta, mon
 
     def limited(high):
         ranges = (PassiveRange(joint.name, joint.q, joint.v, -9.0, high),)
-        monkeypatch.setattr(open_limits, "passive_ranges", lambda _: ranges)
+        monkeypatch.setattr(open_limits, "passive_room", lambda _: ranges)
         return prove(delta.promise())
 
     told = limited(between_two_samples(angle, motion.time))
@@ -258,7 +258,7 @@ def test_ranges_of_ball_joints_are_proven(ball, monkeypatch):
     assert np.all(limit.high - angle >= found.least[at])
 
     def limited(high):
-        monkeypatch.setattr(open_limits, "passive_ranges", lambda _: (replace(limit, high=high),))
+        monkeypatch.setattr(open_limits, "passive_room", lambda _: (replace(limit, high=high),))
         return prove(ball.promise())
 
     assert isinstance(limited(angle.max() * NEAR), Proof)

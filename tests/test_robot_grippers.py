@@ -5,6 +5,7 @@ import re
 import numpy as np
 import pytest
 
+from bench.cli import main
 from bench.dataset.mjcf_files import unreadable
 from bench.dataset.robot import load_robot
 from bench.dataset.robot_toml import write_robot_toml
@@ -178,3 +179,15 @@ def test_bodies_of_the_base_need_no_mass(tmp_path):
         f'<body name="pad">{shapes}</body></body></body></worldbody></mujoco>'
     )
     assert unreadable(path).bodies == ("pad",)
+
+
+def test_attributes_of_older_files_are_read_without_lines_of_source(tmp_path, monkeypatch):
+    """MuJoCo says in one line that `settotalmass` will be removed; Python's warning would add a line of code."""
+    monkeypatch.chdir(tmp_path)  # where MuJoCo writes its log
+    path = tmp_path / "robot.xml"
+    path.write_text(
+        f'<mujoco><compiler angle="radian" settotalmass="1"/><worldbody>{CHAIN}</worldbody></mujoco>'
+    )
+    motors = [word for joint in "abc" for word in ("--motor", f"{joint}=1")]
+    assert main(["robot", "new", str(path), *motors, "--tool", "tip"]) == 0
+    assert main(["robot", "check", str(tmp_path)]) == 0

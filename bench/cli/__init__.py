@@ -9,6 +9,7 @@ import os
 import signal
 import sys
 import threading
+import warnings
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from types import FrameType
@@ -63,6 +64,7 @@ COMMANDS = {
 BAD_INPUT = 2
 INTERRUPTED = 130  # 128 + SIGINT, as a shell reports it
 TERMINATED = 143  # 128 + SIGTERM
+OLD_MJCF = ".* is deprecated and will be removed in a future release"  # of attributes of older files
 
 
 @click.group(cls=LazyGroup, lazy_commands=COMMANDS, context_settings={"help_option_names": ["-h", "--help"]})
@@ -86,6 +88,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     os.environ.setdefault(
         "MUJOCO_GL", "disable"
     )  # no command draws with MuJoCo, whose windows take time to import
+    warnings.filterwarnings("ignore", message=OLD_MJCF, category=UserWarning)  # MuJoCo prints it, too
     try:
         with _leaving_on_termination(), forgiving_output():
             result = cli.main(args=arguments, prog_name=called_as(), standalone_mode=False)

@@ -1,6 +1,6 @@
 """What a planned movement must keep: joint ranges, and its distance from singular poses."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -9,6 +9,7 @@ from bench.excitation.bounds import LIMITS
 from bench.model.geometry import Geometry
 from bench.model.mobility import least_held, smallest_singular_values
 from bench.model.motion import Motion, motion_of
+from bench.model.passive_ranges import PassiveRange, passive_ranges
 from bench.model.states import active_ranges
 from bench.scenario.trajectory import FourierTrajectory
 
@@ -42,6 +43,25 @@ def limits_of(geometry: Geometry) -> Limits:
         np.maximum(high - margin, home),
         LIMITS.amplification * largest,
         LIMITS.held * held,
+    )
+
+
+def passive_room(geometry: Geometry) -> tuple[PassiveRange, ...]:
+    """The ranges of passive joints with a margin to their end stops, in which motions stay: a controller follows a
+    motion only nearly. Where home is within the margin, half of its distance from the end is kept.
+    """
+    return tuple(
+        _with_margin(limit, float(limit.at(geometry.home[None])[0])) for limit in passive_ranges(geometry)
+    )
+
+
+def _with_margin(limit: PassiveRange, home: float) -> PassiveRange:
+    low, high = limit.low, limit.high
+    margin = LIMITS.margin * (high - (low if np.isfinite(low) else 0.0))
+    return replace(
+        limit,
+        low=low + min(margin, 0.5 * max(home - low, 0.0)),
+        high=high - min(margin, 0.5 * max(high - home, 0.0)),
     )
 
 

@@ -166,7 +166,7 @@ def _end_stop_fault(model: mujoco.MjModel, motion: TrueMotion) -> str | None:
         if outside.any():
             at = int(np.argmax(outside))
             return (
-                f"joint {model.joint(joint).name} reaches its end stop at {motion.time[at]:.3f} s:"
+                f"joint {model.joint(joint).name or f'joint_{joint}'} reaches its end stop at {motion.time[at]:.3f} s:"
                 f" {q[at]:.4g} is outside {low:g} to {high:g}"
             )
     return None

@@ -12,12 +12,12 @@ from bench.excitation.experiment.enclosed_torques import enclosed_torques
 from bench.excitation.experiment.nominal import Nominal
 from bench.excitation.experiment.request import Box
 from bench.excitation.experiment.room import Room
+from bench.excitation.limits import passive_room
 from bench.model.balls import balls, dense_balls
 from bench.model.geometry import Geometry
 from bench.model.kinematics import ancestors, end_of, end_point, frames_of, link_of
 from bench.model.mobility import column_scales
 from bench.model.nodes import robot_length
-from bench.model.passive_ranges import passive_ranges
 
 
 class Kept(StrEnum):
@@ -52,7 +52,7 @@ def margins(nominal: Nominal, room: Room, payload: str | None, enclosure: Enclos
         sizes = np.abs(enclosure.motion.jacobian)
         by_limit[Kept.AMPLIFICATION, ""] = _below(room.joint.amplification, sizes, sizes + enclosure.jacobian)
         by_limit[Kept.SINGULAR, ""] = _singular(geometry, room.joint.held, enclosure)
-    for limit in passive_ranges(geometry):
+    for limit in passive_room(geometry):
         at, radius = limit.at(enclosure.motion.q), enclosure.passed[:, limit.displacement.start]
         distance = np.minimum(at - limit.low, limit.high - at)
         by_limit[Kept.PASSIVE_RANGE, limit.joint] = Margin(distance, distance - radius)

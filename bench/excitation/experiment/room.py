@@ -15,7 +15,7 @@ from bench.excitation.experiment.request import (
     check_joint,
     joint_values,
 )
-from bench.excitation.limits import Limits, limits_of, unlimited
+from bench.excitation.limits import Limits, limits_of, passive_room, unlimited
 from bench.model.geometry import Geometry
 from bench.model.kinematics import ancestors, end_of, end_point, frames_of, link_of
 from bench.model.mobility import least_held
@@ -195,7 +195,7 @@ def robot_motion(
         _, held = least_held(geometry, motion.q, LIMITS.poses)
         if held.min() <= room.joint.held:
             return None
-    for limit in passive_ranges(geometry):
+    for limit in passive_room(geometry):
         at = limit.at(motion.q)
         if at.min() <= limit.low or at.max() >= limit.high:
             return None
