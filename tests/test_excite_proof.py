@@ -8,7 +8,7 @@ import pytest
 
 from bench.basics.errors import BenchError
 from bench.dataset.robot import load_robot
-from bench.excitation.experiment import open_limits, proof
+from bench.excitation.experiment import open_limits, proof, search
 from bench.excitation.experiment.enclosed_loops import enclosed, follows, pose_sets
 from bench.excitation.experiment.enclosed_torques import enclosed_torques
 from bench.excitation.experiment.motor_balls import intervals_of, motor_balls
@@ -225,6 +225,36 @@ def test_ranges_of_passive_joints_between_two_samples_only_are_caught(delta, mon
     told = limited(between_two_samples(angle, motion.time))
     assert (told.limit, told.where) == (Kept.PASSIVE_RANGE, joint.name)
     assert isinstance(limited(angle.max() + 1e-5), Proof)
+
+
+def test_a_limit_can_be_looked_at_around_a_time_alone(delta):
+    """What is exceeded there is found there; elsewhere nothing is."""
+    motion = delta.dense()
+    torque = np.abs(seen(delta.nominal, motion, None).current * delta.nominal.gains)
+    promise = delta.promise(torque=torque.max(axis=0) / NEAR)
+    told = prove(promise)
+    assert told.limit is Kept.TORQUE
+    there = prove(promise, around=told.time)
+    assert (there.limit, there.where) == (told.limit, told.where)
+    assert there.time == pytest.approx(told.time, abs=0.1)
+    calm = float(motion.time[(torque / torque.max(axis=0)).max(axis=1).argmin()])
+    elsewhere = prove(promise, around=calm)
+    assert isinstance(elsewhere, Proof)
+    assert elsewhere.intervals < prove(delta.promise()).intervals
+
+
+@pytest.mark.parametrize("kept", [True, False])
+def test_where_a_larger_motion_kept_no_limit_is_looked_at_first(kept, delta, monkeypatch):
+    """A proof of the whole motion takes seconds, and would end there again."""
+    asked = []
+
+    def proved(_, *, around=None):
+        asked.append(around)
+        return Proof(1, 0.1) if kept else Unproven(Kept.TORQUE, "elbow", 1.25, True)
+
+    monkeypatch.setattr(search, "prove", proved)
+    assert isinstance(search.proven_near(delta.promise(), 1.25), Proof if kept else Unproven)
+    assert asked == ([1.25, None] if kept else [1.25])
 
 
 @pytest.fixture(scope="module")

@@ -141,6 +141,7 @@ class ProofBounds:
     # times as many parts as proportion asks for: it is nearly one, and a second cut costs more
     more_parts: float = 1.15
     together: int = 4096  # intervals
+    around: float = 0.05  # s from a time at which a larger motion kept no limit, which is looked at first
     period_points: float = 60.0  # samples of a period of the highest harmonic
     ramp_points: float = 200.0  # samples of a ramp, at least
     # times what is passed through at the speeds of the middle: the set of poses has the end of the interval before in

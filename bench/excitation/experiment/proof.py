@@ -68,11 +68,12 @@ class Promise:
     payload: str | None
 
 
-def prove(promise: Promise) -> Proof | Unproven:
+def prove(promise: Promise, *, around: float | None = None) -> Proof | Unproven:
     """Prove that the robot keeps its loops closed and clear of singular poses, its passive joints' ranges, the boxes of
     its tool and the torques of its motors at all times; or what could not be proven, and when.
 
-    Ranges, speeds and accelerations of the motors follow from the trajectory alone, see `between_samples`.
+    around, s: a time near which alone that is looked at. Ranges, speeds and accelerations of the motors follow from the
+    trajectory alone, see `between_samples`.
     """
     geometry, trajectory = promise.nominal.model.geometry, promise.trajectory
     intervals = intervals_of(trajectory, PROOF.rate)
@@ -83,6 +84,9 @@ def prove(promise: Promise) -> Proof | Unproven:
     amplified = np.abs(motion.jacobian).max(axis=(1, 2)) > promise.room.joint.amplification
     if geometry.closed and amplified.any():  # before any time is spent on what lies between
         return _amplified(geometry, motion, int(np.argmax(amplified)))
+    if around is not None:
+        chosen = np.flatnonzero(np.abs(intervals.middle - around) <= PROOF.around)
+        intervals, motion = intervals.at(chosen), motion.at(chosen)
     known = _looked(promise, *_cut_ahead(promise, intervals, motion))
     while True:
         known = _followed(geometry, known)
@@ -165,7 +169,8 @@ def _followed(geometry: Geometry, known: _Looked) -> _Looked:
     )
     still[:-1, 0] |= apart
     still[1:, 0] |= apart
-    still[0, 0] |= not begins_at_home(geometry, q, known.reach)
+    if known.intervals.middle[0] < 2.0 * known.intervals.half[0]:
+        still[0, 0] |= not begins_at_home(geometry, q, known.reach)
     return replace(known, open=still)
 
 

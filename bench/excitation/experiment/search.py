@@ -274,7 +274,8 @@ def _proven(search: Search, motion: tuple[Tried, str | None]) -> Proven:
     trajectory = filled(search.room, trial.trajectory)
     less = 0.2 * (1.0 - DESIGN.shrink)
     for attempt in range(SEARCH.shrinks):
-        proof = prove(Promise(search.nominal, search.room, trajectory, load))
+        promise = Promise(search.nominal, search.room, trajectory, load)
+        proof = proven_near(promise, given_way[-1].time if given_way else None)
         if isinstance(proof, Unproven):
             given_way.append(proof)
         else:
@@ -286,6 +287,15 @@ def _proven(search: Search, motion: tuple[Tried, str | None]) -> Proven:
     robot = search.nominal.model.geometry.robot.name
     what = limit_in_words(given_way[-1]) if given_way else "all limits"
     raise BenchError(f"robot {robot}: of no motion from home it could be proven that it keeps {what}")
+
+
+def proven_near(promise: Promise, failed: float | None) -> Proof | Unproven:
+    """Proof of a motion, or what could not be proven. failed, s: where that was so of a larger motion; there it is
+    looked at first, since what is still so there would cost a proof of the whole motion.
+    """
+    if failed is not None and isinstance(there := prove(promise, around=failed), Unproven):
+        return there
+    return prove(promise)
 
 
 def random_checks(search: Search, seed: int, mapper: Mapper = IN_TURN) -> Candidate:

@@ -25,7 +25,6 @@ DRIVES = (
     SimulatedDrive(15.0),
     SimulatedDrive(STIFF, 0.0001),
     SimulatedDrive(10.0, 0.0001),
-    SimulatedDrive(10.0, 0.00005),
     SimulatedDrive(5.0, 0.00005),
 )
 """What is tried, in turn. A controller that is stiff for the inertia at home is too stiff where the robot is lighter:
