@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from bench.api.diagnose import diagnose
 from bench.basics.errors import BenchError
 from bench.dataset.dataset import Dataset
 from bench.dataset.recording import Recording
@@ -41,6 +42,16 @@ def test_joints_that_stand_still_are_named(five_bar_simulation: Simulation) -> N
     said = refusal(dataset, [with_positions(log, [0, 1])])
     assert "left and right stand still, their positions show only noise" in said
     assert said.endswith("record motions that keep all joints moving")
+
+
+def test_a_diagnosis_says_how_long_a_log_has_to_be(five_bar_simulation: Simulation) -> None:
+    dataset = as_dataset(five_bar_simulation)
+    log = dataset.recordings[0]
+    short = replace(dataset, recordings=(log.part(slice(1000, 1300)),))
+    with pytest.raises(
+        BenchError, match=r"has 300 samples, the last 90 of which are too few .* at least 334 samples"
+    ):
+        diagnose(short)
 
 
 def test_logs_that_are_too_short_or_too_slow_are_told_what_would_do(five_bar_simulation: Simulation) -> None:

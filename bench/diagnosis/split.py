@@ -2,9 +2,12 @@
 
 from collections.abc import Sequence
 from dataclasses import replace
+from math import ceil
 
+from bench.basics.errors import BenchError
 from bench.dataset.dataset import Dataset
 from bench.dataset.recording import Recording
+from bench.dataset.sampling import FEWEST
 from bench.identification.result import CurrentSeries
 from bench.identification.tolerances import TOLERANCES
 
@@ -12,16 +15,29 @@ from bench.identification.tolerances import TOLERANCES
 def with_held_out_parts(dataset: Dataset) -> tuple[Dataset, float]:
     """The dataset with something that is never fitted, and the share of every recording that was kept apart for it.
 
-    Without any recording for validation the last 30 % of every recording are kept apart.
+    Without any recording for validation the last 30 % of every recording are kept apart. Raises BenchError where these
+    are too few samples.
     """
     if any(recording.use == "validate" for recording in dataset.recordings):
         return dataset, 0.0
     parts = []
     for recording in dataset.recordings:
         cut = round((1.0 - TOLERANCES.statistics.held_out) * len(recording.time))
+        _check_length(dataset, recording, len(recording.time) - cut)
         parts.append(_part(recording, recording.name, "identify", slice(0, cut)))
         parts.append(_part(recording, f"{recording.name} (end)", "validate", slice(cut, None)))
     return replace(dataset, recordings=tuple(parts)), TOLERANCES.statistics.held_out
+
+
+def _check_length(dataset: Dataset, recording: Recording, held_out: int) -> None:
+    """Raise BenchError where so many samples at the end of a recording are too few to judge on."""
+    if held_out < FEWEST:
+        needed = ceil(FEWEST / TOLERANCES.statistics.held_out)
+        raise BenchError(
+            f"{dataset.folder}: {recording.name} has {len(recording.time)} samples, the last {held_out} of which are "
+            f'too few to judge on: record another motion with use = "validate", or one of at least {needed} samples '
+            f"({needed / recording.rate:.2g} s)"
+        )
 
 
 def dataset_of(dataset: Dataset, series: Sequence[CurrentSeries]) -> Dataset:
