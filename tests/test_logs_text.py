@@ -1,6 +1,7 @@
 """Logs that are text: preambles, comments, units, no header, any separator; what was assumed is said."""
 
 from collections.abc import Callable
+from datetime import UTC, datetime, timedelta
 from pathlib import Path
 
 import numpy as np
@@ -9,6 +10,7 @@ import pytest
 from bench.basics.errors import BenchError
 from bench.basics.files.cut_off import refuse_cut_off
 from bench.dataset.dataset import load_dataset
+from bench.dataset.logs.clock import seconds_from_first
 from bench.dataset.logs.columns import LogMap
 from bench.dataset.logs.log_file import Reading, read_log
 from bench.dataset.logs.units import UNITS, unit_named
@@ -86,6 +88,18 @@ LOGS: dict[str, tuple[Callable[[], str], str, LogMap, list[str]]] = {
         "log.log",
         BY_NAME,
         ["the preamble up to line 2 is skipped"],
+    ),
+    "separators at the ends of lines, but not of the header": (
+        lambda: HEAD.replace(",", ";") + text(rows(), ";").replace("\n", ";\n"),
+        "log.csv",
+        BY_NAME,
+        [],
+    ),
+    "separators at the ends of all lines": (
+        lambda: (HEAD.replace(",", "\t") + text(rows(), "\t")).replace("\n", "\t\n"),
+        "log.txt",
+        BY_NAME,
+        [],
     ),
     "a line of units": (
         lambda: HEAD + "ms,deg,mm,rad,mA,V,A\n" + text(rows(t=1e-3, qa=np.pi / 180, qr=1e-3, ia=1e-3)),
@@ -287,6 +301,40 @@ def test_a_number_that_was_cut_off_has_fewer_decimals_than_all_others(delimiter:
         refuse_cut_off(Path("log.csv"), f"{text[:-less]}\n", delimiter)  # a line that was written whole
         with pytest.raises(BenchError, match="the last line was cut off"):
             refuse_cut_off(Path("log.csv"), text[:-less], delimiter)
+
+
+@pytest.mark.parametrize(
+    ("begins", "form"),
+    [
+        (datetime(2026, 11, 20, 9, 14, 5, 250_000, tzinfo=UTC), "%Y-%m-%dT%H:%M:%S.%fZ"),
+        (datetime(2026, 12, 31, 23, 59, 58, tzinfo=UTC), "%Y-%m-%d %H:%M:%S.%f+01:00"),
+        (datetime(2026, 12, 31, 23, 59, 58, tzinfo=UTC), "%d.%m.%Y %H:%M:%S.%f"),
+        (datetime(2026, 12, 31, 23, 59, 58, tzinfo=UTC), "%H:%M:%S.%f"),
+    ],
+    ids=["ISO", "over midnight", "German", "time of day, over midnight"],
+)
+def test_dates_and_times_of_day_become_seconds(
+    begins: datetime, form: str, tmp_path: Path, robot: str
+) -> None:
+    table = rows()
+    stamps = [(begins + timedelta(seconds=stamp)).strftime(form) for stamp in table[:, 0].tolist()]
+    values = (";".join(map(repr, row)) for row in table[:, 1:].tolist())
+    lines = (f"{stamp};{row}\n" for stamp, row in zip(stamps, values, strict=True))
+    (tmp_path / "log.csv").write_text(HEAD.replace(",", ";") + "".join(lines))
+    found = told(tmp_path / "log.csv", robot, BY_NAME, tmp_path / "out")
+    assert ["time of day or a date" in note for _, note in found.notes] == [True]
+    (recording,) = load_dataset(tmp_path / "out").recordings
+    np.testing.assert_allclose(recording.time, time_stamps(), atol=1e-6)
+
+
+def test_what_is_no_time_of_day_is_named(tmp_path: Path, robot: str) -> None:
+    assert seconds_from_first(["2026-02-30 10:00:00"]) is None
+    assert seconds_from_first(["10:00"]) is None
+    assert seconds_from_first([]) is None
+    later = (f"soon,{row.partition(',')[2]}\n" for row in text(rows()).splitlines())
+    (tmp_path / "log.csv").write_text(HEAD + "".join(later))
+    with pytest.raises(BenchError, match=r"is not a number"):
+        told(tmp_path / "log.csv", robot, BY_NAME, tmp_path / "out")
 
 
 def test_numbers_without_decimals_and_words_at_the_end_are_not_cut_off() -> None:

@@ -48,6 +48,15 @@ def test_a_window_and_an_exclusion_that_are_offered_hold_their_samples_whatever_
     assert outside == [120, 121, 300]
 
 
+@pytest.mark.parametrize("step", [0.0016, 0.0025, 0.0034])
+def test_stamps_that_are_cut_to_milliseconds_have_no_gaps(step):
+    time = np.floor(1e3 * (0.3e-3 + step * np.arange(2000)) + 1e-6) / 1e3
+    assert time_fault(time) is None
+    lost = np.delete(time, [900, 901, 902])
+    assert time_fault(lost).row == 900
+    assert f"samples are {step:.2g} s apart" in time_fault(lost).what
+
+
 @pytest.mark.parametrize("often", [0.01, 0.004], ids=["a few", "many"])
 def test_stamps_that_repeat_ask_for_the_rate(often):
     time = 0.002 * np.arange(1000)

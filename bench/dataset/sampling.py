@@ -32,6 +32,7 @@ SMOOTHER = 0.9  # a spline smooths a little noise by itself; less than this is t
 HELD = 1e-2  # of the rows: fewer that repeat the one before are chance, of coarse encoders and currents
 LONGEST_HELD = 10  # rows in a row: one in eight by chance are never so many; a robot that rests repeats more
 TINY = 1e-300
+TOGETHER = 10  # steps, whose mean is a step: stamps rounded to 1 ms have 2 and 3 for 2.5
 GAP = 1.5  # steps: a longer one is a gap, unless a neighbouring step makes good for it
 LIKE = {
     1e3: ("milliseconds", Remedy.FROM_MILLISECONDS),
@@ -92,9 +93,9 @@ def _unit_fault(steps: Array) -> TimeFault | None:
     if step >= SLOWEST_STEP * (1 - 1e-9):
         for factor, (unit, remedy) in LIKE.items():
             if FASTEST_USUAL < step / factor < 0.05:
-                return TimeFault(
-                    None, f"steps by {step:g}, which is not seconds: it looks like {unit}", remedy
-                )
+                counted = ", or counts samples (then give --rate HZ)" if np.all(steps == 1.0) else ""
+                what = f"steps by {step:g}, which is not seconds: it looks like {unit}{counted}"
+                return TimeFault(None, what, remedy)
         return TimeFault(
             None,
             f"steps by {step:g} s, {1 / step:.3g} Hz: too slow for what a robot's motors need to be fitted",
@@ -105,12 +106,16 @@ def _unit_fault(steps: Array) -> TimeFault | None:
     return None
 
 
+def _usual_step(time: Array) -> float:
+    """The step of stamps (N,), however coarsely they are rounded: the median over several steps."""
+    return float(np.median(time[TOGETHER:] - time[:-TOGETHER])) / TOGETHER
+
+
 def gap_rows(time: Array) -> npt.NDArray[np.intp]:
     """The rows of time stamps (N,) in s that follow a gap; none where there are too few stamps to tell."""
     if time.size < FEWEST:
         return np.empty(0, dtype=np.intp)
-    steps = np.diff(time)
-    step = float(np.median(steps))
+    steps, step = np.diff(time), _usual_step(time)
     # A late sample makes one step long and the next short; a lost one makes each pair of steps long.
     pairs = steps[:-1] + steps[1:]
     before = np.concatenate([pairs[:1], pairs])
@@ -129,7 +134,7 @@ def _gap_fault(time: Array, steps: Array) -> TimeFault | None:
     rows = gap_rows(time)
     if not rows.size:
         return None
-    row, step = int(rows[0]), float(np.median(steps))
+    row, step = int(rows[0]), _usual_step(time)
     return TimeFault(
         row,
         f"a gap of {steps[row - 1]:.6g} s before {_stamp(time[row])} s, where samples are {step:.6g} s apart"

@@ -51,6 +51,10 @@ class CsvText:
         """What is written in a cell, without the spaces around it."""
         return self._row(row)[1][column].strip()
 
+    def cells(self, column: int, rows: range) -> list[str]:
+        """What is written in some rows of a column."""
+        return list(self._column(column, rows))
+
     def first_text(self, column: int, rows: range) -> tuple[int, str] | None:
         """Row and content of the first cell of a column that is no number, None where all of these rows are."""
         for row, cell in zip(rows, self._column(column, rows), strict=False):

@@ -64,6 +64,13 @@ class FileTable:
         kind = self.data.schema.field(column).type
         return _is_numeric(kind) or bool(pa.types.is_boolean(kind))
 
+    def cells(self, column: str) -> list[str]:
+        """The cells of a column, as they are written."""
+        if self.text is None:
+            return [str(value) for value in self.data[column].to_pylist()]
+        rows = range(self.first_row, self.first_row + self.data.num_rows)
+        return self.text.cells(self.columns.index(column), rows)
+
     def numbers(self, column: str) -> Array:
         """The column (N,) as floats, empty cells as NaN, true as 1.
 

@@ -69,8 +69,12 @@ def columns_of(file: Path, log: LogFile, robot: Robot, log_map: LogMap) -> Colum
     stated = _stated_factors(file, log, robot, sources, given)
     factors = {column: factor for column, (factor, _) in stated.items()} | given
     factors |= {column: sign * factors.get(column, 1.0) for column, sign in signs.items()}
-    values, faults = {}, []
+    values, faults, clock = {}, [], log.clock(sources["time"]) if "time" in sources else None
+    if clock is not None:
+        values["time"] = clock
     for column, source in sources.items():
+        if column in values:
+            continue
         try:
             values[column] = log.numbers(source) * factors.get(column, 1.0)
         except BenchError as error:
@@ -93,6 +97,8 @@ def columns_of(file: Path, log: LogFile, robot: Robot, log_map: LogMap) -> Colum
     ordered = {name: values[name] for name in sorted(values, key=lambda name: name != "time")}
     turned = {column: unit for column, (factor, unit) in stated.items() if factor != 1.0}
     notes = (*_unit_notes(turned), *_name_notes(sources, factors, robot))
+    if clock is not None:
+        notes = ("time: in seconds from the first, which is a time of day or a date", *notes)
     return Columns(ordered, sources, notes, tuple(faults), turned)
 
 

@@ -18,6 +18,7 @@ from bench.basics.errors import BenchError
 from bench.basics.files.csv_text import CsvText
 from bench.basics.files.table import FileTable, read_table, table_of
 from bench.basics.files.toml_input import one_line
+from bench.dataset.logs.clock import seconds_from_first
 from bench.dataset.logs.ros_bag import is_bag, read_bag
 from bench.dataset.logs.text_log import split_log
 from bench.dataset.names import BAGS, TEXTS
@@ -48,6 +49,12 @@ class LogFile:
     def lines(self) -> CsvText | None:
         """The text of a CSV file, whose lines a message can name."""
         return None if self.table is None else self.table.text
+
+    def clock(self, name: str) -> Array | None:
+        """A vector (N,) of dates or times of day in s from the first; None where it is none."""
+        if self.table is None or name not in self.texts:
+            return None
+        return seconds_from_first(self.table.cells(name))
 
     def numbers(self, name: str) -> Array:
         """A vector (N,); KeyError for an unknown name, BenchError that names the cell where one is no number."""

@@ -61,6 +61,7 @@ def split_log(path: Path, content: bytes, skip_rows: int = 0, header: bool | Non
     delimiter = _delimiter(rows)
     count = Counter(len(_cells(line.text, delimiter)) for line in rows).most_common(1)[0][0]
     table = [line for line in rows if len(_cells(line.text, delimiter)) == count]
+    table = _with_header(rows, table, delimiter)
     table = table[_padded([_cells(line.text, delimiter) for line in table]) :]
     notes = [*encoding, *_preamble_notes(lines, table[0], skip_rows)]
     names, used = _names(lines, table, delimiter, header)
@@ -85,6 +86,17 @@ def split_log(path: Path, content: bytes, skip_rows: int = 0, header: bool | Non
     decimal_comma = delimiter != "," and "," in first.text
     csv_text = CsvText(path, tuple(names), body, first.number, delimiter, decimal_comma)
     return TextLog(csv_text, units, tuple(notes))
+
+
+def _with_header(rows: Sequence[_Line], table: list[_Line], delimiter: str) -> list[_Line]:
+    """The table with the line of names above it, where its lines all end with a separator and that one does not."""
+    above = [line for line in rows if line.number < table[0].number]
+    if not above or any(_cells(line.text, delimiter)[-1] for line in table):
+        return table
+    names, count = _cells(above[-1].text, delimiter), len(_cells(table[0].text, delimiter))
+    if len(names) != count - 1 or any(is_number(name.replace(",", ".")) for name in names):
+        return table
+    return [_Line(above[-1].number, above[-1].start, f"{above[-1].text}{delimiter}"), *table]
 
 
 def _text(path: Path, content: bytes) -> tuple[str, tuple[str, ...]]:

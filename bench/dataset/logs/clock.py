@@ -1,0 +1,52 @@
+"""Times that a log writes as dates or times of day, in seconds from the first."""
+
+import re
+from collections.abc import Iterable
+from datetime import date
+
+import numpy as np
+import numpy.typing as npt
+
+DAY = 86400.0  # s
+CLOCK = re.compile(
+    r"(?:(?:(?P<year>\d{4})[-/.](?P<month>\d\d?)[-/.](?P<day>\d\d?)|(?P<d>\d\d?)\.(?P<m>\d\d?)\.(?P<y>\d{4}))[T ]+)?"
+    r"(?P<hours>\d\d?):(?P<minutes>\d\d):(?P<seconds>\d\d(?:[.,]\d+)?)(?:Z| ?[+-]\d\d:?\d\d)?"
+)
+
+
+def seconds_from_first(cells: Iterable[str]) -> npt.NDArray[np.float64] | None:
+    """The times (N,) that cells spell, such as 2026-11-20T09:14:05.25Z, 20.11.2026 09:14:05,25 or 09:14:05.25, in s
+    from the first; None where a cell is none. A time of day that falls by half a day or more is one of the next day.
+    """
+    days, times = [], []
+    for cell in cells:
+        match = CLOCK.fullmatch(cell)
+        day = None if match is None else _day(match)
+        if match is None or day is None:
+            return None
+        days.append(day)
+        times.append(_seconds(match))
+    if not times:
+        return None
+    of_day = np.array(times)
+    if not any(days):
+        days = np.cumsum(np.append(0, np.diff(of_day) < -0.5 * DAY)).tolist()
+    return np.array(days, dtype=np.float64) * DAY - days[0] * DAY + of_day - of_day[0]
+
+
+def _day(match: re.Match[str]) -> int | None:
+    """The number of a day, 0 where a cell has none; None for a day that no calendar has."""
+    year, month, day = (
+        match[long] or match[short] for long, short in (("year", "y"), ("month", "m"), ("day", "d"))
+    )
+    if year is None:
+        return 0
+    try:
+        return date(int(year), int(month), int(day)).toordinal()
+    except ValueError:
+        return None
+
+
+def _seconds(match: re.Match[str]) -> float:
+    hours, minutes, seconds = match["hours"], match["minutes"], match["seconds"].replace(",", ".")
+    return 3600.0 * int(hours) + 60.0 * int(minutes) + float(seconds)
