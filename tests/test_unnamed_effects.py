@@ -1,7 +1,6 @@
 """Effects that are too small to be named, and how far they can have moved a drive gain."""
 
 import numpy as np
-import pytest
 
 from bench.api.diagnose import diagnose
 from bench.diagnosis.unnamed_effects import _random_effect
@@ -48,17 +47,19 @@ def test_an_effect_without_information_says_nothing() -> None:
     assert not effect.squares.any()
 
 
-@pytest.mark.parametrize("seed", [1, 2])
-def test_a_wrong_length_that_nobody_can_name_widens_the_gains(seed: int) -> None:
-    """Of 0.5 mm in a crank of a five-bar: the error is that of the noise, and the gains are 0.15 % off."""
+def test_a_wrong_length_that_nobody_can_name_widens_the_gains() -> None:
+    """Of 0.5 mm in a crank of a five-bar: the error is that of the noise, and the gains are 0.15 to 0.3 % off."""
     hidden = [{"effect": "geometric_error", "joint": "left", "error": 0.0005}]
-    simulation = simulate(
-        load_scenario("five_bar", {"design": {"optimise": False}, "hidden": hidden, "seed": seed})
-    )
-    answer = diagnose(as_dataset(simulation), discover=False)
-    assert not answer.missing
-    truth = true_gains(simulation.scenario)
-    for joint, true in zip(answer.after.drive_gains, truth, strict=True):
-        before, gain = (result.drive_gains[joint] for result in (answer.before, answer.after))
-        assert abs(gain.value - true) < 3.0 * gain.std
-        assert gain.std > 1.5 * before.std
+    before, after = [], []
+    for seed in (1, 2):
+        changes = {"design": {"optimise": False}, "hidden": hidden, "seed": seed}
+        simulation = simulate(load_scenario("five_bar", changes))
+        answer = diagnose(as_dataset(simulation), discover=False)
+        assert not answer.missing
+        for joint, true in zip(answer.after.drive_gains, true_gains(simulation.scenario), strict=True):
+            for result, ratios in ((answer.before, before), (answer.after, after)):
+                gain = result.drive_gains[joint]
+                ratios.append((gain.value - true) / gain.std)
+    rms_before, rms_after = (float(np.sqrt(np.mean(np.square(ratios)))) for ratios in (before, after))
+    assert rms_before > 4.0
+    assert rms_after < 2.5

@@ -56,8 +56,7 @@ def answered(case: SplitProblem, finding: SearchResult, progress: Progress = SIL
     if model.fit_gains:
         progress.phase("fitting models that are as good")
         try:
-            remains = remaining.significant or remaining.much
-            after = with_spread_over_models(finding.base_model, finding.last, model, after, remains=remains)
+            after = with_spread_over_models(finding.base_model, finding.last, model, after, remaining)
         except TimeUpError:
             unfinished.append(Unfinished.AS_GOOD)
     if not finding.compared and not unfinished:

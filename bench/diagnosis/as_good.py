@@ -1,12 +1,14 @@
 """Models that explain the data as well as the one that was identified, and what they do to its drive gains."""
 
 from collections.abc import Iterator, Sequence
+from math import inf
 
 from bench.diagnosis.base_model import BaseModel
 from bench.diagnosis.candidates import Proposal
-from bench.diagnosis.evidence import answer_weight
+from bench.diagnosis.evidence import Samples, answer_weight
+from bench.diagnosis.result import Unexplained
 from bench.diagnosis.rounds import Round
-from bench.diagnosis.search import close, scored
+from bench.diagnosis.search import log_posterior, scored
 from bench.diagnosis.unnamed_effects import unnamed_spread
 from bench.effects import EffectInstance
 from bench.identification.decision import RULE
@@ -18,25 +20,25 @@ from bench.identification.result import Identification
 
 
 def with_spread_over_models(
-    base_model: BaseModel, last: Round, model: Prepared, after: Identification, *, remains: bool
+    base_model: BaseModel, last: Round, model: Prepared, after: Identification, unexplained: Unexplained
 ) -> Identification:
     """The identified model's answer, with standard errors of its gains that hold those of models that are as good.
 
-    An effect that is too small to be named counts for how sure a gain is. remains: where something remains that no
-    effect accounts for, another effect in the place of an identified one represents similar effects, too, whatever its
-    sign: each has the shape of a torque that is not modelled. model: with the identified effects where they show.
-    Raises TimeUpError after the deadline.
+    An effect that is too small to be named counts for how sure a gain is. Where something remains that no effect
+    accounts for, another effect in the place of an identified one represents similar effects, too, whatever its sign:
+    each has the shape of a torque that is not modelled. model: with the identified effects where they show;
+    unexplained: what it leaves; beyond noise, fewer samples count. Raises TimeUpError after the deadline.
     """
     if not after.gains_fitted:
         return after
-    spread = unnamed_spread(last.system, last.selection.selected.fit, last.proposals)
+    samples = last.system.samples.beyond(unexplained.excess)
+    spread = unnamed_spread(last.system, last.selection.selected.fit, last.proposals, samples)
     after = gains_spread(after, dict(zip(after.drive_gains, spread.tolist(), strict=True)))
-    if not remains:
+    if not (unexplained.significant or unexplained.much):
         return after
-    samples = last.system.samples
     least = answer_weight(samples, model, after) - RULE.undecided
     others, added = [], model.effects[len(base_model.start.effects) :]
-    for chosen in _as_good(last):
+    for chosen in _as_good(last, samples):
         instances = [
             instance for i in chosen for instance in _instances(last.proposals[i], i in last.chosen, added)
         ]
@@ -48,17 +50,19 @@ def with_spread_over_models(
     return gains_model_averaged(after, others)
 
 
-def _as_good(last: Round) -> Iterator[tuple[int, ...]]:
+def _as_good(last: Round, samples: Samples) -> Iterator[tuple[int, ...]]:
     """For each identified effect, the best set with another in its place, if the data support it as well."""
     system, best = last.system, last.selection.selected
     usable = [
         i for i, proposal in enumerate(last.proposals) if not proposal.absorbed and i not in last.chosen
     ]
+    least = log_posterior(system, best.fit, samples) - RULE.undecided
     for k in last.chosen:
         sets = [(*(c for c in last.chosen if c != k), i) for i in usable]
-        other = max(scored(system, sets), key=lambda each: each.total, default=None)
-        if other is not None and close(best, other):
-            yield other.fit.chosen
+        weighed = [(log_posterior(system, each.fit, samples), each.fit) for each in scored(system, sets)]
+        weight, fitted = max(weighed, key=lambda pair: pair[0], default=(-inf, best.fit))
+        if weight > least:
+            yield fitted.chosen
 
 
 def _instances(

@@ -5,7 +5,6 @@ from dataclasses import replace
 from itertools import combinations
 
 import numpy as np
-from scipy.special import expit
 
 from bench.diagnosis.evidence import Samples
 from bench.diagnosis.ladder import Fits
@@ -106,7 +105,7 @@ def improbable_effect(
     samples, every = samples.beyond(excess()), frozenset(names)
     without = {name: fits(every - {name}).residual.weight(samples) for name in names}
     name = max(names, key=lambda name: without[name])
-    if expit(fits(every).residual.weight(samples) - without[name]) > 1.0 - RULE.sure:
+    if without[name] - fits(every).residual.weight(samples) < RULE.sure_odds:
         return {}
     return {name: Reason(Because.GAINS_LITTLE)}
 

@@ -52,9 +52,9 @@ class SearchResult:
         recordings = case.problem.dataset.recordings
         return excess(self.after, recordings, partial(encoder_error, self.model))
 
-    def more_probable_than(self, other: "SearchResult", excess: float) -> bool:
-        """Whether the identified model is more probable than that of another search, which leaves so much more than
-        noise, as a logarithm.
+    def odds_over(self, other: "SearchResult", excess: float) -> float:
+        """Log odds of the identified model over that of another search, which leaves so much more than noise, as a
+        logarithm.
         """
         samples = self.last.system.samples.beyond(excess)
-        return self.weight_by(samples) > other.weight_by(samples)
+        return self.weight_by(samples) - other.weight_by(samples)

@@ -12,8 +12,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from bench.diagnosis.candidates import Proposal
+from bench.diagnosis.evidence import Samples
 from bench.diagnosis.normal_equations import SetFit, System, inner_of
 from bench.identification.bilinear import normal_equations
+from bench.identification.decision import RULE
 from bench.identification.tolerances import TOLERANCES
 
 
@@ -27,10 +29,12 @@ class RandomEffect:
     squares: np.ndarray
 
 
-def unnamed_spread(system: System, fit: SetFit, proposals: Sequence[Proposal]) -> np.ndarray:
+def unnamed_spread(
+    system: System, fit: SetFit, proposals: Sequence[Proposal], samples: Samples
+) -> np.ndarray:
     """Standard deviation (n,) of the drive gains by effects that a set's fit lacks.
 
-    The prior is even: that one of them acts is as probable as that none does, and all are equally probable.
+    samples: where more than noise remains, as few as count then. The prior is even: that one of them acts is as probable as that none does, and all are equally probable.
     """
     others = [
         i
@@ -41,7 +45,7 @@ def unnamed_spread(system: System, fit: SetFit, proposals: Sequence[Proposal]) -
         return np.zeros_like(fit.gains)
     columns = np.concatenate([fit.columns, *(system.candidates[i].columns for i in others)])
     values = np.concatenate((fit.values, np.zeros(len(columns) - len(fit.values))))
-    normal, right = _weighted_equations(system, fit, columns, values)
+    normal, right = _weighted_equations(system, fit, samples, columns, values)
     known = np.r_[: len(fit.values), len(columns) : len(normal)]
     inverse = _inverse(normal[np.ix_(known, known)])
     effects, at = [], len(fit.values)
@@ -64,11 +68,12 @@ def unnamed_spread(system: System, fit: SetFit, proposals: Sequence[Proposal]) -
 
 
 def _weighted_equations(
-    system: System, fit: SetFit, columns: np.ndarray, values: np.ndarray
+    system: System, fit: SetFit, samples: Samples, columns: np.ndarray, values: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
     """Normal equations of a set's fit and further columns, in units of the noise of independent samples."""
     start = system.start
-    precision = np.sqrt(system.samples.fitted / np.maximum(fit.by_motor[0], np.finfo(float).tiny))
+    count = samples.fitted * (samples.coarsening / RULE.coarsening)
+    precision = np.sqrt(count / np.maximum(fit.by_motor[0], np.finfo(float).tiny))
     inner = inner_of(system.fitted, columns)
     return normal_equations(inner, values, fit.gains, precision, start.gains, start.gains_fitted)
 

@@ -4,7 +4,7 @@ Numerical bounds are in `bench.identification.tolerances`.
 """
 
 from dataclasses import dataclass
-from math import erf, erfc, exp, sqrt
+from math import erf, erfc, exp, log, sqrt
 
 from bench.basics.in_force import InForce
 
@@ -74,6 +74,11 @@ class DecisionRule:
         and this it is undecided.
         """
         return erf(sqrt(2.0))
+
+    @property
+    def sure_odds(self) -> float:
+        """The same as log odds, nats."""
+        return log(self.sure / (1.0 - self.sure))
 
     @property
     def by_chance(self) -> float:

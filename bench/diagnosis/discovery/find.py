@@ -239,9 +239,10 @@ def _with_laws(
         return plain
     finding = search_from(case, base_model, this_round, progress, barred, wholly=True)
     staying = tuple(law for law in laws if law.name in finding.names)
-    if not (staying or called) or not finding.more_probable_than(
-        plain.finding, plain.diagnosis.unexplained.excess
-    ):
+    if not (staying or called):
+        return plain
+    needed = RULE.sure_odds if staying else 0.0  # what the catalogue holds is preferred to a law that is not sure
+    if finding.odds_over(plain.finding, plain.diagnosis.unexplained.excess) <= needed:
         return plain
     return _Answer(
         finding, staying, _with_discovered(finding, staying, laws, answered(case, finding, progress))
@@ -308,7 +309,7 @@ def _with_tables(case: SplitProblem, plain: _Answer, progress: Progress) -> _Ans
     wider = search_from(case, base_model, this_round, progress, finding.barred, wholly=True)
     staying = tuple(law for law in (*plain.laws, *laws) if law.name in wider.names)
     tabled = {law.name for law in laws}.intersection(wider.names)
-    if not tabled or not wider.more_probable_than(finding, wider.excess(case)):
+    if not tabled or wider.odds_over(finding, wider.excess(case)) <= 0.0:
         return plain
     diagnosis = _with_discovered(wider, staying, (*plain.laws, *laws), answered(case, wider, progress))
     diagnosis = replace(diagnosis, after=gains_model_averaged(diagnosis.after, [plain.diagnosis.after]))
