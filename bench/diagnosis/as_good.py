@@ -1,14 +1,13 @@
 """Models that explain the data as well as the one that was identified, and what they do to its drive gains."""
 
 from collections.abc import Iterator, Sequence
-from math import inf
 
 from bench.diagnosis.base_model import BaseModel
 from bench.diagnosis.candidates import Proposal
-from bench.diagnosis.evidence import Samples, answer_weight
+from bench.diagnosis.evidence import answer_weight
 from bench.diagnosis.result import Unexplained
 from bench.diagnosis.rounds import Round
-from bench.diagnosis.search import log_posterior, scored
+from bench.diagnosis.search import Scored, close, scored
 from bench.diagnosis.unnamed_effects import unnamed_spread
 from bench.effects import EffectInstance
 from bench.identification.decision import RULE
@@ -17,6 +16,7 @@ from bench.identification.identify import fit
 from bench.identification.model_averaged import gains_model_averaged, gains_spread
 from bench.identification.prepare import Prepared
 from bench.identification.result import Identification
+from bench.identification.tolerances import TOLERANCES
 
 
 def with_spread_over_models(
@@ -25,20 +25,21 @@ def with_spread_over_models(
     """The identified model's answer, with standard errors of its gains that hold those of models that are as good.
 
     An effect that is too small to be named counts for how sure a gain is. Where something remains that no effect
-    accounts for, another effect in the place of an identified one represents similar effects, too, whatever its sign:
-    each has the shape of a torque that is not modelled. model: with the identified effects where they show;
+    accounts for, one effect more, or another in the place of an identified one, represents similar effects, too,
+    whatever its sign: each has the shape of a torque that is not modelled. model: with the identified effects where they show;
     unexplained: what it leaves; beyond noise, fewer samples count. Raises TimeUpError after the deadline.
     """
     if not after.gains_fitted:
         return after
-    samples = last.system.samples.beyond(unexplained.excess)
-    spread = unnamed_spread(last.system, last.selection.selected.fit, last.proposals, samples)
+    fewer = last.system.samples.beyond(unexplained.excess)
+    spread = unnamed_spread(last.system, last.selection.selected.fit, last.proposals, fewer)
     after = gains_spread(after, dict(zip(after.drive_gains, spread.tolist(), strict=True)))
     if not (unexplained.significant or unexplained.much):
         return after
+    samples = last.system.samples
     least = answer_weight(samples, model, after) - RULE.undecided
     others, added = [], model.effects[len(base_model.start.effects) :]
-    for chosen in _as_good(last, samples):
+    for chosen in _as_good(last):
         instances = [
             instance for i in chosen for instance in _instances(last.proposals[i], i in last.chosen, added)
         ]
@@ -50,19 +51,27 @@ def with_spread_over_models(
     return gains_model_averaged(after, others)
 
 
-def _as_good(last: Round, samples: Samples) -> Iterator[tuple[int, ...]]:
-    """For each identified effect, the best set with another in its place, if the data support it as well."""
+def _as_good(last: Round) -> Iterator[tuple[int, ...]]:
+    """Sets one effect away from the identified one that the data support as well: the best with one more, and for each
+    identified effect the best with another in its place.
+    """
     system, best = last.system, last.selection.selected
     usable = [
         i for i, proposal in enumerate(last.proposals) if not proposal.absorbed and i not in last.chosen
     ]
-    least = log_posterior(system, best.fit, samples) - RULE.undecided
+
+    def best_first(sets: Sequence[tuple[int, ...]]) -> list[Scored]:
+        return sorted(scored(system, sets), key=lambda each: -each.total)
+
+    more = best_first([(*last.chosen, i) for i in usable])
+    candidates = [larger for larger in more if larger.total + RULE.prior > best.total][
+        : TOLERANCES.search.one_more
+    ]
     for k in last.chosen:
-        sets = [(*(c for c in last.chosen if c != k), i) for i in usable]
-        weighed = [(log_posterior(system, each.fit, samples), each.fit) for each in scored(system, sets)]
-        weight, fitted = max(weighed, key=lambda pair: pair[0], default=(-inf, best.fit))
-        if weight > least:
-            yield fitted.chosen
+        others = best_first([(*(c for c in last.chosen if c != k), i) for i in usable])
+        candidates += [other for other in others if close(best, other)][:1]
+    for candidate in candidates:
+        yield candidate.fit.chosen
 
 
 def _instances(

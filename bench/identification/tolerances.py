@@ -199,6 +199,7 @@ class SearchBounds:
     starts: int = 4  # from which the search starts, apart from the empty one
     together: int = 2  # fewest that are solved together
     together_unknowns: float = 1.2  # ratio of the unknowns of sets that are solved together
+    one_more: int = 2  # with one effect more than the answer that are fitted, the best supported first
     # of an effect that is too small to be named, over the standard error of what shows best of it
     random_sizes: tuple[float, float] = (0.03, 300.0)
     random_steps: int = 40  # sizes between them

@@ -241,7 +241,9 @@ def _with_laws(
     staying = tuple(law for law in laws if law.name in finding.names)
     if not (staying or called):
         return plain
-    needed = RULE.sure_odds if staying else 0.0  # what the catalogue holds is preferred to a law that is not sure
+    needed = (
+        RULE.sure_odds if staying else 0.0
+    )  # what the catalogue holds is preferred to a law that is not sure
     if finding.odds_over(plain.finding, plain.diagnosis.unexplained.excess) <= needed:
         return plain
     return _Answer(
