@@ -26,8 +26,8 @@ def with_spread_over_models(
 
     An effect that is too small to be named counts for how sure a gain is. Where something remains that no effect
     accounts for, one effect more, or another in the place of an identified one, represents similar effects, too,
-    whatever its sign: each has the shape of a torque that is not modelled. model: with the identified effects where they show;
-    unexplained: what it leaves; beyond noise, fewer samples count. Raises TimeUpError after the deadline.
+    whatever its sign: each has the shape of a torque that is not modelled. model: with the identified effects where
+    they show; unexplained: what it leaves; beyond noise, fewer samples count. Raises TimeUpError after the deadline.
     """
     if not after.gains_fitted:
         return after
