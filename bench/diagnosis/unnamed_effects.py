@@ -34,7 +34,7 @@ def unnamed_spread(
 ) -> np.ndarray:
     """Standard deviation (n,) of the drive gains by effects that a set's fit lacks.
 
-    samples: where more than noise remains, as few as count then. The prior is even: that one of them acts is as probable
+    samples: where more than noise remains, as few as count then. The prior is even: that one acts is as probable
     as that none does, and all are equally probable.
     """
     others = [
