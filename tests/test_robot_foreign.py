@@ -242,3 +242,29 @@ def test_a_body_without_mass_is_named(tmp_path):
     """As of a file whose meshes somebody deleted."""
     with pytest.raises(BenchError, match=r"body 'c1' moves and has no mass .* give it an <inertial>"):
         robot(tmp_path / "robot", FIVE_BAR.replace(INERTIAL, "", 1))
+
+
+# --- the rank of base parameters ----------------------------------------------------------------------------
+
+TOGGLE = """<body pos="-0.25 0 0.35"><joint name="nut" type="slide" axis="1 0 0" range="-0.05 0.1"/>{inertial}
+    <body><joint name="push" axis="0 1 0"/>{inertial}<site name="push_end" pos="0.2 0 0"/></body></body>
+  <body pos="0 0 0.6" euler="0 0.1973955598 0"><joint name="top" axis="0 1 0"/>{inertial}
+    <site name="knee" pos="0 0 -0.254950976"/>
+    <body pos="0 0 -0.254950976" euler="0 -0.3947911197 0"><joint name="bend" axis="0 1 0"/>{inertial}
+      <site name="low_end" pos="0 0 -0.254950976"/></body></body>
+  <body pos="0 0 0.1"><joint name="ram" type="slide" axis="0 0 1" range="-0.3 0.3"/>{inertial}<site name="tip"/></body>"""
+
+
+def test_where_one_set_of_states_has_an_earlier_gap_the_gap_of_both_decides(tmp_path):
+    """A toggle press hardly moves its ram: one singular value is 1e-5 of the largest, next to 1e-13 of rounding."""
+    screw = '<actuator><general name="servo" joint="nut" gear="628.3"/></actuator>'
+    press = robot(
+        tmp_path,
+        TOGGLE.format(inertial=INERTIAL),
+        '<connect site1="push_end" site2="knee"/><connect site1="low_end" site2="tip"/>',
+        ["servo"],
+        rest=screw,
+    )
+    report = check_robot(press)
+    assert failures(report) == []
+    assert len(report.base.names) == 8

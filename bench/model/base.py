@@ -37,8 +37,8 @@ class IndependentColumns:
     neglected: float
 
 
-def independent_columns(rows: np.ndarray) -> IndependentColumns:
-    """Which columns of rows (r, p) are independent of those before them, and how the others follow.
+def independent_columns(rows: np.ndarray, least: int = 0) -> IndependentColumns:
+    """Which columns of rows (r, p) are independent of those before them, at least so many, and how the others follow.
 
     Every row counts alike, whatever its size: rows near a singular pose are a million times larger. The rank is where
     the singular values, columns of unit length, fall by a gap to less than the slack; a column counts as zero after
@@ -51,7 +51,7 @@ def independent_columns(rows: np.ndarray) -> IndependentColumns:
     present = np.sort(np.argsort(-norms, kind="stable")[:large])
     scaled = rows[:, present] / norms[present]
     _, values, directions = np.linalg.svd(scaled, full_matrices=False)
-    rank = _rank(values)
+    rank = _rank(values, least)
     if rank and values[rank - 1] < RANKS.rounding * values[0]:
         raise UndecidedRankError(present[np.abs(directions[rank - 1]) > RANKS.coefficient])
     slack = float((values[rank:] / values[rank - 1 : rank]).max(initial=0.0))
@@ -100,11 +100,12 @@ def _rows_alike(rows: np.ndarray) -> np.ndarray:
     return np.asarray(rows / np.where(sizes > 0.0, sizes, 1.0)[:, None])
 
 
-def _rank(values: np.ndarray) -> int:
-    """How many of the descending values (k,) come before the first gap to less than the slack."""
+def _rank(values: np.ndarray, least: int = 0) -> int:
+    """How many of the descending values (k,) come before the first gap to less than the slack, at least so many."""
     below = values[1:] < RANKS.slack * values[:1]
-    gaps = np.flatnonzero(below & (values[:-1] > RANKS.gap * values[1:]))
-    return int(gaps[0]) + 1 if len(gaps) else int(np.count_nonzero(values))
+    gaps = np.flatnonzero(below & (values[:-1] > RANKS.gap * values[1:])) + 1
+    gaps = gaps[gaps >= least]
+    return int(gaps[0]) if len(gaps) else int(np.count_nonzero(values))
 
 
 SEEDS = (20120601, 20120603)  # of two sets of states; fixed, so that base parameters never depend on data
@@ -134,8 +135,8 @@ def base_parameters(geometry: Geometry) -> BaseParameters:
     """The base parameters of a robot; geometry alone decides them.
 
     Of dependent columns the first stay: free bodies (platforms) come first, then bodies from the base
-    outwards, then the rotors, of which those remain that no body's inertia can represent. Two sets of states must
-    give as many. Raises BenchError, naming the bodies, where they do not.
+    outwards, then the rotors, of which those remain that no body's inertia can represent. The rank is at the first gap
+    of the singular values that two sets of states have. Raises BenchError, naming the bodies, where there is none.
     """
     free = [i for i, joint in enumerate(geometry.joints) if joint.kind == "free"]
     bodies = np.concatenate([*(np.arange(10 * i, 10 * i + 10) for i in free), body_columns(geometry)])
@@ -143,6 +144,11 @@ def base_parameters(geometry: Geometry) -> BaseParameters:
     candidates = np.concatenate((bodies, rotor_columns(geometry)))
     names = parameter_names(geometry)
     first, second = (_independent_at(geometry, candidates, names, seed) for seed in SEEDS)
+    most = max(len(first.kept), len(second.kept))
+    first, second = (
+        columns if len(columns.kept) == most else _independent_at(geometry, candidates, names, seed, most)
+        for columns, seed in zip((first, second), SEEDS, strict=True)
+    )
     if len(first.kept) != len(second.kept):
         raise _undecided(geometry, names, candidates[np.setxor1d(first.kept, second.kept)])
     whole = np.zeros((len(first.kept), len(names)))
@@ -162,9 +168,11 @@ def base_parameters(geometry: Geometry) -> BaseParameters:
 
 
 def _independent_at(
-    geometry: Geometry, candidates: np.ndarray, names: list[tuple[str, str]], seed: int
+    geometry: Geometry, candidates: np.ndarray, names: list[tuple[str, str]], seed: int, least: int = 0
 ) -> IndependentColumns:
-    """`independent_columns` of the candidates at random states. Raises BenchError where these do not decide."""
+    """`independent_columns` of the candidates at random states, at least so many. Raises BenchError where these do not
+    decide.
+    """
     count = max(40, 3 * len(candidates) // len(geometry.active))
     motion = random_motion(geometry, count, seed)
     if len(motion.time) < count // 4:
@@ -174,7 +182,7 @@ def _independent_at(
         )
     rows = projected_regressor(geometry, motion, candidates).reshape(-1, len(candidates))
     try:
-        return independent_columns(rows)
+        return independent_columns(rows, least)
     except UndecidedRankError as error:
         raise _undecided(geometry, names, candidates[error.columns]) from None
 
