@@ -106,8 +106,8 @@ def test_a_base_parameter_too_few_is_seen():
 def test_sets_of_states_that_disagree_are_refused(monkeypatch):
     calls = []
 
-    def one_less_the_second_time(rows):
-        independent = independent_columns(rows)
+    def one_less_the_second_time(rows, least=0):
+        independent = independent_columns(rows, least)
         calls.append(rows)
         return independent if len(calls) == 1 else replace(independent, kept=independent.kept[:-1])
 
