@@ -252,7 +252,8 @@ TOGGLE = """<body pos="-0.25 0 0.35"><joint name="nut" type="slide" axis="1 0 0"
     <site name="knee" pos="0 0 -0.254950976"/>
     <body pos="0 0 -0.254950976" euler="0 -0.3947911197 0"><joint name="bend" axis="0 1 0"/>{inertial}
       <site name="low_end" pos="0 0 -0.254950976"/></body></body>
-  <body pos="0 0 0.1"><joint name="ram" type="slide" axis="0 0 1" range="-0.3 0.3"/>{inertial}<site name="tip"/></body>"""
+  <body pos="0 0 0.1"><joint name="ram" type="slide" axis="0 0 1" range="-0.3 0.3"/>{inertial}
+    <site name="tip"/></body>"""
 
 
 def test_where_one_set_of_states_has_an_earlier_gap_the_gap_of_both_decides(tmp_path):
