@@ -11,6 +11,7 @@ from bench.diagnosis.reason import Because
 from bench.diagnosis.result import Diagnosis
 from bench.diagnosis.summary import summary_of
 from bench.identification.decision import DecisionRule
+from bench.page.verdict import diagnosis_tiles, diagnosis_verdict
 from tests.discover_kit import measured
 
 HIDDEN = ({"effect": "coulomb_friction", "Fc": 0.1}, {"effect": "viscous_friction", "Fv": 0.05})
@@ -42,6 +43,9 @@ def test_an_answer_that_names_nothing_is_no_worse_than_the_usual_friction(datase
 def test_it_says_so_and_gives_the_values(unproven):
     (said,) = [sentence for sentence in summary_of(unproven).sentences if "in the model, too" in sentence]
     assert "iscous friction" in said
+    assert said in diagnosis_verdict(unproven)
+    tile = next(tile for tile in diagnosis_tiles(unproven) if tile.label == "Missing effects")
+    assert tile.value == "none"
     answer = json.loads(json.dumps(diagnosis_json(unproven), allow_nan=False))
     entry = next(entry for entry in answer["ranking"] if entry["effect"] == "viscous_friction")
     assert entry["verdict"] == "not supported"

@@ -39,7 +39,7 @@ def diagnosis_verdict(diagnosis: Diagnosis) -> tuple[str, ...]:
         )
     if doubtful:
         middle += f"; {and_list(doubtful)}: these recordings cannot tell"
-    sentences = (said.verdict, said.unfinished, *said.laws, f"{middle}.", said.residual)
+    sentences = (said.verdict, said.unfinished, *said.laws, f"{middle}.", said.usual, said.residual)
     return tuple(typeset(name) for name in sentences if name)
 
 
@@ -106,8 +106,9 @@ def diagnosis_tiles(diagnosis: Diagnosis) -> tuple[Tile, ...]:
     known = [step.validate if step.validate is not None else step.identify for step in (first, last)]
     kind = "not fitted" if last.validate is not None else "fitted"
     before = f"from {share(known[0])} without" if diagnosis.added else "nothing to add"
-    count = str(len(diagnosis.added)) if diagnosis.added else "none"
-    names = ", ".join(effect_name(name) for name in diagnosis.added) or "that the catalogue knows"
+    missing = [name for name in diagnosis.added if name not in diagnosis.usual]
+    count = str(len(missing)) if missing else "none"
+    names = ", ".join(effect_name(name) for name in missing) or "that the catalogue knows"
     return (
         Tile(f"Error, {kind}", share(known[1]), before),
         Tile("Noise floor", share(diagnosis.unexplained.noise_floor), "of the currents, as an error"),
