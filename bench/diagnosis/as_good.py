@@ -33,7 +33,7 @@ def with_spread_over_models(
         return after
     fewer = last.system.samples.beyond(unexplained.excess)
     spread = unnamed_spread(last.system, last.selection.selected.fit, last.proposals, fewer)
-    after = gains_spread(after, dict(zip(after.drive_gains, spread.tolist(), strict=True)))
+    after = gains_spread(after, dict(zip(after.joints, spread.tolist(), strict=True)))
     if not (unexplained.significant or unexplained.much):
         return after
     samples = last.system.samples

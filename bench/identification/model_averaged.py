@@ -56,11 +56,11 @@ def gains_model_averaged(
 
 
 def gains_spread(result: Identification, spread: Mapping[str, float]) -> Identification:
-    """As `model_averaged`, for the gains that were fitted, by further standard deviations of each joint's."""
+    """As `model_averaged`, for the gains that were fitted, by further standard deviations of the joints in `spread`."""
     apart = {
         Unknown("gain", "gain", joint): hypot(gain.std, spread[joint])
         for joint, gain in result.drive_gains.items()
-        if 0.0 < gain.std < inf
+        if joint in spread and 0.0 < gain.std < inf
     }
     return model_averaged(result, apart, "models")
 
