@@ -77,6 +77,7 @@ def test_what_is_improbable_beyond_noise_goes(
     """A delay of a measured slide took a seventh of an error of 40 times the noise: one log had it, the next not."""
     out = improbable_effect(fits_with(answer, error, 0.0), NAMES, MANY, lambda: excess)
     assert out == ({"saturation": Reason(Because.GAINS_LITTLE)} if goes else {})
+    assert improbable_effect(fits_with(answer, error, 0.0), ("saturation",), MANY, lambda: excess) == {}
 
 
 def test_without_effects_nothing_goes(answer: Identification) -> None:

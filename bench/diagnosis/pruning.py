@@ -97,10 +97,10 @@ def improbable_effect(
 ) -> dict[str, Reason]:
     """The effect that is needed least, if it is improbable where samples count as beyond noise; and why it goes.
 
-    excess: of the model, asked for only where there are effects. The others stay as they are: what would take the place
-    of an improbable effect is no more probable.
+    excess: of the model, asked for only where there are several effects: one alone stays as what resembles the residual
+    most. The others stay as they are: what would take the place of an improbable effect is no more probable.
     """
-    if not names:
+    if len(names) < 2:
         return {}
     samples, every = samples.beyond(excess()), frozenset(names)
     without = {name: fits(every - {name}).residual.weight(samples) for name in names}
