@@ -65,6 +65,16 @@ def gains_spread(result: Identification, spread: Mapping[str, float]) -> Identif
     return model_averaged(result, apart, "models")
 
 
+def gains_no_surer(result: Identification, other: Identification) -> Identification:
+    """As `model_averaged`, for the gains that were fitted, with standard errors at least those of another answer."""
+    apart = {
+        Unknown("gain", "gain", joint): other.drive_gains[joint].std
+        for joint, gain in result.drive_gains.items()
+        if 0.0 < gain.std and 0.0 < other.drive_gains[joint].std < inf
+    }
+    return model_averaged(result, apart, "models")
+
+
 def _away(gain: DriveGain) -> bool:
     return not 1.0 / RULE.gain_lost < gain.value / gain.nominal < RULE.gain_lost
 

@@ -43,7 +43,7 @@ from bench.identification.decision import RULE
 from bench.identification.finding import Finding, mended_first
 from bench.identification.identify import fit
 from bench.identification.mistaken import mistaken
-from bench.identification.model_averaged import gains_model_averaged
+from bench.identification.model_averaged import gains_model_averaged, gains_no_surer
 from bench.identification.prepare import Prepared
 from bench.identification.problem import Problem
 from bench.identification.tolerances import TOLERANCES
@@ -123,7 +123,12 @@ def _no_worse_than_usual(case: SplitProblem, first: _Answer, best: _Answer, prog
         return best
     if best.laws:
         better = no_worse_than_usual(case, first.finding, judged_error(first.diagnosis.after))
-    return first if better is None else _Answer(better, (), answered(case, better, progress))
+    if better is None:
+        return first
+    diagnosis = answered(case, better, progress)
+    # friction that is not proven makes no gain surer
+    after = gains_no_surer(diagnosis.after, best.diagnosis.after) if better.usual else diagnosis.after
+    return _Answer(better, (), replace(diagnosis, after=after))
 
 
 def _without_laws(diagnosis: Diagnosis, discover: bool | None) -> Diagnosis:
