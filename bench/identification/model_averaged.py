@@ -70,7 +70,7 @@ def gains_no_surer(result: Identification, other: Identification) -> Identificat
     apart = {
         Unknown("gain", "gain", joint): other.drive_gains[joint].std
         for joint, gain in result.drive_gains.items()
-        if 0.0 < gain.std and 0.0 < other.drive_gains[joint].std < inf
+        if gain.std > 0.0 and 0.0 < other.drive_gains[joint].std < inf
     }
     return model_averaged(result, apart, "models")
 
