@@ -42,6 +42,7 @@ def test_one_law_is_tried_for_several_frictions(
     )
     monkeypatch.setattr(find, "_with_one_for_several", lambda *_: ONE)
     monkeypatch.setattr(find, "_with_tables", lambda _, answer, __: answer)
+    monkeypatch.setattr(find, "_no_worse_than_usual", lambda _, __, best, ___: best)
     monkeypatch.setattr(find, "completed", lambda _, diagnosis: diagnosis)
     case: Any = None
     found = find._diagnosis(case, discover, True, find.SILENT)
@@ -63,6 +64,7 @@ def test_an_effect_that_was_not_needed_may_be_found_beside_a_law(monkeypatch: py
     monkeypatch.setattr(find, "search_laws", lambda _, __, never, ___: asked.append(never))
     monkeypatch.setattr(find, "_with_one_for_several", lambda *_: ONE)
     monkeypatch.setattr(find, "_with_tables", lambda _, answer, __: answer)
+    monkeypatch.setattr(find, "_no_worse_than_usual", lambda _, __, best, ___: best)
     monkeypatch.setattr(find, "completed", lambda _, diagnosis: diagnosis)
     case: Any = None
     find._diagnosis(case, None, True, find.SILENT)
