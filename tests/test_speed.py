@@ -7,12 +7,13 @@ from io import StringIO
 
 import numpy as np
 import pytest
+from click.testing import CliRunner
 from rich.console import Console
 
 from bench.basics.errors import BenchError
 from bench.benchmarks.peers.__main__ import EXPLANATION, HEADERS, Score, cells, scores_table
 from bench.benchmarks.speed import sweep
-from bench.benchmarks.speed.__main__ import MEASUREMENTS
+from bench.benchmarks.speed.__main__ import MEASUREMENTS, main
 from bench.benchmarks.speed.figures import HISTORY, SpeedFigure, append_history, figures_table, last_values
 from bench.benchmarks.speed.memory import STATUS, peak_bytes
 from bench.studies.sweep.print_summary import WIDE, table_console
@@ -78,8 +79,14 @@ def test_a_spoilt_history_is_told_with_its_line(tmp_path):
 
 
 def test_measurements_can_be_added_as_functions_without_arguments():
-    assert len(set(MEASUREMENTS)) == len(MEASUREMENTS)
-    assert sweep.sweep_figures in MEASUREMENTS
+    assert len(set(MEASUREMENTS.values())) == len(MEASUREMENTS)
+    assert MEASUREMENTS["sweep"] is sweep.sweep_figures
+
+
+def test_an_unknown_part_is_refused():
+    done = CliRunner().invoke(main, ["swep"])
+    assert done.exit_code == 2
+    assert "scheduling" in done.output
 
 
 def test_a_sweep_that_does_not_start_is_no_quick_start(tmp_path):

@@ -1,8 +1,16 @@
-"""`make speed`: every figure and its last value; the history is in results/speed."""
+"""`make speed`: every figure and its last value; the history is in results/speed.
+
+    python -m bench.benchmarks.speed [PART ...]
+
+measures only these parts.
+"""
 
 import os
 import sys
+from collections.abc import Callable, Mapping
 from pathlib import Path
+
+import click
 
 from bench.benchmarks.speed import (
     diagnosis,
@@ -12,7 +20,6 @@ from bench.benchmarks.speed import (
     main_job,
     regressor,
     report,
-    six_axes,
     start_up,
 )
 from bench.benchmarks.speed.figures import SpeedFigure, append_history, figures_table, last_values
@@ -24,7 +31,7 @@ from bench.studies.sweep.print_summary import table_console
 def regressor_figures() -> list[SpeedFigure]:
     """The projected regressor over Pinocchio's."""
     return [
-        SpeedFigure(f"regressor over Pinocchio's, {robot}", regressor.measure(robot).ratio, "×", limit)
+        SpeedFigure(f"regressor over Pinocchio's, {robot}", regressor.times_pinocchio(robot), "×", limit)
         for robot, limit in regressor.LIMITS.items()
     ]
 
@@ -34,12 +41,10 @@ def main_job_figures() -> list[SpeedFigure]:
     name = "simulate a hexapod, design included"
     figures = [SpeedFigure(name, main_job.hexapod_seconds(), "s", main_job.HEXAPOD_LIMIT)]
     for robot, limit in main_job.IDENTIFICATION_LIMITS.items():
-        speed = main_job.measure(robot)
+        ratio, seconds = main_job.measure(robot)
         figures += [
-            SpeedFigure(
-                f"simulation over mujoco.rollout, {robot}", speed.ratio, "×", main_job.SIMULATION_LIMIT
-            ),
-            SpeedFigure(f"identify two recordings of 20 s, {robot}", speed.identification, "s", limit),
+            SpeedFigure(f"simulation over mujoco.rollout, {robot}", ratio, "×", main_job.SIMULATION_LIMIT),
+            SpeedFigure(f"identify two recordings of 20 s, {robot}", seconds, "s", limit),
         ]
     return figures
 
@@ -79,9 +84,9 @@ def long_log_figures() -> list[SpeedFigure]:
         SpeedFigure(f"{name}, memory", gigabytes, "GB", long_log.MEMORY_LIMIT),
     ]
     measured = Path(os.environ.get("PARABENCH_DATA", "../shared/data"))
-    if (measured / six_axes.MACHINE).is_dir():
+    if (measured / long_log.ARM).is_dir():
         name = "identify six axes, 45,000 samples at 5 kHz"
-        figures.append(SpeedFigure(name, six_axes.measure(measured), "s", six_axes.LIMIT))
+        figures.append(SpeedFigure(name, long_log.measured_arm_seconds(measured), "s", long_log.ARM_LIMIT))
     return figures
 
 
@@ -113,26 +118,29 @@ def start_up_figures() -> list[SpeedFigure]:
     return [*starts, *silences]
 
 
-MEASUREMENTS = (
-    start_up_figures,
-    regressor_figures,
-    main_job_figures,
-    long_log_figures,
-    growth_figures,
-    diagnosis_figures,
-    report_figures,
-    sweep_figures,
-    scheduling_figures,
-)
+MEASUREMENTS: Mapping[str, Callable[[], list[SpeedFigure]]] = {
+    "start_up": start_up_figures,
+    "regressor": regressor_figures,
+    "main_job": main_job_figures,
+    "long_log": long_log_figures,
+    "growth": growth_figures,
+    "diagnosis": diagnosis_figures,
+    "report": report_figures,
+    "sweep": sweep_figures,
+    "scheduling": scheduling_figures,
+}
 
 
-def main() -> int:
-    """Measure, print, keep; 1 if a limit is not kept."""
-    figures = [figure for measure in MEASUREMENTS for figure in measure()]
+@click.command()
+@click.argument("parts", nargs=-1, type=click.Choice(list(MEASUREMENTS)), metavar="[PART]...")
+def main(parts: tuple[str, ...]) -> None:
+    """Measure all or some parts, print and keep their figures; exit code 1 if a limit is not kept."""
+    figures = [figure for part in parts or MEASUREMENTS for figure in MEASUREMENTS[part]()]
     table_console().print(figures_table(figures, last_values()))
     append_history(figures)
-    return 0 if all(figure.kept for figure in figures) else 1
+    if not all(figure.kept for figure in figures):
+        sys.exit(1)
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    main()

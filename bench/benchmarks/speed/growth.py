@@ -1,7 +1,6 @@
 """How the cost of identify and diagnose grows: with samples, with motors, and with the size of the catalogue.
 
-Run as `python -m bench.benchmarks.speed.growth`: processor time in one run, the exponent of a power law through
-each series, a figure and the numbers in results/speed.
+Processor time in one run, the exponent of a power law through each series, a figure and the numbers in results/speed.
 """
 
 import json
@@ -15,7 +14,6 @@ import matplotlib as mpl
 import numpy as np
 from matplotlib.figure import Figure as Drawing
 from matplotlib.ticker import LogLocator
-from rich.table import Table
 
 from bench.basics.figure_style import STYLE
 from bench.basics.files.atomic import atomic_path
@@ -28,7 +26,6 @@ from bench.effects import CATALOGUE
 from bench.identification.identify import identify
 from bench.identification.prepare import prepare
 from bench.identification.problem import Problem, problem_of
-from bench.studies.sweep.print_summary import table_console
 
 RESULT = Path("results/speed/growth.json")
 PICTURE = Path("results/speed/growth.png")
@@ -142,21 +139,6 @@ def growth_figure(series: Sequence[Growth]) -> Drawing:
     return drawing
 
 
-def main() -> None:
-    """Measure, print, draw and keep."""
-    series = list(measure())
-    table = Table(title="Processor time against size")
-    for heading in ("command", "grows with", "sizes", "seconds", "exponent"):
-        table.add_column(heading)
-    for growth in series:
-        sizes, seconds = (
-            "  ".join(f"{value:.3g}" for value in values) for values in (growth.sizes, growth.seconds)
-        )
-        table.add_row(growth.command, growth.of, sizes, seconds, f"{growth.exponent:.2f}")
-    table_console().print(table)
-    keep(series)
-
-
 def keep(series: Sequence[Growth]) -> None:
     """Write the numbers and the figure."""
     rows = [{**asdict(growth), "exponent": growth.exponent, **versions().columns()} for growth in series]
@@ -164,7 +146,3 @@ def keep(series: Sequence[Growth]) -> None:
         path.write_text(json.dumps(rows, indent=2) + "\n", encoding="utf-8")
     with atomic_path(PICTURE) as path:
         growth_figure(series).savefig(path, dpi=120)
-
-
-if __name__ == "__main__":
-    main()

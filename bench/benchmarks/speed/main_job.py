@@ -1,51 +1,32 @@
 """Cost of the main job: simulating, compared with `mujoco.rollout`, and identifying two recordings of 20 s at 1 kHz;
 and of the longest simulation, that of a hexapod whose trajectories are designed first.
 
-Run as `python -m bench.benchmarks.speed.main_job`. Simulation and rollout run the same models over the same steps,
+Simulation and rollout run the same models over the same steps,
 alternately and on one thread, so that what else the machine does falls out of their ratio.
 """
 
-import json
-from dataclasses import asdict, dataclass, replace
-from pathlib import Path
+from dataclasses import replace
 from time import perf_counter
 
 import mujoco
 import numpy as np
 from mujoco import rollout
-from rich.table import Table
 
-from bench.basics.files.atomic import atomic_path
-from bench.basics.versions import versions
 from bench.excitation.scenario import designer
 from bench.identification.identify import identify
 from bench.identification.prepare import prepare
 from bench.identification.problem import problem_of
 from bench.scenario.scenario import load_scenario, resolve_trajectories
-from bench.studies.sweep.print_summary import table_console
 from bench.truth.dataset import as_dataset
 from bench.truth.simulate import Simulation, simulate
 
 SIMULATION_LIMIT = 2.0  # times mujoco.rollout
 HEXAPOD, HEXAPOD_LIMIT = "stewart", 15.0  # s
 IDENTIFICATION_LIMITS = {"five_bar": 1.0, "delta": 4.0}  # s
-RESULT = Path("results/speed/main_job.json")
 
 
-@dataclass(frozen=True)
-class MainJobSpeed:
-    """Medians over the repeats: microseconds a step, their ratio, and seconds to identify two recordings."""
-
-    robot: str
-    steps: int
-    simulation: float
-    rollout: float
-    ratio: float
-    identification: float
-
-
-def measure(name: str, repeats: int = 5) -> MainJobSpeed:
-    """Time one scenario."""
+def measure(name: str, repeats: int = 5) -> tuple[float, float]:
+    """How many times mujoco.rollout a simulation takes, and seconds to identify its two recordings: medians."""
     scenario = load_scenario(name)
     trajectories = resolve_trajectories(scenario, designer)
     times = np.empty((repeats, 3))
@@ -55,19 +36,11 @@ def measure(name: str, repeats: int = 5) -> MainJobSpeed:
         times[repeat, 0] = perf_counter() - start
         times[repeat, 1] = plain_rollout(simulation)
         dataset = as_dataset(simulation)
-        fitted = replace(
-            dataset,
-            recordings=tuple(recording for recording in dataset.recordings if recording.use == "identify"),
-        )
+        fitted = tuple(recording for recording in dataset.recordings if recording.use == "identify")
         start = perf_counter()
-        identify(prepare(problem_of(fitted)))
+        identify(prepare(problem_of(replace(dataset, recordings=fitted))))
         times[repeat, 2] = perf_counter() - start
-    simulated, plain, identification = np.median(times, axis=0)
-    ratio = float(np.median(times[:, 0] / times[:, 1]))
-    microseconds = 1e6 / simulation.steps
-    return MainJobSpeed(
-        name, simulation.steps, simulated * microseconds, plain * microseconds, ratio, identification
-    )
+    return float(np.median(times[:, 0] / times[:, 1])), float(np.median(times[:, 2]))
 
 
 def hexapod_seconds() -> float:
@@ -94,32 +67,3 @@ def plain_rollout(simulation: Simulation, copies: int = 1, threads: int = 1) -> 
     start = perf_counter()
     rollout.rollout(models * copies, datas, state, control)
     return perf_counter() - start
-
-
-def main() -> None:
-    """Measure the robots that have a limit, show the table, and keep it in results/speed."""
-    speeds = [measure(name) for name in IDENTIFICATION_LIMITS]
-    table = Table(title="Simulation, µs a step, and identification of two recordings of 20 s at 1 kHz, s")
-    for heading in ("robot", "simulate", "rollout", "ratio", "at most", "identify", "at most"):
-        table.add_column(heading, justify="left" if heading == "robot" else "right")
-    for speed in speeds:
-        limit = IDENTIFICATION_LIMITS[speed.robot]
-        parts = (f"{value:.2f}" for value in (speed.simulation, speed.rollout, speed.ratio, SIMULATION_LIMIT))
-        table.add_row(speed.robot, *parts, f"{speed.identification:.2f}", f"{limit:g}")
-    table_console().print(table)
-    limits = {"ratio_limit": SIMULATION_LIMIT}
-    rows = [
-        {
-            **asdict(job),
-            **limits,
-            "identification_limit": IDENTIFICATION_LIMITS[job.robot],
-            **versions().columns(),
-        }
-        for job in speeds
-    ]
-    with atomic_path(RESULT) as path:
-        path.write_text(json.dumps(rows, indent=2) + "\n")
-
-
-if __name__ == "__main__":
-    main()

@@ -1,6 +1,6 @@
 """The overhead of a run of a sweep: planning, scheduling, transport and the journal.
 
-Run as `python -m bench.benchmarks.speed.scheduling`. Ten thousand runs without any work, one task each, and then a
+Ten thousand runs without any work, one task each, and then a
 fifth more over which memory is watched, go through the processes of this machine, and through a Dask scheduler with 64
 workers that live in one other process.
 """
@@ -14,8 +14,6 @@ from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
 
-from rich.table import Table
-
 from bench.basics.errors import BenchError
 from bench.basics.files.atomic import write_json_atomically
 from bench.basics.versions import versions
@@ -25,7 +23,6 @@ from bench.studies.sweep.dask_pool import DaskPool
 from bench.studies.sweep.journal import Journal
 from bench.studies.sweep.plan import make_plan
 from bench.studies.sweep.pool import LocalPool, Pool
-from bench.studies.sweep.print_summary import table_console
 from bench.studies.sweep.run_sweep import JOURNAL, run_sweep
 from bench.studies.sweep.sweep_file import load_sweep
 
@@ -58,16 +55,6 @@ class Scheduling:
     rate: float
     growth: float
     row: float
-
-    @property
-    def fed(self) -> float:
-        """Workers that driver and scheduler keep busy with runs of one second, each on a separate processor."""
-        return 1e3 / max(self.driver, self.scheduler)
-
-    @property
-    def hours(self) -> float:
-        """What a million runs take of the busier of the two, however many workers there are."""
-        return 1e6 * max(self.driver, self.scheduler) / 3.6e6
 
 
 @dataclass
@@ -181,30 +168,3 @@ def figures_of(scheduling: Scheduling) -> list[SpeedFigure]:
         SpeedFigure(f"{name}: memory gained", scheduling.growth, "MB", GROWTH_LIMIT),
         SpeedFigure(f"{name}: runs a second", scheduling.rate, "/s"),
     ]
-
-
-def main() -> None:
-    """Measure, show, and keep the figures in results/speed."""
-    measured = measure_all()
-    table = Table(title=f"{RUNS} runs without any work")
-    for head in ("", *(f"{scheduling.pool}, {scheduling.workers} workers" for scheduling in measured)):
-        table.add_column(head, justify="right" if head else "left")
-    for name, text in (
-        ("driver, ms of processor time a run", lambda timing: f"{timing.driver:.2f}"),
-        (
-            "scheduler, ms of processor time a run",
-            lambda timing: f"{timing.scheduler:.2f}" if timing.scheduler else "–",
-        ),
-        ("runs a second here", lambda timing: f"{timing.rate:.0f}"),
-        ("workers that are fed with runs of 1 s", lambda timing: f"{timing.fed:.0f}"),
-        ("memory gained over a fifth more, MB", lambda timing: f"{timing.growth:.1f}"),
-        ("a million runs: hours of the busier of driver and scheduler", lambda timing: f"{timing.hours:.1f}"),
-        ("a million runs: journal, GB", lambda timing: f"{timing.row / 1e3:.1f}"),
-    ):
-        table.add_row(name, *map(text, measured))
-    table_console().print(table)
-    keep(measured)
-
-
-if __name__ == "__main__":
-    main()
