@@ -12,7 +12,7 @@ from pathlib import Path
 
 from bench.basics.errors import BenchError
 from bench.studies.sweep.plan import make_plan
-from bench.studies.sweep.pool import LocalPool, Outcome, attempt
+from bench.studies.sweep.pool import LocalPool, Outcome, Pool, attempt
 from bench.studies.sweep.run_sweep import run_sweep
 from bench.studies.sweep.sweep_file import load_sweep
 from bench.truth.streams import stream
@@ -129,7 +129,7 @@ class StandIn:
         return failed(run, reason)
 
 
-class Inline:
+class Inline(Pool):
     """A pool that runs tasks in this process, first come, first served."""
 
     slots = 1

@@ -11,7 +11,7 @@ from bench.scenario.scenario import scenario_from_dict
 from bench.studies.sweep.hidden_share import with_sized_effect, without_share
 from bench.studies.sweep.plan import make_plan
 from bench.studies.sweep.sweep_file import load_sweep
-from bench.studies.sweep.work import DesignTask, IdentificationWork, MotionTask, RunTask
+from bench.studies.sweep.work import designed, identification_work, rows_of, shared_motion
 from bench.truth.hidden.reference import Reference
 from bench.truth.hidden.sizes import measured_share
 from bench.truth.simulate import simulate
@@ -46,21 +46,21 @@ def plan(tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def trajectories(plan):
-    return DesignTask(plan.run(0))(None)
+    return designed(plan.run(0))
 
 
 def test_shared_work_gives_the_same_rows_to_the_last_bit(plan, trajectories):
-    motion = MotionTask(plan.run(0), trajectories)(None)
+    motion = shared_motion(plan.run(0), trajectories)
     for runs in plan.tasks():
-        shared = RunTask(runs, trajectories, plan.sweep.table.record)(motion)
-        alone = [RunTask((run,), trajectories, plan.sweep.table.record)(None)[0] for run in runs]
+        shared = rows_of(runs, trajectories, plan.sweep.table.record, motion)
+        alone = [rows_of((run,), trajectories, plan.sweep.table.record)[0] for run in runs]
         assert shared == alone
         assert [row["status"] for row in shared] == ["ok"] * len(runs)
 
 
 def test_a_row_says_what_was_set_and_what_came_out(plan, trajectories):
     run = next(run for run in map(plan.run, range(plan.size)) if run.identify["effects"])
-    (row,) = RunTask((run,), trajectories, plan.sweep.table.record)(None)
+    (row,) = rows_of((run,), trajectories, plan.sweep.table.record)
     assert row["effects"] == "viscous_friction"
     assert row["payloads.disc.mass"] == 0.5
     assert row["recordings.loaded.design.duration"] == 5.0
@@ -74,7 +74,7 @@ def test_a_row_says_what_was_set_and_what_came_out(plan, trajectories):
 
 def test_a_reason_that_can_be_named_is_in_the_row(plan, trajectories):
     run = replace(plan.run(0), content={**plan.run(0).content, "step": 0.01, "log_rate": 100.0})
-    (row,) = RunTask((run,), trajectories, ())(None)
+    (row,) = rows_of((run,), trajectories, ())
     assert row["status"] == "failed"
     assert row["reason"]
     assert "gain_error" not in row
@@ -128,8 +128,8 @@ def test_a_simulation_that_diverges_is_a_reason_and_nothing_else(tmp_path, monke
     design = { duration = 2.0, ramp = 0.25, optimise = false }
     controller = { natural_frequency = 900.0 }
     """
-    work = IdentificationWork(("accuracy",))
-    run = sweep_stand_in.plan_of(tmp_path / "sweep", text).run(0)
+    plan = sweep_stand_in.plan_of(tmp_path / "sweep", text)
+    work, run = identification_work(plan.sweep), plan.run(0)
     (row,) = work.runs((run,), work.design(run)(None))(None)
     assert row["status"] == "failed"
     assert "the simulation diverged" in row["reason"]

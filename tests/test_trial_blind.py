@@ -10,7 +10,7 @@ from bench.basics.errors import BenchError
 from bench.cli import main
 from bench.effects.display_names import spoken
 from bench.studies.sweep.journal import Journal, Row
-from bench.studies.sweep.pool import Outcome, Pool, Shared, Task, attempt
+from bench.studies.sweep.pool import Pool
 from bench.studies.sweep.run_plan import Report
 from bench.studies.sweep.table import read_table
 from bench.studies.trial.cases import draw_case
@@ -18,34 +18,11 @@ from bench.studies.trial.plan import TrialPlan
 from bench.studies.trial.run_trial import TrialRequest, read_rows, run_trial
 from bench.studies.trial.setup import Setup, make_setup
 from bench.studies.trial.summary import LARGE
-from bench.studies.trial.work import CaseTask, ReferenceTask, TrialDesignTask
+from bench.studies.trial.work import case_rows, trial_trajectories, undisturbed
+from tests.sweep_stand_in import Inline
 
 DURATION = 8.0
 EFFECTS = ("load_dependent_friction", "torque_ripple")
-
-
-class Here:
-    """Runs tasks in this process, one after the other."""
-
-    def __init__(self) -> None:
-        self._ended: list[Outcome] = []
-
-    @property
-    def slots(self) -> int:
-        """One."""
-        return 1
-
-    def submit(self, key: int, task: Task, shared: Shared | None = None) -> None:
-        """Run it."""
-        self._ended.append(Outcome(key, *attempt(task, shared.value if shared else None)))
-
-    def outcomes(self) -> list[Outcome]:
-        """What has ended."""
-        found, self._ended = self._ended, []
-        return found
-
-    def close(self) -> None:
-        """There is nothing to stop."""
 
 
 def _silent(_: TrialPlan) -> Report:
@@ -68,7 +45,7 @@ def setup() -> Setup:
 def trial(setup: Setup, tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, list[Row]]:
     """The folder and the rows of a trial of EFFECTS."""
     folder = tmp_path_factory.mktemp("trial")
-    return folder, run_trial(TrialRequest(setup, ("one",), 1, EFFECTS), folder, Here, _silent)
+    return folder, run_trial(TrialRequest(setup, ("one",), 1, EFFECTS), folder, Inline, _silent)
 
 
 def test_single_effects_are_named(trial: tuple[Path, list[Row]]) -> None:
@@ -85,9 +62,9 @@ def test_single_effects_are_named(trial: tuple[Path, list[Row]]) -> None:
 
 def test_an_empty_machine_raises_no_alarm_and_has_no_law(setup: Setup) -> None:
     setup = replace(setup, discover=True)
-    trajectories = TrialDesignTask(setup)(None)
-    reference = ReferenceTask(setup, trajectories)(None)
-    row = CaseTask(setup, draw_case(setup, "nothing", 0), 0, trajectories)(reference)[0]
+    trajectories = trial_trajectories(setup)
+    reference = undisturbed(setup, trajectories)
+    row = case_rows(setup, draw_case(setup, "nothing", 0), 0, trajectories, reference)[0]
     assert row["missing"] == ""
     assert row["laws"] == 0
     assert not row["unexplained"]

@@ -149,9 +149,10 @@ def check(
     if update and not (reason or "").strip():
         raise BenchError("check --update: give the reason for the change with --reason")
 
-    from bench.studies.sweep.check import CheckOptions, check_accuracy, identification_work, update_reference
+    from bench.studies.sweep.check import CheckOptions, check_accuracy, update_reference
     from bench.studies.sweep.print_summary import table_console
     from bench.studies.sweep.reference import reference_folder
+    from bench.studies.sweep.work import identification_work
 
     options = CheckOptions(
         reference=reference or reference_folder(),
@@ -171,13 +172,11 @@ def check(
 
 def _kept_cases(workers: int | None) -> int:
     """1 if a case of the evaluation that was right is wrong now."""
-    from contextlib import closing
-
     from bench.benchmarks.trust.kept_cases import check_kept_cases
     from bench.benchmarks.trust.run import TABLE
     from bench.studies.sweep.print_summary import table_console
     from bench.studies.sweep.reference import reference_folder
     from bench.studies.sweep.workers import Workers
 
-    with closing(Workers(workers, None).pool()) as pool:
+    with Workers(workers, None).pool() as pool:
         return min(check_kept_cases(reference_folder().parent / "trust" / TABLE, pool, table_console()), 1)

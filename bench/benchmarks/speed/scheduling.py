@@ -18,7 +18,7 @@ from bench.basics.errors import BenchError
 from bench.basics.files.atomic import write_json_atomically
 from bench.basics.versions import versions
 from bench.benchmarks.speed.figures import SpeedFigure
-from bench.benchmarks.speed.stand_in import NoWork
+from bench.benchmarks.speed.stand_in import NO_WORK
 from bench.studies.sweep.dask_pool import DaskPool
 from bench.studies.sweep.journal import Journal
 from bench.studies.sweep.plan import make_plan
@@ -100,7 +100,7 @@ def measure(name: str, workers: int, make_pool: Callable[[], Pool], runs: int = 
         file.write_text(SWEEP.format(runs=sent), encoding="utf-8")
         plan = make_plan(load_sweep(file))
         start = time.process_time()
-        finished = run_sweep(plan, out, make_pool, NoWork(), watch)
+        finished = run_sweep(plan, out, make_pool, NO_WORK, watch)
         seconds = time.process_time() - start
         if finished.failed or finished.runs != sent:
             raise BenchError(f"scheduling: {finished.failed} of {finished.runs} runs failed")

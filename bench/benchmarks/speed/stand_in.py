@@ -8,59 +8,35 @@ import asyncio
 import sys
 import time
 from contextlib import AsyncExitStack
-from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 from bench.studies.sweep.dask_pool import distributed
 from bench.studies.sweep.journal import Row
 from bench.studies.sweep.plan import Run
-from bench.studies.sweep.pool import Task
+from bench.studies.sweep.run_plan import Work
 from bench.studies.sweep.work import failed_row
 
 LOCAL = "127.0.0.1"
 
 
-@dataclass(frozen=True)
-class NoDesign:
-    """In place of a design: no trajectories."""
-
-    def __call__(self, _: None) -> dict[str, Any]:
-        """Nothing."""
-        return {}
+def nothing(_: None) -> dict[str, Any]:
+    """In place of a design or a motion."""
+    return {}
 
 
-@dataclass(frozen=True)
-class NoRuns:
-    """In place of identifications: rows at once."""
-
-    runs: tuple[Run, ...]
-
-    def __call__(self, _: None) -> list[Row]:
-        """A row a run."""
-        return [
-            failed_row(run, "") | {"status": "ok", "reason": None, "gain_error": 0.0} for run in self.runs
-        ]
+def rows_at_once(runs: tuple[Run, ...], _: None) -> list[Row]:
+    """In place of identifications: a row a run."""
+    return [failed_row(run, "") | {"status": "ok", "reason": None, "gain_error": 0.0} for run in runs]
 
 
-@dataclass(frozen=True)
-class NoWork:
-    """The tasks of a sweep that only schedules, journals and sends."""
-
-    def design(self, run: Run) -> Task:  # noqa: ARG002 - the protocol's
-        """Finds nothing."""
-        return NoDesign()
-
-    def motion(self, run: Run, trajectories: Any) -> Task:  # noqa: ARG002 - the protocol's
-        """Simulates nothing."""
-        return NoDesign()
-
-    def runs(self, runs: tuple[Run, ...], trajectories: Any) -> Task:  # noqa: ARG002 - the protocol's
-        """Gives rows at once."""
-        return NoRuns(runs)
-
-    def failed(self, run: Run, reason: str) -> Row:
-        """The row of a run that came to nothing."""
-        return failed_row(run, reason)
+NO_WORK = Work(
+    design=lambda _run: nothing,
+    motion=lambda _run, _trajectories: nothing,
+    runs=lambda runs, _trajectories: partial(rows_at_once, runs),
+    failed=failed_row,
+)
+"""The tasks of a sweep that only schedules, journals and sends."""
 
 
 async def serve(address: str = "", workers: int = 1) -> None:

@@ -16,7 +16,7 @@ from bench.studies.sweep.plan import make_plan
 from bench.studies.sweep.pool import LocalPool
 from bench.studies.sweep.run_sweep import RECORD, run_sweep
 from bench.studies.sweep.sweep_file import load_sweep
-from bench.studies.sweep.work import IdentificationWork
+from bench.studies.sweep.work import identification_work
 from bench.truth.simulate import simulate
 
 RUNS, FEWER = 200, 60
@@ -65,12 +65,9 @@ def _timed(file: Path, folder: Path, workers: int) -> tuple[float, float]:
     plan = make_plan(load_sweep(file))
     times: list[tuple[int, float]] = []
 
-    def make_pool() -> LocalPool:
-        return LocalPool(workers)
-
     report: Callable[..., None] = lambda journal: times.append((journal.count, time.perf_counter()))  # noqa: E731
     start = time.perf_counter()
-    run_sweep(plan, folder, make_pool, IdentificationWork(plan.sweep.table.record), report)
+    run_sweep(plan, folder, lambda: LocalPool(workers), identification_work(plan.sweep), report)
     first = next(pair for pair in times if pair[0])
     return time.perf_counter() - start, (times[-1][0] - first[0]) / (times[-1][1] - first[1])
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import tempfile
 from collections.abc import Callable, Iterable, Sequence
+from contextlib import closing
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -11,13 +12,13 @@ from rich.console import Console
 
 from bench.basics.plural import plural
 from bench.benchmarks.trust.answer import answer_text, hidden_text
-from bench.benchmarks.trust.case_runs import CaseRuns, ListedCases
 from bench.benchmarks.trust.cells import TrustCase, TrustCells
 from bench.benchmarks.trust.cost import cost_of
 from bench.benchmarks.trust.evaluation import Evaluation, read_evaluation
+from bench.benchmarks.trust.plan import case_runs
 from bench.benchmarks.trust.questions import QUESTIONS
 from bench.benchmarks.trust.run import setups_of
-from bench.benchmarks.trust.work import TrustWork
+from bench.benchmarks.trust.work import trust_work
 from bench.studies.sweep.journal import Journal, Row
 from bench.studies.sweep.pool import Pool
 from bench.studies.sweep.run_plan import Driver, Work
@@ -54,19 +55,17 @@ def cheapest_right(evaluation: Evaluation, seconds: float) -> list[Row]:
 
 
 def run_again(
-    rows: Sequence[Row], first: int, pool: Pool, make_work: Callable[[TrustCells], Work] = TrustWork
+    rows: Sequence[Row], first: int, pool: Pool, make_work: Callable[[TrustCells], Work] = trust_work
 ) -> list[CaseComparison]:
     """Run the cases of these rows of the frozen set. first: number of the first fresh case of the evaluation."""
     cells = TrustCells(setups_of([*dict.fromkeys(row["robot"] for row in rows)]), first)
     cases = [_case(cells, row) for row in rows]
-    with tempfile.TemporaryDirectory(prefix="bench-check-") as folder:
-        journal = Journal(Path(folder) / "cases.jsonl", cells.size)
-        try:
-            plan = ListedCases(CaseRuns(cells), cases)
-            Driver(plan, journal, pool, make_work(cells), Path(folder) / "designs").run(lambda _: None)
+    with tempfile.TemporaryDirectory(prefix="bench-check-") as name:
+        folder = Path(name)
+        with closing(Journal(folder / "cases.jsonl", cells.size)) as journal:
+            runs = case_runs(cells, cases)
+            Driver(runs, journal, pool, make_work(cells), folder / "designs").run(lambda _: None)
             now = {row["run"]: row for row in journal.rows()}
-        finally:
-            journal.close()
     return [_compared(case, now[case.row]) for case in cases]
 
 

@@ -9,10 +9,10 @@ from bench.basics.errors import BenchError
 from bench.benchmarks.trust.answer import answer_text, hidden_text
 from bench.benchmarks.trust.run import setups_of
 from bench.benchmarks.trust.stability import NOISE, SURE, WITHOUT_LOG
-from bench.benchmarks.trust.work import TrustTask
+from bench.benchmarks.trust.work import case_rows
 from bench.studies.sweep.work import OK
 from bench.studies.trial.cases import KINDS
-from bench.studies.trial.work import TrialDesignTask
+from bench.studies.trial.work import trial_trajectories
 
 
 def case_lines(name: str) -> Iterator[str]:
@@ -22,7 +22,7 @@ def case_lines(name: str) -> Iterator[str]:
         raise BenchError(f"--case {name}: give ROBOT/QUESTION/NUMBER; questions are {', '.join(KINDS)}")
     (setup,) = setups_of([robot]).values()
     place: dict[str, str | int] = {"robot": robot, "question": kind, "number": int(number)}
-    (row,) = TrustTask(setup, place, 0, True, TrialDesignTask(setup)(None))(None)
+    (row,) = case_rows(setup, place, 0, True, trial_trajectories(setup))
     yield f"hidden: {hidden_text(row)}"
     if row["status"] != OK:
         yield f"failed: {row['reason']}"

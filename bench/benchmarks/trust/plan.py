@@ -2,27 +2,44 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from collections.abc import Iterable, Iterator
+from dataclasses import replace
+from functools import cache
 
 from bench.benchmarks.trust.budget import Budget
-from bench.benchmarks.trust.case_runs import CaseRuns
+from bench.benchmarks.trust.cells import TrustCase, TrustCells
 from bench.benchmarks.trust.tally import Tally
-from bench.studies.sweep.plan import Run
+from bench.studies.sweep.plan import Run, digest
+from bench.studies.trial.cases import Kind
+from bench.studies.trial.plan import TrialPlan
 
 
-@dataclass
-class TrustPlan:
-    """What is run next is decided when it is asked for, by what is finished then."""
+def case_runs(cells: TrustCells, cases: Iterable[TrustCase]) -> Iterator[tuple[Run, ...]]:
+    """The run of each case, with the number of its row.
 
-    tally: Tally
-    budget: Budget
+    Those of a robot have their trajectories and the undisturbed motion in common.
+    """
 
-    def tasks(self, _is_done: Callable[[int], bool] = lambda _: False) -> Iterator[tuple[Run, ...]]:
-        """Cases that are not done, until none remains or those that are handed out fill the budget."""
-        runs = CaseRuns(self.tally.cells)
-        while not self.budget.full(self.tally.pending_seconds):
-            block = self.tally.next_block()
+    @cache
+    def plan(robot: str, kind: Kind) -> TrialPlan:
+        return TrialPlan(cells.setups[robot], kind, 1)
+
+    for case in cases:
+        run = plan(case.cell.robot, case.cell.question.kind).run(case.number)
+        yield (replace(run, number=case.row, equations=digest([run.equations, case.row])),)
+
+
+def runs_within(tally: Tally, budget: Budget) -> Iterator[tuple[Run, ...]]:
+    """Cases that are not done, until none remains or those that are handed out fill the budget.
+
+    What is run next is decided when it is asked for, by what is finished then.
+    """
+
+    def cases() -> Iterator[TrustCase]:
+        while not budget.full(tally.pending_seconds):
+            block = tally.next_block()
             if not block:
                 return
-            yield from ((runs.run(case),) for case in block)
+            yield from block
+
+    return case_runs(tally.cells, cases())

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import time
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import AbstractContextManager, closing
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -13,9 +14,9 @@ from bench.basics.files.atomic import write_json_atomically
 from bench.basics.versions import versions
 from bench.benchmarks.trust.budget import Budget
 from bench.benchmarks.trust.cells import TrustCells
-from bench.benchmarks.trust.plan import TrustPlan
+from bench.benchmarks.trust.plan import runs_within
 from bench.benchmarks.trust.tally import Tally
-from bench.benchmarks.trust.work import TrustWork
+from bench.benchmarks.trust.work import trust_work
 from bench.studies.sweep.journal import Journal, Row
 from bench.studies.sweep.plan import digest
 from bench.studies.sweep.pool import Pool
@@ -73,7 +74,7 @@ def setups_of(robots: Sequence[str], duration: float = DURATION) -> dict[str, Se
 def run_trust(
     request: TrustRequest,
     folder: Path,
-    make_pool: Callable[[], Pool],
+    make_pool: Callable[[], AbstractContextManager[Pool]],
     report: Callable[[Tally, Budget], Report],
     phase: Phase = silent,
     work: Work | None = None,
@@ -85,19 +86,12 @@ def run_trust(
     Raises BenchError if the folder has cases of another commit or plan.
     """
     _claim(request, folder / WORK)
-    journal = CaseJournal(folder / WORK / CASES, request.cells)
-    pool: Pool | None = None
-    try:
-        phase("starting workers")
-        pool = started = make_pool()
-        budget = Budget(request.hours, journal.tally.seconds, lambda: started.slots, now)
-        plan = TrustPlan(journal.tally, budget)
-        driver = Driver(plan, journal, started, work or TrustWork(request.cells), folder / WORK / DESIGNS)
+    phase("starting workers")
+    with closing(CaseJournal(folder / WORK / CASES, request.cells)) as journal, make_pool() as pool:
+        budget = Budget(request.hours, journal.tally.seconds, lambda: pool.slots, now)
+        runs = runs_within(journal.tally, budget)
+        driver = Driver(runs, journal, pool, work or trust_work(request.cells), folder / WORK / DESIGNS)
         driver.run(report(journal.tally, budget), phase)
-    finally:
-        if pool is not None:
-            pool.close()
-        journal.close()
     return write_rows(request, journal, folder)
 
 

@@ -4,7 +4,7 @@ import os
 import tempfile
 import time
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import closing
+from contextlib import nullcontext
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -17,7 +17,7 @@ from bench.basics.plural import plural
 from bench.basics.program import typed
 from bench.scenario.scenario import scenario_from_dict
 from bench.studies.sweep.plan import Plan
-from bench.studies.sweep.pool import Lent, LocalPool, Pool, Task
+from bench.studies.sweep.pool import LocalPool, Pool, Task
 from bench.studies.sweep.preflight import check_plan
 from bench.studies.sweep.print_summary import number
 from bench.studies.sweep.progress import duration_text
@@ -36,10 +36,9 @@ from bench.studies.sweep.reference import (
     save_reference,
     tolerances_of,
 )
-from bench.studies.sweep.run_plan import Work
+from bench.studies.sweep.run_plan import Work, keep_design
 from bench.studies.sweep.run_sweep import run_sweep
 from bench.studies.sweep.sweep_file import Sweep
-from bench.studies.sweep.work import IdentificationWork, keep_design
 
 COLORS = {"worse": "red", "over its limit": "red", "better": "green", "new": "yellow"}
 
@@ -107,11 +106,6 @@ def update_reference(
         console.print(f"Reference: {path} ({plural(plan.size, 'run')})", highlight=False, soft_wrap=True)
 
 
-def identification_work(sweep: Sweep) -> Work:
-    """The work of a real sweep."""
-    return IdentificationWork(sweep.table.record)
-
-
 def _chosen(options: CheckOptions) -> dict[str, tuple[Sweep, Plan]]:
     sweeps = reference_sweeps(options.scenarios)
     for name in options.only:
@@ -137,11 +131,11 @@ def _measured(
     works = {name: make_work(sweep) for name, (sweep, _) in chosen.items()}
     workers = options.workers or len(os.sched_getaffinity(0))
     temporary = tempfile.TemporaryDirectory(prefix="bench-check-")
-    with closing(LocalPool(workers)) as pool, temporary as folder:
+    with LocalPool(workers) as pool, temporary as folder:
         designs = Path(folder) / "designs"
         _design([(works[name], plan) for name, (_, plan) in chosen.items()], pool, designs)
         for name, (sweep, plan) in chosen.items():
-            lent, quiet = lambda: Lent(pool), lambda _: None
+            lent, quiet = lambda: nullcontext(pool), lambda _: None
             target = Path(folder) / name
             finished = run_sweep(plan, target, lent, works[name], quiet, designs=designs)
             lines = measured_lines(plan, finished.table, list(tolerances_of(sweep)))

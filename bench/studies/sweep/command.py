@@ -26,7 +26,7 @@ from bench.studies.sweep.results import SUMMARY, write_plots, write_summary
 from bench.studies.sweep.run_sweep import Finished, run_sweep, written
 from bench.studies.sweep.sweep_file import load_sweep
 from bench.studies.sweep.table import read_table
-from bench.studies.sweep.work import FAILED, IdentificationWork
+from bench.studies.sweep.work import FAILED, identification_work
 from bench.studies.sweep.workers import ON_ALL_CORES, Workers
 from bench.truth.dataset import as_dataset
 from bench.truth.simulate import simulate
@@ -171,13 +171,12 @@ def run_command(
 
     start = time.monotonic()
     with shown_progress(progress_console(quiet), plan.size) as report:
-        work = IdentificationWork(plan.sweep.table.record)
         try:
             finished = run_sweep(
                 plan,
                 folder,
                 workers.pool,
-                work,
+                identification_work(plan.sweep),
                 report,
                 retry_failed=retry_failed,
                 phase=report.phase,

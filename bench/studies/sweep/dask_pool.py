@@ -8,7 +8,7 @@ from typing import Any
 
 from bench.basics.errors import BenchError
 from bench.basics.versions import versions
-from bench.studies.sweep.pool import Outcome, Shared, Task, attempt
+from bench.studies.sweep.pool import Outcome, Pool, Shared, Task, attempt
 
 try:
     distributed: Any = import_module("distributed")
@@ -23,7 +23,7 @@ MOST_SHARED = 8  # values that stay on the cluster
 SENDINGS = 5  # of a value whose worker dies meanwhile
 
 
-class DaskPool:
+class DaskPool(Pool):
     """The workers of an existing scheduler. A worker that dies costs its runs only, which are tried again.
 
     Dask tries a task again whose worker died, `distributed.scheduler.allowed-failures` times.

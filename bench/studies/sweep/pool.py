@@ -14,12 +14,12 @@ from dataclasses import dataclass
 from multiprocessing import forkserver
 from multiprocessing.connection import Connection, wait
 from pathlib import Path
-from typing import Any, Protocol, TypeAlias
+from typing import Any, Protocol, Self, TypeAlias
 
 from bench.basics.errors import BenchError
 
 Task: TypeAlias = Callable[[Any], Any]
-"""Something to work out from what it shares with other tasks, or from None."""
+"""Something to work out from what it shares with other tasks, or from None: a `partial`, which can be pickled."""
 ATTEMPTS = 3  # a task whose worker dies is tried again, this many times in all
 ONE_THREAD = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMEXPR_NUM_THREADS")
 PRELOADED = ["bench.studies.sweep.work"]
@@ -44,7 +44,7 @@ class Outcome:
 
 
 class Pool(Protocol):
-    """What runs tasks."""
+    """What runs tasks; the end of a `with` stops it."""
 
     @property
     def slots(self) -> int:
@@ -58,6 +58,12 @@ class Pool(Protocol):
 
     def close(self) -> None:
         """Stop, whatever is running."""
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
 
 
 @dataclass
@@ -79,30 +85,7 @@ class _Job:
     attempts: int = 0
 
 
-@dataclass(frozen=True)
-class Lent:
-    """A pool that goes on for others when one of its users closes it."""
-
-    pool: Pool
-
-    @property
-    def slots(self) -> int:
-        """Those of the pool."""
-        return self.pool.slots
-
-    def submit(self, key: int, task: Task, shared: Shared | None = None) -> None:
-        """Queue a task."""
-        self.pool.submit(key, task, shared)
-
-    def outcomes(self) -> list[Outcome]:
-        """Outcomes of the pool."""
-        return self.pool.outcomes()
-
-    def close(self) -> None:
-        """Leave the pool as it is."""
-
-
-class LocalPool:
+class LocalPool(Pool):
     """Worker processes on this machine; one that dies is replaced, and its task tried again."""
 
     def __init__(self, workers: int) -> None:

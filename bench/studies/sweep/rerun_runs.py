@@ -5,15 +5,15 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from bench.basics.errors import BenchError
-from bench.excitation.scenario import designer
-from bench.scenario.scenario import resolve_trajectories, scenario_from_dict
-from bench.studies.sweep.hidden_share import with_sized_effect, without_share
+from bench.scenario.scenario import scenario_from_dict
+from bench.studies.sweep.hidden_share import with_sized_effect
 from bench.studies.sweep.plan import Plan, Run, make_plan
 from bench.studies.sweep.results import table_in
+from bench.studies.sweep.run_plan import kept_design
 from bench.studies.sweep.run_sweep import DESIGNS, FILE
 from bench.studies.sweep.sweep_file import load_sweep
 from bench.studies.sweep.table import column_names, read_table
-from bench.studies.sweep.work import OK, kept_design
+from bench.studies.sweep.work import OK, designed
 from bench.truth.simulate import Simulation, simulate
 
 SHOWN = 3
@@ -74,9 +74,6 @@ def run_again(folder: Path, plan: Plan, number: int) -> Again:
     if not 0 <= number < plan.size:
         raise BenchError(f"{folder}: no run {number}; there are 0 to {plan.size - 1}")
     run = plan.run(number)
-    trajectories = kept_design(folder / DESIGNS, run.design)
-    if trajectories is None:
-        scenario = scenario_from_dict(without_share(run.design_content), run.base, run.base)
-        trajectories = resolve_trajectories(scenario, designer)
+    trajectories = kept_design(folder / DESIGNS, run.design) or designed(run)
     content = with_sized_effect(run.content, run.base, trajectories)
     return Again(run, simulate(scenario_from_dict(content, run.base, run.base), trajectories))

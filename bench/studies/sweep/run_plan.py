@@ -1,18 +1,21 @@
 """Running a plan: what is shared goes first, what needs it follows, finished runs are kept as they come."""
 
+import json
 from collections import deque
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Any
 
+from bench.basics.files.atomic import write_json_atomically
+from bench.scenario.trajectory import FourierTrajectory
 from bench.studies.sweep.journal import Journal, Row
 from bench.studies.sweep.plan import Run
 from bench.studies.sweep.pool import Outcome, Pool, Shared, Task
-from bench.studies.sweep.work import keep_design, kept_design
 
 LOOK_AHEAD = 4  # sets of equations for each worker: shared motions are simulated while these are worked off
 FEWEST_AHEAD = 8
+KEPT = -1  # in place of the key of a task: a design that was there already
 
 Report = Callable[[Journal], None]
 """Called whenever runs are finished."""
@@ -24,29 +27,19 @@ def silent(_: str) -> None:
     """Tell nobody of the phase."""
 
 
-class Planned(Protocol):
-    """The runs that there are."""
+@dataclass(frozen=True)
+class Work:
+    """The tasks that a sweep is made of.
 
-    def tasks(self, is_done: Callable[[int], bool]) -> Iterator[tuple[Run, ...]]:
-        """All runs that are not done, in order; those with the same equations together."""
+    design: finds trajectories, by recording name. motion: simulates, along trajectories, a motion that several sets of
+    runs share. runs: gives a row for each of the runs, which have the same equations, from the motion that they share
+    with others, or from None where it is theirs alone. failed: the row of a run that came to nothing, with the reason.
+    """
 
-
-class Work(Protocol):
-    """The tasks that a sweep is made of."""
-
-    def design(self, run: Run) -> Task:
-        """Finds trajectories, by recording name."""
-
-    def motion(self, run: Run, trajectories: Any) -> Task:
-        """Simulates a motion that several sets of runs share."""
-
-    def runs(self, runs: tuple[Run, ...], trajectories: Any) -> Task:
-        """Gives a row for each of the runs, which have the same equations, from the motion that they share
-        with others, or from None where it is theirs alone.
-        """
-
-    def failed(self, run: Run, reason: str) -> Row:
-        """The row of a run that came to nothing."""
+    design: Callable[[Run], Task]
+    motion: Callable[[Run, Any], Task]
+    runs: Callable[[tuple[Run, ...], Any], Task]
+    failed: Callable[[Run, str], Row]
 
 
 @dataclass(frozen=True)
@@ -65,19 +58,15 @@ class _Set:
         return self.runs[0].motion
 
 
-@dataclass(frozen=True)
-class _Common:
-    """A design or a motion that is there, or the reason why it is not."""
-
-    value: Any
-    fault: str | None
+Commons = dict[str, Outcome]
+"""Designs or motions by name: each is there, or the reason why it is not."""
 
 
 @dataclass(frozen=True)
 class _CommonJob:
     """What finds a design or a motion."""
 
-    results: dict[str, _Common]
+    results: Commons
     name: str
 
 
@@ -91,31 +80,23 @@ class _RunJob:
 
 
 class Driver:
-    """Runs everything of a plan that the journal does not have yet.
+    """Runs all that is asked for, and keeps the rows.
 
-    At any time it holds a window of sets of runs, whatever the number of runs. designs: folder in which
-    trajectories are kept. retry_failed: run again what failed before.
+    At any time it holds a window of sets of runs, whatever the number of runs. tasks: runs in order, those with the
+    same equations together. designs: folder in which trajectories are kept.
     """
 
     def __init__(
-        self,
-        plan: Planned,
-        journal: Journal,
-        pool: Pool,
-        work: Work,
-        designs: Path,
-        *,
-        retry_failed: bool = False,
+        self, tasks: Iterable[tuple[Run, ...]], journal: Journal, pool: Pool, work: Work, designs: Path
     ) -> None:
         self._journal, self._pool, self._work, self._folder = journal, pool, work, designs
-        again = frozenset(journal.failed) if retry_failed else frozenset()
-        self._sets = _sets(plan, lambda number: number in journal and number not in again)
+        self._sets = _sets(tasks)
         self._limit = max(FEWEST_AHEAD, LOOK_AHEAD * pool.slots)
         self._waiting: list[_Set] = []
         self._ready: deque[_RunJob] = deque()
-        self._designs: dict[str, _Common] = {}
-        self._motions: dict[str, _Common] = {}
-        self._asked: dict[str, dict[str, _Common]] = {}
+        self._designs: Commons = {}
+        self._motions: Commons = {}
+        self._asked: dict[str, Commons] = {}
         self._jobs: dict[int, _CommonJob | _RunJob] = {}
         self._running = 0
         self._next = 0
@@ -144,7 +125,7 @@ class Driver:
             run_set.design not in self._designs
             and (kept := kept_design(self._folder, run_set.design)) is not None
         ):
-            self._designs[run_set.design] = _Common(kept, None)
+            self._designs[run_set.design] = Outcome(KEPT, kept, None)
         design = self._designs.get(run_set.design)
         if design is None:
             self._ask(_CommonJob(self._designs, run_set.design), lambda: self._work.design(first))
@@ -208,7 +189,7 @@ class Driver:
         Sets that share something are side by side: those that are still to come need what the last ones need.
         """
         del self._asked[job.name]
-        job.results[job.name] = _Common(outcome.value, outcome.fault)
+        job.results[job.name] = outcome
         if job.results is self._designs and outcome.fault is None:
             keep_design(self._folder, job.name, outcome.value)
         for known, needed in (
@@ -220,13 +201,28 @@ class Driver:
         self._waiting = [run_set for run_set in self._waiting if not self._placed(run_set)]
 
 
-def _sets(plan: Planned, is_done: Callable[[int], bool]) -> Iterator[_Set]:
+def _sets(tasks: Iterable[tuple[Run, ...]]) -> Iterator[_Set]:
     """Sets of runs with the same equations, in order; motions are compared with the sets before and after."""
     before, current = "", None
-    for following in plan.tasks(is_done):
+    for following in tasks:
         if current is not None:
             yield _Set(current, current[0].motion in (before, following[0].motion))
             before = current[0].motion
         current = following
     if current is not None:
         yield _Set(current, current[0].motion == before)
+
+
+def keep_design(folder: Path, name: str, trajectories: Mapping[str, FourierTrajectory]) -> None:
+    """Write trajectories, by recording name, to the last bit."""
+    content = {recording: trajectory.to_dict() for recording, trajectory in trajectories.items()}
+    write_json_atomically(folder / f"{name}.json", content)
+
+
+def kept_design(folder: Path, name: str) -> dict[str, FourierTrajectory] | None:
+    """Read them again; None if there are none of that name."""
+    path = folder / f"{name}.json"
+    if not path.is_file():
+        return None
+    content = json.loads(path.read_text(encoding="utf-8"))
+    return {recording: FourierTrajectory.from_dict(entry) for recording, entry in content.items()}

@@ -2,7 +2,7 @@
 
 import json
 from collections.abc import Callable, Iterator
-from contextlib import closing, contextmanager
+from contextlib import AbstractContextManager, closing, contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -32,7 +32,7 @@ class Finished:
 def run_sweep(
     plan: Plan,
     folder: Path,
-    make_pool: Callable[[], Pool],
+    make_pool: Callable[[], AbstractContextManager[Pool]],
     work: Work,
     report: Report,
     *,
@@ -58,11 +58,10 @@ def run_sweep(
                 resumed(kept)
             if journal.count < plan.size or (retry_failed and journal.failed):
                 phase("starting workers")
-                with closing(make_pool()) as pool:
-                    driver = Driver(
-                        plan, journal, pool, work, designs or folder / DESIGNS, retry_failed=retry_failed
-                    )
-                    driver.run(report, phase)
+                again = frozenset(journal.failed) if retry_failed else frozenset()
+                tasks = plan.tasks(lambda number: number in journal and number not in again)
+                with make_pool() as pool:
+                    Driver(tasks, journal, pool, work, designs or folder / DESIGNS).run(report, phase)
             metadata = {"sweep": plan.sweep.name, "description": plan.sweep.table.description}
             write_table(journal, folder / TABLE, plan.axis_names, metadata)
             return Finished(folder, folder / TABLE, journal.count, len(journal.failed), kept)

@@ -1,15 +1,13 @@
 """The work of a sweep, as functions from one plain value to the next: what workers run."""
 
-import json
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
-from pathlib import Path
+from dataclasses import replace
+from functools import partial
 from typing import Any
 
 import numpy as np
 
 from bench.basics.errors import BenchError
-from bench.basics.files.atomic import write_json_atomically
 from bench.basics.versions import versions
 from bench.diagnosis.discovery.find import find_missing_effects
 from bench.excitation.scenario import designer
@@ -25,7 +23,8 @@ from bench.studies.sweep.identified_run import IdentifiedRun
 from bench.studies.sweep.journal import Row
 from bench.studies.sweep.metrics import METRICS
 from bench.studies.sweep.plan import Run, flat_settings, plain
-from bench.studies.sweep.pool import Task
+from bench.studies.sweep.run_plan import Work
+from bench.studies.sweep.sweep_file import Sweep
 from bench.truth.dataset import as_dataset
 from bench.truth.machine import true_gains
 from bench.truth.resense import sense_again
@@ -83,91 +82,60 @@ def diagnosis_metrics(simulation: Simulation, prepared: Prepared) -> dict[str, f
 Trajectories = Mapping[str, FourierTrajectory]
 
 
-@dataclass(frozen=True)
-class DesignTask:
-    """Find the trajectories of a run."""
-
-    run: Run
-
-    def __call__(self, _: None) -> Trajectories:
-        """Trajectories by recording name."""
-        scenario = _scenario(self.run, without_share(self.run.design_content))
-        return resolve_trajectories(scenario, designer)
+def designed(run: Run, _: None = None) -> Trajectories:
+    """Find the trajectories of a run, by recording name."""
+    return resolve_trajectories(_scenario(run, without_share(run.design_content)), designer)
 
 
-@dataclass(frozen=True)
-class MotionTask:
-    """Simulate the motion that several tasks share."""
-
-    run: Run
-    trajectories: Trajectories
-
-    def __call__(self, _: None) -> Simulation:
-        """The simulation without what sensing it again does not need."""
-        return slim(_simulated(self.run, self.trajectories))
+def shared_motion(run: Run, trajectories: Trajectories, _: None = None) -> Simulation:
+    """Simulate the motion that several tasks share, without what sensing it again does not need."""
+    return slim(_simulated(run, trajectories))
 
 
-@dataclass(frozen=True)
-class RunTask:
-    """Identify from one set of equations, in one or several ways."""
+def rows_of(
+    runs: tuple[Run, ...], trajectories: Trajectories, record: Sequence[str], motion: Simulation | None = None
+) -> list[Row]:
+    """Identify from one set of equations, in one or several ways: a row a run.
 
-    runs: tuple[Run, ...]
-    trajectories: Trajectories
-    record: tuple[str, ...]
-
-    def __call__(self, motion: Simulation | None) -> list[Row]:
-        """A row a run; a run that fails for a reason that can be named has it in its row.
-
-        motion: simulated already, because others need it too; None: to be simulated.
-        """
-        first = self.runs[0]
+    A run that fails for a reason that can be named has it in its row. motion: simulated already, because others need
+    it too; None: to be simulated.
+    """
+    first = runs[0]
+    try:
+        if motion is None:
+            simulation = _simulated(first, trajectories)
+        else:
+            simulation = sense_again(motion, _scenario(first, without_share(first.content)))
+        dataset = as_dataset(simulation)
+        filters = simulation.scenario.settings.filter.model_dump(exclude_none=True)
+        prepared = prepare(problem_of(dataset, first.identify["effects"], filters, fit_gains=False))
+    except BenchError as error:
+        return [failed_row(run, str(error)) for run in runs]
+    rows = []
+    for run in runs:
+        options = {key: run.identify[key] for key in ("deviations", "essential")}
         try:
-            if motion is None:
-                simulation = _simulated(first, self.trajectories)
-            else:
-                simulation = sense_again(motion, _scenario(first, without_share(first.content)))
-            dataset = as_dataset(simulation)
-            filters = simulation.scenario.settings.filter.model_dump(exclude_none=True)
-            prepared = prepare(problem_of(dataset, first.identify["effects"], filters, fit_gains=False))
+            for_run = with_gains(prepared, run.identify["fit_gains"])
+            result = fit(for_run, run.identify["method"], **options)
+            metrics: dict[str, float | str] = dict(measure(simulation, prepared, result, record))
+            if run.identify["diagnose"]:
+                metrics |= diagnosis_metrics(simulation, prepared)
         except BenchError as error:
-            return [failed_row(run, str(error)) for run in self.runs]
-        rows = []
-        for run in self.runs:
-            options = {key: run.identify[key] for key in ("deviations", "essential")}
-            try:
-                for_run = with_gains(prepared, run.identify["fit_gains"])
-                result = fit(for_run, run.identify["method"], **options)
-                metrics: dict[str, float | str] = dict(measure(simulation, prepared, result, self.record))
-                if run.identify["diagnose"]:
-                    metrics |= diagnosis_metrics(simulation, prepared)
-            except BenchError as error:
-                rows.append(failed_row(run, str(error)))
-            else:
-                rows.append(_row(run, metrics))
-        return rows
+            rows.append(failed_row(run, str(error)))
+        else:
+            rows.append(_row(run, metrics))
+    return rows
 
 
-@dataclass(frozen=True)
-class IdentificationWork:
-    """The tasks of a sweep that simulates and identifies. record: groups of metrics."""
-
-    record: tuple[str, ...]
-
-    def design(self, run: Run) -> Task:
-        """Finds trajectories."""
-        return DesignTask(run)
-
-    def motion(self, run: Run, trajectories: Trajectories) -> Task:
-        """Simulates a motion."""
-        return MotionTask(run, trajectories)
-
-    def runs(self, runs: tuple[Run, ...], trajectories: Trajectories) -> Task:
-        """Senses, prepares, fits and measures."""
-        return RunTask(runs, trajectories, self.record)
-
-    def failed(self, run: Run, reason: str) -> Row:
-        """The row of a run that came to nothing."""
-        return failed_row(run, reason)
+def identification_work(sweep: Sweep) -> Work:
+    """The tasks of a sweep that simulates and identifies."""
+    record = sweep.table.record
+    return Work(
+        design=lambda run: partial(designed, run),
+        motion=lambda run, trajectories: partial(shared_motion, run, trajectories),
+        runs=lambda runs, trajectories: partial(rows_of, runs, trajectories, record),
+        failed=failed_row,
+    )
 
 
 def failed_row(run: Run, reason: str) -> Row:
@@ -215,18 +183,3 @@ def _row(run: Run, metrics: Mapping[str, float | str]) -> Row:
     row |= {key: plain(value) for key, value in run.identify.items()}
     row |= {key: value for key, value in flat_settings(run.content) if key not in row}
     return row | versions().columns()
-
-
-def keep_design(folder: Path, name: str, trajectories: Mapping[str, FourierTrajectory]) -> None:
-    """Write trajectories, by recording name, to the last bit."""
-    content = {recording: trajectory.to_dict() for recording, trajectory in trajectories.items()}
-    write_json_atomically(folder / f"{name}.json", content)
-
-
-def kept_design(folder: Path, name: str) -> dict[str, FourierTrajectory] | None:
-    """Read them again; None if there are none of that name."""
-    path = folder / f"{name}.json"
-    if not path.is_file():
-        return None
-    content = json.loads(path.read_text(encoding="utf-8"))
-    return {recording: FourierTrajectory.from_dict(entry) for recording, entry in content.items()}

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable, Mapping, Sequence
-from contextlib import ExitStack, closing
+from contextlib import AbstractContextManager, ExitStack, closing
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -17,7 +17,7 @@ from bench.studies.sweep.run_plan import Driver, Phase, Report, silent
 from bench.studies.trial.cases import KINDS, RULES, Kind
 from bench.studies.trial.plan import TrialPlan
 from bench.studies.trial.setup import Setup
-from bench.studies.trial.work import TrialWork
+from bench.studies.trial.work import trial_work
 
 DESIGNS = "designs"
 
@@ -47,7 +47,7 @@ class TrialRequest:
 def run_trial(
     request: TrialRequest,
     folder: Path,
-    make_pool: Callable[[], Pool],
+    make_pool: Callable[[], AbstractContextManager[Pool]],
     progress: Callable[[TrialPlan], Report],
     phase: Phase = silent,
 ) -> list[Row]:
@@ -66,8 +66,9 @@ def run_trial(
                 if any(number not in journal for number in plan.numbers):
                     report = progress(plan)
                     phase("starting workers")
-                    pool = pool or stack.enter_context(closing(make_pool()))
-                    Driver(plan, journal, pool, TrialWork(plan), folder / DESIGNS).run(report, phase)
+                    pool = pool or stack.enter_context(make_pool())
+                    tasks = plan.tasks(journal.__contains__)
+                    Driver(tasks, journal, pool, trial_work(plan), folder / DESIGNS).run(report, phase)
     return read_rows(folder)
 
 

@@ -2,7 +2,7 @@
 
 import json
 from collections.abc import Sequence
-from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 from bench.basics.errors import BenchError
@@ -19,8 +19,7 @@ from bench.identification.result import Identification
 from bench.scenario.scenario import resolve_trajectories
 from bench.studies.sweep.accuracy import accuracy
 from bench.studies.sweep.journal import Row
-from bench.studies.sweep.plan import Run
-from bench.studies.sweep.pool import Task
+from bench.studies.sweep.run_plan import Work
 from bench.studies.sweep.work import FAILED, OK, Trajectories
 from bench.studies.trial.cases import Case
 from bench.studies.trial.compatible import PARTS, expected
@@ -40,70 +39,42 @@ UNNAMED = ("outside", "unknown")
 """Kinds of cases whose first hidden effect is in no catalogue."""
 
 
-@dataclass(frozen=True)
-class TrialDesignTask:
-    """Find the trajectories of all cases."""
-
-    setup: Setup
-
-    def __call__(self, _: None) -> Trajectories:
-        """Trajectories by recording name."""
-        return resolve_trajectories(reference_scenario(self.setup), designer)
+def trial_trajectories(setup: Setup, _: None = None) -> Trajectories:
+    """Find the trajectories of all cases, by recording name."""
+    return resolve_trajectories(reference_scenario(setup), designer)
 
 
-@dataclass(frozen=True)
-class ReferenceTask:
-    """Simulate the movements with nothing hidden, against which sizes are measured."""
-
-    setup: Setup
-    trajectories: Trajectories
-
-    def __call__(self, _: None) -> Simulation:
-        """The simulation, whole."""
-        return simulate(reference_scenario(self.setup), self.trajectories, threads=1)
+def undisturbed(setup: Setup, trajectories: Trajectories, _: None = None) -> Simulation:
+    """Simulate the movements with nothing hidden, against which sizes are measured: whole."""
+    return simulate(reference_scenario(setup), trajectories, threads=1)
 
 
-@dataclass(frozen=True)
-class CaseTask:
-    """Simulate one case and diagnose it."""
+def case_rows(
+    setup: Setup, case: Case, number: int, trajectories: Trajectories, reference: Simulation | None = None
+) -> list[Row]:
+    """Simulate one case and diagnose it: one row.
 
-    setup: Setup
-    case: Case
-    run: int
-    trajectories: Trajectories
-
-    def __call__(self, reference: Simulation | None) -> list[Row]:
-        """One row. reference: simulated already, because other cases need it too; None: to be simulated."""
-        without = reference or ReferenceTask(self.setup, self.trajectories)(None)
-        try:
-            case, simulation = realised(self.setup, self.case, Reference(without), self.trajectories)
-            return [diagnosed_row(self.setup, case, self.run, simulation)]
-        except BenchError as error:
-            return [failed_row(self.setup, self.case, self.run, str(error))]
+    reference: simulated already, because other cases need it too; None: to be simulated.
+    """
+    without = reference or undisturbed(setup, trajectories)
+    try:
+        realised_case, simulation = realised(setup, case, Reference(without), trajectories)
+        return [diagnosed_row(setup, realised_case, number, simulation)]
+    except BenchError as error:
+        return [failed_row(setup, case, number, str(error))]
 
 
-@dataclass(frozen=True)
-class TrialWork:
+def trial_work(plan: TrialPlan) -> Work:
     """The tasks of a trial."""
-
-    plan: TrialPlan
-
-    def design(self, _run: Run) -> Task:
-        """Finds trajectories."""
-        return TrialDesignTask(self.plan.setup)
-
-    def motion(self, _run: Run, trajectories: Trajectories) -> Task:
-        """Simulates the movements with nothing hidden."""
-        return ReferenceTask(self.plan.setup, trajectories)
-
-    def runs(self, runs: tuple[Run, ...], trajectories: Trajectories) -> Task:
-        """Simulates and diagnoses a case."""
-        number = runs[0].number
-        return CaseTask(self.plan.setup, self.plan.case(number), number, trajectories)
-
-    def failed(self, run: Run, reason: str) -> Row:
-        """The row of a case that came to nothing."""
-        return failed_row(self.plan.setup, self.plan.case(run.number), run.number, reason)
+    setup = plan.setup
+    return Work(
+        design=lambda _run: partial(trial_trajectories, setup),
+        motion=lambda _run, trajectories: partial(undisturbed, setup, trajectories),
+        runs=lambda runs, trajectories: partial(
+            case_rows, setup, plan.case(runs[0].number), runs[0].number, trajectories
+        ),
+        failed=lambda run, reason: failed_row(setup, plan.case(run.number), run.number, reason),
+    )
 
 
 def failed_row(setup: Setup, case: Case, number: int, reason: str) -> Row:
