@@ -65,7 +65,7 @@ def test_a_sweep_says_what_it_gave_and_where_it_was_worst(swept):
     words = checked(page)
     assert page.verdict[0] == "Gains against mass: 20 runs, 18 came to an answer."
     assert len(page.verdict) == 3
-    lines = {line.values: line.spreads["gain_error"].median for line in found.summary.lines}
+    lines = {line.values: line.spreads["gain_error"].middle for line in found.summary.lines}
     worst = max(lines, key=lines.get)
     by_axis = dict(zip(found.summary.axes, worst, strict=True))
     place = " and ".join(f"{axis_words(axis)} {value}" for axis, value in by_axis.items())
@@ -82,7 +82,7 @@ def test_a_sweeps_figure_shows_every_median_and_spread(swept):
     series = chart.spec["panels"][0]["series"]
     drawn = sorted(value for one in series for value in one["mean"])
     assert drawn == pytest.approx(
-        sorted(line.spreads["gain_error"].median for line in found.summary.lines), rel=1e-4
+        sorted(line.spreads["gain_error"].middle for line in found.summary.lines), rel=1e-4
     )
     assert all(
         low <= mid <= high
@@ -107,7 +107,7 @@ def test_a_matrix_shows_two_axes_and_asks_for_the_others(of_three_axes):
     (choice,) = grid.choices
     assert (choice.name, choice.options) == ("estimator", ("ls", "current"))
     medians = {
-        tuple(map(point_label, line.values)): line.spreads["gain_error"].median
+        tuple(map(point_label, line.values)): line.spreads["gain_error"].middle
         for line in found.summary.lines
     }
     axes = found.summary.axes

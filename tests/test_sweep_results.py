@@ -37,7 +37,7 @@ def test_a_summary_is_what_the_rows_say(folder):
         values = [row["gain_error"] for row in own if row["gain_error"] is not None]
         found = line.spreads["gain_error"]
         assert (line.runs, found.count) == (len(own), len(values))
-        assert (found.low, found.median, found.high) == pytest.approx(np.quantile(values, [0.05, 0.5, 0.95]))
+        assert (found.low, found.middle, found.high) == pytest.approx(np.quantile(values, [0.05, 0.5, 0.95]))
 
 
 def test_intervals_of_a_share_hold_it_as_often_as_they_say():
@@ -152,7 +152,7 @@ def test_a_drawn_axis_is_cut_into_parts_that_hold_every_run(drawn):
     for line in parts:
         (part,) = line.values
         assert part.low < part.middle < part.high
-        assert part.low**2 <= line.spreads["gain_error"].median <= part.high**2
+        assert part.low**2 <= line.spreads["gain_error"].middle <= part.high**2
     assert [line.values[0].low for line in parts] == sorted(line.values[0].low for line in parts)
     few = summarise_in_parts(drawn / "runs.parquet", ["bits"], ["gain_error"])
     assert [line.values for line in few.lines] == [(16,), (20,)]

@@ -9,7 +9,7 @@ import pytest
 from rich.console import Console
 
 from bench.basics.errors import BenchError
-from bench.studies.trial.charts import write_figures
+from bench.studies.trial.charts import write_trial_figures
 from bench.studies.trial.command import check_numbers, show, write_results
 from bench.studies.trial.markdown import deviation_text, parts, trial_markdown
 from bench.studies.trial.name_list import cell_of, names_in
@@ -59,8 +59,8 @@ def test_the_terminal_says_which_cases_do_not_count_in_a_hundred_columns() -> No
 
 def test_pictures_are_of_what_there_are_cases_for(tmp_path: Path) -> None:
     nothing = [trial_row("nothing", "", "")] * 2
-    assert write_figures(summarised("robot", nothing), nothing, tmp_path / "robot") == []
-    paths = write_figures(summarised("robot", trial_rows()), trial_rows(), tmp_path / "robot")
+    assert write_trial_figures(summarised("robot", nothing), nothing, tmp_path) == []
+    paths = write_trial_figures(summarised("robot", trial_rows()), trial_rows(), tmp_path)
     assert [path.name for path in paths] == [
         f"robot_{name}.png" for name in ("confusion", "misses", "errors")
     ]

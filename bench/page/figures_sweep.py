@@ -142,7 +142,7 @@ def _chart(grid: _Grid, metric: str, others: Mapping[str, Any]) -> PageChart:
         point = {**fixed, grid.across: x, grid.down: y}
         spread = grid.spread(metric, point)
         places.append((i, k))
-        middles.append(None if spread is None else _middle(metric, spread))
+        middles.append(None if spread is None else spread.middle)
         picks.append(
             {axis: point_label(value) for axis, value in point.items() if len(grid.values[axis]) > 1}
         )
@@ -169,15 +169,9 @@ def _names(axis: str, values: Sequence[Any]) -> Axis:
     return Axis(*axis_parts(axis), scale="band", categories=tuple(map(point_label, values)))
 
 
-def _middle(metric: str, spread: Spread) -> float:
-    return spread.mean if is_share(metric) else spread.median
-
-
 def _shades(grid: _Grid, metric: str) -> Any:
     """From a value to its shade, 0 to 1, the same in all charts of the metric; logarithmic over a wide range."""
-    every = [
-        _middle(metric, line.spreads[metric]) for line in grid.lines.values() if line.spreads[metric].count
-    ]
+    every = [line.spreads[metric].middle for line in grid.lines.values() if line.spreads[metric].count]
     known = [value for value in every if np.isfinite(value)]
     low, high = min(known, default=0.0), max(known, default=1.0)
     if is_wide(np.array(known)):

@@ -37,7 +37,8 @@ from bench.studies.sweep.metrics import (
     what_is_measured,
 )
 from bench.studies.sweep.plan import Plan
-from bench.studies.sweep.results import default_plots, table_in
+from bench.studies.sweep.print_summary import explanation
+from bench.studies.sweep.results import default_plots, failed_runs, table_in
 from bench.studies.sweep.run_sweep import FILE, RECORD
 from bench.studies.sweep.summary import Spread, Summary, SummaryLine, summarise
 from bench.studies.sweep.sweep_file import load_sweep
@@ -120,9 +121,9 @@ def _verdict(result: SweepResult) -> tuple[str, ...]:
     said.append(_over_all(metrics[0], all_runs.spreads[metrics[0]]))
     known = [line for line in result.summary.lines if line.spreads[metrics[0]].count]
     if len(known) > 1:
-        ranked = sorted(known, key=lambda line: _middle(metrics[0], line.spreads[metrics[0]]))
+        ranked = sorted(known, key=lambda line: line.spreads[metrics[0]].middle)
         low, high = (
-            f"{value_text(metrics[0], _middle(metrics[0], line.spreads[metrics[0]]))} at {_place(result, line)}"
+            f"{value_text(metrics[0], line.spreads[metrics[0]].middle)} at {_place(result, line)}"
             for line in (ranked[0], ranked[-1])
         )
         kind = "mean" if is_share(metrics[0]) else "median"
@@ -135,14 +136,10 @@ def _verdict(result: SweepResult) -> tuple[str, ...]:
 def _over_all(metric: str, spread: Spread) -> str:
     what = what_is_measured(metric)
     low, high = value_text(metric, spread.low), value_text(metric, spread.high)
+    middle = value_text(metric, spread.middle)
     if is_share(metric):
-        return f"{begun(what)}: {value_text(metric, spread.mean)}, 95 % interval {low} to {high}."
-    middle = value_text(metric, spread.median)
+        return f"{begun(what)}: {middle}, 95 % interval {low} to {high}."
     return f"{begun(what)}: {middle} in the median; nine runs in ten lie between {low} and {high}."
-
-
-def _middle(metric: str, spread: Spread) -> float:
-    return spread.mean if is_share(metric) else spread.median
 
 
 def _place(result: SweepResult, line: SummaryLine) -> str:
@@ -160,7 +157,7 @@ def _tiles(result: SweepResult) -> tuple[Tile, ...]:
             kind = "95 % interval" if is_share(metric) else "middle 90 %"
             note = f"{kind}: {value_text(metric, spread.low)} to {value_text(metric, spread.high)}"
             name = f"{begun(metric_title(metric))}, {'mean' if is_share(metric) else 'median'}"
-            tiles.append(Tile(name, value_text(metric, _middle(metric, spread)), typeset(note)))
+            tiles.append(Tile(name, value_text(metric, spread.middle), typeset(note)))
     return tuple(tiles)
 
 
@@ -196,9 +193,7 @@ def _numbers_section(result: SweepResult) -> Section:
         for metric in summary.metrics
     ]
     rows = tuple(_line(summary, line, failed=failed) for line in summary.lines[:MOST_LINES])
-    aid = "Median, and in brackets the middle 90 % of the runs."
-    if any(map(is_share, summary.metrics)):
-        aid += " Of a share: the mean, and in brackets its 95 % interval (Jeffreys)."
+    aid = explanation(summary)
     if len(summary.lines) > MOST_LINES:
         aid += f" The first {MOST_LINES} of {len(summary.lines)} lines; summary.md has all."
     table = PageTable("Every combination", aid, tuple(columns), rows)
@@ -216,7 +211,7 @@ def _line(summary: Summary, line: SummaryLine, *, failed: bool) -> PageRow:
 def _spread_text(metric: str, spread: Spread) -> str:
     if not spread.count:
         return "–"
-    middle = value_text(metric, _middle(metric, spread))
+    middle = value_text(metric, spread.middle)
     if spread.count == 1 and not is_share(metric):
         return middle
     return f"{middle} [{value_text(metric, spread.low)}, {value_text(metric, spread.high)}]"
@@ -238,13 +233,8 @@ def _runs_section(result: SweepResult) -> Section:
 def _failures_section(result: SweepResult) -> Section:
     if not result.overall.failed:
         return sentences_section("failures", "Runs that failed", ["None."], short="Failures")
-    columns = read_table(result.table, ["run", "status", "reason"])
-    reasons: dict[str, list[int]] = {}
-    for run, status, reason in zip(*columns.values(), strict=True):
-        if status != "ok":
-            reasons.setdefault(str(reason), []).append(run)
-    ranked = sorted(reasons.items(), key=lambda pair: -len(pair[1]))
-    rows = tuple(row(str(len(runs)), str(runs[0]), reason) for reason, runs in ranked[:MOST_REASONS])
+    reasons = list(failed_runs(result.table).items())[:MOST_REASONS]
+    rows = tuple(row(str(len(runs)), str(runs[0]), reason) for reason, runs in reasons)
     aid = "The most frequent first; the column reason of runs.parquet has every one."
     heads = (PageColumn("runs", "right"), PageColumn("first", "right"), PageColumn("reason", "words"))
     return Section("failures", "Runs that failed", "", (PageTable("Reasons", aid, heads, rows),), "Failures")

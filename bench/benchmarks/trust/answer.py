@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from bench.benchmarks.trust.stability import CERTAIN, verdicts_of
 from bench.effects.display_names import spoken
-from bench.studies.sweep.journal import Row
-from bench.studies.sweep.work import OK
+from bench.studies.sweep.journal import OK, Row
 from bench.studies.trial.name_list import names_in
 from bench.studies.trial.unknown import LAW
 

@@ -7,9 +7,8 @@ from bench.benchmarks.trust.overview import NO_CASE, interval_text
 from bench.benchmarks.trust.questions import QUESTIONS
 from bench.benchmarks.trust.work import PROCESSOR
 from bench.document.markdown.tables import rows_in_markdown
-from bench.studies.sweep.journal import Row
+from bench.studies.sweep.journal import OK, Row
 from bench.studies.sweep.progress import duration_text
-from bench.studies.sweep.work import OK
 from bench.studies.trial.cases import Kind
 
 

@@ -6,19 +6,16 @@ from collections.abc import Sequence
 from math import erf, sqrt
 from pathlib import Path
 
-import matplotlib as mpl
 import numpy as np
-from matplotlib.figure import Figure
 
-from bench.basics.figure_style import STYLE
-from bench.basics.files.atomic import atomic_path
 from bench.benchmarks.trust.evaluation import Evaluation
 from bench.benchmarks.trust.gains import MODELLED, deviations
 from bench.benchmarks.trust.reliability import Reliability, reliability
 from bench.document.charts.chart import Axis, Chart, Line, Panel, Whiskers
-from bench.document.figures.draw import draw
+from bench.document.figures.write import CHART_DPI, chart_figure, write_figures
 
 LARGEST = 4.0  # standard deviations
+SIZE = (5.6, 3.8)  # inches
 
 
 def reliability_chart(classes: Sequence[Reliability]) -> Chart:
@@ -58,24 +55,13 @@ def coverage_chart(within: np.ndarray) -> Chart:
     )
 
 
-def write_figures(evaluation: Evaluation, folder: Path) -> list[Path]:
+def write_trust_figures(evaluation: Evaluation, folder: Path) -> list[Path]:
     """Draw what there are cases for."""
     rows = evaluation.of(evaluation.robots, MODELLED)
     charts = {}
     if classes := reliability(rows):
-        charts["reliability"] = reliability_chart(classes)
+        charts["reliability.png"] = reliability_chart(classes)
     if within := deviations(rows):
-        charts["coverage"] = coverage_chart(np.concatenate(within))
-    written = []
-    for name, chart in charts.items():
-        path = folder / f"{name}.png"
-        with mpl.rc_context(STYLE):
-            figure = Figure(figsize=(5.6, 3.8), layout="constrained")
-            axes = figure.add_subplot()
-            draw(axes, chart)
-            axes.legend(frameon=False, fontsize=8)
-            axes.set_title(chart.title, fontsize=9, loc="left")
-            with atomic_path(path) as partial:
-                figure.savefig(partial, dpi=130)
-        written.append(path)
-    return written
+        charts["coverage.png"] = coverage_chart(np.concatenate(within))
+    figures = {name: chart_figure(chart, chart.title, SIZE) for name, chart in charts.items()}
+    return write_figures(folder, figures, dpi=CHART_DPI)

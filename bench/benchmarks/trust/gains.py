@@ -8,8 +8,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from bench.basics.chi_squared import WITHIN_95
-from bench.studies.sweep.journal import Row
-from bench.studies.sweep.work import OK
+from bench.studies.sweep.journal import OK, Row
 from bench.studies.trial.target import Share, Target, TargetFigure
 
 MODELLED = ("nothing", "one", "two", "three")

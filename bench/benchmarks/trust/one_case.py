@@ -10,7 +10,7 @@ from bench.benchmarks.trust.answer import answer_text, hidden_text
 from bench.benchmarks.trust.run import setups_of
 from bench.benchmarks.trust.stability import NOISE, SURE, WITHOUT_LOG
 from bench.benchmarks.trust.work import case_rows
-from bench.studies.sweep.work import OK
+from bench.studies.sweep.journal import OK
 from bench.studies.trial.cases import KINDS
 from bench.studies.trial.work import trial_trajectories
 

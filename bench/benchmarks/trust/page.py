@@ -12,7 +12,7 @@ from bench.basics.plural import plural
 from bench.benchmarks.trust.answer import answer_text, hidden_text
 from bench.benchmarks.trust.cost import cost_of, cost_table
 from bench.benchmarks.trust.evaluation import Evaluation, read_evaluation
-from bench.benchmarks.trust.figures import write_figures
+from bench.benchmarks.trust.figures import write_trust_figures
 from bench.benchmarks.trust.gains import MODELLED, coverage, deviations
 from bench.benchmarks.trust.mistakes import sentences
 from bench.benchmarks.trust.overview import KEY, interval_text, overview, target_text
@@ -20,9 +20,8 @@ from bench.benchmarks.trust.questions import QUESTIONS
 from bench.benchmarks.trust.reliability import reliability
 from bench.benchmarks.trust.stability import NOISE, SURE, WITHOUT_LOG, changed
 from bench.document.markdown.tables import rows_in_markdown
-from bench.studies.sweep.journal import Row
+from bench.studies.sweep.journal import OK, Row
 from bench.studies.sweep.progress import duration_text
-from bench.studies.sweep.work import OK
 from bench.studies.trial.target import Target, TargetFigure
 
 PAGE = "trust.md"
@@ -37,7 +36,7 @@ COMMAND = "python -m bench.benchmarks.trust --case"
 def write_page(table: Path) -> list[Path]:
     """Write the page and its figures next to the table."""
     evaluation = read_evaluation(table)
-    figures = write_figures(evaluation, table.parent)
+    figures = write_trust_figures(evaluation, table.parent)
     page = table.with_name(PAGE)
     write_text_atomically(page, page_text(evaluation, [figure.name for figure in figures]))
     return [table, page, *figures]

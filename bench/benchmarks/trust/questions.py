@@ -5,8 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
-from bench.studies.sweep.journal import Row
-from bench.studies.sweep.work import OK
+from bench.studies.sweep.journal import OK, Row
 from bench.studies.trial.cases import Kind
 from bench.studies.trial.summary import LARGE, alarm, honest
 from bench.studies.trial.target import Share, Target, TargetFigure

@@ -14,7 +14,7 @@ from bench.benchmarks.trust.gains import MODELLED
 from bench.benchmarks.trust.overview import NO_CASE, interval_text
 from bench.benchmarks.trust.questions import QUESTIONS
 from bench.document.markdown.tables import rows_in_markdown
-from bench.studies.sweep.work import OK
+from bench.studies.sweep.journal import OK
 
 BEGIN, END = "<!-- evaluation -->", "<!-- end of evaluation -->"
 SPOKEN: Mapping[str, str] = {

@@ -8,8 +8,7 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 from bench.benchmarks.trust.gains import MODELLED
-from bench.studies.sweep.journal import Row
-from bench.studies.sweep.work import OK
+from bench.studies.sweep.journal import OK, Row
 from bench.studies.trial.compatible import expected, optional
 from bench.studies.trial.name_list import names_in
 from bench.studies.trial.target import Share

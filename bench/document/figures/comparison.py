@@ -12,11 +12,11 @@ from matplotlib.ticker import MaxNLocator
 
 from bench.basics.errors import BenchError
 from bench.basics.figure_style import DPI, STYLE
-from bench.basics.files.atomic import atomic_path
 from bench.basics.joint_units import drive_unit
 from bench.document.charts.currents import currents_chart, fitted_currents_chart
 from bench.document.charts.motor import motor_charts
 from bench.document.figures.draw import draw
+from bench.document.figures.write import write_figure, write_figures
 from bench.document.layout import SCREEN
 from bench.document.numbers import USES, error_std, percent
 from bench.identification.result import CurrentSeries, Identification, relative_error
@@ -125,9 +125,7 @@ def write_current_figure(
     path: str | Path, result: Identification, recordings: Sequence[str] | None = None
 ) -> None:
     """Write `current_figure` as a picture, PNG or SVG by suffix, whole or not at all."""
-    figure = current_figure(result, recordings)
-    with atomic_path(path) as partial:
-        figure.savefig(partial)
+    write_figure(path, current_figure(result, recordings))
 
 
 def _chosen(result: Identification, names: Sequence[str] | None) -> list[CurrentSeries]:
@@ -163,10 +161,7 @@ def write_comparison_figures(folder: Path, what: Compared) -> list[Path]:
     """Write currents.png and errors_MOTOR.png into a folder, each whole or not at all, and tell their paths."""
     pages = {"currents.png": currents_figure(what)}
     pages |= {f"errors_{joint}.png": errors_figure(what, joint) for joint in what.joints if what.of(joint)}
-    for name, figure in pages.items():
-        with atomic_path(folder / name) as partial:
-            figure.savefig(partial)
-    return [folder / name for name in pages]
+    return write_figures(folder, pages)
 
 
 def currents_figure(what: Compared) -> Figure:

@@ -12,13 +12,13 @@ from matplotlib.ticker import MaxNLocator, SymmetricalLogLocator
 
 from bench.basics.chi_squared import WITHIN_95
 from bench.basics.figure_style import DPI, STYLE
-from bench.basics.files.atomic import atomic_path
 from bench.basics.joint_units import drive_unit
 from bench.basics.sentence import and_list
 from bench.diagnosis.result import Diagnosis
 from bench.document.charts.currents import before_after_chart, ladder_chart
 from bench.document.figures.comparison import errors_figure
 from bench.document.figures.draw import COLOURS, PLAIN, ZERO, draw
+from bench.document.figures.write import write_figures
 from bench.document.layout import SCREEN
 from bench.document.numbers import effect_name, is_poor, percent, pretty_unit
 from bench.identification.result import CurrentSeries, Quantity, relative_error
@@ -164,10 +164,7 @@ def write_diagnosis_figures(folder: Path, diagnosis: Diagnosis, residuals: Compa
         for joint in residuals.joints
         if residuals.of(joint)
     }
-    for name, figure in pages.items():
-        with atomic_path(folder / name) as partial:
-            figure.savefig(partial)
-    return [folder / name for name in pages]
+    return write_figures(folder, pages)
 
 
 def ladder_figure(diagnosis: Diagnosis) -> Figure:

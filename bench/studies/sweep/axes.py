@@ -164,6 +164,11 @@ class DrawnAxis:
     name: str
     draw: Draw
 
+    @property
+    def paths(self) -> frozenset[str]:
+        """The setting."""
+        return frozenset((self.name,))
+
     def value(self, seed: int) -> Value:
         """The value of a seed; it depends on the seed and the axis' name alone."""
         return self.draw.value(stream(seed, "axis", self.name))

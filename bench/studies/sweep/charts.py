@@ -78,7 +78,7 @@ def plot_chart(
                 f"{axis_words(lines)} {_short(name)}" if lines else "",
                 ROLES[i % len(ROLES)],
                 place,
-                np.array([spread.mean if is_share(y) else spread.median for _, spread in points]),
+                np.array([spread.middle for _, spread in points]),
                 np.array([spread.low for _, spread in points]),
                 np.array([spread.high for _, spread in points]),
                 joined=across.scale != "band",
@@ -146,7 +146,7 @@ def _moved(x: np.ndarray, every: Sequence[float], offset: float, across: Axis) -
 def _up(y: str, every: Points, logarithmic: bool | None) -> Axis:
     ends = np.array([end for _, spread in every for end in (spread.low, spread.high)])
     include = (float(ends.min()), float(ends.max())) if len(ends) and np.isfinite(ends).all() else ()
-    wide = is_wide(np.array([spread.median for _, spread in every])) if logarithmic is None else logarithmic
+    wide = is_wide(np.array([spread.middle for _, spread in every])) if logarithmic is None else logarithmic
     return metric_axis(y, scale="log" if wide and not is_share(y) else "linear", include=include)
 
 

@@ -10,6 +10,7 @@ from rich.console import Console
 from rich.markup import escape
 
 from bench.basics.errors import BenchError
+from bench.basics.plural import plural
 from bench.dataset.dataset import Dataset
 from bench.diagnosis.with_catalogue import diagnose_with_catalogue
 from bench.identification.identify import fit
@@ -22,11 +23,10 @@ from bench.studies.sweep.plan import FITTING, MACHINE, MOVEMENT, Plan, Run, leve
 from bench.studies.sweep.preflight import check_plan, fixed_declarations
 from bench.studies.sweep.print_summary import print_summary, table_console
 from bench.studies.sweep.progress import duration_text, progress_console, shown_progress
-from bench.studies.sweep.results import SUMMARY, write_plots, write_summary
+from bench.studies.sweep.results import SUMMARY, failed_runs, write_plots, write_summary
 from bench.studies.sweep.run_sweep import Finished, run_sweep, written
 from bench.studies.sweep.sweep_file import load_sweep
-from bench.studies.sweep.table import read_table
-from bench.studies.sweep.work import FAILED, identification_work
+from bench.studies.sweep.work import identification_work
 from bench.studies.sweep.workers import ON_ALL_CORES, Workers
 from bench.truth.dataset import as_dataset
 from bench.truth.simulate import simulate
@@ -86,8 +86,7 @@ def _points(axes: list[Axis]) -> int:
 
 
 def _on_payload(axis: Axis) -> bool:
-    paths = axis.paths if isinstance(axis, GridAxis) else (axis.name,)
-    return any(path.split(".")[0] == "payloads" for path in paths)
+    return any(path.split(".")[0] == "payloads" for path in axis.paths)
 
 
 def _optimised(content: Any) -> bool:
@@ -192,19 +191,15 @@ def run_command(
 def _extent_text(plan: Plan, work: Extent, workers: Workers) -> str:
     axes = [f"{len(axis.points)} × {axis.name}" for axis in plan.sweep.grid]
     drawn = [name for name in plan.axis_names if name not in {axis.name for axis in plan.sweep.grid}]
-    counts = ", ".join([*axes, _counted(len(plan.sweep.seeds), "seed"), *(f"{name} drawn" for name in drawn)])
-    text = f"{_counted(work.runs, 'run')} ({counts}), {_counted(work.motions, 'simulation')}"
+    counts = ", ".join([*axes, plural(len(plan.sweep.seeds), "seed"), *(f"{name} drawn" for name in drawn)])
+    text = f"{plural(work.runs, 'run')} ({counts}), {plural(work.motions, 'simulation')}"
     if work.designs:
-        text += f", {_counted(work.designs, 'design')} of trajectories"
+        text += f", {plural(work.designs, 'design')} of trajectories"
     if workers.scheduler is not None:
         return f"{text}, on {workers.scheduler}"
     seconds = work.seconds(workers.count)
     about = "" if seconds is None else f", about {duration_text(seconds)}"
-    return f"{text}{about} with {_counted(workers.count, 'worker')}"
-
-
-def _counted(count: int, noun: str) -> str:
-    return f"{count} {noun}" if count == 1 else f"{count} {noun}s"
+    return f"{text}{about} with {plural(workers.count, 'worker')}"
 
 
 def _show(console: Console, plan: Plan, finished: Finished, seconds: float) -> int:
@@ -217,7 +212,7 @@ def _show(console: Console, plan: Plan, finished: Finished, seconds: float) -> i
         _show_failures(console, finished)
     made = finished.runs - finished.kept
     kept = f", {finished.kept} kept from before" if finished.kept else ""
-    text = f"{_counted(made, 'run')} in {duration_text(seconds)}{kept}, {finished.failed} failed"
+    text = f"{plural(made, 'run')} in {duration_text(seconds)}{kept}, {finished.failed} failed"
     console.print(text, highlight=False)
     for name, path in (("table", finished.table), ("summary", finished.folder / SUMMARY)):
         console.print(f"wrote {path} ({name})", highlight=False, soft_wrap=True)
@@ -227,12 +222,8 @@ def _show(console: Console, plan: Plan, finished: Finished, seconds: float) -> i
 
 
 def _show_failures(console: Console, finished: Finished) -> None:
-    columns = read_table(finished.table, ["run", "status", "reason"])
-    reasons: dict[str, list[int]] = {}
-    for run, status, reason in zip(*columns.values(), strict=True):
-        if status == FAILED:
-            reasons.setdefault(reason, []).append(run)
-    for reason, runs in sorted(reasons.items(), key=lambda item: -len(item[1]))[:MOST_REASONS]:
+    reasons = failed_runs(finished.table)
+    for reason, runs in list(reasons.items())[:MOST_REASONS]:
         which = f"run {runs[0]}" if len(runs) == 1 else f"{len(runs)} runs, first {runs[0]}"
         console.print(f"[red]failed[/] ({which}): {escape(reason)}", highlight=False, soft_wrap=True)
     if len(reasons) > MOST_REASONS:

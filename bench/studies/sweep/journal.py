@@ -14,6 +14,7 @@ from bench.basics.errors import BenchError
 
 Row = dict[str, Any]
 """One line of the table: column -> number, text, truth or None."""
+OK, FAILED = "ok", "failed"  # what a row has under `status`
 TO_DISK_EVERY = 1.0  # s: a killed process loses nothing, a power failure at most this
 
 
@@ -69,7 +70,7 @@ class Journal:
             raise BenchError(f"{self.path}: run {number}, but the sweep has {len(self._starts)}")
         if self._starts[number] < 0:
             self.count += 1
-        (self.failed.discard if row["status"] == "ok" else self.failed.add)(number)
+        (self.failed.discard if row["status"] == OK else self.failed.add)(number)
         self._starts[number] = start
 
     def _read_back(self) -> int:

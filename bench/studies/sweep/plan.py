@@ -226,7 +226,7 @@ def make_plan(sweep: Sweep) -> Plan:
     """The plan of a sweep. Raises BenchError if two axes touch the same setting or the runs are too many."""
     owner: dict[str, str] = {}
     for axis in sweep.axes:
-        for path in axis.paths if isinstance(axis, GridAxis) else (axis.name,):
+        for path in axis.paths:
             if path == "seed":
                 raise BenchError(f"{sweep.path}: axes.{axis.name}: seeds have their key, `seeds`")
             for other, name in owner.items():
@@ -244,8 +244,7 @@ def make_plan(sweep: Sweep) -> Plan:
 
 def level(axis: Axis) -> int:
     """How much has to be done anew where an axis moves on: MOVEMENT most, METHOD least."""
-    paths = axis.paths if isinstance(axis, GridAxis) else frozenset((axis.name,))
-    return min((_level(path) for path in paths), default=METHOD)
+    return min(map(_level, axis.paths), default=METHOD)
 
 
 def _level(path: str) -> int:

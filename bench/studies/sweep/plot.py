@@ -6,8 +6,8 @@ import matplotlib as mpl
 from matplotlib.figure import Figure
 
 from bench.basics.figure_style import STYLE
-from bench.basics.files.atomic import atomic_path
 from bench.document.figures.draw import draw
+from bench.document.figures.write import write_figure
 from bench.studies.sweep.charts import plot_chart
 
 MANY_NAMES = 6  # along x, from which on they stand aslant
@@ -27,5 +27,4 @@ def plot_sweep(
         axes.set_title(chart.aid, fontsize=8, color="#555555", wrap=True)
         if lines is not None:
             axes.legend(frameon=False, fontsize=8)
-        with atomic_path(path) as partial:
-            figure.savefig(partial, dpi=150, metadata={"Date": None} if path.suffix == ".svg" else None)
+        write_figure(path, figure, dpi=150, metadata={"Date": None} if path.suffix == ".svg" else None)

@@ -146,7 +146,7 @@ def _check_joints(run: Run, scenario: Scenario) -> None:
 def _check_payloads(plan: Plan, used: Collection[str]) -> None:
     """A payload that an axis varies is on the tool in some recording."""
     for axis in plan.sweep.axes:
-        for path in axis.paths if isinstance(axis, GridAxis) else (axis.name,):
+        for path in axis.paths:
             head, *rest = path.split(".")
             if head == "payloads" and rest and rest[0] not in used:
                 known = ", ".join(sorted(used)) or "none"
@@ -157,11 +157,7 @@ def _check_payloads(plan: Plan, used: Collection[str]) -> None:
 
 def fixed_declarations(plan: Plan) -> list[str]:
     """A note on each property of a payload that an axis varies, while the dataset goes on declaring one value."""
-    axis_of = {
-        path: axis.name
-        for axis in plan.sweep.axes
-        for path in (axis.paths if isinstance(axis, GridAxis) else (axis.name,))
-    }
+    axis_of = {path: axis.name for axis in plan.sweep.axes for path in axis.paths}
     payloads = plan.run(0).content.get("payloads") or {}
     notes = []
     for path, axis in axis_of.items():

@@ -123,12 +123,11 @@ def _label(value: Any) -> str:
 def _cell(metric: str, spread: Spread) -> str:
     if not spread.count:
         return "–"
-    middle = spread.mean if is_share(metric) else spread.median
     scale, unit = (100.0, " %") if is_relative(metric) else (1.0, "")
     if spread.count == 1 and not is_share(metric):
-        return f"{number(scale * middle)}{unit}"
+        return f"{number(scale * spread.middle)}{unit}"
     low, high = number(scale * spread.low, 2), number(scale * spread.high, 2)
-    return f"{number(scale * middle)}{unit} [{low}, {high}]"
+    return f"{number(scale * spread.middle)}{unit} [{low}, {high}]"
 
 
 WIDE = 132  # columns where nobody's terminal sets a limit

@@ -7,13 +7,14 @@ from pathlib import Path
 from bench.basics.errors import BenchError
 from bench.scenario.scenario import scenario_from_dict
 from bench.studies.sweep.hidden_share import with_sized_effect
+from bench.studies.sweep.journal import OK
 from bench.studies.sweep.plan import Plan, Run, make_plan
 from bench.studies.sweep.results import table_in
 from bench.studies.sweep.run_plan import kept_design
 from bench.studies.sweep.run_sweep import DESIGNS, FILE
 from bench.studies.sweep.sweep_file import load_sweep
 from bench.studies.sweep.table import column_names, read_table
-from bench.studies.sweep.work import OK, designed
+from bench.studies.sweep.work import designed
 from bench.truth.simulate import Simulation, simulate
 
 SHOWN = 3

@@ -5,12 +5,13 @@ from pathlib import Path
 
 from bench.basics.errors import BenchError
 from bench.basics.files.atomic import write_text_atomically
+from bench.studies.sweep.journal import OK
 from bench.studies.sweep.plan import Plan
 from bench.studies.sweep.print_summary import summary_markdown
 from bench.studies.sweep.run_sweep import FILE, TABLE
 from bench.studies.sweep.summary import Summary, summarise, summarise_in_parts
 from bench.studies.sweep.sweep_file import PlotTable, load_sweep
-from bench.studies.sweep.table import column_names
+from bench.studies.sweep.table import column_names, read_table
 
 SUMMARY = "summary.md"
 
@@ -21,6 +22,16 @@ def table_in(folder: Path) -> Path:
     if not path.is_file():
         raise BenchError(f"{folder}: holds no {TABLE}: name the folder of a sweep that has ended")
     return path
+
+
+def failed_runs(table: Path) -> dict[str, list[int]]:
+    """Numbers of the runs that came to nothing by their reason, the most frequent first."""
+    columns = read_table(table, ["run", "status", "reason"])
+    reasons: dict[str, list[int]] = {}
+    for run, status, reason in zip(*columns.values(), strict=True):
+        if status != OK:
+            reasons.setdefault(str(reason), []).append(run)
+    return dict(sorted(reasons.items(), key=lambda item: -len(item[1])))
 
 
 def write_table_summary(table: Path, axes: Sequence[str], metrics: Sequence[str]) -> tuple[Summary, Path]:

@@ -19,11 +19,13 @@ MOST_VALUES = 40
 
 @dataclass(frozen=True)
 class Spread:
-    """A metric over the runs of one cell. low, high: 5 % and 95 % quantiles; of a share, its 95 % interval."""
+    """A metric over the runs of one cell. middle: median; low, high: 5 % and 95 % quantiles.
+
+    Of a share: the mean, and its 95 % interval.
+    """
 
     count: int
-    median: float
-    mean: float
+    middle: float
     low: float
     high: float
 
@@ -123,16 +125,14 @@ def _summary(
 
 
 def spread(metric: str, values: np.ndarray) -> Spread:
-    """Median, mean and quantiles of the values (n,) that are numbers; of a share, its interval."""
+    """The spread of the values (n,) that are numbers."""
     known = values[~np.isnan(values)]
     if not len(known):
-        return Spread(0, *[float("nan")] * 4)
-    mean, median = float(np.mean(known)), float(np.median(known))
+        return Spread(0, *[float("nan")] * 3)
     if is_share(metric):
-        low, high = share_interval(float(known.sum()), len(known))
-    else:
-        low, high = (float(x) for x in np.quantile(known, SPREAD))
-    return Spread(len(known), median, mean, low, high)
+        return Spread(len(known), float(np.mean(known)), *share_interval(float(known.sum()), len(known)))
+    low, high = (float(x) for x in np.quantile(known, SPREAD))
+    return Spread(len(known), float(np.median(known)), low, high)
 
 
 def share_interval(successes: float, trials: int) -> tuple[float, float]:

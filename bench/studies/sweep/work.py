@@ -20,7 +20,7 @@ from bench.scenario.trajectory import FourierTrajectory
 from bench.studies.sweep.accuracy import Metrics
 from bench.studies.sweep.hidden_share import with_sized_effect, without_share
 from bench.studies.sweep.identified_run import IdentifiedRun
-from bench.studies.sweep.journal import Row
+from bench.studies.sweep.journal import FAILED, OK, Row
 from bench.studies.sweep.metrics import METRICS
 from bench.studies.sweep.plan import Run, flat_settings, plain
 from bench.studies.sweep.run_plan import Work
@@ -31,8 +31,6 @@ from bench.truth.resense import sense_again
 from bench.truth.simulate import Simulation, simulate
 from bench.truth.timers import stop_step_timers
 from bench.truth.unwarned import unwarned
-
-OK, FAILED = "ok", "failed"
 
 
 def measure(

@@ -1,6 +1,6 @@
 """Charts of a trial: what was named for what, misses by size, intervals, remaining errors."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 
 import matplotlib as mpl
@@ -8,9 +8,9 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from bench.basics.figure_style import STYLE
-from bench.basics.files.atomic import atomic_path
 from bench.document.charts.chart import Axis, Cells, Chart, Panel, Points, Role, Rule, Series, Spans, Whiskers
 from bench.document.figures.draw import draw
+from bench.document.figures.write import CHART_DPI, chart_figure, write_figures
 from bench.document.typeset import effect_name
 from bench.studies.sweep.journal import Row
 from bench.studies.trial.markdown import size_text
@@ -18,7 +18,8 @@ from bench.studies.trial.summary import A_LAW, LARGE, NOTHING, SOMETHING, TrialS
 from bench.studies.trial.target import FLOOR_FACTOR, Share
 
 COVERAGE = 0.95
-CELL = 0.26  # inches
+CELL, SIZE = 0.26, (6.4, 3.8)  # inches
+LETTERS = 14  # of a class in a line
 
 
 def confusion_chart(summary: TrialSummary) -> Chart:
@@ -129,43 +130,32 @@ def _missed(name: str, role: Role, shift: float, shares: Sequence[Share]) -> Whi
     return Whiskers(name, role, at, share, low, high, joined=False)
 
 
-def write_figures(summary: TrialSummary, rows: Sequence[Row], stem: Path) -> list[Path]:
-    """Draw what there are cases for: STEM_confusion.png, STEM_misses.png, STEM_errors.png."""
-    drawn = []
-    charts: Mapping[str, tuple[Chart | None, Callable[[Chart, str], Figure]]] = {
-        "confusion": (confusion_chart(summary) if set(summary.confusion) - {NOTHING} else None, _matrix),
-        "misses": (misses_chart(summary) if any(miss.first.of for miss in summary.misses) else None, _plain),
-        "errors": (errors_chart(rows), _plain),
+def write_trial_figures(summary: TrialSummary, rows: Sequence[Row], folder: Path) -> list[Path]:
+    """Draw what there are cases for: ROBOT_confusion.png, ROBOT_misses.png, ROBOT_errors.png."""
+    figures = {}
+    if set(summary.confusion) - {NOTHING}:
+        figures["confusion"] = _matrix(confusion_chart(summary), summary.robot)
+    plain = {
+        "misses": misses_chart(summary) if any(miss.first.of for miss in summary.misses) else None,
+        "errors": errors_chart(rows),
     }
-    for name, (chart, figure_of) in charts.items():
-        if chart is None:
-            continue
-        path = stem.with_name(f"{stem.name}_{name}.png")
-        with mpl.rc_context(STYLE):
-            figure = figure_of(chart, summary.robot)
-            with atomic_path(path) as partial:
-                figure.savefig(partial, dpi=130)
-        drawn.append(path)
-    return drawn
+    for name, chart in plain.items():
+        if chart is not None:
+            title = f"{summary.robot}: {chart.title}"
+            figures[name] = chart_figure(chart, title, SIZE, letters=LETTERS)
+    named = {f"{summary.robot}_{name}.png": figure for name, figure in figures.items()}
+    return write_figures(folder, named, dpi=CHART_DPI)
 
 
 def _matrix(chart: Chart, robot: str) -> Figure:
     size = (3.2 + CELL * len(chart.x.categories), 2.6 + CELL * len(chart.y.categories))
-    figure = Figure(figsize=size, layout="constrained")
-    axes = figure.add_subplot()
-    draw(axes, chart)
-    axes.tick_params(labelsize=7)
-    axes.xaxis.label.set_fontsize(8)
-    axes.yaxis.label.set_fontsize(8)
-    axes.tick_params(axis="x", rotation=90)
-    figure.suptitle(f"{robot}: {chart.title}", fontsize=8, x=0.01, ha="left")
-    return figure
-
-
-def _plain(chart: Chart, robot: str) -> Figure:
-    figure = Figure(figsize=(6.4, 3.8), layout="constrained")
-    axes = figure.add_subplot()
-    draw(axes, chart, letters=14)
-    axes.legend(frameon=False, fontsize=8)
-    axes.set_title(f"{robot}: {chart.title}", fontsize=9, loc="left")
+    with mpl.rc_context(STYLE):
+        figure = Figure(figsize=size, layout="constrained")
+        axes = figure.add_subplot()
+        draw(axes, chart)
+        axes.tick_params(labelsize=7)
+        axes.xaxis.label.set_fontsize(8)
+        axes.yaxis.label.set_fontsize(8)
+        axes.tick_params(axis="x", rotation=90)
+        figure.suptitle(f"{robot}: {chart.title}", fontsize=8, x=0.01, ha="left")
     return figure

@@ -21,7 +21,7 @@ from bench.studies.sweep.run_plan import Report
 from bench.studies.sweep.table import write_rows
 from bench.studies.sweep.workers import ON_ALL_CORES, Workers
 from bench.studies.trial.cases import KINDS, Kind, chosen_effects
-from bench.studies.trial.charts import write_figures
+from bench.studies.trial.charts import write_trial_figures
 from bench.studies.trial.markdown import COUNTED, parts, trial_markdown
 from bench.studies.trial.plan import TrialPlan
 from bench.studies.trial.realise import check_scenario
@@ -142,7 +142,7 @@ def write_results(
         return summary, written
     table = folder / f"{robot}.parquet"
     write_rows(table, rows)
-    figures = write_figures(summary, rows, folder / robot)
+    figures = write_trial_figures(summary, rows, folder)
     page = folder / f"{robot}.md"
     names = [path.name for path in figures]
     write_text_atomically(page, trial_markdown(summary, _notes(rows, seconds), names))

@@ -10,11 +10,10 @@ from bench.document.table import Column, Table
 from bench.studies.sweep.journal import Row
 from bench.studies.sweep.table import write_rows
 from bench.studies.trial.name_list import names_in
-from bench.studies.trial.target import Share
+from bench.studies.trial.summary import LARGE
+from bench.studies.trial.target import LAW_FACTOR, Share
 
-FLOOR = 1.5  # times the noise floor
 NEAR = 0.1  # of the torque's RMS
-LARGE = 3.0  # times the noise floor: what a law must make of an error in a model without it, to count
 
 
 def unknown_table(rows: Sequence[Row], nothing: Sequence[Row] = ()) -> Table:
@@ -23,7 +22,12 @@ def unknown_table(rows: Sequence[Row], nothing: Sequence[Row] = ()) -> Table:
     alone = [row for row in done if len(names_in(row["hidden"])) == 1]
     with_known = [row for row in done if len(names_in(row["hidden"])) > 1]
     figures: list[tuple[str, Sequence[Row], Callable[[Row], bool], str]] = [
-        (f"one law alone: error not fitted at most {FLOOR:g} × the noise floor", alone, at_floor, "80 %"),
+        (
+            f"one law alone: error not fitted at most {LAW_FACTOR:g} × the noise floor",
+            alone,
+            at_floor,
+            "80 %",
+        ),
         ("its torque within 10 % (RMS) of the truth's on recordings not fitted", alone, _near, "75 %"),
         ("its structure: the same variables, the same symmetry", alone, _structure, "70 %"),
         ("with one or two known effects: error at the floor", with_known, at_floor, ""),
@@ -111,7 +115,7 @@ def write_unknown(robot: str, rows: Sequence[Row], folder: Path, nothing: Sequen
 
 def at_floor(row: Row) -> bool:
     """Whether the answer leaves little more than the noise."""
-    return float(row["error_over_floor.after"]) <= FLOOR
+    return float(row["error_over_floor.after"]) <= LAW_FACTOR
 
 
 def _near(row: Row) -> bool:

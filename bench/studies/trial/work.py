@@ -18,9 +18,9 @@ from bench.identification.problem import problem_of
 from bench.identification.result import Identification
 from bench.scenario.scenario import resolve_trajectories
 from bench.studies.sweep.accuracy import accuracy
-from bench.studies.sweep.journal import Row
+from bench.studies.sweep.journal import FAILED, OK, Row
 from bench.studies.sweep.run_plan import Work
-from bench.studies.sweep.work import FAILED, OK, Trajectories
+from bench.studies.sweep.work import Trajectories
 from bench.studies.trial.cases import Case
 from bench.studies.trial.compatible import PARTS, expected
 from bench.studies.trial.intervals import intervals, moving_alike
