@@ -1,5 +1,6 @@
 """`bench compare`: where a model fails."""
 
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -7,10 +8,10 @@ import click
 
 from bench.cli.last_lines import next_line, say, shown, take_all, write_with_words, wrote
 from bench.cli.options import (
+    Asked,
     dataset_argument,
     effect_file_option,
     filter_options,
-    given_filters,
     json_option,
     output_option,
     path_option,
@@ -39,11 +40,9 @@ if TYPE_CHECKING:
 def compare(
     dataset: Path,
     model_files: tuple[Path, ...],
-    effects: tuple[str, ...],
-    effect_files: tuple[Path, ...],
     json_file: Path | None,
     output: Path | None,
-    **filters: Any,
+    asked: Asked,
 ) -> None:
     """Describe and plot where a model fails on a dataset's recordings.
 
@@ -51,26 +50,18 @@ def compare(
     from the recordings that the dataset reserves for it. Several models are compared side by side: errors, drive
     gains with intervals, and changes.
     """
-    given = given_filters(**filters)
-    if model_files and (effects or given):
+    if model_files and (asked.effects or asked.filters):
         raise click.UsageError("--model already contains effects and filters; omit the other options")
     if len(model_files) > 1:
         if output is not None:
             raise click.UsageError("-o needs a single model")
-        _side_by_side(dataset, model_files, effect_files, json_file)
+        _side_by_side(dataset, model_files, asked, json_file)
     else:
-        model_file = model_files[0] if model_files else None
-        _of_one(dataset, model_file, effects, effect_files, json_file, output, given)
+        _of_one(dataset, model_files[0] if model_files else None, asked, json_file, output)
 
 
 def _of_one(
-    dataset: Path,
-    model_file: Path | None,
-    effects: tuple[str, ...],
-    effect_files: tuple[Path, ...],
-    json_file: Path | None,
-    output: Path | None,
-    given: dict[str, Any],
+    dataset: Path, model_file: Path | None, asked: Asked, json_file: Path | None, output: Path | None
 ) -> None:
     from rich.console import Console
 
@@ -82,7 +73,7 @@ def _of_one(
     from bench.residuals.as_json import where_json
 
     data = load_dataset(dataset)
-    errors = errors_of(data, model_file, effects, filters=given, effect_files=effect_files)
+    errors = errors_of(data, model_file, asked.effects, filters=asked.filters, effect_files=asked.files)
     console, written = Console(), list[str]()
 
     def answer(words: bool = True) -> dict[str, Any]:
@@ -105,16 +96,13 @@ def _of_one(
     def page() -> None:
         if output is None:
             return
-        from bench.page.section_run import CommandRun
         from bench.page.write import write_identification_report
 
         name = "" if model_file is None else str(model_file)
-        options, result = {"model": name, **given} if name else given, errors.identified
+        options, result = asked.filters | ({"model": name} if name else {}), errors.identified
         if result is None and model_file is not None:
             result = load_model(model_file).applied_to(data, errors.recordings)
-        run = CommandRun(
-            "compare", str(dataset), effects, tuple(map(str, effect_files)), options, str(output)
-        )
+        run = asked.run("compare", dataset, options, output)
         if result is not None:
             written.append(wrote(write_identification_report(output, result, data, run, name), "report"))
 
@@ -124,7 +112,10 @@ def _of_one(
         figures,
         page,
         lambda: say(
-            [*written, _next(Source(dataset, errors.effects, effect_files, given), errors.motors, model_file)]
+            [
+                *written,
+                _next(Source(dataset, replace(asked, effects=errors.effects)), errors.motors, model_file),
+            ]
         ),
     )
 
@@ -139,20 +130,16 @@ def _next(source: "Source", what: "Compared", model_file: Path | None) -> str:
     return next_line(["export", model_file, "--to", "mjcf", "-o", target], "exports the model to a simulator")
 
 
-def _side_by_side(
-    dataset: Path, model_files: tuple[Path, ...], effect_files: tuple[Path, ...], json_file: Path | None
-) -> None:
+def _side_by_side(dataset: Path, model_files: tuple[Path, ...], asked: Asked, json_file: Path | None) -> None:
     """Several models on the same recordings."""
     from rich.console import Console
 
     from bench.dataset.dataset import load_dataset
     from bench.document.side_by_side import changed_sentences
     from bench.document.terminal.identification import side_by_side_report
-    from bench.identification.problem import problem_of
     from bench.residuals.side_by_side import side_by_side, side_by_side_json
 
-    data = load_dataset(dataset)
-    comparison = side_by_side(problem_of(data, effect_files=effect_files), model_files)
+    comparison = side_by_side(asked.of(load_dataset(dataset)), model_files)
     written: list[str] = []
 
     def answer(words: bool = True) -> dict[str, Any]:

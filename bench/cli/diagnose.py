@@ -3,16 +3,16 @@
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import click
 
 from bench.cli.last_lines import after_diagnosis, say, shown, take_all, write_with_words, wrote
 from bench.cli.options import (
+    Asked,
     dataset_argument,
     effect_file_option,
     filter_options,
-    given_filters,
     in_existing_folder,
     json_option,
     output_option,
@@ -59,8 +59,6 @@ if TYPE_CHECKING:
 @click.option("-v", "--verbose", is_flag=True, help="Print every effect and every parameter.")
 def diagnose(  # noqa: PLR0913, PLR0917 - an argument for each option
     dataset: Path,
-    effects: tuple[str, ...],
-    effect_files: tuple[Path, ...],
     json_file: Path | None,
     model_file: Path | None,
     output: Path | None,
@@ -69,7 +67,7 @@ def diagnose(  # noqa: PLR0913, PLR0917 - an argument for each option
     discover: bool | None,
     time_limit: float | None,
     rule: tuple[str, ...],
-    **filters: Any,
+    asked: Asked,
 ) -> None:
     """Name the physical effects that a model lacks, with evidence.
 
@@ -78,7 +76,6 @@ def diagnose(  # noqa: PLR0913, PLR0917 - an argument for each option
     If an unexplained error remains, laws outside the catalogue compete with the effects: products of variables of a
     joint, its neighbours, the tool and the clock. A residual that no formula fits is added as a table.
     """
-    given = given_filters(**filters)
     with shown_progress(quiet) as progress:
         from bench.api.diagnose import TIME_LIMIT
         from bench.api.diagnose import diagnose as diagnosed
@@ -90,20 +87,19 @@ def diagnose(  # noqa: PLR0913, PLR0917 - an argument for each option
         data = load_dataset(dataset)
         diagnosis = diagnosed(
             data,
-            effects,
-            filters=given,
-            effect_files=effect_files,
+            asked.effects,
+            filters=asked.filters,
+            effect_files=asked.files,
             discover=discover,
             progress=progress,
             time_limit=TIME_LIMIT if time_limit is None else time_limit,
             rule=decides,
             tolerances=tolerances,
         )
-    from bench.page.section_run import CommandRun
-
-    options = {**given, "time_limit": time_limit, "rule": rule or None}
-    outcome = _Outcome(diagnosis, data, tuple(effect_files))
-    command = CommandRun("diagnose", str(dataset), effects, tuple(map(str, effect_files)), options)
+    outcome = _Outcome(diagnosis, data, asked.files)
+    command = asked.run(
+        "diagnose", dataset, {**asked.filters, "time_limit": time_limit, "rule": rule or None}
+    )
     take_all(
         lambda: outcome.write_laws(model_file),
         lambda: outcome.write_answer(json_file),

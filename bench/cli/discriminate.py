@@ -1,16 +1,15 @@
 """`bench discriminate`: which motion tells two effects apart."""
 
 from pathlib import Path
-from typing import Any
 
 import click
 
 from bench.cli.last_lines import say, wrote
 from bench.cli.options import (
+    Asked,
     dataset_argument,
     effect_file_option,
     filter_options,
-    given_filters,
     path_option,
     with_option,
 )
@@ -58,16 +57,17 @@ WIDEN, RATE = 1.0, 1000.0
 @click.option("--seed", type=click.IntRange(0), default=0, show_default=True, help="Seed of the search.")
 @filter_options
 @quiet_option
-def discriminate(
+def discriminate(  # noqa: PLR0913, PLR0917 - an argument for each option
     dataset: Path,
     effect_a: str,
     effect_b: str,
     output: Path,
-    effects: tuple[str, ...],
-    effect_files: tuple[Path, ...],
+    duration: float | None,
+    widen: float,
     rate: float,
+    seed: int,
     quiet: bool,
-    **options: Any,
+    asked: Asked,
 ) -> None:
     """Design the motion that distinguishes two effects.
 
@@ -76,7 +76,6 @@ def discriminate(
     speeds, accelerations and currents of the recordings, and writes it for a controller. If no motion of the
     robot can distinguish them, it says so.
     """
-    duration, widen, seed = (options.pop(name) for name in ("duration", "widen", "seed"))
     with shown_progress(quiet) as progress:
         from bench.basics.program import typed
         from bench.basics.shell_word import quoted
@@ -85,17 +84,13 @@ def discriminate(
         from bench.excitation.discrimination.discriminate import discriminate as run
         from bench.excitation.discrimination.figure import write_discrimination_figure
         from bench.excitation.discrimination.files import CommandLines, check_folder, write_discrimination
-        from bench.identification.problem import problem_of
-        from bench.page.section_run import CommandRun
 
         check_folder(output)
         progress.phase("reading the recordings")
         data = load_dataset(dataset)
-        given = given_filters(**options)
-        files = tuple(map(str, effect_files))
-        run_diagnosis = CommandRun("diagnose", str(dataset), effects, files, given)
+        run_diagnosis = asked.run("diagnose", dataset)
         answer = run(
-            problem_of(data, effects, given, effect_files=effect_files),
+            asked.of(data),
             (effect_a, effect_b),
             duration=duration,
             widen=widen,
@@ -109,7 +104,7 @@ def discriminate(
             "rate": None if rate == RATE else rate,
             "seed": seed or None,
         }
-        run_of = CommandRun("discriminate", str(dataset), effects, files, {**given, **motion}, str(output))
+        run_of = asked.run("discriminate", dataset, {**asked.filters, **motion}, output)
         words = ["bench", "discriminate", str(dataset), effect_a, effect_b, *run_of.option_words()]
         robot_folder = data.robot.folder.resolve()
         built_in = [name for name, folder in built_in_robots().items() if folder.resolve() == robot_folder]

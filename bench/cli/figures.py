@@ -1,12 +1,11 @@
 """`bench figures`: figures for papers, with the numbers behind them."""
 
 from pathlib import Path
-from typing import Any
 
 import click
 
 from bench.cli.last_lines import say, wrote
-from bench.cli.options import effect_file_option, filter_options, given_filters, path_option, with_option
+from bench.cli.options import Asked, effect_file_option, filter_options, path_option, with_option
 
 
 @click.command("figures")
@@ -30,9 +29,7 @@ def figures(
     output: Path | None,
     only: tuple[str, ...],
     data: Path | None,
-    effects: tuple[str, ...],
-    effect_files: tuple[Path, ...],
-    **filters: Any,
+    asked: Asked,
 ) -> None:
     """Draw figures for papers, with their numbers as CSV.
 
@@ -45,7 +42,7 @@ def figures(
     """
     from bench.api.figures import figures_named, figures_of
     from bench.basics.errors import BenchError
-    from bench.cli.named_sources import ViewRequest, answer_of
+    from bench.cli.named_sources import answer_of
     from bench.cli.next_steps import Source, after_figures, before_figures
     from bench.document.figures.paper import write_paper_figures
 
@@ -54,10 +51,8 @@ def figures(
         raise click.UsageError("--all does not accept names of figures")
     if output is None and (every or wanted):
         raise click.UsageError("give the folder of the figures with -o DIR")
-    given = given_filters(**filters)
-    dataset, result, diagnosis = answer_of(source, ViewRequest(effects, effect_files, given, data))
-    drawable = figures_of(dataset, result, diagnosis)
-    there = Source(source, effects, effect_files, given, data)
+    there = Source(source, asked, data)
+    drawable = figures_of(*answer_of(there))
     if output is None:
         for figure in drawable:
             click.echo(figure.name)

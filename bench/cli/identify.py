@@ -17,10 +17,10 @@ from bench.cli.last_lines import (
     wrote,
 )
 from bench.cli.options import (
+    Asked,
     dataset_argument,
     effect_file_option,
     filter_options,
-    given_filters,
     in_existing_folder,
     json_option,
     output_option,
@@ -69,8 +69,6 @@ if TYPE_CHECKING:
 @click.option("-v", "--verbose", is_flag=True, help="Print groupings in full.")
 def identify(  # noqa: PLR0913, PLR0917 - an argument for each option
     dataset: Path,
-    effects: tuple[str, ...],
-    effect_files: tuple[Path, ...],
     method: str,
     gains: str,
     essential: bool,
@@ -80,7 +78,7 @@ def identify(  # noqa: PLR0913, PLR0917 - an argument for each option
     rrd_file: Path | None,
     output: Path | None,
     verbose: bool,
-    **filters: Any,
+    asked: Asked,
 ) -> None:
     """Identify drive gains and dynamic parameters from a dataset.
 
@@ -99,26 +97,24 @@ def identify(  # noqa: PLR0913, PLR0917 - an argument for each option
     from bench.residuals.words import beyond_noise, remaining_errors
 
     data = load_dataset(dataset)
-    given = given_filters(**filters)
     result = identified(
         data,
-        effects,
+        asked.effects,
         method,
-        filters=given,
-        effect_files=effect_files,
+        filters=asked.filters,
+        effect_files=asked.files,
         deviations=deviations,
         fit_gains={"auto": None, "fit": True, "nominal": False}[gains],
         essential=essential,
         physical=physical,
     )
-    files = tuple(map(str, effect_files))
     written: list[str] = []
 
     def answer() -> None:
         if json_file is None:
             return
         folder = None if json_file == STANDARD_OUTPUT else json_file.resolve().parent
-        made = partial(model_json, result, data.folder, effect_files, folder)
+        made = partial(model_json, result, data.folder, asked.files, folder)
         write_with_words(json_file, made, "model", written)
 
     def recording() -> None:
@@ -132,7 +128,6 @@ def identify(  # noqa: PLR0913, PLR0917 - an argument for each option
     def page() -> None:
         if output is None:
             return
-        from bench.page.section_run import CommandRun
         from bench.page.write import write_identification_report
 
         options = {
@@ -141,14 +136,14 @@ def identify(  # noqa: PLR0913, PLR0917 - an argument for each option
             "essential": essential,
             "physical": physical,
             "deviations": deviations,
-            **given,
+            **asked.filters,
         }
-        command = CommandRun("identify", str(dataset), effects, files, options, str(output))
+        command = asked.run("identify", dataset, options, output)
         written.append(wrote(write_identification_report(output, result, data, command), "report"))
 
     def last_lines() -> None:
         what = compared(data.robot, data.recordings, result.recordings, result.settings)
-        source = Source(dataset, effects, effect_files, given)
+        source = Source(dataset, asked)
         if to_mend(result.findings, error_left=beyond_noise(what)):
             step: str | None = f"next: {source.command('identify', dataset)}    {AGAIN}"
         else:

@@ -1,8 +1,8 @@
 """From what a user names (a dataset, a model, a folder of results or of a sweep) to what the viewer shows."""
 
 import json
-from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -10,6 +10,7 @@ import click
 import numpy as np
 
 from bench.basics.errors import BenchError
+from bench.cli.next_steps import Source
 from bench.dataset.dataset import Dataset, load_dataset, refuse_log
 from bench.dataset.names import DATASET_FILE
 from bench.dataset.robot import Robot
@@ -22,7 +23,7 @@ from bench.identification.effect_torques import effect_torques
 from bench.identification.identify import fit, identify
 from bench.identification.model_file import load_model, read_identification
 from bench.identification.prepare import prepare
-from bench.identification.problem import Problem, problem_of
+from bench.identification.problem import problem_of
 from bench.identification.result import Identification
 from bench.model.model import build_model
 from bench.page.folder import SavedRun, read_run
@@ -101,52 +102,35 @@ def known_of(simulation: Simulation) -> dict[str, KnownTruth]:
     return by_file
 
 
-@dataclass(frozen=True)
-class ViewRequest:
-    """What the command line says.
-
-    data: the dataset to show a model file with; runs: of a sweep, by number; truth: whether what a
-    simulation knows may be shown.
-    """
-
-    effects: tuple[str, ...] = ()
-    effect_files: tuple[Path, ...] = ()
-    filters: Mapping[str, Any] | None = None
-    data: Path | None = None
-    runs: tuple[int, ...] = ()
-    truth: bool = True
-
-    def of(self, dataset: Dataset) -> Problem:
-        """What is asked of a dataset."""
-        return problem_of(dataset, self.effects, self.filters, effect_files=self.effect_files)
-
-
-def viewed_runs(source: Path, asked: ViewRequest) -> list[ViewedRun]:
+def viewed_runs(given: Source, runs: Sequence[int] = (), *, with_truth: bool = True) -> list[ViewedRun]:
     """One identification, or several of a sweep, with all that there is to tell of them.
 
-    Raises BenchError that says what is missing.
+    runs: of a sweep, by number; with_truth: whether what a simulation knows may be shown. Raises BenchError that says
+    what is missing.
     """
+    source = given.path
     if source.is_file():
         refuse_log(source)
-        return [_of_model(source, asked)]
+        return [_of_model(given, with_truth)]
     if not source.is_dir():
         raise BenchError(f"{source}: no such folder or model file")
     if (source / DATASET_FILE).is_file():
-        return [_of_dataset(source, asked)]
+        return [_of_dataset(given, with_truth)]
     if is_sweep_folder(source):
-        return _of_sweep(source, asked)
+        return _of_sweep(source, runs, with_truth)
     if not (source / RUN_FILE).is_file():
         raise BenchError(
             f"{source}: neither a dataset ({DATASET_FILE}), nor a result ({RUN_FILE}), nor a sweep (sweep.toml)"
         )
-    return [_of_result(_read(source), asked)]
+    return [_of_result(_read(source), with_truth)]
 
 
-def answer_of(source: Path, asked: ViewRequest) -> tuple[Dataset, Identification, Diagnosis | None]:
+def answer_of(given: Source) -> tuple[Dataset, Identification, Diagnosis | None]:
     """The dataset, the model and, of a diagnosis, all that it says; without what a simulation knows.
 
     Raises BenchError that says what is missing.
     """
+    source = given.path
     if source.is_dir() and (source / RUN_FILE).is_file():
         saved = _read(source)
         return saved.with_held_out, saved.after, saved.diagnosis
@@ -154,11 +138,10 @@ def answer_of(source: Path, asked: ViewRequest) -> tuple[Dataset, Identification
         raise BenchError(f"{source}: a sweep; `bench plot` draws its figures")
     if source.is_file():
         refuse_log(source)
-        dataset, result = _applied(source, asked)
-        return dataset, result, None
+        return (*_applied(given), None)
     if not (source / DATASET_FILE).is_file():
         raise BenchError(f"{source}: neither a dataset ({DATASET_FILE}) nor a result ({RUN_FILE})")
-    problem = asked.of(load_dataset(source))
+    problem = given.asked.of(load_dataset(source))
     return problem.dataset, identify(prepare_checked(problem)), None
 
 
@@ -170,10 +153,10 @@ def _read(folder: Path) -> SavedRun:
     return saved
 
 
-def _of_dataset(folder: Path, asked: ViewRequest) -> ViewedRun:
-    problem = asked.of(load_dataset(folder))
+def _of_dataset(given: Source, with_truth: bool) -> ViewedRun:
+    problem, effects = given.asked.of(load_dataset(given.path)), given.asked.effects
     dataset = problem.dataset
-    rungs = [asked.effects[:count] for count in range(len(asked.effects) + 1)]
+    rungs = [effects[:count] for count in range(len(effects) + 1)]
     prepared = prepare_checked(problem)
     with_same = replace(problem, filters=prepared.settings)
     models = [fit(prepare(replace(with_same, effects=rung))) for rung in rungs[:-1]] + [identify(prepared)]
@@ -181,31 +164,32 @@ def _of_dataset(folder: Path, asked: ViewRequest) -> ViewedRun:
         LadderModel(word, model.recordings)
         for word, model in zip(step_labels(rungs), models[:-1], strict=False)
     )
-    context = _context(dataset, models[-1], steps, "", truth=asked.truth)
+    context = _context(dataset, models[-1], steps, truth=with_truth)
     context = replace(context, label=step_labels(rungs)[-1])
     return ViewedRun(models[-1].robot, models[-1], dataset, context)
 
 
-def _of_model(path: Path, asked: ViewRequest) -> ViewedRun:
-    dataset, result = _applied(path, asked)
-    return ViewedRun(result.robot, result, dataset, _context(dataset, result, (), "", truth=asked.truth))
+def _of_model(given: Source, with_truth: bool) -> ViewedRun:
+    dataset, result = _applied(given)
+    return ViewedRun(result.robot, result, dataset, _context(dataset, result, truth=with_truth))
 
 
-def _applied(path: Path, asked: ViewRequest) -> tuple[Dataset, Identification]:
+def _applied(given: Source) -> tuple[Dataset, Identification]:
     """A model file next to its dataset, or another one."""
+    path = given.path
     saved = load_model(path)
-    folder = asked.data or saved.dataset
+    folder = given.data or saved.dataset
     if folder is None:
         raise BenchError(f"{path}: a model file without the path of its recordings: name them with --data")
     dataset = load_dataset(folder)
-    return dataset, read_identification(path, asked.of(dataset))
+    return dataset, read_identification(path, given.asked.of(dataset))
 
 
-def _of_result(saved: SavedRun, asked: ViewRequest) -> ViewedRun:
+def _of_result(saved: SavedRun, with_truth: bool) -> ViewedRun:
     """The model that was identified, and the errors of the models that the ladder leads over."""
     dataset, after, diagnosis = saved.dataset, saved.after, saved.diagnosis
     if diagnosis is None:
-        return ViewedRun(after.robot, after, dataset, _context(dataset, after, (), "", truth=asked.truth))
+        return ViewedRun(after.robot, after, dataset, _context(dataset, after, truth=with_truth))
     with_held_out = saved.with_held_out
     problem = replace(
         saved.problem, dataset=with_held_out, filters=after.settings, fit_gains=after.gains_fitted
@@ -219,7 +203,7 @@ def _of_result(saved: SavedRun, asked: ViewRequest) -> ViewedRun:
             recordings = fit(prepare(replace(problem, effects=rung))).recordings
         steps.append(LadderModel(word, recordings))
     text = diagnosis_markdown(diagnosis)
-    context = _context(with_held_out, after, tuple(steps), text, truth=asked.truth, logged=dataset)
+    context = _context(with_held_out, after, tuple(steps), text, truth=with_truth, logged=dataset)
     return ViewedRun(after.robot, after, with_held_out, replace(context, label=words[-1]))
 
 
@@ -230,11 +214,11 @@ def _requests(diagnosis: Diagnosis, rung: LadderStep) -> tuple[str, ...]:
     return (*initial, *(name for name in added if {name, name.partition(":")[0]} & {*rung.effects}))
 
 
-def _of_sweep(folder: Path, asked: ViewRequest) -> list[ViewedRun]:
+def _of_sweep(folder: Path, runs: Sequence[int], with_truth: bool) -> list[ViewedRun]:
     """Runs of a sweep, simulated and identified once more: its folder keeps no recordings."""
     plan = plan_of(folder)
     viewed = []
-    for number in asked.runs or telling_runs(folder, plan):
+    for number in runs or telling_runs(folder, plan):
         again = run_again(folder, plan, number)
         dataset, run = as_dataset(again.simulation), again.run
         filters = again.simulation.scenario.settings.filter.model_dump(exclude_none=True)
@@ -243,8 +227,8 @@ def _of_sweep(folder: Path, asked: ViewRequest) -> list[ViewedRun]:
             problem_of(dataset, run.identify["effects"], filters, fit_gains=run.identify["fit_gains"])
         )
         result = fit(prepared, run.identify["method"], **options)
-        context = _context(dataset, result, (), f"**{again.title}**", truth=False)
-        if asked.truth:
+        context = _context(dataset, result, text=f"**{again.title}**", truth=False)
+        if with_truth:
             known, content = known_of(again.simulation), truth(again.simulation)
             context = replace(context, known=known, truth=known_values(dataset.robot, content))
         viewed.append(ViewedRun(again.title, result, dataset, context))
@@ -254,8 +238,8 @@ def _of_sweep(folder: Path, asked: ViewRequest) -> list[ViewedRun]:
 def _context(
     dataset: Dataset,
     result: Identification,
-    steps: tuple[LadderModel, ...],
-    text: str,
+    steps: tuple[LadderModel, ...] = (),
+    text: str = "",
     *,
     truth: bool,
     logged: Dataset | None = None,

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from bench.basics.shell_word import quoted
 from bench.cli.last_lines import after_diagnosis, next_line
-from bench.page.section_run import CommandRun
+from bench.cli.options import Asked
 
 if TYPE_CHECKING:
     from bench.diagnosis.result import Diagnosis
@@ -21,16 +21,13 @@ class Source:
     """What a command was called with: a path and its options."""
 
     path: Path
-    effects: tuple[str, ...] = ()
-    effect_files: tuple[Path, ...] = ()
-    filters: dict[str, Any] = field(default_factory=dict)
+    asked: Asked
     data: Path | None = None
+    """The recordings to show a model file with."""
 
     def command(self, name: str, data: Path) -> str:
         """A command line on a dataset with all effects, files and filters."""
-        return CommandRun(
-            name, str(data), self.effects, tuple(map(str, self.effect_files)), self.filters
-        ).line()
+        return self.asked.run(name, data).line()
 
     @property
     def dataset(self) -> Path | None:
@@ -100,12 +97,12 @@ def after_page(source: Source, diagnosis: Diagnosis | None) -> str:
     data = source.dataset
     if diagnosis is not None and data == source.path:
         again = source.command("diagnose", data)
-        return after_diagnosis(diagnosis, data, again, None, source.effect_files)
+        return after_diagnosis(diagnosis, data, again, None, source.asked.files)
     if is_sweep_folder(source.path):
         return next_line(["table", source.path], "summarises it by axis")
     if data is not None:
         target = source.path.with_suffix(".xml")
-        words = ["export", source.path, "--to", "mjcf", "-o", target, *_files(source.effect_files)]
+        words = ["export", source.path, "--to", "mjcf", "-o", target, *_files(source.asked.files)]
         return next_line(words, "exports the model to a simulator")
     return next_line(["figures", source.path], "lists figures for papers")
 
@@ -153,7 +150,7 @@ def after_replay(dataset: Path, model: Path, film: Path | None, options: Sequenc
 
 
 def _compared(source: Source, data: Path) -> str:
-    words = ["compare", data, "--model", source.path, *_files(source.effect_files)]
+    words = ["compare", data, "--model", source.path, *_files(source.asked.files)]
     return next_line(words, "shows where the model fails")
 
 

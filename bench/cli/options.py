@@ -1,9 +1,13 @@
 """Options that several commands share, the types of their values, and what a shell may complete."""
 
+from __future__ import annotations
+
 import math
 from collections.abc import Callable
+from dataclasses import dataclass, field
+from functools import wraps
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -12,7 +16,14 @@ from bench.basics.files.atomic import why_no_folder, why_unwritable
 from bench.cli.last_lines import STANDARD_OUTPUT, answer_on
 from bench.dataset.catalogue import built_in_robots, built_in_scenarios, catalogue_folder
 
+if TYPE_CHECKING:
+    from bench.dataset.dataset import Dataset
+    from bench.identification.problem import Problem
+    from bench.page.section_run import CommandRun
+
 _NAMED = "bench.files that are written"
+FILTERS = ("position_cutoff", "decimation", "filter_order", "difference_order", "keep_standstill")
+"""Of `FilterSettings`, in addition to the border."""
 
 
 def effects(_context: click.Context, _option: click.Parameter, begun: str) -> list[str]:
@@ -151,8 +162,49 @@ rule_option = click.option(
 )
 
 
+@dataclass(frozen=True)
+class Asked:
+    """What a command says of a model: its effects, files with effects of the user, and filters by name."""
+
+    effects: tuple[str, ...] = ()
+    files: tuple[Path, ...] = ()
+    filters: dict[str, Any] = field(default_factory=dict)
+
+    def of(self, dataset: Dataset) -> Problem:
+        """What is asked of a dataset."""
+        from bench.identification.problem import problem_of
+
+        return problem_of(dataset, self.effects, self.filters, effect_files=self.files)
+
+    def run(
+        self, command: str, path: Path, options: dict[str, Any] | None = None, output: Path | None = None
+    ) -> CommandRun:
+        """A command on a path, to be given again. options: the filters, where they are not given."""
+        from bench.page.section_run import CommandRun
+
+        files, into = tuple(map(str, self.files)), "" if output is None else str(output)
+        options = self.filters if options is None else options
+        return CommandRun(command, str(path), self.effects, files, options, into)
+
+
 def filter_options(command: Command) -> Command:
-    """The filters: each is chosen from the data's spectra unless it is given."""
+    """The filters: each is chosen from the data's spectra unless it is given.
+
+    With those of `with_option` and `effect_file_option` they come as one value, `asked`.
+    """
+
+    @wraps(command)
+    def packed(
+        *arguments: Any,
+        effects: tuple[str, ...],
+        effect_files: tuple[Path, ...],
+        border: str | None,
+        **more: Any,
+    ) -> Any:
+        given = {name: more.pop(name) for name in FILTERS} | {"border": _border(border)}
+        filters = {name: value for name, value in given.items() if value is not None}
+        return command(*arguments, asked=Asked(effects, effect_files, filters), **more)
+
     for option in reversed(
         (
             click.option("--position-cutoff", type=float, metavar="HZ", help="Low-pass on positions."),
@@ -180,21 +232,18 @@ def filter_options(command: Command) -> Command:
             ),
         )
     ):
-        command = option(command)
-    return command
+        packed = option(packed)
+    return packed
 
 
-def given_filters(border: str | None, **filters: Any) -> dict[str, Any]:
-    """The filter settings that were given, by the names of `FilterSettings`."""
-    names = ("position_cutoff", "decimation", "filter_order", "difference_order", "keep_standstill")
-    given = {name: filters[name] for name in names}
-    if border is not None:
-        try:
-            start, end = (int(part) for part in border.split(","))
-        except ValueError:
-            raise BenchError(f"--border {border!r}: give two whole numbers, for example 49,0") from None
-        given["border"] = (start, end)
-    return {name: value for name, value in given.items() if value is not None}
+def _border(text: str | None) -> tuple[int, int] | None:
+    if text is None:
+        return None
+    try:
+        start, end = (int(part) for part in text.split(","))
+    except ValueError:
+        raise BenchError(f"--border {text!r}: give two whole numbers, for example 49,0") from None
+    return start, end
 
 
 class Assignment(click.ParamType[tuple[str, str | float]]):

@@ -8,10 +8,10 @@ import click
 from bench.basics.progress import Progress
 from bench.cli.last_lines import say, wrote
 from bench.cli.options import (
+    Asked,
     effect_file_option,
     file_or_folder,
     filter_options,
-    given_filters,
     path_option,
     with_option,
 )
@@ -46,23 +46,20 @@ def report(
     source: Path,
     output: Path,
     data: Path | None,
-    effects: tuple[str, ...],
-    effect_files: tuple[Path, ...],
     quiet: bool,
-    **filters: Any,
+    asked: Asked,
 ) -> None:
     """Write a one-file page with the results of a run.
 
     DIR_OR_MODEL is a dataset folder, which is diagnosed; or a folder that `bench diagnose -o`, `identify -o`,
     `compare -o`, `sweep -o` or `trial -o` wrote; or a model file. The page opens in any browser, offline.
     """
-    given = given_filters(**filters)
     with shown_progress(quiet) as progress:
         from bench.cli.next_steps import Source
         from bench.page.write import REPORT_FILE
 
         output = output / REPORT_FILE if output.is_dir() else output
-        said, step = _written(Source(source, effects, effect_files, given, data), output, progress)
+        said, step = _written(Source(source, asked, data), output, progress)
     if said:
         click.echo(said, err=True)
     say([wrote(output, "report"), step])
@@ -80,12 +77,12 @@ def _written(given: "Source", output: Path, progress: Progress) -> tuple[str, st
     from bench.page.write import write_saved_run
     from bench.studies.sweep.rerun_runs import is_sweep_folder
 
-    said, source, data = "", given.path, given.data
+    said, source, data, asked = "", given.path, given.data, given.asked
     models = {
         "--data": data,
-        "--with": given.effects,
-        "--effect-file": given.effect_files,
-        "filters": given.filters,
+        "--with": asked.effects,
+        "--effect-file": asked.files,
+        "filters": asked.filters,
     }
     if (source / "dataset.toml").is_file() or source.name == "dataset.toml":
         _refuse({"--data": data}, "a dataset, which is diagnosed")
@@ -108,8 +105,8 @@ def _written(given: "Source", output: Path, progress: Progress) -> tuple[str, st
         return said, after_trial(_of_trial(source, output))
     elif source.is_file():
         refuse_log(source)
-        _refuse({"--with": given.effects, "filters": given.filters}, "a model file")
-        _of_model(source, data, given.effect_files, output, progress)
+        _refuse({"--with": asked.effects, "filters": asked.filters}, "a model file")
+        _of_model(given, output, progress)
     else:
         raise BenchError(f"{source}: no such file or folder")
     return said, after_page(given, None)
@@ -146,41 +143,34 @@ def _of_dataset(given: "Source", output: Path, progress: Progress) -> "Diagnosis
     from bench.dataset.dataset import load_dataset
     from bench.diagnosis.as_json import verdict_json
     from bench.page.folder import SavedRun
-    from bench.page.section_run import CommandRun
     from bench.page.write import write_saved_run
 
     progress.phase("reading the recordings")
-    dataset = load_dataset(given.path)
+    asked, dataset = given.asked, load_dataset(given.path)
     diagnosis = diagnose(
-        dataset, given.effects, filters=given.filters, effect_files=given.effect_files, progress=progress
+        dataset, asked.effects, filters=asked.filters, effect_files=asked.files, progress=progress
     )
-    files = tuple(map(str, given.effect_files))
-    run = CommandRun("report", str(given.path), given.effects, files, given.filters, str(output))
+    run = asked.run("report", given.path, output=output)
     kept = SavedRun(run, dataset, diagnosis.after, diagnosis, "")
     shown(lambda: write_saved_run(output, kept, progress=progress), lambda: verdict_json(diagnosis))
     return diagnosis
 
 
-def _of_model(
-    source: Path, data: Path | None, effect_files: tuple[Path, ...], output: Path, progress: Progress
-) -> None:
+def _of_model(given: "Source", output: Path, progress: Progress) -> None:
     from bench.basics.errors import BenchError
     from bench.dataset.dataset import load_dataset
     from bench.identification.model_file import load_model, read_identification
-    from bench.identification.problem import problem_of
     from bench.page.folder import SavedRun
-    from bench.page.section_run import CommandRun
     from bench.page.write import write_saved_run
 
-    saved = load_model(source)
-    data = data or saved.dataset
+    saved = load_model(given.path)
+    data = given.data or saved.dataset
     if data is None:
-        raise BenchError(f"{source}: a model file without the path of its recordings: name them with --data")
+        raise BenchError(
+            f"{given.path}: a model file without the path of its recordings: name them with --data"
+        )
     progress.phase("reading the recordings")
     dataset = load_dataset(data)
-    result = read_identification(source, problem_of(dataset, effect_files=effect_files))
-    files = tuple(map(str, effect_files))
-    run = CommandRun(
-        "report", str(source), effect_files=files, options={"data": str(data)}, output=str(output)
-    )
-    write_saved_run(output, SavedRun(run, dataset, result, None, str(source)), progress=progress)
+    result = read_identification(given.path, given.asked.of(dataset))
+    run = given.asked.run("report", given.path, {"data": str(data)}, output)
+    write_saved_run(output, SavedRun(run, dataset, result, None, str(given.path)), progress=progress)

@@ -5,12 +5,11 @@ import shutil
 import subprocess
 import sys
 from pathlib import Path
-from typing import Any
 
 import click
 
 from bench.cli.last_lines import say, wrote
-from bench.cli.options import effect_file_option, filter_options, given_filters, path_option, with_option
+from bench.cli.options import Asked, effect_file_option, filter_options, path_option, with_option
 
 
 @click.command("view")
@@ -30,13 +29,11 @@ from bench.cli.options import effect_file_option, filter_options, given_filters,
 )
 def view(
     source: Path,
-    effects: tuple[str, ...],
-    effect_files: tuple[Path, ...],
     data: Path | None,
     runs: tuple[int, ...],
     no_truth: bool,
     save: Path | None,
-    **filters: Any,
+    asked: Asked,
 ) -> None:
     """Show the moving robot, currents and errors in the Rerun viewer.
 
@@ -48,19 +45,18 @@ def view(
     has positions and currents as logged, measured and modelled currents, errors, joint states and the torque of each
     effect, for every recording.
     """
-    from bench.cli.named_sources import ViewRequest, viewed_runs
+    from bench.cli.named_sources import viewed_runs
     from bench.cli.next_steps import Source, after_looking
     from bench.viewer.mcap_file import SUFFIX, need_mcap, write_mcap
     from bench.viewer.recording import write_rrd, write_side_by_side
 
-    given = given_filters(**filters)
-    asked = ViewRequest(effects, effect_files, given, data, runs, not no_truth)
+    there = Source(source, asked, data)
     resolved = source.resolve()
     path = resolved.with_name(f"{resolved.name.removesuffix('.json')}.rrd") if save is None else save
     is_mcap = path.suffix.lower() == SUFFIX
     if is_mcap:
         need_mcap(path)
-    viewed = viewed_runs(source, asked)
+    viewed = viewed_runs(there, runs, with_truth=not no_truth)
     if is_mcap:
         write_mcap(path, viewed)
     elif len(viewed) == 1:
@@ -71,7 +67,7 @@ def view(
     written = [wrote(path, "recording" if save is None else f"recording: {how}")]
     if save is None:
         written.append(open_viewer(path))
-    say([*written, after_looking(Source(source, effects, effect_files, given, data))])
+    say([*written, after_looking(there)])
 
 
 def open_viewer(path: Path) -> str:
