@@ -9,7 +9,7 @@ import pytest
 
 from bench.basics.sentence import in_percent
 from bench.benchmarks.trust.evaluation import read_evaluation
-from bench.benchmarks.trust.readme import readme_block, with_block
+from bench.benchmarks.trust.overview import readme_block, with_block
 from bench.benchmarks.trust.run import TABLE
 from bench.cli import main
 from bench.studies.readme_commands import FILE, commands_of

@@ -11,19 +11,15 @@ import pytest
 
 from bench.basics.errors import BenchError
 from bench.benchmarks.trust.__main__ import main
-from bench.benchmarks.trust.again import MORE_NOISE, with_more_noise
-from bench.benchmarks.trust.budget import Budget
-from bench.benchmarks.trust.cells import AGAIN, AGAIN_EVERY, TrustCase, TrustCells
-from bench.benchmarks.trust.changelog_number import APART, changelog_number
+from bench.benchmarks.trust.cells import AGAIN, AGAIN_EVERY, APART, TrustCase, TrustCells, changelog_number
 from bench.benchmarks.trust.evaluation import Evaluation, read_evaluation
-from bench.benchmarks.trust.overview import overview
+from bench.benchmarks.trust.overview import BEGIN, END, overview, readme_block, with_block
 from bench.benchmarks.trust.page import page_text, write_page
+from bench.benchmarks.trust.plan import Budget
 from bench.benchmarks.trust.questions import QUESTIONS
-from bench.benchmarks.trust.readme import BEGIN, END, readme_block, with_block
 from bench.benchmarks.trust.run import TABLE, TrustRequest, run_trust, setups_of
-from bench.benchmarks.trust.sizes import drawn_case
 from bench.benchmarks.trust.tally import Tally
-from bench.benchmarks.trust.work import FRESH, FROZEN
+from bench.benchmarks.trust.work import FRESH, FROZEN, MORE_NOISE, drawn_case, with_more_noise
 from bench.excitation.scenario import designer
 from bench.scenario.scenario import load_scenario, resolve_trajectories
 from bench.studies.sweep.pool import LocalPool

@@ -7,9 +7,9 @@ from pathlib import Path
 import pytest
 
 from bench.benchmarks.trust.cells import TrustCells
-from bench.benchmarks.trust.cost import cost_of
 from bench.benchmarks.trust.evaluation import Evaluation, read_evaluation
 from bench.benchmarks.trust.kept_cases import cheapest_right, run_again
+from bench.benchmarks.trust.overview import cost_of
 from bench.benchmarks.trust.questions import QUESTIONS
 from bench.benchmarks.trust.run import TrustRequest, run_trust, setups_of
 from bench.benchmarks.trust.work import FROZEN

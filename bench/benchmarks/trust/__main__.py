@@ -7,8 +7,6 @@ Started again, it goes on with the cases that are not finished. `--page` only wr
 `--readme README.md` also the table in that file.
 """
 
-from __future__ import annotations
-
 import argparse
 import sys
 from collections.abc import Sequence
@@ -17,12 +15,12 @@ from pathlib import Path
 from rich.console import Console
 
 from bench.basics.errors import BenchError
-from bench.benchmarks.trust.changelog_number import changelog_number
+from bench.benchmarks.trust.cells import changelog_number
 from bench.benchmarks.trust.evaluation import read_evaluation
 from bench.benchmarks.trust.one_case import case_lines
+from bench.benchmarks.trust.overview import write_readme
 from bench.benchmarks.trust.page import write_page
-from bench.benchmarks.trust.progress import TrustProgress
-from bench.benchmarks.trust.readme import write_readme
+from bench.benchmarks.trust.plan import TrustProgress
 from bench.benchmarks.trust.run import ROBOTS, TABLE, TrustRequest, run_trust, setups_of
 from bench.studies.sweep.workers import Workers
 

@@ -1,14 +1,15 @@
-"""Cells of the evaluation: robot and question, each with its cases in order."""
+"""Cells of the evaluation: robot and question, each with its cases in order, numbered by the changelog."""
 
-from __future__ import annotations
-
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from pathlib import Path
 from zlib import crc32
 
 import numpy as np
 
+from bench.basics.errors import BenchError
 from bench.benchmarks.trust.questions import FROZEN_SHARE, MANY_WITH_NOTHING, QUESTIONS, TrustQuestion
 from bench.studies.trial.cases import datasets_a_seed
 from bench.studies.trial.setup import Setup
@@ -109,3 +110,36 @@ def _numbers(robot: str, setup: Setup, question: TrustQuestion, first: int) -> t
     effects = datasets_a_seed(setup, "one")
     order: Sequence[int] = np.random.default_rng(crc32(robot.encode())).permutation(effects).tolist()
     return tuple(first + size * effects + at for size in range(SIZES) for at in order)
+
+
+CHANGELOG = Path(__file__).resolve().parents[3] / "CHANGELOG.md"
+APART = 1000
+"""Case numbers for each entry of the changelog: more than a cell has cases."""
+
+HEADING = re.compile(r"^## (.+)$", re.MULTILINE)
+ENTRY = re.compile(r"^- ", re.MULTILINE)
+
+
+@dataclass(frozen=True)
+class ChangelogNumber:
+    """version: the newest heading. entries: of the whole changelog."""
+
+    version: str
+    entries: int
+
+    @property
+    def first(self) -> int:
+        """Number of the first case of every cell."""
+        return APART * self.entries
+
+
+def changelog_number(path: Path = CHANGELOG) -> ChangelogNumber:
+    """Read it. Raises BenchError where there is no changelog, or no version in it."""
+    try:
+        text = path.read_text(encoding="utf-8")
+    except FileNotFoundError as error:
+        raise BenchError(f"{path}: no changelog: run this in a checkout of the project") from error
+    heading = HEADING.search(text)
+    if heading is None:
+        raise BenchError(f"{path}: no line `## VERSION`")
+    return ChangelogNumber(heading[1], len(ENTRY.findall(text)))

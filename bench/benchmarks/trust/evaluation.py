@@ -1,7 +1,5 @@
 """The table of an evaluation, read again."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """Part of the evaluation for `bench check`: cases of the frozen set that were right are run again."""
 
-from __future__ import annotations
-
 import tempfile
 from collections.abc import Callable, Iterable, Sequence
 from contextlib import closing
@@ -11,13 +9,13 @@ from pathlib import Path
 from rich.console import Console
 
 from bench.basics.plural import plural
-from bench.benchmarks.trust.answer import answer_text, hidden_text
 from bench.benchmarks.trust.cells import TrustCase, TrustCells
-from bench.benchmarks.trust.cost import cost_of
 from bench.benchmarks.trust.evaluation import Evaluation, read_evaluation
+from bench.benchmarks.trust.overview import cost_of
 from bench.benchmarks.trust.plan import case_runs
 from bench.benchmarks.trust.questions import QUESTIONS
 from bench.benchmarks.trust.run import setups_of
+from bench.benchmarks.trust.words import answer_text, hidden_text
 from bench.benchmarks.trust.work import trust_work
 from bench.studies.sweep.journal import Journal, Row
 from bench.studies.sweep.pool import Pool

@@ -1,14 +1,12 @@
 """One case run again, for a look at what went wrong."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Iterator
 
 from bench.basics.errors import BenchError
-from bench.benchmarks.trust.answer import answer_text, hidden_text
 from bench.benchmarks.trust.run import setups_of
 from bench.benchmarks.trust.stability import NOISE, SURE, WITHOUT_LOG
+from bench.benchmarks.trust.words import answer_text, hidden_text
 from bench.benchmarks.trust.work import case_rows
 from bench.studies.sweep.journal import OK
 from bench.studies.trial.cases import KINDS

@@ -1,18 +1,24 @@
-"""The table robots × questions: each cell a share with its interval, and whether it reaches its goal."""
+"""Tables robots × questions: shares with their intervals, what the cells cost, and the table of README.md."""
 
-from __future__ import annotations
-
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 from math import isfinite
+from pathlib import Path
 
+import numpy as np
+
+from bench.basics.errors import BenchError
+from bench.basics.files.atomic import write_text_atomically
+from bench.benchmarks.trust.calibration import MODELLED, coverage
 from bench.benchmarks.trust.evaluation import Evaluation
-from bench.benchmarks.trust.gains import MODELLED, coverage
 from bench.benchmarks.trust.questions import QUESTIONS
 from bench.benchmarks.trust.stability import NOISE, WITHOUT_LOG, stability
+from bench.benchmarks.trust.work import PROCESSOR
 from bench.document.markdown.tables import rows_in_markdown
-from bench.studies.sweep.journal import Row
+from bench.studies.sweep.journal import OK, Row
+from bench.studies.sweep.progress import duration_text
+from bench.studies.trial.cases import Kind
 from bench.studies.trial.target import Attained, Target
 
 MARKS = {Attained.YES: "✓", Attained.NO: "✗", Attained.TOO_FEW: "?", None: ""}
@@ -90,3 +96,92 @@ def goal_text(target: Target) -> str:
     if least and most:
         return f"{least} to {most}&nbsp;%"
     return f"≥&nbsp;{least}&nbsp;%" if least else f"≤&nbsp;{most}&nbsp;%"
+
+
+def cost_table(evaluation: Evaluation) -> str:
+    """Robots × questions: cases run of those planned, mean cost, and the interval where cases were not run."""
+    lines = []
+    for robot in evaluation.robots:
+        cells = [cell for cell in evaluation.cells if cell.robot == robot and not cell.frozen]
+        by_kind = {cell.question: cell.planned for cell in cells}
+        rows = evaluation.of([robot], tuple(QUESTIONS)) + evaluation.of(
+            [robot], tuple(QUESTIONS), frozen=True
+        )
+        texts = [_cell(evaluation.of([robot], [kind]), planned, kind) for kind, planned in by_kind.items()]
+        lines.append([robot, *texts, duration_text(sum(map(cost_of, rows)))])
+    heads = ["", *(question.title.partition(":")[0] for question in QUESTIONS.values()), "all, frozen too"]
+    return rows_in_markdown(heads, lines)
+
+
+def cost_of(row: Row) -> float:
+    """Seconds of one processor."""
+    return float(row[PROCESSOR]) + float(row.get(f"{PROCESSOR}.again") or 0.0)
+
+
+def _cell(rows: list[Row], planned: int, kind: Kind) -> str:
+    if not planned:
+        return "none possible"
+    if not rows:
+        return f"0&nbsp;of&nbsp;{planned}"
+    text = f"{len(rows)} of {planned}, {sum(map(cost_of, rows)) / len(rows):.1f} s"
+    failed = sum(row["status"] != OK for row in rows)
+    text += f", {failed} failed" if failed else ""
+    if len(rows) < planned:
+        target = QUESTIONS[kind].target(rows)
+        text += f", interval {interval_text(target) if target.share and target.share.of else NO_CASE}"
+    return text.replace(" ", "&nbsp;").replace(",&nbsp;", ", ")
+
+
+BEGIN, END = "<!-- evaluation -->", "<!-- end of evaluation -->"
+SPOKEN: Mapping[str, str] = {
+    "five_bar": "five-bar",
+    "delta": "Delta",
+    "three_rrr": "3-RRR",
+    "stewart": "hexapod",
+    "dualv": "DualV",
+    "orthoglide": "Orthoglide",
+    "two_link": "serial arm",
+}
+
+
+def readme_block(evaluation: Evaluation) -> str:
+    """The text between the marks: how the figures are made, and the table questions × robots."""
+    robots = evaluation.robots
+    groups = [*([robot] for robot in robots), list(robots)]
+    lines = [["largest gain error, median", *(_gain_error(evaluation, group) for group in groups)]]
+    for kind, question in QUESTIONS.items():
+        targets = [question.target(evaluation.of(group, [kind])) for group in groups]
+        shares = [
+            f"{target.share.count} of {target.share.of}" if target.share.of else NO_CASE
+            for target in targets
+            if target.share is not None
+        ]
+        lines.append([question.title, *shares[:-1], f"{shares[-1]} ({interval_text(targets[-1])})"])
+    table = rows_in_markdown(
+        ["", *(SPOKEN.get(robot, robot) for robot in robots), "all, 95 % interval"], lines
+    )
+    said = (
+        "[Simulated machines](results/trust/trust.md) with 18 to 22-bit encoders and 0.2 to 2 % current noise, gains "
+        "wrong by up to\na tenth, and hidden effects whose error is at least three times the noise floor "
+        f"(`make trust`, commit `{evaluation.commits}`):"
+    )
+    return f"{said}\n\n{table}"
+
+
+def with_block(text: str, block: str) -> str:
+    """A README with its block replaced. Raises BenchError if it has no marks."""
+    before, begin, rest = text.partition(BEGIN)
+    _, end, after = rest.partition(END)
+    if not begin or not end:
+        raise BenchError(f"README.md: no {BEGIN} … {END}")
+    return f"{before}{BEGIN}\n{block}\n{END}{after}"
+
+
+def write_readme(evaluation: Evaluation, path: Path) -> None:
+    """Replace the block of a README."""
+    write_text_atomically(path, with_block(path.read_text(encoding="utf-8"), readme_block(evaluation)))
+
+
+def _gain_error(evaluation: Evaluation, robots: Sequence[str]) -> str:
+    errors = [row["gain_error.after"] for row in evaluation.of(robots, MODELLED) if row["status"] == OK]
+    return f"{100.0 * float(np.median(errors)):.3f} %" if errors else "no case"

@@ -1,7 +1,5 @@
 """The page of an evaluation, made from its table."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -9,16 +7,18 @@ import numpy as np
 
 from bench.basics.files.atomic import write_text_atomically
 from bench.basics.plural import plural
-from bench.benchmarks.trust.answer import answer_text, hidden_text
-from bench.benchmarks.trust.cost import cost_of, cost_table
+from bench.benchmarks.trust.calibration import (
+    MODELLED,
+    coverage,
+    deviations,
+    reliability,
+    write_trust_figures,
+)
 from bench.benchmarks.trust.evaluation import Evaluation, read_evaluation
-from bench.benchmarks.trust.figures import write_trust_figures
-from bench.benchmarks.trust.gains import MODELLED, coverage, deviations
-from bench.benchmarks.trust.mistakes import sentences
-from bench.benchmarks.trust.overview import KEY, interval_text, overview, target_text
+from bench.benchmarks.trust.overview import KEY, cost_of, cost_table, interval_text, overview, target_text
 from bench.benchmarks.trust.questions import QUESTIONS
-from bench.benchmarks.trust.reliability import reliability
 from bench.benchmarks.trust.stability import NOISE, SURE, WITHOUT_LOG, changed
+from bench.benchmarks.trust.words import answer_text, hidden_text, sentences
 from bench.document.markdown.tables import rows_in_markdown
 from bench.studies.sweep.journal import OK, Row
 from bench.studies.sweep.progress import duration_text

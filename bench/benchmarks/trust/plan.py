@@ -1,17 +1,46 @@
-"""The cases of an evaluation as runs, handed out as long as the budget lasts."""
+"""The cases of an evaluation as runs, handed out as long as the budget lasts; and how far it is."""
 
-from __future__ import annotations
-
-from collections.abc import Iterable, Iterator
-from dataclasses import replace
+import time
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass, field, replace
 from functools import cache
 
-from bench.benchmarks.trust.budget import Budget
+from rich.console import Console
+
+from bench.basics.plural import plural
 from bench.benchmarks.trust.cells import TrustCase, TrustCells
 from bench.benchmarks.trust.tally import Tally
+from bench.studies.sweep.journal import Journal
 from bench.studies.sweep.plan import Run, digest
+from bench.studies.sweep.progress import SAY_EVERY, duration_text
 from bench.studies.trial.cases import Kind
 from bench.studies.trial.plan import TrialPlan
+
+
+@dataclass
+class Budget:
+    """hours: with the workers that there are. spent: seconds of work that cases of earlier starts took.
+
+    slots: how many workers there are now.
+    """
+
+    hours: float
+    spent: float
+    slots: Callable[[], int]
+    now: Callable[[], float] = time.monotonic
+    begun: float = field(init=False)
+
+    def __post_init__(self) -> None:
+        self.begun = self.now()
+
+    @property
+    def seconds(self) -> float:
+        """Remaining for every worker, s."""
+        return 3600.0 * self.hours - self.spent / self.slots() - (self.now() - self.begun)
+
+    def full(self, pending: float) -> bool:
+        """Whether work of so many seconds fills what remains."""
+        return pending / self.slots() >= self.seconds
 
 
 def case_runs(cells: TrustCells, cases: Iterable[TrustCase]) -> Iterator[tuple[Run, ...]]:
@@ -43,3 +72,28 @@ def runs_within(tally: Tally, budget: Budget) -> Iterator[tuple[Run, ...]]:
             yield from block
 
     return case_runs(tally.cells, cases())
+
+
+class TrustProgress:
+    """A line every half minute."""
+
+    def __init__(self, console: Console, tally: Tally, budget: Budget) -> None:
+        self._console, self._tally, self._budget = console, tally, budget
+        self._said = time.monotonic()
+
+    def __call__(self, journal: Journal) -> None:
+        """Say how far it is, if the last line is old enough."""
+        now = time.monotonic()
+        if now - self._said < SAY_EVERY:
+            return
+        self._said = now
+        cases = plural(self._tally.finished, "case")
+        failed = f", {len(journal.failed)} failed" if journal.failed else ""
+        remaining = duration_text(seconds_remaining(self._tally, self._budget))
+        self._console.print(f"{cases}{failed}, {remaining} remaining", highlight=False)
+
+
+def seconds_remaining(tally: Tally, budget: Budget) -> float:
+    """Until the budget is spent, or all cases are finished."""
+    work = (tally.open_seconds + tally.pending_seconds) / budget.slots()
+    return max(min(budget.seconds, work), 0.0)

@@ -1,7 +1,5 @@
 """The questions of the evaluation: which cases count, which answer is right, and how many must be."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 

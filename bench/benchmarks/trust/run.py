@@ -1,7 +1,5 @@
 """An evaluation from its cells to its rows, kept as they come."""
 
-from __future__ import annotations
-
 import json
 import time
 from collections.abc import Callable, Mapping, Sequence
@@ -12,9 +10,8 @@ from pathlib import Path
 from bench.basics.errors import BenchError
 from bench.basics.files.atomic import write_json_atomically
 from bench.basics.versions import versions
-from bench.benchmarks.trust.budget import Budget
 from bench.benchmarks.trust.cells import TrustCells
-from bench.benchmarks.trust.plan import runs_within
+from bench.benchmarks.trust.plan import Budget, runs_within
 from bench.benchmarks.trust.tally import Tally
 from bench.benchmarks.trust.work import trust_work
 from bench.studies.sweep.journal import Journal, Row

@@ -1,7 +1,5 @@
 """How many certain verdicts stay when the same machine is diagnosed again."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Mapping, Sequence
 

@@ -1,7 +1,5 @@
 """How far each cell is, and which case is next: one of the cell that is farthest from the interval it is to reach."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 from dataclasses import dataclass, field
 from math import log

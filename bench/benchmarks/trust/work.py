@@ -1,25 +1,31 @@
 """The work of the evaluation: a case of a trial, diagnosed and judged as there, with its place and its cost."""
 
-from __future__ import annotations
-
 import time
+from dataclasses import replace
 from functools import partial
+from math import sqrt
+
+import numpy as np
 
 from bench.basics.errors import BenchError
-from bench.benchmarks.trust.again import again_columns
-from bench.benchmarks.trust.cells import TrustCase, TrustCells
-from bench.benchmarks.trust.sizes import drawn_case
+from bench.benchmarks.trust.cells import APART, TrustCase, TrustCells
+from bench.benchmarks.trust.stability import NOISE, SURE, WITHOUT_LOG, certain_in, verdicts_of
+from bench.diagnosis.discovery.find import find_missing_effects
+from bench.identification.problem import problem_of
 from bench.studies.sweep.journal import Row
 from bench.studies.sweep.plan import Run
 from bench.studies.sweep.pool import Task
 from bench.studies.sweep.run_plan import Work
 from bench.studies.sweep.work import Trajectories
-from bench.studies.trial.cases import KINDS, Case
+from bench.studies.trial.cases import KINDS, SHARES, SHARES_OF, Case, Kind, datasets_a_seed, draw_case
+from bench.studies.trial.name_list import cell_of
 from bench.studies.trial.realise import realised
 from bench.studies.trial.setup import Setup
 from bench.studies.trial.work import diagnosed_row, failed_row, trial_trajectories, undisturbed
+from bench.truth.dataset import as_dataset
 from bench.truth.hidden.reference import Reference
 from bench.truth.simulate import Simulation
+from bench.truth.streams import stream
 
 FRESH, FROZEN = "fresh", "frozen"
 SECONDS, PROCESSOR = "seconds", "seconds.processor"
@@ -105,3 +111,52 @@ def _since(begun: tuple[float, float]) -> dict[str, float]:
 def _case(setup: Setup, place: Place) -> Case:
     kind = next(kind for kind in KINDS if kind == place["question"])
     return drawn_case(setup, kind, int(place["number"]))
+
+
+def drawn_case(setup: Setup, kind: Kind, number: int) -> Case:
+    """The case of that number. The size of a single effect moves into its half, on a logarithmic scale, where the case
+    is fresh; cases of the frozen set are those of a trial.
+    """
+    case = draw_case(setup, kind, number)
+    if kind != "one" or number < APART:
+        return case
+    (hide,) = case.hides
+    ends = SHARES_OF.get(hide.effect, SHARES)
+    share = sqrt(hide.share * ends[number // datasets_a_seed(setup, kind) % 2])
+    return replace(case, hides=(replace(hide, share=float(f"{share:.4g}")),))
+
+
+MORE_NOISE = 0.25
+"""Standard deviation of the noise that is added to the currents, over that of the noise that they have."""
+
+FEWEST_LOGS = 3
+
+
+def again_columns(simulation: Simulation, row: Row) -> Row:
+    """Names of the effects that are certain at first, with more noise, and without the last log."""
+    columns: Row = {
+        SURE: cell_of(certain_in(verdicts_of(row))),
+        NOISE: _sure(with_more_noise(simulation)),
+    }
+    if len(simulation.recordings) >= FEWEST_LOGS:
+        columns[WITHOUT_LOG] = _sure(replace(simulation, recordings=simulation.recordings[:-1]))
+    return columns
+
+
+def with_more_noise(simulation: Simulation) -> Simulation:
+    """The same logs with independent noise added to the currents."""
+    seed = simulation.scenario.settings.seed
+    recordings = []
+    for recording in simulation.recordings:
+        current = recording.log.current
+        noise = np.std(current - recording.current, axis=0)
+        drawn = stream(seed, recording.name, "more noise").standard_normal(current.shape)
+        log = replace(recording.log, current=current + MORE_NOISE * noise * drawn)
+        recordings.append(replace(recording, log=log))
+    return replace(simulation, recordings=tuple(recordings))
+
+
+def _sure(simulation: Simulation) -> str:
+    diagnosis = find_missing_effects(problem_of(as_dataset(simulation)))
+    named = {v.effect: v.verdict for v in diagnosis.ranking if v.effect in diagnosis.missing}
+    return cell_of(certain_in(named))
