@@ -153,7 +153,7 @@ def diagnosed_arm(arm: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.fixture(scope="session")
 def chromium():
     """A browser without a window; skips where there is none."""
-    from bench.page.screenshot import browser, browser_program
+    from docs.pictures.browser import browser, browser_program
 
     if browser_program() is None:
         pytest.skip("no Chromium on this machine (Debian: apt-get install chromium)")

@@ -8,7 +8,7 @@ import pytest
 from bench.cli import main
 from bench.dataset.dataset import load_dataset
 from bench.page.folder import read_run
-from bench.page.screenshot import opened, scrolled
+from docs.pictures.browser import opened, scrolled
 from tests.made_once import made_once
 
 DATE_AND_COMMANDS = re.compile(r"<footer>.*?</footer>|<pre tabindex.*?</pre>", flags=re.DOTALL)

@@ -13,7 +13,7 @@ from bench.excitation.experiment import plan as module
 from bench.excitation.experiment.plan import Aim, plan_experiment
 from bench.excitation.experiment.request import ExperimentTable
 from bench.studies.pooled import PooledMapper
-from bench.studies.sweep.workers import Workers
+from bench.studies.sweep.pool import Workers
 
 
 def divided(shared, item):

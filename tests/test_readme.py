@@ -12,9 +12,9 @@ from bench.benchmarks.trust.evaluation import read_evaluation
 from bench.benchmarks.trust.overview import readme_block, with_block
 from bench.benchmarks.trust.run import TABLE
 from bench.cli import main
-from bench.studies.readme_commands import FILE, commands_of
 from bench.studies.trial.summary import summarised
 from bench.studies.trial.target import TargetFigure
+from docs.made.readme_commands import FILE, commands_of
 
 
 @pytest.fixture(scope="module")

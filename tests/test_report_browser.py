@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from playwright.sync_api import expect
 
-from bench.page.screenshot import blank, scrolled
+from docs.pictures.browser import blank, scrolled
 from tests.report_kit import dataset, diagnosed_page, identified_page, write
 from tests.shown import identification_of
 

@@ -12,12 +12,12 @@ from bench.cli import main
 from bench.cli.next_steps import after_trial
 from bench.page.parts import Figure, PageTable
 from bench.page.render import render_page
-from bench.page.screenshot import opened
 from bench.page.sweep_page import read_sweep, sweep_page
 from bench.page.trial_page import again_line, read_trial, trial_page, trial_table
 from bench.page.write_studies import write_sweep_report, write_trial_report
 from bench.studies.sweep.charts import point_label, value_text
 from bench.studies.sweep.metrics import axis_words
+from docs.pictures.browser import opened
 from tests.report_kit import Tags
 from tests.sweep_stand_in import Accidents, StandIn, plan_of, run
 from tests.trial_rows import trial_rows
@@ -315,6 +315,6 @@ def test_both_pages_are_drawn_in_a_browser(swept, tried, tmp_path, chromium, wid
 
 
 def _read_to_the_end(page):
-    from bench.page.screenshot import scrolled
+    from docs.pictures.browser import scrolled
 
     scrolled(page)

@@ -5,7 +5,7 @@ import sys
 
 import pytest
 
-from bench.viewer import screenshot
+from docs.pictures import viewer as screenshot
 
 
 def test_a_viewer_that_ends_is_one_line_that_names_the_packages(tmp_path, monkeypatch, capsys):

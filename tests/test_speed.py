@@ -16,7 +16,7 @@ from bench.benchmarks.speed import sweep
 from bench.benchmarks.speed.__main__ import MEASUREMENTS, main
 from bench.benchmarks.speed.figures import HISTORY, SpeedFigure, append_history, figures_table, last_values
 from bench.benchmarks.speed.memory import STATUS, peak_bytes
-from bench.studies.sweep.print_summary import WIDE, table_console
+from bench.studies.sweep.summary import WIDE, table_console
 
 SLOW = SpeedFigure("identify", 1.2, "s", 1.0)
 GAIN = SpeedFigure("two workers over one", 1.9, "", 1.8, at_least=True)
@@ -119,7 +119,7 @@ def test_what_is_timed_of_the_peers_is_said():
 
 
 def test_a_log_is_wide_and_columns_are_obeyed():
-    program = "from bench.studies.sweep.print_summary import table_console as c; print(c().width)"
+    program = "from bench.studies.sweep.summary import table_console as c; print(c().width)"
 
     def width(**environment):
         done = subprocess.run(

@@ -188,7 +188,7 @@ def test_a_file_that_is_no_table_is_refused(tmp_path):
 
 
 def test_a_number_that_rounds_up_to_another_digit_stays_readable() -> None:
-    from bench.studies.sweep.print_summary import number
+    from bench.studies.sweep.summary import number
 
     assert number(99.7, 2) == "100"
     assert number(99.4, 2) == "99"

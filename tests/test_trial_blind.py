@@ -13,8 +13,7 @@ from bench.studies.sweep.journal import Journal, Row
 from bench.studies.sweep.pool import Pool
 from bench.studies.sweep.run_plan import Report
 from bench.studies.sweep.table import read_table
-from bench.studies.trial.cases import draw_case
-from bench.studies.trial.plan import TrialPlan
+from bench.studies.trial.cases import TrialPlan, draw_case
 from bench.studies.trial.run_trial import TrialRequest, read_rows, run_trial
 from bench.studies.trial.setup import Setup, make_setup
 from bench.studies.trial.summary import LARGE

@@ -9,12 +9,20 @@ import pytest
 from bench.basics.errors import BenchError
 from bench.dataset.robot import load_robot
 from bench.effects import CATALOGUE
-from bench.studies.trial.cases import KINDS, SETS_FROM, SHARES, SHARES_OF, Kind, datasets_a_seed, draw_case
+from bench.studies.sweep.journal import cell_of
+from bench.studies.trial.cases import (
+    KINDS,
+    SETS_FROM,
+    SHARES,
+    SHARES_OF,
+    Kind,
+    TrialPlan,
+    datasets_a_seed,
+    draw_case,
+)
 from bench.studies.trial.compatible import compatible, exclusive, expected
 from bench.studies.trial.intervals import WITHOUT_TRUTH, as_logged, true_values
 from bench.studies.trial.judge import Named, judgement_of
-from bench.studies.trial.name_list import cell_of
-from bench.studies.trial.plan import TrialPlan
 from bench.studies.trial.realise import hidden_places
 from bench.studies.trial.setup import Setup, make_setup
 from bench.studies.trial.summary import A_LAW, NOTHING, SOMETHING, placed, summarised

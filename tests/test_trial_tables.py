@@ -9,10 +9,10 @@ import pytest
 from rich.console import Console
 
 from bench.basics.errors import BenchError
+from bench.studies.sweep.journal import cell_of, names_in
 from bench.studies.trial.charts import write_trial_figures
 from bench.studies.trial.command import check_numbers, show, write_results
 from bench.studies.trial.markdown import deviation_text, parts, trial_markdown
-from bench.studies.trial.name_list import cell_of, names_in
 from bench.studies.trial.summary import TrialSummary, summarised
 from bench.studies.trial.target import Attained, Share, Target, TargetFigure
 from tests.trial_rows import trial_row, trial_rows

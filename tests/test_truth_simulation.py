@@ -11,8 +11,8 @@ from bench.dataset.dataset import load_dataset
 from bench.scenario.scenario import load_scenario
 from bench.truth.dataset import as_dataset, truth_path, write_simulation
 from bench.truth.loops import loop_gaps
+from bench.truth.quiet import stop_step_timers
 from bench.truth.simulate import simulate
-from bench.truth.timers import stop_step_timers
 
 RECORDINGS = [
     {"name": "free", "use": "identify", "design": {"seed": 1}},

@@ -14,8 +14,8 @@ from bench.identification.identify import identify
 from bench.identification.model_file import apply_model, load_model, model_json
 from bench.identification.prepare import prepare
 from bench.identification.problem import problem_of
-from bench.page.screenshot import blank
 from bench.page.workbench.page_data import page_data
+from docs.pictures.browser import blank
 from tests.workbench_kit import ABSORBED, FOUND, RECORDINGS, diagnosis_of, write_dataset, write_page
 from tests.workbench_sets import Carried
 

@@ -2,7 +2,7 @@
 
 import json
 
-from bench.studies.trial.name_list import cell_of, names_in
+from bench.studies.sweep.journal import cell_of, names_in
 
 INTERVAL = '[{"effect": "viscous_friction", "parameter": "Fv", "truth": 1.0, "value": 1.1, "std": %s}]'
 

@@ -126,7 +126,7 @@ def excite(
         from bench.excitation.experiment.sentences import sentences
         from bench.identification.problem import problem_of
         from bench.studies.rehearsal import rehearsal_sentence, rehearse
-        from bench.truth.timers import stop_step_timers
+        from bench.truth.quiet import stop_step_timers
         from bench.viewer.planned import write_planned_rrd
 
         check_folder(output)

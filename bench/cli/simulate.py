@@ -27,7 +27,7 @@ def simulate(scenario: str, output: Path, seed: int | None, overwrite: bool, qui
         from bench.basics.errors import BenchError
         from bench.dataset.names import DATASET_FILE
         from bench.truth.dataset import write_simulation
-        from bench.truth.timers import stop_step_timers
+        from bench.truth.quiet import stop_step_timers
 
         if (output / DATASET_FILE).exists() and not overwrite:
             raise BenchError(f"{output}: already holds a dataset; --overwrite replaces it")
@@ -75,9 +75,9 @@ def demo(output: Path, scenario: str) -> None:
     from bench.page.write import write_diagnosis_report
     from bench.studies.sweep.accuracy import true_values
     from bench.truth.dataset import write_simulation
+    from bench.truth.quiet import stop_step_timers
     from bench.truth.report import truth
     from bench.truth.simulate import simulate
-    from bench.truth.timers import stop_step_timers
     from bench.viewer.recording import write_rrd
 
     console = Console()

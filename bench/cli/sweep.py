@@ -39,7 +39,7 @@ def sweep(
 
     with shown_progress(quiet):
         from bench.studies.sweep.command import run_command
-        from bench.studies.sweep.workers import Workers
+        from bench.studies.sweep.pool import Workers
 
     code = run_command(
         sweep_file,
@@ -106,8 +106,8 @@ def table(folder: Path, axes: tuple[str, ...], metrics: tuple[str, ...]) -> None
     column of the table can be an axis, and every column of numbers a metric.
     """
     from bench.cli.next_steps import after_table
-    from bench.studies.sweep.print_summary import print_summary, table_console
     from bench.studies.sweep.results import pooled_axes, table_in, write_table_summary
+    from bench.studies.sweep.summary import print_summary, table_console
 
     runs = table_in(folder)
     metrics = metrics or ("gain_error",)
@@ -150,8 +150,8 @@ def check(
         raise BenchError("check --update: give the reason for the change with --reason")
 
     from bench.studies.sweep.check import CheckOptions, check_accuracy, update_reference
-    from bench.studies.sweep.print_summary import table_console
     from bench.studies.sweep.reference import reference_folder
+    from bench.studies.sweep.summary import table_console
     from bench.studies.sweep.work import identification_work
 
     options = CheckOptions(
@@ -174,9 +174,9 @@ def _kept_cases(workers: int | None) -> int:
     """1 if a case of the evaluation that was right is wrong now."""
     from bench.benchmarks.trust.kept_cases import check_kept_cases
     from bench.benchmarks.trust.run import TABLE
-    from bench.studies.sweep.print_summary import table_console
+    from bench.studies.sweep.pool import Workers
     from bench.studies.sweep.reference import reference_folder
-    from bench.studies.sweep.workers import Workers
+    from bench.studies.sweep.summary import table_console
 
     with Workers(workers, None).pool() as pool:
         return min(check_kept_cases(reference_folder().parent / "trust" / TABLE, pool, table_console()), 1)

@@ -72,7 +72,7 @@ def trial(
     more seeds, it resumes. The answer does not depend on the number of workers.
     """
     with shown_progress(running["quiet"]):
-        from bench.studies.sweep.workers import Workers
+        from bench.studies.sweep.pool import Workers
         from bench.studies.trial.command import Drawn, run_command
 
     code = run_command(

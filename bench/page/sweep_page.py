@@ -37,10 +37,9 @@ from bench.studies.sweep.metrics import (
     what_is_measured,
 )
 from bench.studies.sweep.plan import Plan
-from bench.studies.sweep.print_summary import explanation
 from bench.studies.sweep.results import default_plots, failed_runs, table_in
 from bench.studies.sweep.run_sweep import FILE, RECORD
-from bench.studies.sweep.summary import Spread, Summary, SummaryLine, summarise
+from bench.studies.sweep.summary import Spread, Summary, SummaryLine, explanation, summarise
 from bench.studies.sweep.sweep_file import load_sweep
 from bench.studies.sweep.table import column_names, read_table
 

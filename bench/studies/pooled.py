@@ -11,8 +11,7 @@ from typing import Any
 from bench.basics.errors import BenchError
 from bench.basics.mapper import Item, Result
 from bench.basics.mapper import Shared as Common
-from bench.studies.sweep.pool import Pool, Shared
-from bench.studies.sweep.workers import ON_ALL_CORES, Workers
+from bench.studies.sweep.pool import ON_ALL_CORES, Pool, Shared, Workers
 
 START = 1.0  # s that processes take to start: shorter work ends before, longer work takes at most that much longer
 

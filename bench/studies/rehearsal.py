@@ -10,8 +10,8 @@ from bench.excitation.experiment.files import scenario_text
 from bench.excitation.experiment.plan import ExperimentPlan
 from bench.excitation.experiment.simulated import DRIVES, FIRST, SimulatedDrive
 from bench.scenario.scenario import Scenario, scenario_from_dict
+from bench.truth.quiet import unwarned
 from bench.truth.simulate import simulate
-from bench.truth.unwarned import unwarned
 
 
 @dataclass(frozen=True)

@@ -19,7 +19,7 @@ from bench.effects import CATALOGUE, Effect
 from bench.effects.display_names import begun, spoken
 from bench.effects.effect import EffectParameter, ShapeParameter
 from bench.residuals.look_alikes import QUESTION
-from bench.studies.trial.name_list import names_in
+from bench.studies.sweep.journal import names_in
 from bench.studies.trial.summary import LARGE, first_named
 
 RESULTS = Path(__file__).resolve().parents[2] / "results"

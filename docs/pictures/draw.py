@@ -20,7 +20,7 @@ from rerun.experimental import ViewerClient
 
 from bench.basics.files.atomic import atomic_path
 from bench.cli import main
-from bench.page.screenshot import browser, opened
+from docs.pictures.browser import browser, opened
 
 ROOT = Path(__file__).resolve().parents[2]
 PAGES = ROOT / "docs" / "pages" / "tutorials"

@@ -25,7 +25,7 @@ from bench.benchmarks.peers.parabench import (
     solve_two_masses,
 )
 from bench.benchmarks.peers.problems import COULOMB_SHARE, DURATION, PeerProblem, make_problem
-from bench.studies.sweep.print_summary import table_console
+from bench.studies.sweep.summary import table_console
 
 warnings.filterwarnings("ignore", category=RuntimeWarning, message=".*already registered.*")
 RESULT = Path("results/peers")

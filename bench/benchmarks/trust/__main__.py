@@ -22,7 +22,7 @@ from bench.benchmarks.trust.overview import write_readme
 from bench.benchmarks.trust.page import write_page
 from bench.benchmarks.trust.plan import TrustProgress
 from bench.benchmarks.trust.run import ROBOTS, TABLE, TrustRequest, run_trust, setups_of
-from bench.studies.sweep.workers import Workers
+from bench.studies.sweep.pool import Workers
 
 RESULT = Path("results/trust")
 HOURS = 3.0

@@ -13,9 +13,8 @@ from bench.basics.chi_squared import WITHIN_95
 from bench.benchmarks.trust.evaluation import Evaluation
 from bench.document.charts.chart import Axis, Chart, Line, Panel, Whiskers
 from bench.document.figures.write import CHART_DPI, chart_figure, write_figures
-from bench.studies.sweep.journal import OK, Row
+from bench.studies.sweep.journal import OK, Row, names_in
 from bench.studies.trial.compatible import expected, optional
-from bench.studies.trial.name_list import names_in
 from bench.studies.trial.target import Share, Target, TargetFigure
 
 BOUNDS = (0.0, 0.05, 0.25, 0.5, 0.75, 0.95, 0.99, 1.0)

@@ -13,8 +13,7 @@ from bench.benchmarks.trust.tally import Tally
 from bench.studies.sweep.journal import Journal
 from bench.studies.sweep.plan import Run, digest
 from bench.studies.sweep.progress import SAY_EVERY, duration_text
-from bench.studies.trial.cases import Kind
-from bench.studies.trial.plan import TrialPlan
+from bench.studies.trial.cases import Kind, TrialPlan
 
 
 @dataclass

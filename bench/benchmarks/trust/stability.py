@@ -3,8 +3,7 @@
 import json
 from collections.abc import Mapping, Sequence
 
-from bench.studies.sweep.journal import Row
-from bench.studies.trial.name_list import names_in
+from bench.studies.sweep.journal import Row, names_in
 from bench.studies.trial.target import Share, Target, TargetFigure
 
 SURE, NOISE, WITHOUT_LOG = "sure", "sure.noise", "sure.without_log"

@@ -6,9 +6,8 @@ from collections.abc import Sequence
 from bench.benchmarks.trust.questions import QUESTIONS
 from bench.benchmarks.trust.stability import CERTAIN, verdicts_of
 from bench.effects.display_names import begun, spoken
-from bench.studies.sweep.journal import OK, Row
+from bench.studies.sweep.journal import OK, Row, names_in
 from bench.studies.trial.compatible import expected, optional
-from bench.studies.trial.name_list import names_in
 from bench.studies.trial.unknown import LAW
 
 NOTHING = "nothing"

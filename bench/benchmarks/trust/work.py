@@ -12,13 +12,12 @@ from bench.benchmarks.trust.cells import APART, TrustCase, TrustCells
 from bench.benchmarks.trust.stability import NOISE, SURE, WITHOUT_LOG, certain_in, verdicts_of
 from bench.diagnosis.discovery.find import find_missing_effects
 from bench.identification.problem import problem_of
-from bench.studies.sweep.journal import Row
+from bench.studies.sweep.journal import Row, cell_of
 from bench.studies.sweep.plan import Run
 from bench.studies.sweep.pool import Task
 from bench.studies.sweep.run_plan import Work
 from bench.studies.sweep.work import Trajectories
 from bench.studies.trial.cases import KINDS, SHARES, SHARES_OF, Case, Kind, datasets_a_seed, draw_case
-from bench.studies.trial.name_list import cell_of
 from bench.studies.trial.realise import realised
 from bench.studies.trial.setup import Setup
 from bench.studies.trial.work import diagnosed_row, failed_row, trial_trajectories, undisturbed

@@ -19,7 +19,6 @@ from bench.scenario.scenario import scenario_from_dict
 from bench.studies.sweep.plan import Plan
 from bench.studies.sweep.pool import LocalPool, Pool, Task
 from bench.studies.sweep.preflight import check_plan
-from bench.studies.sweep.print_summary import number
 from bench.studies.sweep.progress import duration_text
 from bench.studies.sweep.reference import (
     ALARMS,
@@ -38,6 +37,7 @@ from bench.studies.sweep.reference import (
 )
 from bench.studies.sweep.run_plan import Work, keep_design
 from bench.studies.sweep.run_sweep import run_sweep
+from bench.studies.sweep.summary import number
 from bench.studies.sweep.sweep_file import Sweep
 
 COLORS = {"worse": "red", "over its limit": "red", "better": "green", "new": "yellow"}

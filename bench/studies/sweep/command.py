@@ -20,14 +20,14 @@ from bench.scenario.scenario import resolve_trajectories, scenario_from_dict
 from bench.studies.sweep.axes import Axis, DrawnAxis, GridAxis
 from bench.studies.sweep.hidden_share import without_share
 from bench.studies.sweep.plan import FITTING, MACHINE, MOVEMENT, Plan, Run, level, make_plan
+from bench.studies.sweep.pool import ON_ALL_CORES, Workers
 from bench.studies.sweep.preflight import check_plan, fixed_declarations
-from bench.studies.sweep.print_summary import print_summary, table_console
 from bench.studies.sweep.progress import duration_text, progress_console, shown_progress
 from bench.studies.sweep.results import SUMMARY, failed_runs, write_plots, write_summary
 from bench.studies.sweep.run_sweep import Finished, run_sweep, written
+from bench.studies.sweep.summary import print_summary, table_console
 from bench.studies.sweep.sweep_file import load_sweep
 from bench.studies.sweep.work import identification_work
-from bench.studies.sweep.workers import ON_ALL_CORES, Workers
 from bench.truth.dataset import as_dataset
 from bench.truth.simulate import simulate
 

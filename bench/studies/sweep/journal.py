@@ -4,7 +4,7 @@ import json
 import os
 import time
 from array import array
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from errno import ENOSPC
 from io import FileIO
 from pathlib import Path
@@ -15,6 +15,7 @@ from bench.basics.errors import BenchError
 Row = dict[str, Any]
 """One line of the table: column -> number, text, truth or None."""
 OK, FAILED = "ok", "failed"  # what a row has under `status`
+BETWEEN = " + "  # names in one cell
 TO_DISK_EVERY = 1.0  # s: a killed process loses nothing, a power failure at most this
 
 
@@ -88,3 +89,13 @@ class Journal:
                     raise BenchError(f"{self.path}: byte {end}: not a row ({error})") from error
                 end += len(line)
         return end
+
+
+def cell_of(names: Iterable[str]) -> str:
+    """Names as a text; none as an empty one."""
+    return BETWEEN.join(names)
+
+
+def names_in(cell: str) -> tuple[str, ...]:
+    """The names of such a text."""
+    return tuple(cell.split(BETWEEN)) if cell else ()

@@ -7,9 +7,8 @@ from bench.basics.errors import BenchError
 from bench.basics.files.atomic import write_text_atomically
 from bench.studies.sweep.journal import OK
 from bench.studies.sweep.plan import Plan
-from bench.studies.sweep.print_summary import summary_markdown
 from bench.studies.sweep.run_sweep import FILE, TABLE
-from bench.studies.sweep.summary import Summary, summarise, summarise_in_parts
+from bench.studies.sweep.summary import Summary, summarise, summarise_in_parts, summary_markdown
 from bench.studies.sweep.sweep_file import PlotTable, load_sweep
 from bench.studies.sweep.table import column_names, read_table
 

@@ -27,10 +27,9 @@ from bench.studies.sweep.run_plan import Work
 from bench.studies.sweep.sweep_file import Sweep
 from bench.truth.dataset import as_dataset
 from bench.truth.machine import true_gains
+from bench.truth.quiet import stop_step_timers, unwarned
 from bench.truth.resense import sense_again
 from bench.truth.simulate import Simulation, simulate
-from bench.truth.timers import stop_step_timers
-from bench.truth.unwarned import unwarned
 
 
 def measure(

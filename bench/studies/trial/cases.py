@@ -1,13 +1,15 @@
 """The blind datasets of a trial, drawn from seeds: what is hidden, how large, behind how much noise."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Literal
 from zlib import crc32
 
 import numpy as np
 
 from bench.basics.errors import BenchError
+from bench.studies.sweep.plan import Run, digest
 from bench.studies.trial.compatible import compatible
 from bench.studies.trial.setup import Setup, where
 from bench.studies.trial.unknown import FRICTIONS, KNOWN_EFFECTS, LAW, drawn_law
@@ -174,3 +176,62 @@ def _hide(setup: Setup, effect: str, random: np.random.Generator, begin: float) 
 
 def _even_on_log_scale(between: tuple[float, float], random: np.random.Generator) -> float:
     return float(f"{np.exp(random.uniform(*np.log(between))):.4g}")
+
+
+MOVED = ("robot", "design", "recordings", "payloads")
+
+
+@dataclass(frozen=True)
+class TrialPlan:
+    """All cases of one kind; with more seeds, those of fewer seeds stay as they are.
+
+    effects: what is drawn from; empty: all that the robot can have. first: number of the first case; sets that begin
+    far enough from each other have no case in common.
+    """
+
+    setup: Setup
+    kind: Kind
+    seeds: int
+    effects: tuple[str, ...] = ()
+    first: int = 0
+
+    @property
+    def numbers(self) -> range:
+        """Of its cases."""
+        return range(self.first, self.first + self.size)
+
+    @property
+    def size(self) -> int:
+        """How many cases."""
+        return self.seeds * datasets_a_seed(self.setup, self.kind, self.effects)
+
+    def case(self, number: int) -> Case:
+        """The case of that number, from 0."""
+        return draw_case(self.setup, self.kind, number, self.effects)
+
+    def run(self, number: int) -> Run:
+        """The case as a run: all have their trajectories and the movement with nothing hidden in common."""
+        return Run(
+            number=number,
+            seed=number,
+            axes={},
+            base=self.setup.name,
+            content=self.setup.content,
+            identify={},
+            design_content=self.setup.content,
+            design=self._design,
+            motion=self._motion,
+            equations=digest([self._motion, self.kind, number]),
+        )
+
+    def tasks(self, is_done: Callable[[int], bool] = lambda _: False) -> Iterator[tuple[Run, ...]]:
+        """All cases that are not done, in order."""
+        return ((self.run(i),) for i in self.numbers if not is_done(i))
+
+    @cached_property
+    def _design(self) -> str:
+        return digest({key: self.setup.content.get(key) for key in MOVED})
+
+    @cached_property
+    def _motion(self) -> str:
+        return digest(self.setup.content)

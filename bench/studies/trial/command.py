@@ -15,15 +15,14 @@ from bench.basics.plural import plural
 from bench.document.layout import TEXT
 from bench.document.terminal.tables import printed
 from bench.studies.sweep.journal import Row
-from bench.studies.sweep.print_summary import table_console
+from bench.studies.sweep.pool import ON_ALL_CORES, Workers
 from bench.studies.sweep.progress import ShownProgress, duration_text, progress_console, shown_progress
 from bench.studies.sweep.run_plan import Report
+from bench.studies.sweep.summary import table_console
 from bench.studies.sweep.table import write_rows
-from bench.studies.sweep.workers import ON_ALL_CORES, Workers
-from bench.studies.trial.cases import KINDS, Kind, chosen_effects
+from bench.studies.trial.cases import KINDS, Kind, TrialPlan, chosen_effects
 from bench.studies.trial.charts import write_trial_figures
 from bench.studies.trial.markdown import COUNTED, parts, trial_markdown
-from bench.studies.trial.plan import TrialPlan
 from bench.studies.trial.realise import check_scenario
 from bench.studies.trial.run_trial import TrialRequest, run_trial
 from bench.studies.trial.setup import Setup, make_setup

@@ -17,8 +17,8 @@ from bench.studies.trial.setup import Setup, where
 from bench.studies.trial.unknown import sized
 from bench.truth.hidden.reference import Reference
 from bench.truth.hidden.sizes import typical
+from bench.truth.quiet import stop_step_timers
 from bench.truth.simulate import Simulation, simulate
-from bench.truth.timers import stop_step_timers
 
 ATTEMPTS = 4  # an effect that the machine does not stand is halved, and again
 Entry = dict[str, Any]

@@ -1,7 +1,5 @@
 """A trial from its cases to its rows, kept as they come."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import AbstractContextManager, ExitStack, closing
@@ -14,8 +12,7 @@ from bench.studies.sweep.journal import Journal, Row
 from bench.studies.sweep.plan import digest
 from bench.studies.sweep.pool import Pool
 from bench.studies.sweep.run_plan import Driver, Phase, Report, silent
-from bench.studies.trial.cases import KINDS, RULES, Kind
-from bench.studies.trial.plan import TrialPlan
+from bench.studies.trial.cases import KINDS, RULES, Kind, TrialPlan
 from bench.studies.trial.setup import Setup
 from bench.studies.trial.work import trial_work
 

@@ -1,7 +1,5 @@
 """The robot of a trial: its movements, and what can be hidden where."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path

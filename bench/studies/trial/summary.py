@@ -11,9 +11,8 @@ import numpy as np
 
 from bench.basics.chi_squared import WITHIN_95
 from bench.effects import CATALOGUE
-from bench.studies.sweep.journal import Row
+from bench.studies.sweep.journal import Row, names_in
 from bench.studies.trial.compatible import COMPANIONS, optional
-from bench.studies.trial.name_list import names_in
 from bench.studies.trial.target import FLOOR_FACTOR, GAIN_FACTOR, LAW_FACTOR, Share, Target, TargetFigure
 
 LARGE = 3.0

@@ -7,9 +7,8 @@ from pathlib import Path
 from bench.basics.files.atomic import write_text_atomically
 from bench.document.markdown.tables import markdown
 from bench.document.table import Column, Table
-from bench.studies.sweep.journal import Row
+from bench.studies.sweep.journal import Row, names_in
 from bench.studies.sweep.table import write_rows
-from bench.studies.trial.name_list import names_in
 from bench.studies.trial.summary import LARGE
 from bench.studies.trial.target import LAW_FACTOR, Share
 

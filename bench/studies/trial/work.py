@@ -18,15 +18,13 @@ from bench.identification.problem import problem_of
 from bench.identification.result import Identification
 from bench.scenario.scenario import resolve_trajectories
 from bench.studies.sweep.accuracy import accuracy
-from bench.studies.sweep.journal import FAILED, OK, Row
+from bench.studies.sweep.journal import FAILED, OK, Row, cell_of
 from bench.studies.sweep.run_plan import Work
 from bench.studies.sweep.work import Trajectories
-from bench.studies.trial.cases import Case
+from bench.studies.trial.cases import Case, TrialPlan
 from bench.studies.trial.compatible import PARTS, expected
 from bench.studies.trial.intervals import intervals, moving_alike
 from bench.studies.trial.judge import judgement_of, law_columns, named_from
-from bench.studies.trial.name_list import cell_of
-from bench.studies.trial.plan import TrialPlan
 from bench.studies.trial.realise import Entry, hidden_places, realised, reference_scenario
 from bench.studies.trial.setup import Setup
 from bench.studies.trial.unknown import LAW, named_parts

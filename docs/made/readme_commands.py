@@ -1,4 +1,4 @@
-"""The README's five commands in an empty folder: `python -m bench.studies.readme_commands -o results/excite`.
+"""The README's five commands in an empty folder: `python docs/made/readme_commands.py -o results/excite`.
 
 A motion is planned for a Delta, a simulated machine makes it, its model is identified, exported, and simulated along
 what was recorded. What the README quotes of that is held to what they gave.

@@ -1,6 +1,6 @@
 """Pictures of a page as people see it, to look at after every change: for developers only.
 
-    python -m bench.page.screenshot report.html FOLDER
+    python docs/pictures/browser.py report.html FOLDER
 
 writes laptop_light.png, laptop_dark.png, phone_light.png, phone_dark.png and print.pdf; `--whole` the whole length of
 the page instead of its start. Needs Debian's chromium.
@@ -85,7 +85,7 @@ def take(report: Path, folder: Path, *, whole: bool) -> list[Path]:
 def main() -> None:
     """Read the command line."""
     parser = argparse.ArgumentParser(
-        prog="python -m bench.page.screenshot", description=(__doc__ or "").partition("\n")[0]
+        prog="python docs/pictures/browser.py", description=(__doc__ or "").partition("\n")[0]
     )
     parser.add_argument("report", type=Path)
     parser.add_argument("folder", type=Path)

@@ -1,6 +1,6 @@
 """A picture of the viewer without a screen, to look at what `write_rrd` writes: for developers only.
 
-    python -m bench.viewer.screenshot FILE.rrd PICTURE.png [--time SECONDS] [--size 1600x1000]
+    python docs/pictures/viewer.py FILE.rrd PICTURE.png [--time SECONDS] [--size 1600x1000]
 
 Needs a Vulkan driver; a software one will do (Debian: mesa-vulkan-drivers, libvulkan1).
 """
@@ -117,7 +117,7 @@ def _settled(client: ViewerClient) -> bytes:
 def main() -> None:
     """Read the command line."""
     parser = argparse.ArgumentParser(
-        prog="python -m bench.viewer.screenshot", description=__doc__.splitlines()[0]
+        prog="python docs/pictures/viewer.py", description=__doc__.splitlines()[0]
     )
     parser.add_argument("recording", type=Path)
     parser.add_argument("picture", type=Path)
