@@ -48,6 +48,18 @@ def run(name, *hidden, every_step=False, **overrides):
     return simulate(scenario(name, hidden, **overrides), threads=1)
 
 
+def measured_share(simulation, reference):
+    """How much an effect changed the current references (n,), RMS over RMS, of the same recordings.
+
+    Includes what the controller makes of it, so that it differs a little from the share of the torque.
+    """
+    without = reference.simulation.recordings
+    change = [a.current - b.current for a, b in zip(simulation.recordings, without, strict=True)]
+    current = np.concatenate([recording.current for recording in without])
+    ratio = np.mean(np.concatenate(change) ** 2, axis=0) / np.mean(current**2, axis=0)
+    return np.sqrt(ratio)
+
+
 def needed(model, motion, dofs, samples, friction=0.0):
     """(len(samples), n): torque of the motors at the true states, loops eliminated.
 

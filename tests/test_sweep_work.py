@@ -13,9 +13,9 @@ from bench.studies.sweep.plan import make_plan
 from bench.studies.sweep.sweep_file import load_sweep
 from bench.studies.sweep.work import designed, identification_work, rows_of, shared_motion
 from bench.truth.hidden.reference import Reference
-from bench.truth.hidden.sizes import measured_share
 from bench.truth.simulate import simulate
 from tests import sweep_stand_in
+from tests.hidden_kit import measured_share
 
 SWEEP = """
 base = "five_bar"

@@ -8,10 +8,10 @@ import pytest
 from bench.basics.errors import BenchError
 from bench.truth.hidden import HIDDEN_EFFECTS, JointEffect
 from bench.truth.hidden.reference import Reference
-from bench.truth.hidden.sizes import MACHINE_SIZES, measured_share, typical
+from bench.truth.hidden.sizes import MACHINE_SIZES, typical
 from bench.truth.inverse import motor_torque
 from tests import hidden_kit
-from tests.hidden_kit import BRIEF, SHORT, STEP, cart
+from tests.hidden_kit import BRIEF, SHORT, STEP, cart, measured_share
 
 run = functools.partial(hidden_kit.run, design=BRIEF)
 # asked for by default; less where a robot's motors or controller would not stand it

@@ -148,6 +148,7 @@ def _chart(grid: _Grid, metric: str, others: Mapping[str, Any]) -> PageChart:
         )
     at = np.array(places)
     cells = Cells(
+        "",
         "before",
         at[:, 0],
         at[:, 1],

@@ -10,7 +10,7 @@ import json
 import math
 import os
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass, field, replace
+from dataclasses import asdict, dataclass, field, fields, replace
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -88,19 +88,52 @@ def file_digest(path: Path) -> str:
         raise BenchError(f"{path}: {error.strerror or error}") from None
 
 
-KEPT: Mapping[str, Any] = {
-    "held_out": float,
-    "missing": tuple[str, ...],
-    "ranking": tuple[EffectVerdict, ...],
-    "unexplained": Unexplained,
-    "differs": tuple[Differing, ...],
-    "sets": tuple[ProbableSet, ...],
-    "without_logs": tuple[WithoutLog, ...],
-    "something_else": float,
-    "superfluous": tuple[Superfluous, ...],
-    "unfinished": tuple[Unfinished, ...],
-}
-"""What of a diagnosis is written as plain data, in addition to its ladder and laws."""
+@dataclass(frozen=True)
+class _Step:
+    effects: tuple[str, ...]
+    identify: float | None
+    validate: float | None
+
+
+@dataclass(frozen=True, kw_only=True)
+class _DiagnosisFile:
+    """What a diagnosis says, next to its models. between: the steps of its ladder whose currents are kept as well."""
+
+    ladder: tuple[_Step, ...]
+    held_out: float
+    missing: tuple[str, ...]
+    ranking: tuple[EffectVerdict, ...]
+    unexplained: Unexplained
+    differs: tuple[Differing, ...] = ()
+    sets: tuple[ProbableSet, ...] = ()
+    without_logs: tuple[WithoutLog, ...] = ()
+    something_else: float = 0.0
+    superfluous: tuple[Superfluous, ...] = ()
+    unfinished: tuple[Unfinished, ...] = ()
+    discovered: tuple[Discovered, ...] = ()
+    between: tuple[int, ...]
+
+
+SAME = tuple(entry.name for entry in fields(_DiagnosisFile) if entry.name not in ("ladder", "between"))
+"""What a diagnosis has under the same names."""
+
+
+@dataclass(frozen=True)
+class _RunFile:
+    """report.json; the last ones are not in those of an earlier version."""
+
+    run: CommandRun
+    dataset: str
+    model: str
+    diagnosis: _DiagnosisFile | None = None
+    digest: str | None = None
+    versions: Versions | None = None
+    workbench: int | None = None
+    files: Mapping[str, str] = field(default_factory=dict)
+
+
+_READER = TypeAdapter(_RunFile)
+_WRITER = TypeAdapter(Any)
 
 
 @dataclass(frozen=True)
@@ -157,8 +190,9 @@ def save_run(folder: Path, kept: SavedRun) -> None:
     if diagnosis is not None:
         save_model(diagnosis.before, folder / BEFORE_FILE, dataset.folder)
         written.append(BEFORE_FILE)
-        content["diagnosis"] = _diagnosis_content(diagnosis)
-        between = [diagnosis.ladder[i].recordings for i in content["diagnosis"]["between"]]
+        kept_diagnosis = _diagnosis_file(diagnosis)
+        content["diagnosis"] = _WRITER.dump_python(kept_diagnosis)
+        between = [diagnosis.ladder[i].recordings for i in kept_diagnosis.between]
         bare = [tuple(replace(entry, by_effect={}) for entry in series) for series in between]
         models += [diagnosis.before.recordings, *bare]
     write_series(folder / SERIES_FILE, models, joints)
@@ -176,18 +210,13 @@ def save_workbench(folder: Path, kept: SavedRun) -> None:
     write_json_atomically(folder / RUN_FILE, content)
 
 
-def _diagnosis_content(diagnosis: Diagnosis) -> dict[str, Any]:
-    """What a diagnosis says, next to its models. between: the steps of its ladder whose currents are kept as well."""
+def _diagnosis_file(diagnosis: Diagnosis) -> _DiagnosisFile:
     ladder = diagnosis.ladder
-    plain = TypeAdapter(Any)
-    return {
-        "ladder": [
-            {"effects": step.effects, "identify": step.identify, "validate": step.validate} for step in ladder
-        ],
-        **{name: plain.dump_python(getattr(diagnosis, name)) for name in KEPT},
-        "discovered": [asdict(law) for law in diagnosis.discovered],
-        "between": [i for i in range(1, len(ladder) - 1) if ladder[i].recordings],
-    }
+    return _DiagnosisFile(
+        ladder=tuple(_Step(step.effects, step.identify, step.validate) for step in ladder),
+        between=tuple(i for i in range(1, len(ladder) - 1) if ladder[i].recordings),
+        **{name: getattr(diagnosis, name) for name in SAME},
+    )
 
 
 def read_run(folder: Path) -> SavedRun:
@@ -197,29 +226,23 @@ def read_run(folder: Path) -> SavedRun:
     missing or damaged, the dataset included.
     """
     path = folder / RUN_FILE
-    content = read_json(path)
     try:
-        known = dict(content["run"])
-        known |= {name: tuple(known[name]) for name in ("effects", "effect_files")}
-        run, data, model = CommandRun(**known), folder / content["dataset"], str(content["model"])
-        digest, files = content.get("digest"), dict(content.get("files", {}))
-        diagnosed, by = content.get("diagnosis"), _versions(content.get("versions"))
-        current = content.get("workbench") == WORKBENCH_VERSION
-    except (KeyError, TypeError, ValueError) as error:
-        raise _damaged(path, error) from None
+        written = _READER.validate_python(_with_infinities(read_json(path)))
+    except ValidationError as error:
+        raise BenchError(f"{path}: damaged: {first_mistake(error)}") from None
+    run, diagnosed, data = written.run, written.diagnosis, folder / written.dataset
     if not data.is_dir():
         raise BenchError(f"{path}: its dataset is not there any more: {data}")
     dataset = load_dataset(data)
-    effect_files = [Path(file) for file in run.effect_files]
-    for name, expected in files.items():
+    for name, expected in written.files.items():
         if file_digest(folder / name) != expected:
             raise BenchError(
                 f"{folder / name}: not what was written beside {RUN_FILE}: damaged, or changed since"
             )
     said = ""
-    if digest is None:
+    if written.digest is None:
         said = f"{folder}: written by an earlier version, which kept less: worked out anew"
-    elif digest != dataset_digest(dataset, effect_files):
+    elif written.digest != dataset_digest(dataset, [Path(file) for file in run.effect_files]):
         said = (
             f"{folder}: its dataset, robot or effects have changed since: its models are applied to them anew"
         )
@@ -227,14 +250,12 @@ def read_run(folder: Path) -> SavedRun:
     names = [MODEL_FILE] if diagnosed is None else [AFTER_FILE, BEFORE_FILE]
     paths = [folder / name for name in names]
     if said:
-        try:
-            problem = replace(_problem(dataset, run, _discovered(diagnosed or {})), dataset=with_held_out)
-        except (KeyError, TypeError, ValueError) as error:
-            raise _damaged(path, error) from None
+        laws = () if diagnosed is None else diagnosed.discovered
+        problem = replace(_problem(dataset, run, laws), dataset=with_held_out)
         models = [read_identification(file, problem) for file in paths]
-        diagnosis = None if diagnosed is None else _diagnosis(path, diagnosed, models, {})
-        return SavedRun(run, dataset, models[0], diagnosis, model, said=said)
-    between = _between(path, diagnosed)
+        diagnosis = None if diagnosed is None else _diagnosis(diagnosed, models, {})
+        return SavedRun(run, dataset, models[0], diagnosis, written.model, said=said)
+    between = () if diagnosed is None else diagnosed.between
     saved = [load_model(file) for file in paths]
     effects = [tuple(saved_model.model.effect_parameters) for saved_model in saved]
     series = read_series(folder / SERIES_FILE, with_held_out, [*effects, *(() for _ in between)])
@@ -242,14 +263,15 @@ def read_run(folder: Path) -> SavedRun:
         saved_model.applied_to(with_held_out, its) for saved_model, its in zip(saved, series, strict=False)
     ]
     rungs = dict(zip(between, series[len(paths) :], strict=True))
-    diagnosis = None if diagnosed is None else _diagnosis(path, diagnosed, models, rungs)
+    diagnosis = None if diagnosed is None else _diagnosis(diagnosed, models, rungs)
     workbench = None
-    if WORKBENCH_FILE in files:
-        if current:
+    if WORKBENCH_FILE in written.files:
+        if written.workbench == WORKBENCH_VERSION:
             workbench = _read_object(folder / WORKBENCH_FILE)
         else:
             said = f"{folder}: written by another version: the workbench is worked out anew"
-    return SavedRun(run, dataset, models[0], diagnosis, model, workbench, by or versions(), said)
+    by = written.versions or versions()
+    return SavedRun(run, dataset, models[0], diagnosis, written.model, workbench, by, said)
 
 
 def _problem(dataset: Dataset, run: CommandRun, laws: Sequence[Discovered]) -> Problem:
@@ -279,36 +301,19 @@ def _read_object(path: Path) -> dict[str, Any]:
 
 
 def _diagnosis(
-    path: Path,
-    content: dict[str, Any],
+    kept: _DiagnosisFile,
     models: Sequence[Identification],
     between: Mapping[int, tuple[CurrentSeries, ...]],
 ) -> Diagnosis:
     """models: after, before. between: currents of steps of the ladder, by number."""
     after, before = models
-    try:
-        steps = content["ladder"]
-        series = {len(steps) - 1: after.recordings, 0: before.recordings, **between}
-        ladder = tuple(
-            LadderStep(tuple(step["effects"]), step["identify"], step["validate"], series.get(i, ()))
-            for i, step in enumerate(steps)
-        )
-        known = _with_infinities(content)
-        parts: dict[str, Any] = {
-            name: TypeAdapter(kind).validate_python(known[name])
-            for name, kind in KEPT.items()
-            if name in known
-        }
-        return Diagnosis(
-            after.robot, ladder=ladder, before=before, after=after, discovered=_discovered(content), **parts
-        )
-    except (KeyError, TypeError, ValueError) as error:
-        raise _damaged(path, error) from None
-
-
-def _discovered(content: Mapping[str, Any]) -> tuple[Discovered, ...]:
-    laws = _with_infinities(content.get("discovered", ()))
-    return TypeAdapter(tuple[Discovered, ...]).validate_python(laws)
+    series = {len(kept.ladder) - 1: after.recordings, 0: before.recordings, **between}
+    ladder = tuple(
+        LadderStep(step.effects, step.identify, step.validate, series.get(i, ()))
+        for i, step in enumerate(kept.ladder)
+    )
+    same = {name: getattr(kept, name) for name in SAME}
+    return Diagnosis(after.robot, ladder=ladder, before=before, after=after, **same)
 
 
 def _with_infinities(value: Any) -> Any:
@@ -319,25 +324,3 @@ def _with_infinities(value: Any) -> Any:
             for name, each in value.items()
         }
     return [_with_infinities(each) for each in value] if isinstance(value, list | tuple) else value
-
-
-def _between(path: Path, content: dict[str, Any] | None) -> list[int]:
-    if content is None:
-        return []
-    try:
-        return [int(entry) for entry in content["between"]]
-    except (KeyError, TypeError, ValueError) as error:
-        raise _damaged(path, error) from None
-
-
-def _versions(content: dict[str, Any] | None) -> Versions | None:
-    if content is None:
-        return None
-    packages = tuple((str(name), str(number)) for name, number in content["packages"])
-    return Versions(str(content["python"]), packages, str(content["commit"]))
-
-
-def _damaged(path: Path, error: Exception) -> BenchError:
-    if isinstance(error, ValidationError):
-        return BenchError(f"{path}: damaged: {first_mistake(error)}")
-    return BenchError(f"{path}: damaged: {type(error).__name__} at {error}")

@@ -16,7 +16,7 @@ from bench.identification.findings import runaway
 from bench.identification.model_file import Comparison
 from bench.identification.problem import Problem
 from bench.identification.result import CurrentSeries, Identification
-from bench.page.parts import Mechanism, Page, Section, Text
+from bench.page.parts import Mechanism, Page, Text
 from bench.page.section_effects import gains_section, laws_section, not_ranked_section, ranking_section
 from bench.page.section_errors import (
     currents_section,
@@ -58,14 +58,7 @@ def diagnosis_page(diagnosis: Diagnosis, problem: Problem, made: Made) -> Page:
     else:
         models = [shown_model("", "error", problem, after, after.settings)]
     noise = relative_noise_floor(with_held_out.recordings, after.recordings, after.settings)
-    ladder = ladder_section(diagnosis)
-    ladder = Section(
-        ladder.id,
-        ladder.title,
-        ladder.lead,
-        (*ladder.parts, errors_table(models[-1], after.recordings, noise)),
-        "Ladder",
-    )
+    ladder = ladder_section(diagnosis, errors_table(models[-1], after.recordings, noise))
     old = before if diagnosis.added else None
     return Page(
         title=f"What the model of {diagnosis.robot} is missing",

@@ -98,17 +98,6 @@ class Commands:
 
 
 @dataclass(frozen=True)
-class Picture:
-    """A picture that another command drew. data: a data: address."""
-
-    title: str
-    aid: str
-    data: str
-    folded: bool = False
-    type: Literal["picture"] = "picture"
-
-
-@dataclass(frozen=True)
 class PageChart:
     """One chart of a figure; title and aid are empty where the figure's title and aid say it."""
 
@@ -208,7 +197,7 @@ class Mechanism:
     type: Literal["mechanism"] = "mechanism"
 
 
-Part = PageTable | Items | Text | Commands | Picture | Figure | Runs | Mechanism
+Part = PageTable | Items | Text | Commands | Figure | Runs | Mechanism
 
 
 @dataclass(frozen=True)

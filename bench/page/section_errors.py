@@ -91,8 +91,8 @@ def shown_model(
     return ShownModel(name, role, what, errors_by_motor(what, possible_effects(problem), has), label)
 
 
-def ladder_section(diagnosis: Diagnosis) -> Section:
-    """The error after each added effect."""
+def ladder_section(diagnosis: Diagnosis, errors: PageTable) -> Section:
+    """The error after each added effect. errors: those of the last model."""
     steps, floor = diagnosis.ladder, diagnosis.unexplained.noise_floor
     judged = f"judged on {validated_on(diagnosis)}."
     lead = f"How the error falls as effects are added, the one that helps most first; {judged}"
@@ -104,7 +104,7 @@ def ladder_section(diagnosis: Diagnosis) -> Section:
         figure = Text("", (typeset(said),))
     title = "The same in numbers" if len(steps) > 1 else "In numbers"
     table = on_page(ladder_table(diagnosis), title, ERROR_AID)
-    return Section("ladder", "The ladder", typeset(lead), (figure, table))
+    return Section("ladder", "The ladder", typeset(lead), (figure, table, errors), "Ladder")
 
 
 def errors_section(shown: ShownModel, recordings: Sequence[CurrentSeries], noise: float) -> Section:

@@ -66,8 +66,12 @@ def gains_sentence(result: Identification) -> str:
     nominal = "" if why is None else scale_sentence(why)
     if not result.gains_fitted:
         return nominal
-    gains = {joint: gain for joint, gain in result.drive_gains.items() if gain.fitted} or result.drive_gains
-    return f"{_known_gains(result, gains)} {nominal}".rstrip()
+    return f"{_known_gains(result, _fitted_gains(result))} {nominal}".rstrip()
+
+
+def _fitted_gains(result: Identification) -> Mapping[str, DriveGain]:
+    """The gains that were fitted; all, where none was."""
+    return {joint: gain for joint, gain in result.drive_gains.items() if gain.fitted} or result.drive_gains
 
 
 def _known_gains(result: Identification, gains: Mapping[str, DriveGain]) -> str:
@@ -111,7 +115,7 @@ def diagnosis_tiles(diagnosis: Diagnosis) -> tuple[Tile, ...]:
     names = ", ".join(effect_name(name) for name in missing) or "that the catalogue knows"
     return (
         Tile(f"Error, {kind}", share(known[1]), before),
-        Tile("Noise floor", share(diagnosis.unexplained.noise_floor), "of the currents, as an error"),
+        _noise_tile(diagnosis.unexplained.noise_floor),
         Tile("Missing effects", count, names),
         _gain_tile(diagnosis.after),
     )
@@ -125,7 +129,7 @@ def identification_tiles(result: Identification, noise: float) -> tuple[Tile, ..
     note = f"fitted {fitted}" if validation is not None else "no recording kept for validation"
     return (
         Tile("Error, not fitted" if validation is not None else "Error, fitted", share(error), note),
-        Tile("Noise floor", share(noise), "of the currents, as an error"),
+        _noise_tile(noise),
         _gain_tile(result),
         Tile("Condition number", short(result.scaled_condition, 3), "columns of unit length"),
     )
@@ -138,7 +142,7 @@ def comparison_tiles(error: ErrorSummary, where: WhereItFails, noise: float) -> 
     worst = max(where.motors, key=lambda motor: motor.error, default=None)
     tiles = [
         Tile("Error", share(max(values) if values else None), f"of the current, on recordings {use}"),
-        Tile("Noise floor", share(noise), "of the currents, as an error"),
+        _noise_tile(noise),
     ]
     if worst is not None:
         tiles.append(Tile("Worst motor", worst.joint, f"error {share(worst.error)}, all recordings"))
@@ -152,16 +156,20 @@ def replay_tiles(result: Replay, where: WhereItFails, noise: float) -> tuple[Til
     return (
         Tile("Error of the twin", share(twins), "of the current, all recordings"),
         Tile("Error of the model", share(models), "from which the twin was exported"),
-        Tile("Noise floor", share(noise), "of the currents, as an error"),
+        _noise_tile(noise),
         *([Tile("Worst motor", worst.joint, f"error {share(worst.error)}")] if worst is not None else []),
     )
+
+
+def _noise_tile(noise: float) -> Tile:
+    return Tile("Noise floor", share(noise), "of the currents, as an error")
 
 
 def _gain_tile(result: Identification) -> Tile:
     why = why_nominal(result)
     if not result.gains_fitted:
         return Tile("Drive gains", "nominal", "" if why is None else in_short(why))
-    gains = {joint: gain for joint, gain in result.drive_gains.items() if gain.fitted} or result.drive_gains
+    gains = _fitted_gains(result)
     open_ = [joint for joint, gain in gains.items() if not gain.determined]
     if open_:
         return Tile("Drive gains", "not determined", ", ".join(open_))

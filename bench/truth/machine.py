@@ -16,8 +16,16 @@ from bench.scenario.scenario import Scenario, payload_truth, per_joint
 from bench.scenario.tables import Controller, PayloadTable
 from bench.truth.assembly import Indices, felt_inertia
 from bench.truth.balls import ball_joints, refuse_too_light
-from bench.truth.hidden import LAWS, PAYLOAD_BODY, Draft, EncoderOffset, HiddenEffect, JointEffect, has_law
-from bench.truth.hidden.base import harden_friction
+from bench.truth.hidden.base import (
+    LAWS,
+    PAYLOAD_BODY,
+    Draft,
+    HiddenEffect,
+    JointEffect,
+    harden_friction,
+    has_law,
+)
+from bench.truth.hidden.encoder_offset import EncoderOffset
 from bench.truth.hidden.entries import hidden_effects
 from bench.truth.streams import stream
 

@@ -15,7 +15,7 @@ from bench.basics.progress import SILENT, Progress
 from bench.dataset.robot import Robot
 from bench.scenario.trajectory import FourierTrajectory
 from bench.truth.assembly import assembled, holding_torque
-from bench.truth.hidden import MOTOR_SIDE
+from bench.truth.hidden.base import MOTOR_SIDE
 from bench.truth.loops import POINTS, batch_gaps
 from bench.truth.machine import Machine
 from bench.truth.redundant import references

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from bench.basics.versions import versions
 from bench.dataset.payload import Payload
 from bench.dataset.robot_locked import locked_as_data
-from bench.truth.hidden import MOTOR_SIDE, PAYLOAD_BODY
+from bench.truth.hidden.base import MOTOR_SIDE, PAYLOAD_BODY
 from bench.truth.machine import Machine
 from bench.truth.simulate import SimulatedRecording, Simulation
 

@@ -53,53 +53,51 @@ class Axis:
 
 
 @dataclass(frozen=True, eq=False)
-class Line:
-    """y over x, both (N,); NaN is a gap. markers: a dot for each value."""
+class Named:
+    """What every series has: its name in the legend, and what it represents."""
 
     name: str
     role: Role
+
+
+@dataclass(frozen=True, eq=False)
+class Line(Named):
+    """y over x, both (N,); NaN is a gap. markers: a dot for each value."""
+
     x: np.ndarray
     y: np.ndarray
     markers: bool = False
 
 
 @dataclass(frozen=True, eq=False)
-class Levels:
+class Levels(Named):
     """A value for each category, (N,), NaN where there is none; texts: what is said of each."""
 
-    name: str
-    role: Role
     values: np.ndarray
     texts: tuple[str, ...] = ()
 
 
-@dataclass(frozen=True)
-class Band:
+@dataclass(frozen=True, eq=False)
+class Band(Named):
     """All that lies between two values of y."""
 
-    name: str
-    role: Role
     low: float
     high: float
 
 
-@dataclass(frozen=True)
-class Rule:
+@dataclass(frozen=True, eq=False)
+class Rule(Named):
     """A straight line across, at a value of one axis; without a name it is not in the legend."""
 
-    name: str
-    role: Role
     axis: Literal["x", "y"]
     at: float
     dashed: bool = False
 
 
 @dataclass(frozen=True, eq=False)
-class Binned:
+class Binned(Named):
     """Rows (x, y), (K,), and what they are in bins: centre, mean, spread, smallest, largest, count, (B,)."""
 
-    name: str
-    role: Role
     x: np.ndarray
     y: np.ndarray
     edges: np.ndarray
@@ -112,14 +110,12 @@ class Binned:
 
 
 @dataclass(frozen=True, eq=False)
-class Whiskers:
+class Whiskers(Named):
     """Middles over x with the ends of their intervals, (N,). joined: x is a quantity, not a category.
 
     pick: for each, the values of the axes by which it can be chosen; empty where it cannot.
     """
 
-    name: str
-    role: Role
     x: np.ndarray
     middle: np.ndarray
     low: np.ndarray
@@ -129,11 +125,9 @@ class Whiskers:
 
 
 @dataclass(frozen=True, eq=False)
-class Spans:
+class Spans(Named):
     """Values along x with the ends of their intervals, (N,), at the categories of y; low, high may be NaN."""
 
-    name: str
-    role: Role
     y: np.ndarray
     x: np.ndarray
     low: np.ndarray
@@ -142,56 +136,46 @@ class Spans:
 
 
 @dataclass(frozen=True, eq=False)
-class Bars:
+class Bars(Named):
     """A length along x for each category of y, (N,). thin: next to another one, for comparison."""
 
-    name: str
-    role: Role
     x: np.ndarray
     thin: bool = False
 
 
 @dataclass(frozen=True, eq=False)
-class Points:
+class Points(Named):
     """Single points (N,)."""
 
-    name: str
-    role: Role
     x: np.ndarray
     y: np.ndarray
 
 
 @dataclass(frozen=True, eq=False)
-class Stems:
+class Stems(Named):
     """Values y over x (N,), each joined to zero."""
 
-    name: str
-    role: Role
     x: np.ndarray
     y: np.ndarray
 
 
 @dataclass(frozen=True, eq=False)
-class Histogram:
+class Histogram(Named):
     """y (B,) between edges (B+1,)."""
 
-    name: str
-    role: Role
     edges: np.ndarray
     y: np.ndarray
 
 
 @dataclass(frozen=True, eq=False)
-class Cells:
+class Cells(Named):
     """A matrix over two axes of categories: column x, row y, shade 0 to 1, text, of each cell (N,); pick: see above."""
 
-    role: Role
     x: np.ndarray
     y: np.ndarray
     shade: np.ndarray
     texts: tuple[str, ...]
     pick: tuple[Mapping[str, str], ...] = ()
-    name: str = ""
 
 
 Series = Line | Levels | Band | Rule | Binned | Whiskers | Spans | Bars | Points | Stems | Histogram | Cells

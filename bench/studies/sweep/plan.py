@@ -15,8 +15,7 @@ from bench.studies.sweep.axes import Axis, DrawnAxis, GridAxis, Value
 from bench.studies.sweep.sweep_file import IDENTIFY, LARGEST, Sweep
 
 NAMES = ("name", "effect")  # an element of a list of tables goes by one of these keys, or by its number
-LEVELS = 5
-MOVEMENT, MACHINE, SENSING, FITTING, METHOD = range(LEVELS)
+MOVEMENT, MACHINE, SENSING, FITTING, METHOD = range(5)
 SENSED = ("sensors",)
 FITTED = ("filter", "effects")
 SOLVED = ("method", "deviations", "essential", "fit_gains", "diagnose")

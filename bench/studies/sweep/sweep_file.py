@@ -13,7 +13,6 @@ from bench.dataset.catalogue import catalogue_folder
 from bench.identification.estimators import DEFAULT_METHOD
 from bench.studies.sweep.axes import Axis, GridAxis, read_axes
 
-RECORDS = ("accuracy", "gains", "parameters", "effects")
 LARGEST = 1_000_000  # runs: more is a mistake in an axis
 
 

@@ -35,7 +35,7 @@ from bench.truth.simulate import Simulation, simulate
 def measure(
     simulation: Simulation, prepared: Prepared, result: Identification, record: Sequence[str]
 ) -> Metrics:
-    """Metrics of one identification; `record`: groups of them, see `RECORDS`."""
+    """Metrics of one identification. record: groups of them, see `SweepTable`."""
     run = IdentifiedRun(simulation, prepared, result, record)
     metrics: Metrics = dict(run.accuracy)
     for name, metric in METRICS.items():

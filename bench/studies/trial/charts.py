@@ -44,7 +44,7 @@ def confusion_chart(summary: TrialSummary) -> Chart:
         (
             Panel(
                 Axis("hidden (cases)", scale="band", categories=rows),
-                (Cells("after", np.array(x), np.array(y), np.array(shade), texts),),
+                (Cells("", "after", np.array(x), np.array(y), np.array(shade), texts),),
             ),
         ),
         aid="A number: cases. On the diagonal the hidden effect was named first. Only effects count whose error is "

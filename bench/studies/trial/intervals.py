@@ -49,19 +49,6 @@ SI units on both sides; nan where the entry does not tell, as of a rotor whose i
 Angles of hinges. For slides the periods are per metre, without 2 pi; see `true_values`.
 """
 
-
-WITHOUT_TRUTH: Mapping[str, frozenset[str]] = {
-    "backlash": frozenset({"r"}),
-    "drive_flexibility": frozenset({"zeta"}),
-    "passive_load_friction": frozenset(
-        {"mum"}
-    ),  # a mass of which only the model's parameters tell what it means
-    "passive_spring": frozenset(
-        {"kq0"}
-    ),  # of springs whose joints move alike, where they are counted from differs
-}
-"""Parameters of the model without a counterpart in the hidden effect."""
-
 SAME = 0.03  # of the RMS speed: two joints whose rates differ less turn alike, even where one length is wrong
 
 

@@ -5,19 +5,7 @@ from collections.abc import Mapping
 from bench.truth.hidden.acceleration_dependent_friction import AccelerationDependentFriction
 from bench.truth.hidden.asymmetric_viscous_friction import AsymmetricViscousFriction
 from bench.truth.hidden.backlash import Backlash
-from bench.truth.hidden.base import (
-    LAWS,
-    MOTOR_SIDE,
-    PAYLOAD_BODY,
-    Clock,
-    Draft,
-    HiddenEffect,
-    JointEffect,
-    Law,
-    Parameters,
-    Signals,
-    has_law,
-)
+from bench.truth.hidden.base import HiddenEffect, JointEffect
 from bench.truth.hidden.base_tilt import BaseTilt
 from bench.truth.hidden.cogging_torque import CoggingTorque
 from bench.truth.hidden.constant_offset import ConstantOffset
@@ -57,21 +45,7 @@ from bench.truth.hidden.transmission_error import TransmissionError
 from bench.truth.hidden.viscoelastic_cable import ViscoelasticCable
 from bench.truth.hidden.viscous_friction import ViscousFriction
 
-__all__ = [
-    "HIDDEN_EFFECTS",
-    "LAWS",
-    "MOTOR_SIDE",
-    "PAYLOAD_BODY",
-    "Clock",
-    "Draft",
-    "EncoderOffset",
-    "HiddenEffect",
-    "JointEffect",
-    "Law",
-    "Parameters",
-    "Signals",
-    "has_law",
-]
+__all__ = ["HIDDEN_EFFECTS", "HiddenEffect", "JointEffect"]
 
 HIDDEN_EFFECTS: Mapping[str, type[HiddenEffect]] = {
     "acceleration_dependent_friction": AccelerationDependentFriction,

@@ -48,18 +48,6 @@ def typical(effect: str, reference: Reference, share: float, joint: str | None =
     return {name: float(f"{value:.{DIGITS}g}") for name, value in sizes.items()}
 
 
-def measured_share(simulation: Simulation, reference: Reference) -> Array:
-    """How much an effect changed the current references (n,), RMS over RMS, of the same recordings.
-
-    Includes what the controller makes of it, so that it differs a little from the share of the torque.
-    """
-    without = reference.simulation.recordings
-    change = [a.current - b.current for a, b in zip(simulation.recordings, without, strict=True)]
-    current = np.concatenate([recording.current for recording in without])
-    ratio = np.mean(np.concatenate(change) ** 2, axis=0) / np.mean(current**2, axis=0)
-    return np.asarray(np.sqrt(ratio))
-
-
 CLOSE = 0.02  # of the wished share
 FURTHEST = np.log(100.0)  # step of a search, as a logarithm
 ROTOR = 0.1  # of the inertia that the joint feels
