@@ -6,12 +6,10 @@ from typing import Any
 import click
 
 from bench.cli.last_lines import next_line, say, wrote
-from bench.cli.options import Positive, Rate, effect_file_option, in_existing_folder, path_option, with_option
+from bench.cli.options import effect_file_option, in_existing_folder, path_option, positive, rate, with_option
 from bench.cli.options import effects as effect_names
 from bench.cli.options import robots as robot_names
 from bench.cli.progress import quiet_option, shown_progress
-
-POSITIVE = Positive()
 
 
 def _share(_context: click.Context, option: click.Parameter, text: str | None) -> float | None:
@@ -53,22 +51,22 @@ def _share(_context: click.Context, option: click.Parameter, text: str | None) -
 )
 @click.option(
     "--velocity",
-    type=Rate("s"),
+    type=rate("s"),
     multiple=True,
     metavar="V",
     help="Largest speed of every joint, or of hinges and slides apart: 3rad/s and 0.5m/s. Repeat for each.",
 )
 @click.option(
     "--acceleration",
-    type=Rate("s2"),
+    type=rate("s2"),
     multiple=True,
     metavar="A",
     help="Largest acceleration, likewise: 30rad/s2, 5m/s2.",
 )
-@click.option("--current", type=POSITIVE, metavar="I", help="Largest current, drive unit.")
-@click.option("--duration", type=POSITIVE, metavar="S", help="Duration of each motion.  [default: 20]")
+@click.option("--current", type=positive, metavar="I", help="Largest current, drive unit.")
+@click.option("--duration", type=positive, metavar="S", help="Duration of each motion.  [default: 20]")
 @click.option(
-    "--payload-mass", type=POSITIVE, metavar="KG", help="Weighed mass; the centre is then estimated."
+    "--payload-mass", type=positive, metavar="KG", help="Weighed mass; the centre is then estimated."
 )
 @click.option(
     "--gain-accuracy",

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from bench.cli.last_lines import next_line, say, wrote
-from bench.cli.options import Assignment, Numbers, Positive, number_or_word, path_option, robots, unique
+from bench.cli.options import assignment, number_or_word, numbers, path_option, positive, robots, unique
 from bench.cli.progress import quiet_option, shown_progress
 
 if TYPE_CHECKING:
@@ -31,7 +31,7 @@ BESIDE_MAPPING = ("mapping_file", "output", "replace", "quiet")
 @click.option(
     "--map",
     "mapping",
-    type=Assignment(),
+    type=assignment(),
     multiple=True,
     metavar="COLUMN=NAME",
     help="The log's NAME becomes COLUMN: time, position.JOINT, current.JOINT, or one to keep for plots."
@@ -40,7 +40,7 @@ BESIDE_MAPPING = ("mapping_file", "output", "replace", "quiet")
 )
 @click.option(
     "--scale",
-    type=Assignment(number_or_word),
+    type=assignment(number_or_word),
     multiple=True,
     metavar="COLUMN=FACTOR",
     help="Multiply COLUMN to get SI units, or name its unit: time=ms, position.axis=1e-3, position=deg or"
@@ -86,19 +86,19 @@ BESIDE_MAPPING = ("mapping_file", "output", "replace", "quiet")
 @click.option("--payload", metavar="NAME", help="The payload on the tool.")
 @click.option(
     "--payload-mass",
-    type=Positive(),
+    type=positive,
     metavar="KG",
     help="Define the payload by its weighed mass; unknown values are estimated.",
 )
 @click.option(
     "--payload-center",
-    type=Numbers(3),
+    type=numbers(3),
     metavar="X,Y,Z",
     help="Its centre of mass in the tool frame, if known, m.",
 )
 @click.option(
     "--payload-inertia",
-    type=Numbers(6),
+    type=numbers(6),
     metavar="XX,YY,ZZ,XY,XZ,YZ",
     help="Its inertia about its centre of mass, if known, kg*m^2.",
 )

@@ -246,68 +246,64 @@ def _border(text: str | None) -> tuple[int, int] | None:
     return start, end
 
 
-class Assignment(click.ParamType[tuple[str, str | float]]):
-    """`KEY=VALUE`, as a pair; the key ends at the first equals sign, and the value may be a number."""
+def assignment(value: Callable[[str], str | float] = str) -> Callable[[str], tuple[str, str | float]]:
+    """The type of `KEY=VALUE`, a pair; the key ends at the first equals sign. value: what the other side becomes."""
 
-    name = "assignment"
-
-    def __init__(self, value: Callable[[str], str | float] = str) -> None:
-        self.value = value
-
-    def convert(
-        self, value: Any, param: click.Parameter | None, ctx: click.Context | None
-    ) -> tuple[str, str | float]:
-        """Split the text; fails, naming it, where a side is missing or the value is no number."""
-        if isinstance(value, tuple):  # a default that is split already
-            return value
-        key, equals, text = str(value).partition("=")
+    def split(given: str) -> tuple[str, str | float]:
+        key, equals, text = given.partition("=")
         if not (key.strip() and equals and text.strip()):
-            self.fail(f"{value!r} is not of the form KEY=VALUE", param, ctx)
+            raise click.BadParameter(f"{given!r} is not of the form KEY=VALUE")
         try:
-            return key.strip(), self.value(text.strip())
+            return key.strip(), value(text.strip())
         except ValueError:
-            self.fail(f"{value!r}: {text.strip()!r} is not a number", param, ctx)
+            raise click.BadParameter(f"{given!r}: {text.strip()!r} is not a number") from None
+
+    return split
 
 
-class Positive(click.ParamType[float]):
-    """A positive number; a comma in it is taken for what it is."""
+def positive(given: str) -> float:
+    """The type of a positive number; a comma in it is taken for what it is."""
+    try:
+        number = float(given)
+    except ValueError:
+        hint = f": write the decimal point as in {given.replace(',', '.')}" if "," in given else ""
+        raise click.BadParameter(f"{given!r} is no number{hint}") from None
+    if not 0.0 < number < math.inf:
+        raise click.BadParameter(f"{given!r} is not positive")
+    return number
 
-    name = "number"
 
-    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> float:
-        """Raise click.BadParameter for anything else."""
+def numbers(count: int) -> Callable[[str], tuple[float, ...]]:
+    """The type of so many numbers with commas between them."""
+
+    def split(given: str) -> tuple[float, ...]:
         try:
-            number = float(value)
+            values = tuple(float(part) for part in given.split(","))
         except ValueError:
-            point = str(value).replace(",", ".")
-            hint = f": write the decimal point as in {point}" if "," in str(value) else ""
-            self.fail(f"{value!r} is no number{hint}", param, ctx)
+            values = ()
+        if len(values) != count or not all(map(math.isfinite, values)):
+            raise click.BadParameter(f"{given!r} is not {count} numbers with commas between them")
+        return values
+
+    return split
+
+
+def rate(per: str) -> Callable[[str], tuple[float, str]]:
+    """The type of a positive number with a unit, as 3rad/s or 0.5m/s, or with none: (number, unit). per: s, or s2."""
+    units = (f"rad/{per}", f"m/{per}")
+
+    def split(given: str) -> tuple[float, str]:
+        text = given.replace(" ", "")
+        unit = next((unit for unit in units if text.endswith(unit)), "")
+        try:
+            number = float(text.removesuffix(unit))
+        except ValueError:
+            number = 0.0
         if not 0.0 < number < math.inf:
-            self.fail(f"{value!r} is not positive", param, ctx)
-        return number
+            raise click.BadParameter(f"{given!r} is no positive number, alone or in {' or '.join(units)}")
+        return number, unit
 
-
-class Numbers(click.ParamType[tuple[float, ...]]):
-    """So many numbers with commas between them."""
-
-    name = "numbers"
-
-    def __init__(self, count: int) -> None:
-        self.count = count
-
-    def convert(
-        self, value: Any, param: click.Parameter | None, ctx: click.Context | None
-    ) -> tuple[float, ...]:
-        """Split the text; fails, naming it, where it is not so many numbers."""
-        if isinstance(value, tuple):  # a default that is split already
-            return value
-        try:
-            numbers = tuple(float(part) for part in str(value).split(","))
-        except ValueError:
-            numbers = ()
-        if len(numbers) != self.count or not all(map(math.isfinite, numbers)):
-            self.fail(f"{value!r} is not {self.count} numbers with commas between them", param, ctx)
-        return numbers
+    return split
 
 
 def number_or_word(text: str) -> float | str:
@@ -325,28 +321,3 @@ def unique(pairs: tuple[tuple[str, Any], ...], option: str) -> dict[str, Any]:
         if keys.count(key) > 1:
             raise click.UsageError(f"{option}: {key!r} is given twice")
     return dict(pairs)
-
-
-class Rate(click.ParamType[tuple[float, str]]):
-    """A positive number with a unit, as 3rad/s or 0.5m/s, or with none: (number, unit). per: s, or s2."""
-
-    name = "rate"
-
-    def __init__(self, per: str) -> None:
-        self.units = (f"rad/{per}", f"m/{per}")
-
-    def convert(
-        self, value: Any, param: click.Parameter | None, ctx: click.Context | None
-    ) -> tuple[float, str]:
-        """Raise click.BadParameter for anything else."""
-        if isinstance(value, tuple):  # a default that is split already
-            return value
-        text = str(value).replace(" ", "")
-        unit = next((unit for unit in self.units if text.endswith(unit)), "")
-        try:
-            number = float(text.removesuffix(unit))
-        except ValueError:
-            number = 0.0
-        if not 0.0 < number < float("inf"):
-            self.fail(f"{value!r} is no positive number, alone or in {' or '.join(self.units)}", param, ctx)
-        return number, unit

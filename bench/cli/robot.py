@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Literal
 import click
 
 from bench.cli.last_lines import next_line, say, write_answer, wrote
-from bench.cli.options import Assignment, json_option, path_option, robots
+from bench.cli.options import assignment, json_option, path_option, robots
 
 if TYPE_CHECKING:
     from bench.dataset.robot_toml import MjcfParts
@@ -52,7 +52,7 @@ def check(folder: str, json_file: Path | None, verbose: bool) -> None:
 @click.option(
     "--motor",
     "motors",
-    type=Assignment(float),
+    type=assignment(float),
     multiple=True,
     metavar="NAME=GAIN",
     help="A motor: the joint that it drives (or a fixed tendon, or an actuator of the file with its gear) and its"
@@ -69,7 +69,7 @@ def check(folder: str, json_file: Path | None, verbose: bool) -> None:
 @click.option(
     "--lock",
     "locked",
-    type=Assignment(float),
+    type=assignment(float),
     multiple=True,
     metavar="JOINT=VALUE",
     help="A joint that is held, for example a gripper, and its position in rad or m. Repeat for each.",

@@ -113,9 +113,11 @@ def _pages(scene: Scene, motors: Sequence[Motor]) -> list[rrb.Container]:
 
 def _tabs(scene: Scene, motors: Sequence[Motor], reach: np.ndarray, *, first: bool) -> rrb.Container:
     errors = [
-        _plot(
-            f"{scene.root}/error/{motor.entity}",
-            f"{motor.name}: error [{motor.current_unit}], {error} of the current",
+        _of_motor(
+            scene,
+            motor,
+            "error",
+            f"error [{motor.current_unit}], {error} of the current",
             legend=first and not k,
             reach=float(reach[k]),
         )
@@ -155,46 +157,41 @@ def _texts(scene: Scene) -> rrb.Container:
 def _currents(scene: Scene, motors: Sequence[Motor]) -> rrb.Container:
     views = []
     for place, (motor, error) in enumerate(zip(motors, scene.errors, strict=True)):
-        unit = motor.current_unit
         name, wrong = (
-            f"{motor.name}: current [{unit}]",
-            f"{motor.name}: error [{unit}], {error} of the current",
+            f"current [{motor.current_unit}]",
+            f"error [{motor.current_unit}], {error} of the current",
         )
         views.append(
             [
-                _plot(f"{scene.root}/current/{motor.entity}", name, legend=not place),
-                _plot(f"{scene.root}/error/{motor.entity}", wrong, legend=False),
+                _of_motor(scene, motor, "current", name, legend=not place),
+                _of_motor(scene, motor, "error", wrong, legend=False),
             ]
         )
     return _in_columns(views, [3.0, 2.0], "currents and errors")
 
 
 def _steps(scene: Scene, motors: Sequence[Motor]) -> rrb.Container:
+    title = "error after each added effect"
     views = [
-        [
-            _plot(
-                f"{scene.root}/steps/{motor.entity}",
-                f"{motor.name}: error after each added effect [{motor.current_unit}]",
-                legend=not place,
-            )
-        ]
+        [_of_motor(scene, motor, "steps", f"{title} [{motor.current_unit}]", legend=not place)]
         for place, motor in enumerate(motors)
     ]
-    return _in_columns(views, [1.0], "error after each added effect")
+    return _in_columns(views, [1.0], title)
 
 
 def _torques(scene: Scene, motors: Sequence[Motor]) -> rrb.Container:
+    title = "torque of effects"
     views = [
-        [
-            _plot(
-                f"{scene.root}/torque/{motor.entity}",
-                f"{motor.name}: torque of effects [{motor.effort_unit}]",
-                legend=True,
-            )
-        ]
-        for motor in motors
+        [_of_motor(scene, motor, "torque", f"{title} [{motor.effort_unit}]", legend=True)] for motor in motors
     ]
-    return _in_columns(views, [1.0], "torque of effects")
+    return _in_columns(views, [1.0], title)
+
+
+def _of_motor(
+    scene: Scene, motor: Motor, kind: str, name: str, *, legend: bool, reach: float | None = None
+) -> rrb.View:
+    """What one motor has below the entity `kind`."""
+    return _plot(f"{scene.root}/{kind}/{motor.entity}", f"{motor.name}: {name}", legend=legend, reach=reach)
 
 
 def _tool(scene: Scene, motors: Sequence[Motor]) -> rrb.Container:

@@ -6,7 +6,6 @@ import math
 import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from functools import partial
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -55,8 +54,9 @@ Numbers = Mapping[str, Sequence[float | str | None]]
 """Columns of a table, all of the same length; a header carries its unit."""
 
 CURRENT, ERROR, CLOUD, LINE = 26.0, 14.0, 42.0, 36.0  # heights of panels, mm
+TIME = "time [s]"
 HEADS = {
-    "time": "time [s]",
+    "time": TIME,
     "reversals": "time from a reversal [s]",
 }  # of the column of x, where it is shorter
 
@@ -88,15 +88,15 @@ def paper_figure(what: PaperFigure, width: float) -> Figure:
     side_by_side = not what.stacked and width > WIDTHS["one_column"]
     columns = min(PAPER.panels, len(what.panels)) if side_by_side else 1
     rows = [what.panels[i : i + columns] for i in range(0, len(what.panels), columns)]
-    heights = [max(drawn.height for drawn in row) for row in rows]
+    heights = [max(part.height for part in row) for row in rows]
     with mpl.rc_context(PRINT):
         size = (width / PAPER.inch, (sum(heights) + PAPER.legend) / PAPER.inch)
         figure = Figure(figsize=size, layout="constrained")
         axes = figure.subplots(
             len(rows), columns, squeeze=False, height_ratios=heights, sharex="col" if what.stacked else False
         )
-        for place, panel in zip(axes.flat, what.panels, strict=False):
-            panel.draw(place)
+        for place, drawn in zip(axes.flat, what.panels, strict=False):
+            drawn.draw(place)
         for spare in axes.flat[len(what.panels) :]:
             spare.set_visible(False)
         labels: dict[str, Any] = {}
@@ -195,8 +195,8 @@ def _currents(what: Compared, recording: str) -> PaperFigure:
     for trace in series:
         unit = what.units[trace.joint][0]
         chart = currents_chart([("error", "", trace)], unit, recording)
-        panels.append(PaperPanel(partial(_draw_current, chart, f"{trace.joint} [{unit}]"), CURRENT))
-        panels.append(PaperPanel(partial(_draw_error, chart, trace is series[-1]), ERROR))
+        panels.append(panel(chart, CURRENT, ylabel=f"{trace.joint} [{unit}]", xlabel=""))
+        panels.append(panel(chart, ERROR, number=1, xlabel=TIME if trace is series[-1] else ""))
         numbers.append(_current_numbers(trace, unit))
     name = f"currents_{file_part(recording)}"
     return PaperFigure(name, tuple(panels), {"": _joined(numbers)}, stacked=True)
@@ -205,7 +205,7 @@ def _currents(what: Compared, recording: str) -> PaperFigure:
 def _current_numbers(trace: MotorSeries, unit: str) -> Columns:
     return {
         "motor": [trace.joint] * len(trace.time),
-        "time [s]": trace.time.tolist(),
+        TIME: trace.time.tolist(),
         f"measured [{unit}]": trace.measured.tolist(),
         f"modelled [{unit}]": trace.modelled.tolist(),
         f"error [{unit}]": trace.error.tolist(),
@@ -213,24 +213,20 @@ def _current_numbers(trace: MotorSeries, unit: str) -> Columns:
     }
 
 
-def _draw_current(chart: Chart, label: str, axes: Axes) -> None:
-    draw(axes, chart, PAPER.scale)
-    axes.set(ylabel=label, xlabel="")
+def panel(chart: Chart, height: float, *, number: int = 0, key: bool = True, **labels: str) -> PaperPanel:
+    """A panel of a chart. height: mm; key: see `draw`; labels: of the axes and the title, in place of the chart's."""
 
+    def drawn(axes: Axes) -> None:
+        draw(axes, chart, PAPER.scale, panel=number, key=key)
+        if number:  # an error below its current
+            axes.yaxis.set_major_locator(MaxNLocator(3))
+        axes.set(**labels)
 
-def _draw_error(chart: Chart, last: bool, axes: Axes) -> None:
-    draw(axes, chart, PAPER.scale, panel=1)
-    axes.yaxis.set_major_locator(MaxNLocator(3))
-    axes.set_xlabel("time [s]" if last else "")
+    return PaperPanel(drawn, height)
 
 
 def _panels(charts: Mapping[str, Chart], height: float) -> tuple[PaperPanel, ...]:
-    return tuple(PaperPanel(partial(_draw_motor, chart, joint), height) for joint, chart in charts.items())
-
-
-def _draw_motor(chart: Chart, joint: str, axes: Axes) -> None:
-    draw(axes, chart, PAPER.scale, key=False)
-    axes.set_title(joint)
+    return tuple(panel(chart, height, key=False, title=joint) for joint, chart in charts.items())
 
 
 def _binned(chart: Chart) -> list[Binned]:

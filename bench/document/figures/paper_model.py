@@ -4,16 +4,14 @@ from collections.abc import Sequence
 from functools import partial
 
 import numpy as np
-from matplotlib.axes import Axes
 
 from bench.basics.chi_squared import WITHIN_95
 from bench.basics.joint_units import drive_unit
 from bench.diagnosis.result import Diagnosis
-from bench.document.charts.chart import Chart, Levels
+from bench.document.charts.chart import Levels
 from bench.document.charts.currents import before_after_chart, gains_chart, ladder_chart
 from bench.document.figures.diagnosis import Moved, draw_moved, draw_ranking, moved
-from bench.document.figures.draw import draw
-from bench.document.figures.paper import Numbers, PaperFigure, PaperPanel, file_part
+from bench.document.figures.paper import TIME, Numbers, PaperFigure, PaperPanel, file_part, panel
 from bench.document.layout import PAPER
 from bench.document.numbers import error_where_moving
 from bench.identification.result import CurrentSeries, Identification
@@ -32,11 +30,8 @@ def gain_figure(result: Identification) -> PaperFigure:
         "95 % interval [± %]": [100.0 * WITHIN_95 * gain.std / abs(gain.nominal) for gain in gains.values()],
     }
     height = PAPER.foot + 6.0 * len(gains)
-    return PaperFigure(
-        "drive_gains",
-        (PaperPanel(partial(_draw, gains_chart([("after", "identified, 95 % interval", gains)])), height),),
-        {"": numbers},
-    )
+    chart = gains_chart([("after", "identified, 95 % interval", gains)])
+    return PaperFigure("drive_gains", (panel(chart, height),), {"": numbers})
 
 
 def diagnosis_figures(diagnosis: Diagnosis) -> list[PaperFigure]:
@@ -57,10 +52,6 @@ def diagnosis_figures(diagnosis: Diagnosis) -> list[PaperFigure]:
     return figures + [_before_after(diagnosis, before[trace.name], trace) for trace in held_out]
 
 
-def _draw(chart: Chart, axes: Axes) -> None:
-    draw(axes, chart, PAPER.scale)
-
-
 def _ladder(diagnosis: Diagnosis) -> PaperFigure:
     chart, floor = ladder_chart(diagnosis), 100.0 * diagnosis.unexplained.noise_floor
     names = chart.x.categories
@@ -70,8 +61,8 @@ def _ladder(diagnosis: Diagnosis) -> PaperFigure:
         values = levels.get(name, np.full(len(names), np.nan))
         numbers[f"error, {name} [%]"] = [value if np.isfinite(value) else None for value in values.tolist()]
     numbers["noise of the currents [%]"] = [floor] * len(names)
-    panel = PaperPanel(partial(_draw, chart), PAPER.foot + 2.2 * PAPER.bar * len(names))
-    return PaperFigure("ladder", (panel,), {"": numbers})
+    height = PAPER.foot + 2.2 * PAPER.bar * len(names)
+    return PaperFigure("ladder", (panel(chart, height),), {"": numbers})
 
 
 def _ranking(diagnosis: Diagnosis) -> PaperFigure:
@@ -86,12 +77,8 @@ def _ranking(diagnosis: Diagnosis) -> PaperFigure:
         "alternatives": [" ".join(verdict.alternatives) for verdict in ranking],
     }
     rows = min(PAPER.ranking, sum(verdict.verdict != "absorbed" for verdict in ranking))
-    panel = PaperPanel(partial(_draw_ranking, diagnosis), PAPER.foot + PAPER.bar * rows)
-    return PaperFigure("ranking", (panel,), {"": numbers})
-
-
-def _draw_ranking(diagnosis: Diagnosis, axes: Axes) -> None:
-    draw_ranking(axes, diagnosis, PAPER.ranking, PAPER.scale)
+    drawn = partial(draw_ranking, diagnosis=diagnosis, most=PAPER.ranking, scale=PAPER.scale)
+    return PaperFigure("ranking", (PaperPanel(drawn, PAPER.foot + PAPER.bar * rows),), {"": numbers})
 
 
 def _moved(name: str, rows: Sequence[Moved]) -> PaperFigure:
@@ -106,32 +93,22 @@ def _moved(name: str, rows: Sequence[Moved]) -> PaperFigure:
     nominal = any(row.nominal is not None for row in rows)
     if nominal:
         numbers["nominal"] = [row.nominal for row in rows]
-    panel = PaperPanel(
-        partial(_draw_moved, rows), PAPER.foot + (PAPER.gain if nominal else PAPER.parameter) * len(rows)
-    )
-    return PaperFigure(name, (panel,), {"": numbers})
-
-
-def _draw_moved(rows: Sequence[Moved], axes: Axes) -> None:
-    draw_moved(axes, rows, PAPER.scale)
+    height = PAPER.foot + (PAPER.gain if nominal else PAPER.parameter) * len(rows)
+    drawn = partial(draw_moved, rows=rows, scale=PAPER.scale)
+    return PaperFigure(name, (PaperPanel(drawn, height),), {"": numbers})
 
 
 def _before_after(diagnosis: Diagnosis, before: CurrentSeries, after: CurrentSeries) -> PaperFigure:
     gains = {joint: diagnosis.after.drive_gains[joint] for joint in diagnosis.after.joints}
     time = after.time - after.time[0]
-    numbers: dict[str, list[float | str | None]] = {"time [s]": time.tolist()}
+    numbers: dict[str, list[float | str | None]] = {TIME: time.tolist()}
     panels = []
     for j, (joint, gain) in enumerate(gains.items()):
         unit = drive_unit(gain.unit)
         numbers[f"error of {joint} before [{unit}]"] = error_where_moving(before)[:, j].tolist()
         numbers[f"error of {joint} after [{unit}]"] = error_where_moving(after)[:, j].tolist()
-        last = j == len(gains) - 1
         chart = before_after_chart(before, after, j, unit, after.name)
-        panels.append(PaperPanel(partial(_draw_before_after, chart, f"{joint} [{unit}]", last), PAPER.errors))
+        below = TIME if j == len(gains) - 1 else ""
+        panels.append(panel(chart, PAPER.errors, ylabel=f"{joint} [{unit}]", xlabel=below))
     name = f"errors_before_after_{file_part(after.name)}"
     return PaperFigure(name, tuple(panels), {"": numbers}, stacked=True)
-
-
-def _draw_before_after(chart: Chart, label: str, last: bool, axes: Axes) -> None:
-    draw(axes, chart, PAPER.scale)
-    axes.set(ylabel=label, xlabel="time [s]" if last else "")
