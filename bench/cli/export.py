@@ -5,7 +5,7 @@ from pathlib import Path
 import click
 
 from bench.cli.last_lines import say, wrote
-from bench.cli.options import effect_file_option, path_option
+from bench.cli.options import cad_option, effect_file_option, nearest_option, path_option
 
 FORMATS = ("mjcf", "urdf", "csv", "yaml", "c")
 
@@ -16,16 +16,8 @@ FORMATS = ("mjcf", "urdf", "csv", "yaml", "c")
 @path_option("-o", "--output", required=True, metavar="PATH", help="File to write.")
 @click.option("--robot", metavar="ROBOT", help="Name or folder. [default: that of the model's dataset]")
 @click.option("--payload", metavar="NAME", help="Carried at the tool (mjcf, c).  [default: none]")
-@click.option(
-    "--cad/--no-cad",
-    default=True,
-    help="Where the data do not determine masses, stay near those of the MJCF, or near equal bars. [default: cad]",
-)
-@click.option(
-    "--nearest",
-    is_flag=True,
-    help="Write the nearest physically possible bodies even if the data contradict them.",
-)
+@cad_option
+@nearest_option("Write")
 @effect_file_option
 def export(
     model: Path,

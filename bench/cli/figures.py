@@ -5,7 +5,7 @@ from pathlib import Path
 import click
 
 from bench.cli.last_lines import say, wrote
-from bench.cli.options import Asked, effect_file_option, filter_options, path_option, with_option
+from bench.cli.options import Asked, data_option, effect_file_option, filter_options, path_option, with_option
 
 
 @click.command("figures")
@@ -14,11 +14,7 @@ from bench.cli.options import Asked, effect_file_option, filter_options, path_op
 @click.option("--all", "every", is_flag=True, help="Draw every figure.")
 @path_option("-o", "--output", metavar="DIR", help="Folder for PDF, PNG and CSV.")
 @click.option("--only", multiple=True, metavar="NAME", help="The same as NAME. Repeat for each.")
-@path_option(
-    "--data",
-    metavar="DATASET",
-    help="The recordings to show a model file with. [default: those it was identified from]",
-)
+@data_option
 @with_option
 @effect_file_option
 @filter_options

@@ -72,6 +72,24 @@ scheduler_option = click.option(
     help="A Dask scheduler, for example tcp://HOST:8786, instead of local processes.",
 )
 
+data_option = path_option(
+    "--data",
+    metavar="DATASET",
+    help="The recordings to show a model file with. [default: those it was identified from]",
+)
+cad_option = click.option(
+    "--cad/--no-cad",
+    default=True,
+    help="Where the data do not determine masses, stay near those of the MJCF, or near equal bars. [default: cad]",
+)
+
+
+def nearest_option(verb: str) -> Callable[[Command], Command]:
+    """Real bodies even against the data; verb: what is done with them."""
+    words = f"{verb} the nearest physically possible bodies even if the data contradict them."
+    return click.option("--nearest", is_flag=True, help=words)
+
+
 dataset_argument = click.argument("dataset", type=click.Path(path_type=Path))
 
 with_option = click.option(

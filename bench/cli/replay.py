@@ -6,10 +6,12 @@ import click
 
 from bench.cli.last_lines import say, write_answer, wrote
 from bench.cli.options import (
+    cad_option,
     dataset_argument,
     effect_file_option,
     in_existing_folder,
     json_option,
+    nearest_option,
     output_option,
     path_option,
 )
@@ -21,16 +23,8 @@ from bench.cli.progress import quiet_option
 @path_option(
     "--model", "model_file", required=True, metavar="MODEL.json", help="A file from `bench identify --json`."
 )
-@click.option(
-    "--cad/--no-cad",
-    default=True,
-    help="Where the data do not determine masses, stay near those of the MJCF, or near equal bars. [default: cad]",
-)
-@click.option(
-    "--nearest",
-    is_flag=True,
-    help="Use the nearest physically possible bodies even if the data contradict them.",
-)
+@cad_option
+@nearest_option("Use")
 @effect_file_option
 @json_option
 @output_option("Folder for a report: currents of machine, model and twin, and the robot in motion.")

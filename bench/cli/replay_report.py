@@ -28,9 +28,8 @@ def replay_table(result: Replay) -> Table:
     return Table(columns, (*marks, "strong"), (len(twins) - 1,))
 
 
-def replay_report(result: Replay, console: Console | None = None) -> None:
+def replay_report(result: Replay, console: Console) -> None:
     """Print them, and what the twin leaves out."""
-    console = console or Console()
     console.print()
     console.print(Text.assemble((result.twin.robot, "bold"), "  ", (f"twin of {result.twin.model}", "dim")))
     console.print()

@@ -9,18 +9,14 @@ from pathlib import Path
 import click
 
 from bench.cli.last_lines import say, wrote
-from bench.cli.options import Asked, effect_file_option, filter_options, path_option, with_option
+from bench.cli.options import Asked, data_option, effect_file_option, filter_options, path_option, with_option
 
 
 @click.command("view")
 @click.argument("source", type=click.Path(path_type=Path))
 @with_option
 @effect_file_option
-@path_option(
-    "--data",
-    metavar="DATASET",
-    help="The recordings to show a model file with. [default: those it was identified from]",
-)
+@data_option
 @click.option("--run", "runs", type=int, multiple=True, metavar="N", help="Run of a sweep. Repeat for each.")
 @click.option("--no-truth", is_flag=True, help="Omit the true hidden effects of a simulation.")
 @filter_options

@@ -6,8 +6,9 @@ from itertools import pairwise
 from bench.diagnosis.result import Diagnosis, EffectVerdict
 from bench.diagnosis.summary import effort_unit, error_share, motor_torques
 from bench.document.layout import TEXT
-from bench.document.numbers import effect_name, gain_change
+from bench.document.numbers import gain_change
 from bench.document.table import PLAIN, Column, Mark, Table
+from bench.effects.display_names import spoken
 from bench.effects.select import TAG
 from bench.identification.result import Identification, Quantity
 
@@ -20,7 +21,7 @@ def step_labels(steps: Sequence[Sequence[str]]) -> list[str]:
     labels = ["the model as it is"]
     for before, after in pairwise(steps):
         added = dict.fromkeys(
-            effect_name(name if name.endswith(TAG) else name.partition(":")[0])
+            spoken(name if name.endswith(TAG) else name.partition(":")[0])
             for name in after
             if name not in before
         )
@@ -97,7 +98,7 @@ def something_else_words(diagnosis: Diagnosis) -> str:
 def sets_table(diagnosis: Diagnosis) -> Table:
     """A row for each of the leading sets of effects: its probability, and the error on recordings not fitted."""
     rows = diagnosis.sets
-    names = [" + ".join(effect_name(name) for name in row.effects) or "nothing" for row in rows]
+    names = [" + ".join(spoken(name) for name in row.effects) or "nothing" for row in rows]
     columns = (
         Column("effects together", names),
         Column("probability", [row.probability for row in rows], "number", 0, ".2f"),
@@ -109,7 +110,7 @@ def sets_table(diagnosis: Diagnosis) -> Table:
 def without_logs_table(diagnosis: Diagnosis) -> Table:
     """A row for each log that is omitted: the effects that the others do not support, and the drive gains."""
     rows = diagnosis.without_logs
-    gone = [", ".join(effect_name(name) for name in row.gone) or "none" for row in rows]
+    gone = [", ".join(spoken(name) for name in row.gone) or "none" for row in rows]
     columns = [Column("without log", [row.log for row in rows]), Column("effects not supported", gone)]
     if any(row.gains for row in rows):
         columns += [
@@ -213,7 +214,7 @@ def _places(diagnosis: Diagnosis, verdict: EffectVerdict) -> str:
 
 def _few(alternatives: Sequence[str]) -> str:
     """The first of many effects: the adjacent sentence has them all."""
-    names = [effect_name(alternative) for alternative in alternatives]
+    names = [spoken(alternative) for alternative in alternatives]
     if len(names) > TEXT.alternatives:
         return f"{', '.join(names[: TEXT.alternatives - 1])} and {len(names) - TEXT.alternatives + 1} more"
     return ", ".join(names)

@@ -6,7 +6,6 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from bench.effects.display_names import spoken
 from bench.identification.decision import RULE
 from bench.identification.result import CurrentSeries, DriveGain, Identification, Quantity
 from bench.identification.standard_errors import StdFrom
@@ -29,17 +28,12 @@ STD_FROM: dict[StdFrom, str] = {
 Truth = Mapping[str, float]
 """True values by joint (drive gains), by parameter name, and as EFFECT:JOINT.PARAMETER (effects)."""
 
-_SUPERSCRIPT = str.maketrans("0123456789-", "⁰¹²³⁴⁵⁶⁷⁸⁹⁻")
-
-
-def effect_name(name: str) -> str:
-    """An effect's name as it is written: "Coulomb friction", "viscous friction"."""
-    return spoken(name)
+SUPERSCRIPT = str.maketrans("0123456789-", "⁰¹²³⁴⁵⁶⁷⁸⁹⁻")
 
 
 def pretty_unit(unit: str) -> str:
     """A unit as it is printed: "N*m/A" -> "N·m/A", "kg*m^2" -> "kg·m²"."""
-    raised = re.sub(r"\^(-?\d+)", lambda power: power.group(1).translate(_SUPERSCRIPT), unit)
+    raised = re.sub(r"\^(-?\d+)", lambda power: power.group(1).translate(SUPERSCRIPT), unit)
     return raised.replace("*", "·")
 
 

@@ -1,8 +1,9 @@
 """Models side by side: their errors and gains as tables, and what is different between them in sentences."""
 
 from bench.document.layout import TEXT
-from bench.document.numbers import USES, change_between, effect_name, percent, pretty_unit, quantity_text
+from bench.document.numbers import USES, change_between, percent, pretty_unit, quantity_text
 from bench.document.table import Column, Table
+from bench.effects.display_names import spoken
 from bench.identification.result import DriveGain
 from bench.residuals.side_by_side import ComparedModel, SideBySide, effect_places, interval, moved_parameters
 
@@ -82,7 +83,7 @@ def _changed(first: ComparedModel, other: ComparedModel) -> list[str]:
 
 def _listed(names: list[str]) -> str:
     return ", ".join(
-        f"{effect_name(name)} at {place}" if place else effect_name(name)
+        f"{spoken(name)} at {place}" if place else spoken(name)
         for name, _, place in (name.partition(":") for name in names)
     )
 

@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Any, Literal
 
 from bench.document.numbers import (
     change_between,
-    effect_name,
     is_poor,
     percent,
     pretty_unit,
@@ -17,6 +16,7 @@ from bench.document.numbers import (
     rounded_terms,
     value_and_std,
 )
+from bench.effects.display_names import spoken
 from bench.identification.frame import data_frame
 from bench.identification.result import Quantity
 
@@ -71,8 +71,7 @@ class Column:
         if self.kind == "effect":
             before = [None, *self.cells]
             return [
-                "" if cell == last else effect_name(cell)
-                for last, cell in zip(before, self.cells, strict=False)
+                "" if cell == last else spoken(cell) for last, cell in zip(before, self.cells, strict=False)
             ]
         return ["" if cell == "" else "–" if cell is None else self._text(cell) for cell in self.cells]
 

@@ -3,17 +3,14 @@
 import math
 import re
 
-from bench.document.numbers import effect_name as spelled
-from bench.document.numbers import percent
-from bench.effects.display_names import named_after
-
-_SUPERSCRIPT = str.maketrans("0123456789-", "⁰¹²³⁴⁵⁶⁷⁸⁹⁻")
+from bench.document.numbers import SUPERSCRIPT, percent
+from bench.effects.display_names import named_after, spoken
 
 
 def typeset(text: str) -> str:
     """A text with true minus signs, powers of ten in place of "e-05", a space before "%", and names as names."""
     text = re.sub(
-        r"(?<=\d)e([+-]?\d+)\b", lambda m: f"·10{str(int(m.group(1))).translate(_SUPERSCRIPT)}", text
+        r"(?<=\d)e([+-]?\d+)\b", lambda m: f"·10{str(int(m.group(1))).translate(SUPERSCRIPT)}", text
     )
     text = re.sub(r"(?<=\d) ?%", "\u00a0%", re.sub(r"(?<![\w.])-(?=\d)", "−", text))
     return named_after(text)
@@ -31,4 +28,4 @@ def short(value: float, digits: int = 4) -> str:
 
 def effect_name(name: str) -> str:
     """An effect's name as it is said."""
-    return typeset(spelled(name))
+    return typeset(spoken(name))

@@ -29,8 +29,8 @@ from bench.local.guard import REPORT_POLICY
 from bench.local.jobs import Jobs
 from bench.local.steps import command_of
 from bench.local.worker import CancelledError, DiedError, Worker
+from bench.page.render import ASSETS as REPORT_ASSETS
 from bench.page.render import CHARTS, MACHINE
-from bench.page.render import asset as report_asset
 from bench.page.run_file import RUN_FILE
 
 ENDING = "`bench open` is being ended; start it again, what was found lies in the folder"
@@ -102,17 +102,11 @@ def page_html() -> str:
     return (ASSETS / "open.html").read_text(encoding="utf-8").replace("<!-- scripts -->", scripts)
 
 
-def asset(name: str) -> tuple[str, str] | None:
-    """A file that belongs to the page, with its kind; None for any other name."""
-    if name in (*CHARTS, MACHINE):
-        return report_asset(name), "text/javascript"
-    if name == "page.css":
-        return report_asset(name), "text/css"
-    if name == "open.css":
-        return (ASSETS / name).read_text(encoding="utf-8"), "text/css"
-    if name in SCRIPTS:
-        return (ASSETS / name).read_text(encoding="utf-8"), "text/javascript"
-    return None
+KINDS = {".js": "text/javascript", ".css": "text/css"}
+ASSET_FILES = {name: REPORT_ASSETS / name for name in (*CHARTS, MACHINE, "page.css")} | {
+    name: ASSETS / name for name in (*SCRIPTS, "open.css")
+}
+"""What belongs to the page."""
 
 
 Handler = Callable[[Request], Awaitable[Response]]
@@ -149,11 +143,10 @@ class Pages:
 
     async def asset(self, request: Request) -> Response:
         """A script or the style of the page."""
-        file = asset(request.path_params["name"])
+        file = ASSET_FILES.get(request.path_params["name"])
         if file is None:
             raise HTTPException(404)
-        text, kind = file
-        return Response(text, media_type=kind)
+        return Response(file.read_text(encoding="utf-8"), media_type=KINDS[file.suffix])
 
     async def events(self, _request: Request) -> Response:
         """Server-sent events: the jobs as they are, now and after every change."""

@@ -16,7 +16,8 @@ from bench.document.colours import (
     STILL_ON_DARK,
     rgb,
 )
-from bench.document.numbers import effect_name, error_where_moving, percent
+from bench.document.numbers import error_where_moving, percent
+from bench.effects.display_names import spoken
 from bench.identification.result import CurrentSeries, relative_error
 from bench.viewer.content import Curve, Motor, ShownContent, send_line
 
@@ -188,7 +189,7 @@ def _send_effects(
     if len(shown) < 2:
         return
     for number, (name, torque) in enumerate(shown.items()):
-        line = Curve(effect_name(name), EFFECT_COLOURS[number % len(EFFECT_COLOURS)], 1.0)
+        line = Curve(spoken(name), EFFECT_COLOURS[number % len(EFFECT_COLOURS)], 1.0)
         send_line(stream, f"{entity}/2_{name}", column, torque, line)
 
 

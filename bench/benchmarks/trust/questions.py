@@ -54,28 +54,21 @@ def _law(row: Row) -> bool:
     return at_floor(row) and not row["wrong"]
 
 
+def _has(column: str) -> Judge:
+    """Whether a row says yes to a column."""
+    return lambda row: bool(row[column])
+
+
 QUESTIONS: Mapping[Kind, TrustQuestion] = {
     question.kind: question
     for question in (
         TrustQuestion("nothing", "nothing hidden: any alarm", TargetFigure.ALARM, alarm, 100, most=0.02),
         TrustQuestion(
-            "one",
-            "one effect: named first",
-            TargetFigure.ONE_FIRST,
-            lambda r: bool(r["first"]),
-            60,
-            least=0.95,
+            "one", "one effect: named first", TargetFigure.ONE_FIRST, _has("first"), 60, least=0.95
         ),
+        TrustQuestion("two", "two: the set exactly", TargetFigure.TWO_EXACT, _has("exact"), 40, least=0.85),
         TrustQuestion(
-            "two", "two: the set exactly", TargetFigure.TWO_EXACT, lambda r: bool(r["exact"]), 40, least=0.85
-        ),
-        TrustQuestion(
-            "three",
-            "three: the set exactly",
-            TargetFigure.THREE_EXACT,
-            lambda r: bool(r["exact"]),
-            20,
-            least=0.70,
+            "three", "three: the set exactly", TargetFigure.THREE_EXACT, _has("exact"), 20, least=0.7
         ),
         TrustQuestion(
             "unknown",

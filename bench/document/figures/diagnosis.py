@@ -20,7 +20,8 @@ from bench.document.figures.comparison import errors_figure
 from bench.document.figures.draw import COLOURS, PLAIN, ZERO, draw
 from bench.document.figures.write import write_figures
 from bench.document.layout import SCREEN
-from bench.document.numbers import effect_name, is_poor, percent, pretty_unit
+from bench.document.numbers import is_poor, percent, pretty_unit
+from bench.effects.display_names import spoken
 from bench.identification.result import CurrentSeries, Quantity, relative_error
 from bench.residuals.motor import Compared
 
@@ -88,7 +89,7 @@ def draw_ranking(axes: Axes, diagnosis: Diagnosis, most: int, scale: float = 1.0
     declared = even_then_logarithmic(
         axes, [effect_verdict.evidence for effect_verdict in ranked], EVEN_NATS, "nats"
     )
-    axes.set_yticks(at, [effect_name(effect_verdict.effect) for effect_verdict in ranked])
+    axes.set_yticks(at, [spoken(effect_verdict.effect) for effect_verdict in ranked])
     axes.set_ylim(len(ranked) - 0.4, -0.6)
     axes.set_xlabel(f"evidence [nats]{declared}")
     axes.grid(visible=True, axis="y", linewidth=0.5 * scale, alpha=0.5)
@@ -218,7 +219,7 @@ def gains_figure(diagnosis: Diagnosis) -> Figure:
         figure = Figure(figsize=(8.0, 0.32 * len(rows) + 1.7), dpi=DPI, layout="constrained")
         axes = figure.subplots()
         draw_moved(axes, rows)
-        added = and_list([effect_name(name) for name in diagnosis.added])
+        added = and_list([spoken(name) for name in diagnosis.added])
         figure.suptitle(f"{diagnosis.robot}: what moves with {added}", x=0.01, ha="left", fontsize=10.5)
         figure.legend(loc="outside lower right", ncols=3, frameon=False)
     return figure

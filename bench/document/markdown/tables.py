@@ -6,9 +6,9 @@ from bench.diagnosis.result import Diagnosis
 from bench.diagnosis.summary import reason, summary_sentences
 from bench.document.diagnosis import ladder_table, ranking_table
 from bench.document.identification import effects_table, errors_table, gains_table, parameters_table
-from bench.document.numbers import Truth, effect_name, settings_lines
+from bench.document.numbers import Truth, settings_lines
 from bench.document.table import Column, Table
-from bench.effects.display_names import named_after
+from bench.effects.display_names import named_after, spoken
 from bench.identification.result import Identification
 
 BAR = "\\|"
@@ -38,9 +38,7 @@ def _cells(column: Column) -> list[str]:
 def diagnosis_markdown(diagnosis: Diagnosis) -> str:
     """What is missing in sentences, the error after each added effect, and the verdicts with their reasons."""
     supported = [verdict for verdict in diagnosis.ranking if verdict.verdict != "not supported"]
-    others = [
-        effect_name(verdict.effect) for verdict in diagnosis.ranking if verdict.verdict == "not supported"
-    ]
+    others = [spoken(verdict.effect) for verdict in diagnosis.ranking if verdict.verdict == "not supported"]
     parts = ["### What is missing", "\n\n".join(map(named_after, summary_sentences(diagnosis)))]
     parts += ["### Error after each added effect", markdown(ladder_table(diagnosis))]
     if supported:

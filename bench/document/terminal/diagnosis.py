@@ -19,18 +19,17 @@ from bench.document.diagnosis import (
 )
 from bench.document.identification import effects_table
 from bench.document.layout import TEXT
-from bench.document.numbers import STD_FROM, effect_name
+from bench.document.numbers import STD_FROM
 from bench.document.terminal.identification import section, sentences_list
 from bench.document.terminal.tables import printed
-from bench.effects.display_names import named_after
+from bench.effects.display_names import named_after, spoken
 
 
-def diagnosis_report(diagnosis: Diagnosis, console: Console | None = None, *, verbose: bool = False) -> None:
+def diagnosis_report(diagnosis: Diagnosis, console: Console, *, verbose: bool = False) -> None:
     """Print verdict, ladder, ranking, reasons, and what moves, to fit the console's width.
 
     verbose: every effect of the catalogue and every parameter.
     """
-    console = console or Console()
     width = console.width
     console.print()
     have = ", ".join(diagnosis.before.effects) or "rigid bodies only"
@@ -56,7 +55,7 @@ def diagnosis_report(diagnosis: Diagnosis, console: Console | None = None, *, ve
     if diagnosis.missing:
         console.print(Text("size: RMS torque of the effect, in brackets as a share of the motor's", "dim"))
     if left_out:
-        names = ", ".join(effect_name(verdict.effect) for verdict in left_out)
+        names = ", ".join(spoken(verdict.effect) for verdict in left_out)
         console.print(Text(f"not supported, too: {names}", "dim"))
     if diagnosis.without_logs and diagnosis.missing:
         section(console, "With each log omitted", printed(without_logs_table(diagnosis), width))

@@ -30,7 +30,7 @@ ERRORS = "Error of the modelled current, RMS(error) / RMS(measured)"
 
 def identification_report(
     result: Identification,
-    console: Console | None = None,
+    console: Console,
     *,
     verbose: bool = False,
     truth: Truth | None = None,
@@ -41,7 +41,6 @@ def identification_report(
     verbose: every grouping in full. truth: true values to compare with, see `Truth`; what it does not name
     stays blank. without_currents: the recordings of a saved model, which keeps their errors alone.
     """
-    console = console or Console()
     width = console.width
     recordings = result.recordings or without_currents
     payloads = sorted({trace.payload for trace in recordings if trace.payload is not None})
@@ -75,9 +74,8 @@ def identification_report(
     console.print()
 
 
-def comparison_report(comparison: Comparison, console: Console | None = None) -> None:
+def comparison_report(comparison: Comparison, console: Console) -> None:
     """Print how well a saved model predicts recordings, by recording and motor."""
-    console = console or Console()
     console.print()
     console.print(Text.assemble((comparison.robot, "bold"), "  ", (f"model {comparison.model}", "dim")))
     # Nothing is fitted, whatever a recording's use in its dataset is.
@@ -132,9 +130,8 @@ def _poor_line(console: Console, quantities: Sequence[Quantity]) -> None:
         console.print(Text(text, POOR_STYLE))
 
 
-def where_report(where: WhereItFails, console: Console | None = None) -> None:
+def where_report(where: WhereItFails, console: Console) -> None:
     """Print how large every motor's error is relative to the noise, and in sentences where it is."""
-    console = console or Console()
     console.print(Text("Where it fails", "bold"))
     console.print(printed(motors_table(where), console.width))
     console.print()
@@ -170,11 +167,8 @@ def _ratio(error: float, noise: float) -> str:
     return f"{ratio:.2f}" if ratio < 10.0 else f"{ratio:.0f}" if ratio < float("inf") else "–"
 
 
-def side_by_side_report(
-    comparison: SideBySide, changed: Sequence[str], console: Console | None = None
-) -> None:
+def side_by_side_report(comparison: SideBySide, changed: Sequence[str], console: Console) -> None:
     """Print errors and gains of every model, and what changed."""
-    console = console or Console()
     console.print()
     console.print(
         Text.assemble((comparison.robot, "bold"), "  ", (f"{len(comparison.models)} models", "dim"))

@@ -18,12 +18,11 @@ UNREAD = {CheckCode.MJCF_UNSUPPORTED, CheckCode.GEOMETRY_UNREADABLE}  # of loops
 MARKS = {"ok": ("✓", "green"), "note": ("!", "yellow"), "failed": ("✗", "bold red")}
 
 
-def robot_report(report: RobotReport, console: Console | None = None, *, verbose: bool = False) -> None:
+def robot_report(report: RobotReport, console: Console, *, verbose: bool = False) -> None:
     """Print joints, loops, degrees of freedom, singularities and checks, to fit the console's width.
 
     verbose: the base parameters, each with its grouping.
     """
-    console = console or Console()
     facts = f"{plural(len(report.joints), 'joint')} · {plural(len(report.robot.driven), 'motor')}"
     if report.loops or not any(check.code in UNREAD for check in report.failures):
         facts += f" · {plural(len(report.loops), 'loop') if report.loops else 'no loops'}"
