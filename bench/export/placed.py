@@ -120,18 +120,16 @@ def placed_effects(physical: PhysicalSet, log: str = "") -> Placed:
 Rule = Callable[[Mapping[str, float], JointTerms], str]  # puts an effect into terms, or says why it cannot
 
 
-def _viscous(values: Mapping[str, float], terms: JointTerms) -> str:
-    if values["Fv"] < 0.0:
-        return f"damping cannot be negative ({values['Fv']:.3g})"
-    terms.damping[0] += values["Fv"]
-    return ""
+def _damping(name: str, order: int) -> Rule:
+    """A value of that name, times velocity and speed to the power of the order."""
 
+    def rule(values: Mapping[str, float], terms: JointTerms) -> str:
+        if values[name] < 0.0:
+            return f"damping cannot be negative ({values[name]:.3g})"
+        terms.damping[order] += values[name]
+        return ""
 
-def _drag(values: Mapping[str, float], terms: JointTerms) -> str:
-    if values["c"] < 0.0:
-        return f"damping cannot be negative ({values['c']:.3g})"
-    terms.damping[1] += values["c"]
-    return ""
+    return rule
 
 
 def _coulomb(values: Mapping[str, float], terms: JointTerms) -> str:
@@ -169,10 +167,10 @@ RULES: dict[str, Rule] = {
     "passive_coulomb_friction": _coulomb,
     "passive_rotor_inertia": _rotor,
     "passive_spring": _spring,
-    "passive_viscous_friction": _viscous,
-    "quadratic_drag": _drag,
+    "passive_viscous_friction": _damping("Fv", 0),
+    "quadratic_drag": _damping("c", 1),
     "rotor_inertia": _rotor,
-    "viscous_friction": _viscous,
+    "viscous_friction": _damping("Fv", 0),
 }
 """Sorted by name of the effect."""
 

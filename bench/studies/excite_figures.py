@@ -41,7 +41,6 @@ from bench.truth.simulate import simulate
 
 CONFIDENCE = 0.95
 PAGE = "excite.md"
-UNKNOWN = "–"
 TRUE = ("robot", "repetitions", "unknowns", "on the whole", "smallest", "largest", "by chance alone")
 PLANNED = """\
 Motions of 10 s by `bench excite`, one unloaded and one with the payload of the robot's scenario, and 50 random motions
@@ -249,20 +248,18 @@ def page(robots: Sequence[Figures]) -> str:
 
 def _better(figures: Figures) -> Sequence[str]:
     errors = [in_percent(figures[name], 2) for name in ("worst", "random_median", "random_best")]
-    return figures["robot"], *errors, f"{figures['better']:.1f}", figures.get("commit", UNKNOWN)
+    return figures["robot"], *errors, f"{figures['better']:.1f}", figures["commit"]
 
 
 def _true(figures: Figures) -> Sequence[str]:
     intervals = [with_interval(figures, name) for name in ("pooled", "smallest", "largest")]
-    unknowns = str(len(figures["ratios"])) if "ratios" in figures else UNKNOWN
-    chance = "{:.2f} to {:.2f}".format(*figures["chance"]) if "chance" in figures else UNKNOWN
-    return figures["robot"], str(figures["repetitions"]), unknowns, *intervals, chance
+    chance = "{:.2f} to {:.2f}".format(*figures["chance"])
+    return figures["robot"], str(figures["repetitions"]), str(len(figures["ratios"])), *intervals, chance
 
 
 def with_interval(figures: Figures, name: str) -> str:
-    """Such as 0.99 [0.97, 1.01]; without the interval where an older file has none."""
-    interval = figures.get(f"{name}_interval")
-    return f"{figures[name]:.2f}" + ("" if interval is None else " [{:.2f}, {:.2f}]".format(*interval))
+    """Such as 0.99 [0.97, 1.01]."""
+    return f"{figures[name]:.2f} " + "[{:.2f}, {:.2f}]".format(*figures[f"{name}_interval"])
 
 
 def table_of(robot: str) -> ExperimentTable:

@@ -1,10 +1,15 @@
 """One recording of a dataset, with all that is drawn of it, and how values are sent to the viewer."""
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 import rerun as rr
+import rerun.blueprint as rrb
 
+from bench.basics.files.atomic import atomic_path
 from bench.dataset.payload import Payload
 from bench.dataset.recording import Recording
 from bench.document.colours import rgb
@@ -64,6 +69,20 @@ class ShownContent:
     def column(self, time: np.ndarray) -> rr.TimeColumn:
         """Logged times as whole nanoseconds since the first sample."""
         return rr.TimeColumn(TIMELINE, duration=nanoseconds(time - self.start))
+
+
+@contextmanager
+def rrd_stream(
+    path: str | Path, application: str, name: str, views: rrb.Blueprint
+) -> Iterator[rr.RecordingStream]:
+    """A stream into an .rrd file, which is whole or not there. The viewer keeps one set of views an application."""
+    with atomic_path(path) as partial:
+        stream = rr.RecordingStream(application)
+        stream.save(partial, default_blueprint=views)
+        stream.send_recording_name(name)
+        yield stream
+        stream.flush()
+        stream.disconnect()
 
 
 @dataclass(frozen=True)

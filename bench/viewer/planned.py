@@ -7,15 +7,13 @@ import numpy as np
 import rerun as rr
 import rerun.blueprint as rrb
 
-from bench.basics.errors import BenchError
-from bench.basics.files.atomic import atomic_path
 from bench.dataset.robot import Robot
 from bench.document.colours import rgb
 from bench.model.geometry import read_geometry, to_mujoco
 from bench.model.motion import motion_of
 from bench.scenario.trajectory import FourierTrajectory
 from bench.viewer.body_motion import FRAME_RATE, placed
-from bench.viewer.content import TIMELINE, nanoseconds
+from bench.viewer.content import TIMELINE, nanoseconds, rrd_stream
 from bench.viewer.scene import PATH_RADIUS, send_bodies
 
 PATH_COLOUR = (86, 180, 233)
@@ -24,8 +22,6 @@ LINES = ("#56B4E9", "#E69F00", "#009E73", "#CC79A7", "#F0E442", "#D55E00")
 
 def write_planned_rrd(path: str | Path, robot: Robot, motions: Mapping[str, FourierTrajectory]) -> None:
     """Write motions by name as an .rrd file, whole or not at all: a tab each, with NAME/robot and NAME/position."""
-    if Path(path).suffix.lower() != ".rrd":
-        raise BenchError(f"{path}: a Rerun recording is an .rrd file")
     tabs = rrb.Tabs(
         *(
             rrb.Vertical(
@@ -37,14 +33,10 @@ def write_planned_rrd(path: str | Path, robot: Robot, motions: Mapping[str, Four
             for name in motions
         )
     )
-    with atomic_path(path) as partial:
-        stream = rr.RecordingStream("parabench_planned")
-        stream.save(partial, default_blueprint=rrb.Blueprint(tabs, collapse_panels=True))
-        stream.send_recording_name(f"{robot.name}, planned")
+    views = rrb.Blueprint(tabs, collapse_panels=True)
+    with rrd_stream(path, "parabench_planned", f"{robot.name}, planned", views) as stream:
         for name, trajectory in motions.items():
             _send(stream, name, robot, trajectory)
-        stream.flush()
-        stream.disconnect()
 
 
 def _send(stream: rr.RecordingStream, name: str, robot: Robot, trajectory: FourierTrajectory) -> None:

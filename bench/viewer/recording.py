@@ -3,18 +3,15 @@
 import re
 import zlib
 from collections import Counter
-from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path, PurePath
 
 import mujoco
 import numpy as np
 import rerun as rr
-import rerun.blueprint as rrb
 
 from bench.basics.errors import BenchError
-from bench.basics.files.atomic import atomic_path
 from bench.basics.joint_units import drive_unit, joint_units
 from bench.dataset.dataset import Dataset
 from bench.dataset.recording import Recording
@@ -24,7 +21,7 @@ from bench.identification.result import Identification, relative_error
 from bench.model.geometry import Geometry, read_geometry
 from bench.viewer.blueprint import PARAMETERS, SUMMARY, Scene, blueprint, eye_of, side_by_side
 from bench.viewer.body_motion import BodyMotion, body_motion, placed, tool_path
-from bench.viewer.content import Motor, ShownContent
+from bench.viewer.content import Motor, ShownContent, rrd_stream
 from bench.viewer.context import KnownTruth, ViewContext
 from bench.viewer.scene import TOP, error_share, send_payload, send_robot
 from bench.viewer.tracks import send_currents, send_phases, send_steps, send_tool, send_torques, steps_of
@@ -78,7 +75,7 @@ def write_rrd(
     run = _run(ViewedRun(result.robot, result, dataset, context), "")
     largest = _largest_error([run])
     views = blueprint(_scenes(run, largest), run.motors)
-    with _stream(path, f"{result.robot}, {result.method}", [run], views) as stream:
+    with rrd_stream(path, _application([run]), f"{result.robot}, {result.method}", views) as stream:
         _send_text(stream, run, truth, SUMMARY, PARAMETERS)
         _send(stream, run, largest)
 
@@ -108,7 +105,7 @@ def write_side_by_side(path: str | Path, viewed: Sequence[ViewedRun]) -> None:
     errors = [np.concatenate([error_where_moving(shown.series) for shown in run.shown]) for run in runs]
     reach = 1.05 * np.nanmax(np.abs(np.concatenate(errors)), axis=0, initial=1e-12)
     views = side_by_side(list(by_name.items()), runs[0].motors, reach)
-    with _stream(path, f"{len(runs)} identifications", runs, views) as stream:
+    with rrd_stream(path, _application(runs), f"{len(runs)} identifications", views) as stream:
         for run in runs:
             summary, parameters = _texts_of(run)
             _send_text(stream, run, run.viewed.context.truth, summary, parameters)
@@ -129,19 +126,6 @@ def _check_suffix(path: str | Path) -> None:
         raise BenchError(
             f"{path}: a Rerun recording is an .rrd file; one for Foxglove or PlotJuggler an .mcap file"
         )
-
-
-@contextmanager
-def _stream(
-    path: str | Path, name: str, runs: Sequence[_Run], views: rrb.Blueprint
-) -> Iterator[rr.RecordingStream]:
-    with atomic_path(path) as partial:
-        stream = rr.RecordingStream(_application(runs))
-        stream.save(partial, default_blueprint=views)
-        stream.send_recording_name(name)
-        yield stream
-        stream.flush()
-        stream.disconnect()
 
 
 def _application(runs: Sequence[_Run]) -> str:
