@@ -11,7 +11,6 @@ from bench.truth.hidden import HIDDEN_EFFECTS
 from tests.effects_kit import joint_signals
 
 MADE = {"bench/effects/README.md", "scenarios/README.md"}  # python docs/made/readme_tables.py
-LISTS = {"bench/effects/catalogue.py", "bench/truth/hidden/__init__.py"}
 OF_THEIR_OWN = {  # what a few effects have and most do without, each with its reason
     "bench/benchmarks/measured/sentences.py": "what an effect does, in a clause about a machine",
     "bench/diagnosis/discovery/named.py": "the names of laws that a search finds",
@@ -41,18 +40,18 @@ def files_with(name: str, root: Path) -> set[str]:
 
 
 @pytest.mark.parametrize("name", ["tool_drag"])
-def test_an_effect_that_needs_no_rule_of_its_own_has_four_places_and_its_tests(
+def test_an_effect_that_needs_no_rule_of_its_own_has_two_places_and_its_tests(
     name: str, project_root: Path
 ) -> None:
-    own = {f"bench/effects/laws/{name}.py", f"bench/truth/hidden/{name}.py"}
-    assert files_with(name, project_root) == own | LISTS | MADE
+    own = {f"bench/effects/laws/{name}.py", f"bench/truth/hidden/laws/{name}.py"}
+    assert files_with(name, project_root) == own | MADE
 
 
 @pytest.mark.parametrize("name", CATALOGUE)
 def test_code_for_all_effects_names_none(name: str, project_root: Path) -> None:
     elsewhere = {
         file
-        for file in files_with(name, project_root) - LISTS - MADE - OF_THEIR_OWN.keys()
+        for file in files_with(name, project_root) - MADE - OF_THEIR_OWN.keys()
         if not file.startswith((*FIGURES, "bench/effects/laws/", "bench/truth/hidden/"))
     }
     assert elsewhere == set()

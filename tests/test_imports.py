@@ -47,6 +47,7 @@ MAY_IMPORT_BY_NAME = {
     "bench.benchmarks.peers.__main__",  # versions of the peers
     "bench.benchmarks.peers.mujoco_sysid",  # versions of the peers
     "bench.basics.versions",  # versions of what is installed
+    "bench.basics.class_files",  # effects, one file each: the checks below read them too
 }
 
 

@@ -18,7 +18,7 @@ def test_no_two_classes_have_the_same_name(project_root: Path) -> None:
         path
         for path in (project_root / "bench").rglob("*.py")
         if path.parent
-        != project_root / "bench" / "truth" / "hidden"  # twins of the effects in bench/effects/laws
+        != project_root / "bench" / "truth" / "hidden" / "laws"  # twins of the effects in bench/effects/laws
     )
     found = Counter(name for path in files for name in CLASS.findall(path.read_text(encoding="utf-8")))
     assert {name for name, count in found.items() if count > 1} == TWICE

@@ -29,7 +29,7 @@ from bench.studies.trial.summary import A_LAW, NOTHING, SOMETHING, placed, summa
 from bench.studies.trial.target import Share, TargetFigure
 from bench.studies.trial.unknown import FAMILIES, LAW
 from bench.truth.hidden import HIDDEN_EFFECTS
-from bench.truth.hidden.geometric_error import reach_of
+from bench.truth.hidden.laws.geometric_error import reach_of
 from tests.trial_rows import trial_row
 
 WITHOUT_TRUTH = {

@@ -9,7 +9,7 @@ import pytest
 
 from bench.dataset.catalogue import catalogue_folder
 from bench.truth.dataset import as_dataset
-from bench.truth.hidden.geometric_error import GeometricError
+from bench.truth.hidden.laws.geometric_error import GeometricError
 from bench.truth.report import truth
 from tests.hidden_kit import STEP, bare_machine, cart, needed, run, states
 

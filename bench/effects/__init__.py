@@ -1,4 +1,4 @@
-"""The catalogue of physical effects, model side: one file an effect, one literal, sorted mapping."""
+"""The catalogue of physical effects, model side: one file an effect."""
 
 from bench.effects.catalogue import CATALOGUE
 from bench.effects.checked_columns import effect_columns

@@ -25,8 +25,8 @@ from bench.truth.hidden.base import (
     harden_friction,
     has_law,
 )
-from bench.truth.hidden.encoder_offset import EncoderOffset
 from bench.truth.hidden.entries import hidden_effects
+from bench.truth.hidden.laws.encoder_offset import EncoderOffset
 from bench.truth.streams import stream
 
 Array = NDArray[np.float64]

@@ -12,7 +12,7 @@ from bench.basics.errors import BenchError
 from bench.truth.assembly import Indices, as_slice, live_columns
 from bench.truth.balls import balls_of
 from bench.truth.hidden.base import Clock, HiddenEffect, JointEffect, Law, Signals, has_law
-from bench.truth.hidden.passive_load_friction import FORCE
+from bench.truth.hidden.laws.passive_load_friction import FORCE
 from bench.truth.loops import POINTS, batch_gaps
 from bench.truth.machine import Machine
 

@@ -53,7 +53,7 @@ UNITS_OF_TRUTH = {
     ("platform_force", "fx"): "N",
     ("presliding_hysteresis", "stiffness"): "N*m/rad",
 }
-"""Of parameters that the simulated machine names otherwise than the model, at hinges; `bench/truth/hidden` has them."""
+"""Of parameters that the simulated machine names otherwise than the model, at hinges: in `truth/hidden/laws`."""
 
 
 def page(effect: Effect, drawn: Numbers, robots: Numbers, trials: Mapping[str, Sequence[Numbers]]) -> str:

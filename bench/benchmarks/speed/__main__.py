@@ -25,7 +25,7 @@ from bench.benchmarks.speed import (
 from bench.benchmarks.speed.figures import SpeedFigure, append_history, figures_table, last_values
 from bench.benchmarks.speed.scheduling import scheduling_figures
 from bench.benchmarks.speed.sweep import sweep_figures
-from bench.studies.sweep.print_summary import table_console
+from bench.studies.sweep.summary import table_console
 
 
 def regressor_figures() -> list[SpeedFigure]:

@@ -53,7 +53,7 @@ class Axis:
 
 
 @dataclass(frozen=True, eq=False)
-class Named:
+class Series:
     """What every series has: its name in the legend, and what it represents."""
 
     name: str
@@ -61,7 +61,7 @@ class Named:
 
 
 @dataclass(frozen=True, eq=False)
-class Line(Named):
+class Line(Series):
     """y over x, both (N,); NaN is a gap. markers: a dot for each value."""
 
     x: np.ndarray
@@ -70,7 +70,7 @@ class Line(Named):
 
 
 @dataclass(frozen=True, eq=False)
-class Levels(Named):
+class Levels(Series):
     """A value for each category, (N,), NaN where there is none; texts: what is said of each."""
 
     values: np.ndarray
@@ -78,7 +78,7 @@ class Levels(Named):
 
 
 @dataclass(frozen=True, eq=False)
-class Band(Named):
+class Band(Series):
     """All that lies between two values of y."""
 
     low: float
@@ -86,7 +86,7 @@ class Band(Named):
 
 
 @dataclass(frozen=True, eq=False)
-class Rule(Named):
+class Rule(Series):
     """A straight line across, at a value of one axis; without a name it is not in the legend."""
 
     axis: Literal["x", "y"]
@@ -95,7 +95,7 @@ class Rule(Named):
 
 
 @dataclass(frozen=True, eq=False)
-class Binned(Named):
+class Binned(Series):
     """Rows (x, y), (K,), and what they are in bins: centre, mean, spread, smallest, largest, count, (B,)."""
 
     x: np.ndarray
@@ -110,7 +110,7 @@ class Binned(Named):
 
 
 @dataclass(frozen=True, eq=False)
-class Whiskers(Named):
+class Whiskers(Series):
     """Middles over x with the ends of their intervals, (N,). joined: x is a quantity, not a category.
 
     pick: for each, the values of the axes by which it can be chosen; empty where it cannot.
@@ -125,7 +125,7 @@ class Whiskers(Named):
 
 
 @dataclass(frozen=True, eq=False)
-class Spans(Named):
+class Spans(Series):
     """Values along x with the ends of their intervals, (N,), at the categories of y; low, high may be NaN."""
 
     y: np.ndarray
@@ -136,7 +136,7 @@ class Spans(Named):
 
 
 @dataclass(frozen=True, eq=False)
-class Bars(Named):
+class Bars(Series):
     """A length along x for each category of y, (N,). thin: next to another one, for comparison."""
 
     x: np.ndarray
@@ -144,7 +144,7 @@ class Bars(Named):
 
 
 @dataclass(frozen=True, eq=False)
-class Points(Named):
+class Points(Series):
     """Single points (N,)."""
 
     x: np.ndarray
@@ -152,7 +152,7 @@ class Points(Named):
 
 
 @dataclass(frozen=True, eq=False)
-class Stems(Named):
+class Stems(Series):
     """Values y over x (N,), each joined to zero."""
 
     x: np.ndarray
@@ -160,7 +160,7 @@ class Stems(Named):
 
 
 @dataclass(frozen=True, eq=False)
-class Histogram(Named):
+class Histogram(Series):
     """y (B,) between edges (B+1,)."""
 
     edges: np.ndarray
@@ -168,7 +168,7 @@ class Histogram(Named):
 
 
 @dataclass(frozen=True, eq=False)
-class Cells(Named):
+class Cells(Series):
     """A matrix over two axes of categories: column x, row y, shade 0 to 1, text, of each cell (N,); pick: see above."""
 
     x: np.ndarray
@@ -176,9 +176,6 @@ class Cells(Named):
     shade: np.ndarray
     texts: tuple[str, ...]
     pick: tuple[Mapping[str, str], ...] = ()
-
-
-Series = Line | Levels | Band | Rule | Binned | Whiskers | Spans | Bars | Points | Stems | Histogram | Cells
 
 
 @dataclass(frozen=True)

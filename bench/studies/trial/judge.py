@@ -19,7 +19,7 @@ from bench.signals.decimation import decimate
 from bench.studies.sweep.journal import Row
 from bench.studies.trial.compatible import COMPANIONS, optional
 from bench.studies.trial.unknown import LAW, TORQUES, named_parts
-from bench.truth.hidden.product_law import unit_torque
+from bench.truth.hidden.laws.product_law import unit_torque
 from bench.truth.simulate import Simulation
 
 

@@ -18,7 +18,7 @@ from bench.model.geometry import read_geometry
 from bench.scenario.file import find_scenario, read_with_bases
 from bench.studies.trial.unknown import LAW
 from bench.truth.hidden import HIDDEN_EFFECTS, JointEffect
-from bench.truth.hidden.geometric_error import reach_of
+from bench.truth.hidden.laws.geometric_error import reach_of
 
 Where = Literal["actuated", "passive", "link", "machine"]
 MOVEMENTS = (

@@ -6,7 +6,7 @@ import numpy as np
 
 from bench.basics.errors import BenchError
 from bench.truth.hidden.base import rms
-from bench.truth.hidden.product_law import unit_torque
+from bench.truth.hidden.laws.product_law import unit_torque
 from bench.truth.hidden.reference import Reference
 
 LAW = "product_law"

@@ -1,0 +1,1 @@
+"""The effects of the simulated machine, one file each."""
