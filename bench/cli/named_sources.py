@@ -1,23 +1,19 @@
 """From what a user names (a dataset, a model, a folder of results or of a sweep) to what the viewer shows."""
 
-import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 import click
-import numpy as np
 
 from bench.basics.errors import BenchError
+from bench.cli.known_truth import known_next_to, known_to
 from bench.cli.next_steps import Source
 from bench.dataset.dataset import Dataset, load_dataset, refuse_log
-from bench.dataset.names import DATASET_FILE
-from bench.dataset.robot import Robot
+from bench.dataset.names import DATASET_FILE, RUN_FILE
 from bench.diagnosis.result import Diagnosis, LadderStep
 from bench.document.diagnosis import step_labels
 from bench.document.markdown.tables import diagnosis_markdown
-from bench.document.numbers import effect_key
 from bench.identification.chosen_band import prepare_checked
 from bench.identification.effect_torques import effect_torques
 from bench.identification.identify import fit, identify
@@ -25,81 +21,11 @@ from bench.identification.model_file import load_model, read_identification
 from bench.identification.prepare import prepare
 from bench.identification.problem import problem_of
 from bench.identification.result import Identification
-from bench.model.model import build_model
 from bench.page.folder import SavedRun, read_run
-from bench.page.run_file import RUN_FILE
-from bench.studies.sweep.accuracy import true_values
 from bench.studies.sweep.rerun_runs import is_sweep_folder, plan_of, run_again, telling_runs
-from bench.studies.trial.intervals import as_logged
-from bench.studies.trial.intervals import true_values as true_effect_values
-from bench.truth.dataset import as_dataset, truth_path
-from bench.truth.inverse import hidden_torque, plain_machine
-from bench.truth.report import truth
-from bench.truth.resense import repeated
-from bench.truth.simulate import Simulation
-from bench.viewer.context import KnownTruth, LadderModel, ViewContext
+from bench.truth.dataset import as_dataset
+from bench.viewer.context import LadderModel, ViewContext
 from bench.viewer.recording import ViewedRun
-
-WHOLE_ROBOT = "robot"
-
-
-def known_values(robot: Robot, truth: Mapping[str, Any]) -> dict[str, float]:
-    """True gains, base parameters and parameters of hidden effects; truth: the content of a truth file."""
-    model = build_model(robot)
-    values = true_values(model, truth)
-    slides = {joint.name for joint in model.geometry.joints if joint.kind == "slide"}
-    for hidden in as_logged(truth["hidden"]):
-        joint = hidden.get("joint") or WHOLE_ROBOT
-        parameters = true_effect_values(hidden["effect"], hidden, slide=joint in slides)
-        values |= {effect_key(hidden["effect"], joint, name): value for name, value in parameters.items()}
-    return values
-
-
-def truth_next_to(dataset: Dataset) -> dict[str, Any] | None:
-    """The content of the truth file next to a dataset's folder; None where there is none, as of a real robot."""
-    path = truth_path(dataset.folder)
-    if not path.is_file():
-        return None
-    try:
-        content = json.loads(path.read_text(encoding="utf-8"))
-    except (OSError, json.JSONDecodeError, UnicodeDecodeError) as error:
-        raise BenchError(f"{path}: cannot be read ({error})") from None
-    if not isinstance(content, dict):
-        raise BenchError(f"{path}: not a truth file")
-    return content
-
-
-def simulated_again(dataset: Dataset, content: Mapping[str, Any]) -> Simulation | None:
-    """The simulation that wrote a dataset; None where the dataset was changed since."""
-    origin = str(truth_path(dataset.folder))
-    simulation = repeated(content, origin)
-    made = {
-        f"{recording.name}.{simulation.scenario.settings.file_format}": recording.log
-        for recording in simulation.recordings
-    }
-    for logged in dataset.recordings:
-        log = made.get(logged.name)
-        if log is None or log.current.shape != logged.current.shape:
-            return None
-        if not (
-            np.array_equal(log.position, logged.position) and np.array_equal(log.current, logged.current)
-        ):
-            return None
-    return simulation
-
-
-def known_of(simulation: Simulation) -> dict[str, KnownTruth]:
-    """References, hidden torques and the openings of loops, by recording of the dataset."""
-    plain = plain_machine(simulation)
-    suffix = simulation.scenario.settings.file_format
-    by_file = {}
-    for recording in simulation.recordings:
-        hidden = hidden_torque(simulation, recording, plain)
-        torque = hidden.torque if simulation.machine.hidden else None
-        by_file[f"{recording.name}.{suffix}"] = KnownTruth(
-            hidden.time, hidden.reference, torque, hidden.loop_gap
-        )
-    return by_file
 
 
 def viewed_runs(given: Source, runs: Sequence[int] = (), *, with_truth: bool = True) -> list[ViewedRun]:
@@ -229,8 +155,8 @@ def _of_sweep(folder: Path, runs: Sequence[int], with_truth: bool) -> list[Viewe
         result = fit(prepared, run.identify["method"], **options)
         context = _context(dataset, result, text=f"**{again.title}**", truth=False)
         if with_truth:
-            known, content = known_of(again.simulation), truth(again.simulation)
-            context = replace(context, known=known, truth=known_values(dataset.robot, content))
+            known, values = known_to(again.simulation, dataset.robot)
+            context = replace(context, known=known, truth=values)
         viewed.append(ViewedRun(again.title, result, dataset, context))
     return viewed
 
@@ -250,21 +176,5 @@ def _context(
         if result.effects
         else {}
     )
-    known: Mapping[str, KnownTruth] = {}
-    values = None
-    logged = logged or dataset
-    content = truth_next_to(logged) if truth else None
-    if content is not None:
-        simulation = simulated_again(logged, content)
-        if simulation is not None:
-            known, values = _by_part(known_of(simulation), dataset), known_values(dataset.robot, content)
+    known, values = known_next_to(logged or dataset, dataset) if truth else ({}, None)
     return ViewContext(steps, torques, known, values, text)
-
-
-def _by_part(known: Mapping[str, KnownTruth], dataset: Dataset) -> dict[str, KnownTruth]:
-    """What is known, by the names of recordings or of parts of them: that of the log that they belong to."""
-    by_recording = {}
-    for recording in dataset.recordings:
-        if recording.log in known:
-            by_recording[recording.name] = known[recording.log].within(recording.time[0], recording.time[-1])
-    return by_recording

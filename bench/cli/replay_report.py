@@ -1,9 +1,9 @@
 """A replay as a table in the terminal."""
 
 from rich.console import Console
-from rich.text import Text
 
 from bench.document.table import Column, Mark, Table
+from bench.document.terminal.identification import heading, section
 from bench.document.terminal.tables import printed
 from bench.export.replay.replay import Replay, shortcomings
 from bench.identification.result import CurrentSeries, relative_error
@@ -30,11 +30,9 @@ def replay_table(result: Replay) -> Table:
 
 def replay_report(result: Replay, console: Console) -> None:
     """Print them, and what the twin leaves out."""
-    console.print()
-    console.print(Text.assemble((result.twin.robot, "bold"), "  ", (f"twin of {result.twin.model}", "dim")))
-    console.print()
-    console.print("Error of the twin's current, RMS(error) / RMS(measured)", style="bold")
-    console.print(printed(replay_table(result), console.width))
+    heading(console, result.twin.robot, f"twin of {result.twin.model}")
+    title = "Error of the twin's current, RMS(error) / RMS(measured)"
+    section(console, title, printed(replay_table(result), console.width))
     for sentence in shortcomings(result):
         console.print(sentence, style="yellow")
     console.print()

@@ -16,6 +16,7 @@ from bench.cli.options import (
     with_option,
 )
 from bench.cli.progress import quiet_option, shown_progress
+from bench.dataset.names import DATASET_FILE, RUN_FILE
 
 if TYPE_CHECKING:
     from bench.cli.next_steps import Source
@@ -73,7 +74,6 @@ def _written(given: "Source", output: Path, progress: Progress) -> tuple[str, st
     from bench.cli.next_steps import after_page, after_trial
     from bench.dataset.dataset import refuse_log
     from bench.page.folder import read_run
-    from bench.page.run_file import RUN_FILE
     from bench.page.write import write_saved_run
     from bench.studies.sweep.rerun_runs import is_sweep_folder
 
@@ -84,7 +84,7 @@ def _written(given: "Source", output: Path, progress: Progress) -> tuple[str, st
         "--effect-file": asked.files,
         "filters": asked.filters,
     }
-    if (source / "dataset.toml").is_file() or source.name == "dataset.toml":
+    if (source / DATASET_FILE).is_file() or source.name == DATASET_FILE:
         _refuse({"--data": data}, "a dataset, which is diagnosed")
         return said, after_page(given, _of_dataset(given, output, progress))
     if (source / RUN_FILE).is_file():
@@ -120,7 +120,6 @@ def _refuse(options: dict[str, Any], what: str) -> None:
 
 def _of_trial(source: Path, output: Path) -> Path:
     from bench.basics.errors import BenchError
-    from bench.page.run_file import RUN_FILE
     from bench.page.trial_page import trial_table
     from bench.page.write_studies import write_trial_report
 

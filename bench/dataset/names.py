@@ -1,4 +1,4 @@
-"""Names that files and options give: files of a dataset and a robot, and what a recording or motor may be declared as.
+"""Names that files and options give: files of a dataset, robot or result, what a recording or motor may be declared as.
 
 This module imports nothing, so that what only needs a name starts without numpy and MuJoCo.
 """
@@ -7,6 +7,7 @@ from typing import Literal
 
 DATASET_FILE = "dataset.toml"
 ROBOT_FILE = "robot.toml"
+RUN_FILE = "report.json"
 TEXTS = (".csv", ".tsv", ".txt", ".dat", ".log")
 ARRAYS = (".mat", ".npz", ".parquet")
 BAGS = (".mcap", ".db3", ".bag")

@@ -23,7 +23,7 @@ from starlette.types import ASGIApp, Message, Receive, Scope, Send
 from bench.basics.errors import BenchError
 from bench.basics.plain_data import finite
 from bench.basics.progress import SILENT
-from bench.dataset.names import DATASET_FILE
+from bench.dataset.names import DATASET_FILE, RUN_FILE
 from bench.local.folder import LARGEST, Folder, said_time, take, zip_dataset
 from bench.local.guard import REPORT_POLICY
 from bench.local.jobs import Jobs
@@ -31,7 +31,6 @@ from bench.local.steps import command_of
 from bench.local.worker import CancelledError, DiedError, Worker
 from bench.page.render import ASSETS as REPORT_ASSETS
 from bench.page.render import CHARTS, MACHINE
-from bench.page.run_file import RUN_FILE
 
 ENDING = "`bench open` is being ended; start it again, what was found lies in the folder"
 ASSETS = Path(__file__).with_name("assets")

@@ -14,8 +14,7 @@ from bench.basics.errors import BenchError
 from bench.basics.files.atomic import atomic_path
 from bench.basics.files.csv_text import FOREIGN
 from bench.dataset.catalogue import built_in_robots
-from bench.dataset.names import DATASET_FILE, LOGS, ROBOT_FILE
-from bench.page.run_file import RUN_FILE
+from bench.dataset.names import DATASET_FILE, LOGS, ROBOT_FILE, RUN_FILE
 
 MODELS = (".xml",)
 MJCF = b"<mujoco"

@@ -12,7 +12,7 @@ from bench.basics.program import typed
 from bench.basics.progress import Progress
 from bench.dataset.dataset import Dataset, heavy_payload, load_dataset
 from bench.dataset.dataset_toml import DatasetSpec
-from bench.dataset.names import DATASET_FILE
+from bench.dataset.names import DATASET_FILE, RUN_FILE
 from bench.dataset.payload import Payload
 from bench.dataset.robot import load_robot
 from bench.dataset.robot_toml import mjcf_parts
@@ -24,7 +24,6 @@ from bench.identification.problem import places_of, problem_of
 from bench.local.checks import Mapped, checked, forget
 from bench.local.columns import look_at
 from bench.page.folder import read_json
-from bench.page.run_file import RUN_FILE
 from bench.page.section_errors import currents_section, shown_model
 from bench.page.section_run import CommandRun
 

@@ -25,7 +25,7 @@ from bench.basics.files.toml_input import first_mistake
 from bench.basics.plain_data import finite
 from bench.basics.versions import Versions, versions
 from bench.dataset.dataset import Dataset, load_dataset
-from bench.dataset.names import DATASET_FILE
+from bench.dataset.names import DATASET_FILE, RUN_FILE
 from bench.diagnosis.law_effects import law_effects
 from bench.diagnosis.result import (
     Diagnosis,
@@ -43,7 +43,6 @@ from bench.diagnosis.split import with_held_out_parts
 from bench.identification.model_file import load_model, read_identification, save_model
 from bench.identification.problem import Problem, problem_of
 from bench.identification.result import CurrentSeries, Identification
-from bench.page.run_file import RUN_FILE
 from bench.page.section_run import CommandRun
 from bench.page.series_file import read_series, write_series
 from bench.page.workbench.page_data import VERSION as WORKBENCH_VERSION

@@ -20,7 +20,7 @@ from bench.document.diagnosis import (
 from bench.document.identification import effects_table
 from bench.document.layout import TEXT
 from bench.document.numbers import STD_FROM
-from bench.document.terminal.identification import section, sentences_list
+from bench.document.terminal.identification import heading, section, sentences_list
 from bench.document.terminal.tables import printed
 from bench.effects.display_names import named_after, spoken
 
@@ -31,10 +31,9 @@ def diagnosis_report(diagnosis: Diagnosis, console: Console, *, verbose: bool = 
     verbose: every effect of the catalogue and every parameter.
     """
     width = console.width
-    console.print()
     have = ", ".join(diagnosis.before.effects) or "rigid bodies only"
     facts = f"model with {have} · judged on {validated_on(diagnosis)}"
-    console.print(Text.assemble((diagnosis.robot, "bold"), "  ", (facts, "dim")))
+    heading(console, diagnosis.robot, facts)
     console.print()
     for sentence in map(named_after, summary_sentences(diagnosis)):
         console.print(Text(sentence))

@@ -50,8 +50,7 @@ def identification_report(
         f"{len(recordings)} recording{'s' if len(recordings) != 1 else ''}",
         f"payload {', '.join(payloads)}" if payloads else "no payload",
     ]
-    console.print()
-    console.print(Text.assemble((result.robot, "bold"), "  ", (" · ".join(facts), "dim")))
+    heading(console, result.robot, " · ".join(facts))
     remark = "" if result.gains_fitted else ", kept at their nominal values"
     section(console, f"Drive gains{remark}", printed(gains_table(result, truth), width))
     section(console, "Dynamic parameters", printed(parameters_table(result, truth), width))
@@ -76,8 +75,7 @@ def identification_report(
 
 def comparison_report(comparison: Comparison, console: Console) -> None:
     """Print how well a saved model predicts recordings, by recording and motor."""
-    console.print()
-    console.print(Text.assemble((comparison.robot, "bold"), "  ", (f"model {comparison.model}", "dim")))
+    heading(console, comparison.robot, f"model {comparison.model}")
     # Nothing is fitted, whatever a recording's use in its dataset is.
     joints = tuple(comparison.error.by_actuator or comparison.error.by_actuator_validate)
     _errors_section(console, comparison.recordings, joints)
@@ -85,6 +83,12 @@ def comparison_report(comparison: Comparison, console: Console) -> None:
         console.print()
         console.print(sentences_list(comparison.notes, POOR_STYLE))
     console.print()
+
+
+def heading(console: Console, robot: str, facts: str) -> None:
+    """Print what a report is about."""
+    console.print()
+    console.print(Text.assemble((robot, "bold"), "  ", (facts, "dim")))
 
 
 def section(console: Console, title: str, part: RenderableType) -> None:
@@ -104,11 +108,18 @@ def sentences_list(sentences: Sequence[str], style: str = "") -> Grid:
     return grid
 
 
+def listing(*styles: str) -> Grid:
+    """A grid of columns in these styles, of which the last one wraps."""
+    grid = Grid.grid(padding=(0, 2, 0, 0))
+    for style in styles[:-1]:
+        grid.add_column(style=style, no_wrap=True)
+    grid.add_column(style=styles[-1], overflow="fold")
+    return grid
+
+
 def _groupings(result: Identification) -> Grid:
     """The grouping of every base and payload parameter, in full."""
-    grid = Grid.grid(padding=(0, 2, 0, 0))
-    grid.add_column(no_wrap=True)
-    grid.add_column(overflow="fold", style="dim")
+    grid = listing("", "dim")
     for parameter in result.parameters:
         grid.add_row(Text(parameter.name), Text(parameter.grouping))
     return grid
@@ -169,15 +180,8 @@ def _ratio(error: float, noise: float) -> str:
 
 def side_by_side_report(comparison: SideBySide, changed: Sequence[str], console: Console) -> None:
     """Print errors and gains of every model, and what changed."""
-    console.print()
-    console.print(
-        Text.assemble((comparison.robot, "bold"), "  ", (f"{len(comparison.models)} models", "dim"))
-    )
-    section(
-        console,
-        "Error of the modelled current, RMS(error) / RMS(measured)",
-        printed(compared_errors_table(comparison), console.width),
-    )
+    heading(console, comparison.robot, f"{len(comparison.models)} models")
+    section(console, ERRORS, printed(compared_errors_table(comparison), console.width))
     section(console, "Drive gains [95 % intervals]", printed(compared_gains_table(comparison), console.width))
     section(console, "What changed", sentences_list(changed))
     console.print()

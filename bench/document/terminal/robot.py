@@ -8,7 +8,7 @@ from bench.basics.plural import plural
 from bench.document.layout import TEXT
 from bench.document.numbers import pretty_unit
 from bench.document.table import Column, Table
-from bench.document.terminal.identification import section
+from bench.document.terminal.identification import heading, listing, section
 from bench.document.terminal.tables import printed
 from bench.robot_check.outcome import Check, CheckCode
 from bench.robot_check.report import JointLine, Mobility, RobotReport, Singularity
@@ -26,8 +26,7 @@ def robot_report(report: RobotReport, console: Console, *, verbose: bool = False
     facts = f"{plural(len(report.joints), 'joint')} · {plural(len(report.robot.driven), 'motor')}"
     if report.loops or not any(check.code in UNREAD for check in report.failures):
         facts += f" · {plural(len(report.loops), 'loop') if report.loops else 'no loops'}"
-    console.print()
-    console.print(Text.assemble((report.robot.name, "bold"), "  ", (facts, "dim")))
+    heading(console, report.robot.name, facts)
     section(console, "Joints", printed(joints_table(report), console.width))
     if report.loops:
         section(console, "Loops", printed(loops_table(report), console.width))
@@ -93,9 +92,7 @@ def mobility_in_words(mobility: Mobility) -> str:
 def singularity_grid(singularity: Singularity) -> Grid:
     """Home, reach of each motor, and the nearest singularity, in words."""
     fast = singularity.amplification
-    grid = Grid.grid(padding=(0, 2, 0, 0))
-    grid.add_column(style="dim", no_wrap=True)
-    grid.add_column(overflow="fold")
+    grid = listing("dim", "")
     grid.add_row(
         "at home",
         f"smallest singular value of the closures {singularity.home:.3g} (lengths over {singularity.length:.3g} m)",
@@ -122,10 +119,7 @@ def checks_grid(checks: tuple[Check, ...]) -> Grid:
 
 def base_grid(report: RobotReport) -> Grid:
     """Every base parameter with its grouping."""
-    grid = Grid.grid(padding=(0, 2, 0, 0))
-    grid.add_column(no_wrap=True)
-    grid.add_column(no_wrap=True, style="dim")
-    grid.add_column(overflow="fold", style="dim")
+    grid = listing("", "dim", "dim")
     if report.base is not None:
         for name, unit, grouping in zip(
             report.base.names, report.base.units, report.base.descriptions, strict=True

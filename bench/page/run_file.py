@@ -1,3 +1,0 @@
-"""The file by which a result folder is known."""
-
-RUN_FILE = "report.json"
