@@ -64,7 +64,7 @@ class Report:
 
 
 def report(result: Result, *, verbose: bool = False) -> Report:
-    """What `identify`, `compare` or `diagnose` found, to be printed, shown in a notebook or saved as a page."""
+    """The result of `identify`, `compare` or `diagnose`, to be printed, shown in a notebook or saved as a page."""
     return Report(result, verbose)
 
 

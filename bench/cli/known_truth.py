@@ -1,4 +1,4 @@
-"""What a simulation knows of its recordings, to be shown beside an answer: from the truth file next to the dataset."""
+"""What a simulation knows of its recordings, to be shown with an answer: from the truth file next to the dataset."""
 
 import json
 from collections.abc import Mapping
@@ -22,8 +22,6 @@ from bench.truth.simulate import Simulation
 from bench.viewer.context import KnownTruth
 
 WHOLE_ROBOT = "robot"
-
-
 Known = tuple[Mapping[str, KnownTruth], Mapping[str, float] | None]
 """By recording; and true gains, base parameters and parameters of hidden effects."""
 

@@ -236,7 +236,7 @@ def _load(identified: IdentifiedModel, declared: Payload, place: int, kept: tupl
 def _solid_load(
     declared: Payload, identified: IdentifiedModel, place: int, kept: tuple[int, ...]
 ) -> np.ndarray:
-    """A ball of the payload's mass, where it was found to be."""
+    """A ball of the payload's mass, where it was identified."""
     known = payload_columns(declared).known.copy()
     known[list(kept)] = identified.estimated[place : place + len(kept)]
     mass = known[0] if known[0] > 0.0 else 1.0

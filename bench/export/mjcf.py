@@ -125,7 +125,7 @@ class Exported:
 
 
 def mjcf_text(physical: PhysicalSet, folder: Path, payload: str | None = None, log: str = "") -> Exported:
-    """Masses, inertias, armature, damping, dry friction, springs and drive gains in the robot's own MJCF.
+    """Masses, inertias, armature, damping, dry friction, springs and drive gains in the robot's MJCF.
 
     A motor's control is its current reference, in the drive's unit. folder: where the file will lie, from which it
     finds its meshes; payload: name of the one to be fixed at the tool; log: as in `placed_effects`. Numbers that

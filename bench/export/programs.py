@@ -208,7 +208,7 @@ class Programs:
         return parameters, rotors
 
     def _solve(self, problem: Any) -> None:
-        """Solve it, more carefully where the solver fails; what is found has to keep its conditions however it was."""
+        """Solve it, more carefully where the solver fails; the solution has to keep its conditions however it was."""
         failed = ""
         for settings in SETTINGS:
             failed = self._tried(problem, settings)

@@ -116,7 +116,7 @@ def _judged(
     mapped: Mapped,
     by_target: Mapping[str, list[dict[str, Any]]],
 ) -> dict[str, list[dict[str, Any]]]:
-    """What is wrong with a piece of a log, in columns of which nothing is found yet. first: the row it begins with."""
+    """What is wrong with a piece of a log, in columns which have no fault so far. first: the row it begins with."""
 
     def problem(target: str, fault: Fault | TimeFault) -> dict[str, Any]:
         row = None if fault.row is None else fault.row + first

@@ -10,7 +10,7 @@ from bench.basics.errors import BenchError
 from bench.local.worker import CancelledError, DiedError, Worker
 
 State = Literal["waiting", "running", "done", "refused", "cancelled", "ended"]
-KEPT = 60  # jobs that are remembered; what they found is in files
+KEPT = 60  # jobs that are remembered; their results are in files
 OFTEN = 0.1  # s between two states of a job that are sent
 HEARTBEAT = 15.0  # s after which an open page is informed that nothing has changed
 

@@ -1,1 +1,1 @@
-"""One page in one file that says what a run found and shows why: built from plain data, opened anywhere."""
+"""One page in one file with the results of a run and the reasons for them: built from plain data, opened anywhere."""

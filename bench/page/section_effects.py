@@ -77,7 +77,7 @@ UNIT_OF = {"position": "{}", "velocity": "{}/s", "acceleration": "{}/s²"}
 
 
 def ranking_section(diagnosis: Diagnosis, catalogue: Mapping[str, Effect]) -> Section:
-    """Every effect with its verdict, those that count in full, the others folded; and the laws of what was found."""
+    """Every effect with its verdict, those that count in full, the others folded; and the laws of what was named."""
     shown = [verdict for verdict in diagnosis.ranking if verdict.verdict not in UNSUPPORTED]
     rest = [verdict for verdict in diagnosis.ranking if verdict.verdict == "not supported"]
     absorbed = [verdict for verdict in diagnosis.ranking if verdict.verdict == "absorbed"]

@@ -62,7 +62,7 @@ class ShownContent:
 
     @property
     def has_torques(self) -> bool:
-        """Whether there is a torque of effects, found or known, to be drawn."""
+        """Whether there is a torque of effects, identified or known, to be drawn."""
         by_effect = self.torques is not None and bool(self.torques.by_effect)
         return by_effect or (self.known is not None and self.known.torque is not None)
 

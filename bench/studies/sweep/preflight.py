@@ -1,4 +1,4 @@
-"""A sweep checked before it starts: what run 900 would trip over is found now."""
+"""A sweep checked before it starts: what run 900 would trip over is known now."""
 
 from collections.abc import Collection, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field

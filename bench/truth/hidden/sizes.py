@@ -242,7 +242,7 @@ def _scaled(
 
 
 def _solved(felt: Callable[[float], float], start: float, share: float, exponent: float) -> float:
-    """x with felt(x) within some percent of `share`; felt goes about with x^exponent, found out on the way."""
+    """x with felt(x) within some percent of `share`; felt goes about with x^exponent, estimated on the way."""
     x, level = start, felt(start)
     for _ in range(4):
         if not level > 0:
