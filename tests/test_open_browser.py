@@ -428,6 +428,40 @@ def test_a_second_browser_hears_of_what_the_first_does(look, logs, tmp_path):
         expect(first.locator("#import")).to_be_disabled()
 
 
+def test_what_was_chosen_of_a_log_is_there_after_a_reload(look, logs, tmp_path):
+    (tmp_path / "free.csv").write_bytes((logs / "free.csv").read_bytes())
+    with opened(tmp_path, cwd=tmp_path) as site:
+        page = look(site, width=PHONE, dark=True)
+        page.locator("#add-log .logs button").click()
+        page.locator("#robot").select_option("five_bar")
+        page.locator("[id='column-current.left']").select_option("i_right")
+        page.locator("[id='column-current.right']").select_option("i_left")
+        page.locator("[id='unit-position.left']").select_option("deg")
+        page.locator("[id='unit-position.right']").select_option("deg")
+        page.locator("#rate").fill("1000")
+        page.get_by_role("radio", name="a new one").check()
+        page.locator("#payload").fill("disc")
+        page.locator("#mass").fill("0.5")
+        page.get_by_role("radio", name="only compare with it").check()
+        page.locator("#name").fill("monday")
+        command = page.locator("#add-log .command pre")
+        expect(command).to_contain_text("monday")
+        line = command.inner_text()
+        for word in ("current.left=i_right", "position.left=deg", "--rate 1000.0", "--use validate", "disc"):
+            assert word in line
+        page.reload()
+        expect(command).to_have_text(line)
+        expect(page.locator("#rate")).to_have_value("1000")
+        assert page.evaluate(WIDER, PHONE) == []
+        (tmp_path / "free.csv").unlink()
+        page.reload()
+        expect(page.locator("#add-log")).to_contain_text("A robot of your own")
+        expect(page.locator("#robot")).to_have_count(0)  # the log is gone, and so is what was chosen of it
+        assert page.heard == []
+    with opened(tmp_path, cwd=tmp_path) as site:
+        assert look(site).evaluate("Object.keys(sessionStorage).length") <= 1  # a new server begins anew
+
+
 def test_a_robot_of_one_s_own_is_made_of_its_mjcf_and_takes_a_log_with_lines_on_top(
     look, logs, tmp_path, monkeypatch
 ):

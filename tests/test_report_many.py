@@ -2,6 +2,7 @@
 
 import json
 import re
+from dataclasses import replace
 
 import pyarrow as pa
 import pyarrow.parquet as pq
@@ -73,6 +74,13 @@ def test_a_sweep_says_what_it_gave_and_where_it_was_worst(swept):
     assert "nothing moves" in words
     assert "bench sweep x -o y" in words
     assert "0.2, 0.8" in words
+
+
+def test_the_title_of_a_sweep_whose_file_is_called_sweep_is_what_it_varies(swept):
+    found = read_sweep(swept)
+    assert found.name == "sweep"
+    assert sweep_page(found, []).title == "Sweep of mass of payload disc and estimator"
+    assert sweep_page(replace(found, name="mass"), []).title == "Sweep mass"
 
 
 def test_a_sweeps_figure_shows_every_median_and_spread(swept):
@@ -273,7 +281,11 @@ def test_trials_of_two_robots_are_told_apart(tried, tmp_path):
 
 
 def test_the_command_takes_sweeps_and_trials(swept, tried, tmp_path, capsys):
-    for source, title in ((swept, "Sweep sweep"), (tried, "How far a diagnosis of five_bar can be trusted")):
+    titles = {
+        swept: "Sweep of mass of payload disc and estimator",
+        tried: "How far a diagnosis of five_bar can be trusted",
+    }
+    for source, title in titles.items():
         page = tmp_path / "page.html"
         assert main(["report", str(source), "-o", str(page)]) == 0
         assert f"<h1>{title}</h1>" in page.read_text()

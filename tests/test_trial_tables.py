@@ -115,6 +115,19 @@ def test_what_is_another_value_altogether_has_no_number_of_standard_errors() -> 
     assert deviation_text(10904.78) == "over 100"
 
 
+def test_gain_errors_are_in_percent_of_the_true_gain_and_ratios_are_not() -> None:
+    errors = {"gain_error.before": 0.0725, "gain_error.after": 0.0121, "gain_error.told": 0.002334}
+    rows = [trial_row("one", "viscous_friction", "viscous_friction", **errors)] * 2
+    figures = parts(summarised("robot", rows))[0].table
+    reached = dict(zip(figures.columns[0].texts, figures.columns[1].texts, strict=True))
+    assert reached["– largest gain error, root mean square: before"] == "7.25 %"
+    assert (reached["– after"], reached["– with the true effects"]) == ("1.21 %", "0.233 %")
+    assert reached["– root mean squares"] == "5.184"  # of the errors, over those with the true effects
+    rows[0] |= {"gain_error.before": 2e6}  # a gain that the data do not determine
+    figures = parts(summarised("robot", rows))[0].table
+    assert ">1000 %" in figures.columns[1].texts
+
+
 def test_a_row_of_names_and_numbers_keeps_to_one_line(nothing: TrialSummary) -> None:
     (line,) = [line for line in printed(nothing).splitlines() if "any alarm" in line]
     assert line.split("  ")[-1].strip() == "1.8 % to 40.4 %"

@@ -75,6 +75,7 @@ def answered_at_the_end(app: ASGIApp) -> ASGIApp:
 
 SCRIPTS = (
     "dom.js",
+    "kept.js",
     "server.js",
     "step.js",
     "figure.js",

@@ -84,7 +84,7 @@ def sweep_page(result: SweepResult, again: Sequence[str]) -> Page:
     """What a sweep shows. again: the commands that give this page."""
     sweep = result.plan.sweep
     return Page(
-        title=f"Sweep {result.name}",
+        title=_title(result),
         facts=(
             f"base scenario {sweep.table.base}",
             plural(result.overall.runs, "run"),
@@ -103,6 +103,14 @@ def sweep_page(result: SweepResult, again: Sequence[str]) -> Page:
             _again_section(result, again),
         ),
     )
+
+
+def _title(result: SweepResult) -> str:
+    """Its name; of a file that is called sweep, which says nothing, what it varies."""
+    if result.name.lower() != "sweep":
+        return f"Sweep {result.name}"
+    varied = [axis_words(axis) for axis in result.plan.axis_names]
+    return f"Sweep of {and_list(varied)}" if varied else "Sweep"
 
 
 def _verdict(result: SweepResult) -> tuple[str, ...]:

@@ -10,12 +10,15 @@ const Columns = (() => {
     rest: () => "taken as the last one",
     range: (unit) => `taken to be in ${Dom.unit(unit)} for its range`,
   };
-  const told = new Map(); // what is measured -> the unit that somebody chose for it, in this log or one before
-  const kept = new Map(); // a log and how it is read -> how its columns were mapped when it was looked at last
-  const layouts = new Map(); // robot, headers and stated units -> the log that had them last, and its mapping
+  const told = new Map(Kept.get("units", [])); // what is measured -> the unit that was chosen for it last
+  const kept = new Map(Kept.get("logs", [])); // a log and how it is read -> how its columns were mapped last
+  const layouts = new Map(Kept.get("layouts", [])); // robot, headers, stated units -> the log that had them, and its mapping
 
-  /* look: what the server says of the log; asked: log and robot; changed: called with the mapping after each change. */
-  function create(look, asked, changed) {
+  /*
+  look: what the server says of the log; asked: log and robot; typed: the rate of a log without a time, in Hz;
+  changed: called with the mapping, and what was typed as rate, after each change.
+  */
+  function create(look, asked, typed, changed) {
     const mapping = {};
     const own = (target, column) => look.stated[column] || look.units[target][0]; // the unit unless another is told
     const kind = (target) => `${target.split(".")[0]} ${look.units[target][0]}`;
@@ -40,7 +43,7 @@ const Columns = (() => {
       active: look.needs.find((need) => !mapping[need].column) || look.needs[0],
       accept: last?.accept || [],
       split_gaps: last?.split_gaps || false,
-      rate: null,
+      rate: Number(typed) > 0 ? Number(typed) : null,
       found: {},
       checked: false, // whether that is what is found of the columns as they are now
     };
@@ -59,6 +62,15 @@ const Columns = (() => {
       ),
       el("div", {}, el("h4", {}, `Columns of the log (${look.columns.length})`), chips),
     );
+    const typedRate = el("input", {
+      type: "number",
+      min: "0",
+      step: "any",
+      placeholder: "Hz",
+      id: "rate",
+      value: typed,
+      input: () => setRate(Number(typedRate.value) > 0 ? Number(typedRate.value) : null),
+    });
     const needs = () => look.needs.filter((need) => need !== "time" || state.rate === null);
     const scaled = (several) =>
       Object.fromEntries(
@@ -109,17 +121,21 @@ const Columns = (() => {
     function tell() {
       kept.set(key, {mapping, accept: state.accept, split_gaps: state.split_gaps});
       layouts.set(layout, {log: asked.log, mapping});
+      for (const [name, entries] of Object.entries({units: told, logs: kept, layouts})) Kept.put(name, [...entries]);
       const given = needs().filter((need) => mapping[need].column);
-      changed({
-        lack: lack(),
-        columns: Object.fromEntries(
-          given.filter((need) => mapping[need].column !== need).map((need) => [need, mapping[need].column]),
-        ),
-        scale: scaled(given),
-        split_gaps: state.split_gaps,
-        rate: state.rate,
-        accept: state.accept,
-      });
+      changed(
+        {
+          lack: lack(),
+          columns: Object.fromEntries(
+            given.filter((need) => mapping[need].column !== need).map((need) => [need, mapping[need].column]),
+          ),
+          scale: scaled(given),
+          split_gaps: state.split_gaps,
+          rate: state.rate,
+          accept: state.accept,
+        },
+        typedRate.value,
+      );
     }
 
     function assign(target, column) {
@@ -294,7 +310,7 @@ const Columns = (() => {
     draw();
     tell();
     check();
-    return {root, setRate};
+    return [root, el("div", {class: "row"}, field("No time column? Sampling rate in Hz", typedRate))];
   }
 
   /* Which topic of a ROS bag is meant, where several hold joint states. */

@@ -5,7 +5,7 @@
   const THEMES = ["auto", "light", "dark"];
   const app = {
     folder: null,
-    dataset: null,
+    dataset: Kept.get("dataset", null),
     described: null,
     fault: null,
     runs: [],
@@ -25,6 +25,7 @@
       : known.includes(app.folder.start)
         ? app.folder.start
         : (known[0] ?? null);
+    Kept.put("dataset", app.dataset);
     [app.described, app.fault] = [null, null];
     if (app.dataset !== null) {
       await Server.look("dataset", {dataset: app.dataset}).then(

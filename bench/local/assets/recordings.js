@@ -32,6 +32,7 @@ const Recordings = (() => {
 
   function start(given) {
     app = given;
+    Object.assign(form, Kept.get("form", {}));
     logs = el("div");
     setup = el("div");
     const input = el("input", {
@@ -130,8 +131,15 @@ const Recordings = (() => {
       ...faults.map((text) => el("p", {class: "fault", role: "alert"}, text)),
       ...notes.map((text) => el("p", {class: "aid", role: "status"}, text)),
     );
-    if (!setup.children.length) draw();
+    if (setup.children.length) return;
+    const {logs: there, robots, datasets} = app.folder; // what was kept may be gone
+    if (!there.includes(form.log)) form.log = "";
+    if (!(form.robot in robots)) form.robot = "";
+    if (!datasets.includes(form.dataset)) form.dataset = NEW;
+    draw();
   }
+
+  const keep = () => Kept.put("form", {...form, mapped: null});
 
   /* Show a log, with its robot if one is chosen. */
   async function choose(log) {
@@ -152,6 +160,7 @@ const Recordings = (() => {
 
   async function draw() {
     const mine = ++drawn;
+    keep();
     const own = Robots.create(app, made);
     if (!form.log) return setup.replaceChildren(own);
     const robots = [["", "choose …"], ...Object.entries(app.folder.robots)];
@@ -221,28 +230,12 @@ const Recordings = (() => {
       );
     if (!look.columns) return undefined;
     const shown = el("div");
-    const columns = Columns.create(look, source(), (mapped) => {
-      form.mapped = mapped;
+    const columns = Columns.create(look, source(), form.rate, (mapped, rate) => {
+      Object.assign(form, {mapped, rate});
       command(shown);
     });
-    const rate = el("input", {
-      type: "number",
-      min: "0",
-      step: "any",
-      placeholder: "Hz",
-      value: form.rate,
-      input: () => {
-        form.rate = rate.value;
-        columns.setRate(Number(rate.value) > 0 ? Number(rate.value) : null);
-      },
-    });
     if (look.notes.length) setup.append(el("p", {class: "aid"}, look.notes.join("; ")));
-    setup.append(
-      columns.root,
-      el("div", {class: "row"}, field("No time column? Sampling rate in Hz", rate)),
-      ...about(shown),
-      shown,
-    );
+    setup.append(...columns, ...about(shown), shown);
     return command(shown);
   }
 
@@ -356,6 +349,7 @@ const Recordings = (() => {
   let round = 0;
   async function command(holder) {
     const mine = ++round;
+    keep();
     const missing = form.mapped.lack
       ? form.mapped.lack
       : form.load === null
@@ -384,6 +378,7 @@ const Recordings = (() => {
       const done = el("p", {class: "done", role: "status", tabindex: "-1"}, said);
       setup.replaceChildren(done, Dom.outcome(job));
       [form.log, form.name] = ["", null];
+      keep();
       render();
       done.focus({preventScroll: true});
       done.scrollIntoView({block: "center"});

@@ -3,6 +3,7 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
+from bench.document import numbers
 from bench.document.markdown.tables import markdown
 from bench.document.table import Column, Table
 from bench.effects.display_names import spoken
@@ -160,6 +161,8 @@ def target_cells(target: Target) -> tuple[str, str, str, str, str, str]:
     bounds = []
     kept = "" if target.kept is None else target.kept.value
     value = f"{100.0 * target.value:.1f} %" if target.share else f"{target.value:.4g}"
+    if target.figure.relative:
+        value = numbers.percent(target.value)
     for word, bound in (("at least", target.least), ("at most", target.most)):
         if bound is not None:
             bounds.append(

@@ -22,10 +22,14 @@ class Attained(Enum):
 
 
 class TargetFigure(Enum):
-    """What a trial measures, in words. main: the others stand below one of these, and say more of it."""
+    """What a trial measures, in words. main: the others stand below one of these, and say more of it.
+
+    relative: a deviation as a share of the true value, though no share of cases.
+    """
 
     words: str
     main: bool
+    relative: bool
 
     ONE_FIRST = "one hidden effect: named first", True
     ONE_UNDECIDED = "or openly undecided"
@@ -46,9 +50,9 @@ class TargetFigure(Enum):
     )
     GAIN_ERROR_RMS = "root mean squares"
     GAIN_ERROR_WITHIN = f"within {GAIN_FACTOR} of it"
-    GAIN_ERROR_BEFORE = "largest gain error, root mean square: before"
-    GAIN_ERROR_AFTER = "after"
-    GAIN_ERROR_TOLD = "with the true effects"
+    GAIN_ERROR_BEFORE = "largest gain error, root mean square: before", False, True
+    GAIN_ERROR_AFTER = "after", False, True
+    GAIN_ERROR_TOLD = "with the true effects", False, True
     FLOOR_MEDIAN = "error not fitted after the ladder, over the noise floor: median", True
     FLOOR_WITHIN = f"at most {FLOOR_FACTOR}"
     FLOOR_WITHIN_TOLD = "the same for a model with the true effects"
@@ -58,10 +62,11 @@ class TargetFigure(Enum):
     STABLE_NOISE = "certain verdicts that stay with a quarter of the noise added"
     STABLE_LOG = "certain verdicts that stay without the last log"
 
-    def __new__(cls, words: str, main: bool = False) -> Self:
+    def __new__(cls, words: str, main: bool = False, relative: bool = False) -> Self:
         """Members are different even where their words are the same."""
         member = object.__new__(cls)
-        member._value_, member.words, member.main = len(cls.__members__), words, main
+        member._value_, member.words = len(cls.__members__), words
+        member.main, member.relative = main, relative
         return member
 
 
