@@ -58,6 +58,12 @@ class JointMovement:
         """From the least to the greatest position."""
         return float(np.ptp(self.position))
 
+    def too_large(self, effect: str, share: float, why: str) -> BenchError:
+        """What is said where an effect cannot have such a share of the torque."""
+        return BenchError(
+            f"{effect} of joint {self.joint}: a share of {share:g} of its torque is too large: {why}"
+        )
+
 
 def rms(values: Array) -> float:
     """Root mean square."""
@@ -75,11 +81,6 @@ def wave_sizes(j: JointMovement, factor: np.ndarray, share: float) -> Sizes:
     size = share * rms(j.torque) / rms(np.cos(harmonic * j.position - phase) * factor)
     waves = {"a": size * np.cos(phase), "b": size * np.sin(phase)}
     return waves if harmonic == 1.0 else waves | {"harmonic": harmonic}
-
-
-def too_large(effect: str, j: JointMovement, share: float, why: str) -> BenchError:
-    """What is said where an effect cannot have such a share of the torque."""
-    return BenchError(f"{effect} of joint {j.joint}: a share of {share:g} of its torque is too large: {why}")
 
 
 Law = Callable[[], Array]
@@ -271,6 +272,14 @@ class JointEffect(HiddenEffect):
     def bearing_friction(p: Parameters, force: Array) -> Array | None:  # noqa: ARG004
         """Size (R, m) of a dry friction in passive joints that bear these forces (R, m), N, across their axes."""
         return None
+
+
+@dataclass(frozen=True)
+class DryFriction(JointEffect):
+    """A dry friction whose size a law gives: the joint's friction constraint holds it at standstill."""
+
+    def change(self, draft: Draft) -> None:
+        hard_friction(draft, self.joint)
 
 
 LAWS = ("encoder", "log", "current", "gain", "torque", "dry_friction", "bearing_friction")

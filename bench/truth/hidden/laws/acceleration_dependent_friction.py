@@ -5,22 +5,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from bench.basics.errors import BenchError
-from bench.truth.hidden.base import (
-    Draft,
-    JointEffect,
-    JointMovement,
-    Law,
-    Parameters,
-    Signals,
-    Sizes,
-    hard_friction,
-    rms,
-    too_large,
-)
+from bench.truth.hidden.base import Draft, DryFriction, JointMovement, Law, Parameters, Signals, Sizes, rms
 
 
 @dataclass(frozen=True)
-class AccelerationDependentFriction(JointEffect):
+class AccelerationDependentFriction(DryFriction):
     """c · |q̈| · sign(q̇), and sticking at standstill; q̈ one step ago.
 
     c: kg·m² or kg, at least 0, and at most half of the inertia that the joint feels at home: with more, the
@@ -37,7 +26,7 @@ class AccelerationDependentFriction(JointEffect):
         most = 0.5 * draft.inertia[self.joint]
         if self.c > most:
             raise BenchError(f"{self.name} of joint {self.joint}: c = {self.c:g} is more than {most:.3g}")
-        hard_friction(draft, self.joint)
+        super().change(draft)
 
     @staticmethod
     def dry_friction(p: Parameters, s: Signals) -> Law:
@@ -47,5 +36,5 @@ class AccelerationDependentFriction(JointEffect):
     def sized(j: JointMovement, share: float) -> Sizes:
         c = share * rms(j.torque) / rms(j.acceleration)
         if c > 0.5 * j.inertia:
-            raise too_large("acceleration_dependent_friction", j, share, "it would outweigh the inertia")
+            raise j.too_large("acceleration_dependent_friction", share, "it would outweigh the inertia")
         return {"c": c}

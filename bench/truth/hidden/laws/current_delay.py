@@ -4,17 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from bench.truth.hidden.base import (
-    Array,
-    JointEffect,
-    JointMovement,
-    Law,
-    Parameters,
-    Signals,
-    Sizes,
-    rms,
-    too_large,
-)
+from bench.truth.hidden.base import Array, JointEffect, JointMovement, Law, Parameters, Signals, Sizes, rms
 
 LONGEST_DELAY = 0.05  # s
 
@@ -47,7 +37,7 @@ class CurrentDelay(JointEffect):
         """Size of the delay: in the drive, or where the controller would not stand it, in the log."""
         late = share * rms(j.current) / rms(j.current_rate)
         if late > LONGEST_DELAY:
-            raise too_large("current_delay", j, share, f"it would take {1e3 * late:.0f} ms")
+            raise j.too_large("current_delay", share, f"it would take {1e3 * late:.0f} ms")
         return {"T": late if late * j.damping / j.inertia < 0.4 else -late}
 
 

@@ -4,17 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from bench.truth.hidden.base import (
-    Array,
-    JointEffect,
-    JointMovement,
-    Law,
-    Parameters,
-    Signals,
-    Sizes,
-    rms,
-    too_large,
-)
+from bench.truth.hidden.base import Array, JointEffect, JointMovement, Law, Parameters, Signals, Sizes, rms
 
 
 @dataclass(frozen=True)
@@ -53,5 +43,5 @@ class CurrentLoopLag(JointEffect):
     def sized(j: JointMovement, share: float) -> Sizes:
         lag = share * rms(j.current) / rms(j.current_rate)
         if lag > 0.3 * j.damping / j.stiffness:
-            raise too_large("current_loop_lag", j, share, "the controller would become unstable")
+            raise j.too_large("current_loop_lag", share, "the controller would become unstable")
         return {"T": lag}

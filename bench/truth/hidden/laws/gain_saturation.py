@@ -4,16 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from bench.truth.hidden.base import (
-    JointEffect,
-    JointMovement,
-    Law,
-    Parameters,
-    Signals,
-    Sizes,
-    rms,
-    too_large,
-)
+from bench.truth.hidden.base import JointEffect, JointMovement, Law, Parameters, Signals, Sizes, rms
 
 
 @dataclass(frozen=True)
@@ -41,5 +32,5 @@ class GainSaturation(JointEffect):
         k = share * rms(j.current) / rms(j.current**3)
         # the greatest torque is 2/3 of g / √(3 k); a fifth of it is kept for the controller
         if 3 * k * np.abs(j.current).max() ** 2 > (0.8 * 2 / 3) ** 2:
-            raise too_large("gain_saturation", j, share, "the motor could not give the greatest torque")
+            raise j.too_large("gain_saturation", share, "the motor could not give the greatest torque")
         return {"k": k}

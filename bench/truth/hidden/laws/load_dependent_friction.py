@@ -4,20 +4,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from bench.truth.hidden.base import (
-    Draft,
-    JointEffect,
-    JointMovement,
-    Law,
-    Parameters,
-    Signals,
-    Sizes,
-    hard_friction,
-)
+from bench.truth.hidden.base import DryFriction, JointMovement, Law, Parameters, Signals, Sizes
 
 
 @dataclass(frozen=True)
-class LoadDependentFriction(JointEffect):
+class LoadDependentFriction(DryFriction):
     """mu · |τ| · sign(q̇), and sticking at standstill: gears and bearings under load.
 
     τ is the torque of the motor, friction included. The controller commands it from the state before the
@@ -31,9 +22,6 @@ class LoadDependentFriction(JointEffect):
     law = "mu |τ| sign(q̇), τ of the motor"
     not_negative = ("mu",)
     mu: float
-
-    def change(self, draft: Draft) -> None:
-        hard_friction(draft, self.joint)
 
     @staticmethod
     def dry_friction(p: Parameters, s: Signals) -> Law:

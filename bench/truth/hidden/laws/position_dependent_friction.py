@@ -5,21 +5,19 @@ from dataclasses import dataclass
 import numpy as np
 
 from bench.truth.hidden.base import (
-    Draft,
-    JointEffect,
+    DryFriction,
     JointMovement,
     Law,
     Parameters,
     Signals,
     Sizes,
-    hard_friction,
     harmonic,
     wave_sizes,
 )
 
 
 @dataclass(frozen=True)
-class PositionDependentFriction(JointEffect):
+class PositionDependentFriction(DryFriction):
     """(a · cos(h q) + b · sin(h q)) · sign(q̇), and sticking at standstill: a bent shaft, a tight spot.
 
     No friction is negative: where the dry friction of the joint, other effects included, would be, the
@@ -34,9 +32,6 @@ class PositionDependentFriction(JointEffect):
     a: float
     b: float
     harmonic: float = 1.0
-
-    def change(self, draft: Draft) -> None:
-        hard_friction(draft, self.joint)
 
     @staticmethod
     def dry_friction(p: Parameters, s: Signals) -> Law:

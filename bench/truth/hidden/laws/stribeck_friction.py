@@ -4,21 +4,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from bench.truth.hidden.base import (
-    Draft,
-    JointEffect,
-    JointMovement,
-    Law,
-    Parameters,
-    Signals,
-    Sizes,
-    hard_friction,
-    rms,
-)
+from bench.truth.hidden.base import DryFriction, JointMovement, Law, Parameters, Signals, Sizes, rms
 
 
 @dataclass(frozen=True)
-class StribeckFriction(JointEffect):
+class StribeckFriction(DryFriction):
     """(Fc + Fs · exp(-|q̇ / vs|^delta)) · sign(q̇), and sticking at standstill up to Fc + Fs.
 
     The friction constraint of the joint is given this size before every step.
@@ -34,9 +24,6 @@ class StribeckFriction(JointEffect):
     Fs: float
     vs: float
     delta: float = 2.0
-
-    def change(self, draft: Draft) -> None:
-        hard_friction(draft, self.joint)
 
     @staticmethod
     def dry_friction(p: Parameters, s: Signals) -> Law:

@@ -4,22 +4,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from bench.truth.hidden.base import (
-    Array,
-    Draft,
-    JointEffect,
-    JointMovement,
-    Law,
-    Parameters,
-    Signals,
-    Sizes,
-    hard_friction,
-    rms,
-)
+from bench.truth.hidden.base import Array, DryFriction, JointMovement, Law, Parameters, Signals, Sizes, rms
 
 
 @dataclass(frozen=True)
-class ThermalFrictionDrift(JointEffect):
+class ThermalFrictionDrift(DryFriction):
     """(Fv · q̇ + Fc · sign(q̇)) · exp(-t / T): what a cold joint has more than a warm one.
 
     Every recording begins with a cold joint at t = 0. The friction of the warm joint is a separate effect.
@@ -34,9 +23,6 @@ class ThermalFrictionDrift(JointEffect):
     T: float
     Fv: float = 0.0
     Fc: float = 0.0
-
-    def change(self, draft: Draft) -> None:
-        hard_friction(draft, self.joint)
 
     @staticmethod
     def torque(p: Parameters, s: Signals) -> Law:
