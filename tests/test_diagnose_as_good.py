@@ -71,7 +71,7 @@ def test_models_that_are_as_good_have_one_effect_more_or_another_for_each_identi
     last = SimpleNamespace(
         system=None,
         selection=SimpleNamespace(selected=best),
-        proposals=[SimpleNamespace(absorbed=False)] * 5,
+        proposals=[SimpleNamespace(absorbed=False, name="")] * 5,
         chosen=(0, 4),
     )
     assert list(as_good._as_good(last)) == [(0, 4, 1), (0, 4, 2), (4, 3), (0, 1)]

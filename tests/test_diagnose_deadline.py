@@ -13,9 +13,9 @@ from bench.basics.deadline import NEVER, Deadline, TimeUpError, deadline_in
 from bench.basics.errors import BenchError
 from bench.cli import main
 from bench.diagnosis.as_json import diagnosis_json
+from bench.diagnosis.dependence_words import NOT_LOOKED_AT, unfinished_sentence
 from bench.diagnosis.discovery.find import find_missing_effects
 from bench.diagnosis.result import Unfinished
-from bench.diagnosis.unfinished_words import NOT_LOOKED_AT, unfinished_sentence
 from bench.document.markdown.tables import diagnosis_markdown
 from bench.document.terminal.diagnosis import diagnosis_report
 from bench.identification.problem import problem_of

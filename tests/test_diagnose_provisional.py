@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from bench.diagnosis.base_model import base_model_of
-from bench.diagnosis.discovery import find
+from bench.diagnosis.discovery import with_laws
 from bench.effects import CATALOGUE, EffectInstance
 from bench.identification.nonlinear import converged, converged_from
 from bench.identification.prepare import prepare, with_effects
@@ -47,10 +47,10 @@ def test_a_table_that_is_not_in_the_best_set_is_searched_no_further(monkeypatch:
         base_model=base_model, last=last, model=SimpleNamespace(effects=()), names=(), barred={}
     )
     left = SimpleNamespace(significant=True, much=True)
-    plain = find._Answer(finding, (), SimpleNamespace(unexplained=left))
+    plain = with_laws.AnswerWithLaws(finding, (), SimpleNamespace(unexplained=left))
     case: Any = SimpleNamespace(problem=SimpleNamespace(catalogue={}))
-    monkeypatch.setattr(find, "tabled_laws", lambda *_: [table])
-    monkeypatch.setattr(find, "_proposed", lambda *_: [])
-    monkeypatch.setattr(find, "_round_from", lambda *_: SimpleNamespace(names={"coulomb_friction"}))
-    monkeypatch.setattr(find, "search_from", lambda *_: pytest.fail("nothing is to be searched"))
-    assert find._with_tables(case, plain, SimpleNamespace(phase=lambda _: None)) is plain
+    monkeypatch.setattr(with_laws, "tabled_laws", lambda *_: [table])
+    monkeypatch.setattr(with_laws, "_proposed", lambda *_: [])
+    monkeypatch.setattr(with_laws, "round_from", lambda *_: SimpleNamespace(names={"coulomb_friction"}))
+    monkeypatch.setattr(with_laws, "search_from", lambda *_: pytest.fail("nothing is to be searched"))
+    assert with_laws._with_tables(case, plain, SimpleNamespace(phase=lambda _: None)) is plain

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from bench.diagnosis.repeats import not_repeated
+from bench.diagnosis.noise import not_repeated
 from bench.identification.result import CurrentSeries
 
 NOISE = 0.02

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from bench.diagnosis.restart import restarted
+from bench.diagnosis.base_model import restarted
 from bench.identification.compressed import Stack, compress
 from bench.identification.current_error import minimised, squared_errors
 from bench.identification.solution import Solution

@@ -137,8 +137,8 @@ def test_no_effect_goes_because_of_what_is_only_nearly_so(
     monkeypatch.setattr(from_rounds, "searched", searched)
     monkeypatch.setattr(from_rounds, "where_possible", where_possible)
     monkeypatch.setattr(from_rounds, "leaving", lambda _, model, after, __, ___: (model, after, ()))
-    monkeypatch.setattr(from_rounds, "fits_of", lambda *_: None)
-    monkeypatch.setattr(from_rounds, "ladder_of", lambda *_: ())
+    sets = SimpleNamespace(new=(), names=(), fits=None, ladder=lambda *_, **__: ())
+    monkeypatch.setattr(from_rounds, "fits_of", lambda *_: sets)
     for name in ("superfluous_effect", "gain_like_effect"):
         monkeypatch.setattr(from_rounds, name, lambda *_: {})
     monkeypatch.setattr(from_rounds, "excess", lambda *_: 0.0)

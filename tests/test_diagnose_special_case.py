@@ -7,8 +7,8 @@ from bench.dataset.dataset import Dataset
 from bench.diagnosis import rounds
 from bench.diagnosis.base_model import base_model_of
 from bench.diagnosis.candidates import Proposal
+from bench.diagnosis.round import with_shapes_of
 from bench.diagnosis.rounds import round_about
-from bench.diagnosis.special_case import with_shapes_of
 from bench.diagnosis.with_catalogue import diagnose_with_catalogue
 from bench.effects import CATALOGUE, EffectInstance
 from bench.identification.nonlinear import converged

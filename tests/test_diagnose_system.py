@@ -7,8 +7,7 @@ import numpy as np
 import pytest
 
 from bench.diagnosis.batched_sets import solve_sets
-from bench.diagnosis.motor_products import summed
-from bench.diagnosis.motor_rows import combined, folded, motor_rows, products
+from bench.diagnosis.motor_products import combined, folded, motor_rows, products, summed
 from bench.diagnosis.normal_equations import (
     Candidate,
     System,

@@ -13,9 +13,10 @@ from bench.api.compare import compare
 from bench.cli.diagnose import diagnose as diagnose_command
 from bench.dataset.dataset import Dataset
 from bench.diagnosis.as_json import diagnosis_json
-from bench.diagnosis.discovery import find
-from bench.diagnosis.discovery.find import find_missing_effects, something_remains
-from bench.diagnosis.discovery.written import write_laws
+from bench.diagnosis.discovery import reported
+from bench.diagnosis.discovery.find import find_missing_effects
+from bench.diagnosis.discovery.law_files import write_laws
+from bench.diagnosis.discovery.with_laws import something_remains
 from bench.diagnosis.law_words import law_sentences, symbols
 from bench.diagnosis.result import Diagnosis, Remainder, Unexplained
 from bench.diagnosis.summary import summary_sentences
@@ -68,11 +69,11 @@ def test_a_law_is_found_with_its_formula_its_value_and_its_place(found: Diagnosi
 
 
 def test_a_law_is_told_where_it_stays(found: Diagnosis, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(find, "discovered_at", lambda _finding, law, i: (law.name, law.places[i].name))
+    monkeypatch.setattr(reported, "discovered_at", lambda _finding, law, i: (law.name, law.places[i].name))
     places = (SimpleNamespace(name="left"), SimpleNamespace(name="right"))
     finding = SimpleNamespace(after=SimpleNamespace(effect_parameters={"law": {"right": {}}}))
     laws = [SimpleNamespace(name="law", places=places)]
-    told = find._with_discovered(finding, laws, laws, found)
+    told = reported.with_discovered(finding, laws, laws, found)
     assert told.discovered == (("law", "right"),)
 
 
@@ -145,7 +146,7 @@ def test_a_viscous_friction_that_varies_with_the_position_has_no_false_name() ->
 
 
 def test_what_no_formula_fits_is_added_as_measured(braked: Dataset, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("bench.diagnosis.discovery.find.search_laws", lambda *_: None)
+    monkeypatch.setattr("bench.diagnosis.discovery.with_laws.search_laws", lambda *_: None)
     found = find_missing_effects(problem_of(braked))
     (law,) = found.discovered
     assert (law.place, law.law) == ("left", "measured_left")

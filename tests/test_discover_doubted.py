@@ -5,8 +5,7 @@ from typing import Any
 
 import pytest
 
-from bench.diagnosis.discovery.doubted import doubted
-from bench.diagnosis.discovery.find import _without
+from bench.diagnosis.discovery.reported import _without, doubted
 from bench.diagnosis.reason import Because, Doubt, Reason
 from bench.diagnosis.reason_words import reason_sentence
 from bench.diagnosis.result import EffectVerdict, Remainder, Unexplained

@@ -8,17 +8,14 @@ import numpy as np
 import pytest
 
 from bench.diagnosis.base_model import base_model_of
-from bench.diagnosis.discovery.factors import Decay, Memory, Power, Step, Wave
-from bench.diagnosis.discovery.grammar import LOAD, TOOL, A, Q, Scope, T, V, grammar
-from bench.diagnosis.discovery.named import NAMED, name_of
+from bench.diagnosis.discovery.factors import Decay, Memory, PiecewiseLinear, Power, Step, Wave, table_over
+from bench.diagnosis.discovery.grammar import LOAD, NAMED, TOOL, A, Q, Scope, T, V, grammar, name_of
 from bench.diagnosis.discovery.refine import Refined, _slower, _with_a_mean, instances_of
 from bench.diagnosis.discovery.screen import Known, Residual, Screened, few_rows, residual_without, screened
 from bench.diagnosis.discovery.seen import places_of, scope_of, seen_at
 from bench.diagnosis.discovery.source import law_effect, law_source
-from bench.diagnosis.discovery.table import PiecewiseLinear, table_over
 from bench.diagnosis.discovery.term import Term, about_its_mean, at_other_harmonics, freed
-from bench.diagnosis.discovery.units import times, written
-from bench.diagnosis.discovery.variables import OF_A_MOTOR, Place, Seen, Variable
+from bench.diagnosis.discovery.variables import OF_A_MOTOR, Place, Seen, Variable, times, written
 from bench.effects import CATALOGUE, EffectInstance, effect_columns
 from bench.effects.memory import first_order
 from bench.identification.prepare import prepare, with_effects
@@ -253,7 +250,7 @@ def test_a_wave_that_has_become_a_straight_line_is_known(rate: float, slower: bo
     start = context.prepared
     instances = instances_of("wave", Screened(term.with_numbers([rate]), {}, 0.0), places_of(start))
     model = with_effects(start, (*start.effects, *instances))
-    assert _slower(Refined(model, {"wave": term}, 0.0), len(start.effects)) is slower
+    assert _slower(Refined(model, {"wave": term}, 0.0)) is slower
 
 
 def test_a_law_of_the_load_is_a_part_of_that_load(context):

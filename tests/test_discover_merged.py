@@ -6,8 +6,7 @@ from bench.diagnosis.discovery.factors import Memory, Power
 from bench.diagnosis.discovery.find import find_missing_effects
 from bench.diagnosis.discovery.grammar import LOAD, V
 from bench.diagnosis.discovery.laws import Law
-from bench.diagnosis.discovery.merged import fewer, together
-from bench.diagnosis.discovery.parts import Part, parts_of, unknowns
+from bench.diagnosis.discovery.merged import Part, fewer, parts_of, together, unknowns
 from bench.diagnosis.discovery.source import law_effect
 from bench.diagnosis.discovery.term import Term
 from bench.diagnosis.discovery.variables import Place

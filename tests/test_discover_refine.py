@@ -7,9 +7,10 @@ from typing import Any
 import pytest
 
 from bench.basics.deadline import NEVER
-from bench.diagnosis.discovery import find, refine
+from bench.diagnosis import rounds
+from bench.diagnosis.discovery import refine
 from bench.diagnosis.discovery.refine import Refined, refined
-from bench.diagnosis.rounds import Round
+from bench.diagnosis.round import Round
 from bench.diagnosis.search import Selection
 from bench.identification.decision import RULE
 from bench.identification.tolerances import TOLERANCES
@@ -76,7 +77,7 @@ def test_an_effect_that_is_not_needed_goes_before_a_number_is_set_free(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     """A law beside a length that it makes superfluous came out with an exponent that nothing asked for."""
-    law, length = (SimpleNamespace(effect=SimpleNamespace(name=name)) for name in ("law", "length"))
+    law, length = (SimpleNamespace(name=name) for name in ("law", "length"))
     whole = SimpleNamespace(weight=0.0, nearby=None, effects=(law, length), present="")
     fewer = SimpleNamespace(weight=9.0, nearby=None, effects=(law,), present="")
     base_model: Any = SimpleNamespace(
@@ -103,15 +104,15 @@ def test_the_set_of_a_converged_model_is_one_that_a_search_begins_with(
 ) -> None:
     """Of laws at one motor each none shows alone, and a search that grew from single effects missed them."""
     proposals: Any = [SimpleNamespace(name=name) for name in ("a", "b", "c")]
-    model: Any = SimpleNamespace(effects=[SimpleNamespace(effect=SimpleNamespace(name=n)) for n in "bc"])
+    model: Any = SimpleNamespace(effects=[SimpleNamespace(name=n) for n in "bc"])
     base_model: Any = SimpleNamespace(start=SimpleNamespace(effects=()), deadline=NEVER)
     found = Selection(SimpleNamespace(total=10.0, fit=SimpleNamespace(chosen=(0,))), {})  # type: ignore[arg-type]
-    monkeypatch.setattr(find, "round_about", lambda *_: Round(model, proposals, None, found))  # type: ignore[arg-type]
-    monkeypatch.setattr(find, "usable", lambda *_: [0, 1, 2])
+    monkeypatch.setattr(rounds, "round_about", lambda *_: Round(model, proposals, None, found))  # type: ignore[arg-type]
+    monkeypatch.setattr(rounds, "usable", lambda *_: [0, 1, 2])
     for total, chosen in ((20.0, (1, 2)), (5.0, (0,))):
         best = SimpleNamespace(total=total, fit=SimpleNamespace(chosen=(1, 2)))
         begun: list[Any] = []
-        monkeypatch.setattr(find, "best_set", lambda _, begin, *__, b=best, s=begun: s.extend(begin) or b)
-        here = find._round_from(base_model, model, proposals, ())
+        monkeypatch.setattr(rounds, "best_set", lambda _, begin, *__, b=best, s=begun: s.extend(begin) or b)
+        here = rounds.round_from(base_model, model, proposals, ())
         assert here.chosen == chosen
         assert [1, 2] in begun

@@ -5,7 +5,7 @@ from typing import Any
 
 import pytest
 
-from bench.diagnosis.discovery import find
+from bench.diagnosis.discovery import find, with_laws
 from bench.diagnosis.reason import Because, Reason
 from bench.effects import CATALOGUE, EffectInstance
 
@@ -35,13 +35,13 @@ def test_one_law_is_tried_for_several_frictions(
     finding: Any = SimpleNamespace(base_model=None, last=None, unfinished=(), barred={})
     monkeypatch.setattr(find, "search_catalogue", lambda *_: finding)
     monkeypatch.setattr(find, "answered", lambda *_: plain)
-    monkeypatch.setattr(find, "something_remains", lambda _: left)
-    monkeypatch.setattr(find, "search_laws", lambda *_: laws)
+    monkeypatch.setattr(with_laws, "something_remains", lambda _: left)
+    monkeypatch.setattr(with_laws, "search_laws", lambda *_: laws)
     monkeypatch.setattr(
-        find, "_with_laws", lambda *_: SimpleNamespace(laws=("term",), diagnosis="laws", finding=None)
+        with_laws, "_with_laws", lambda *_: SimpleNamespace(laws=("term",), diagnosis="laws", finding=None)
     )
-    monkeypatch.setattr(find, "_with_one_for_several", lambda *_: ONE)
-    monkeypatch.setattr(find, "_with_tables", lambda _, answer, __: answer)
+    monkeypatch.setattr(with_laws, "_with_one_for_several", lambda *_: ONE)
+    monkeypatch.setattr(with_laws, "_with_tables", lambda _, answer, __: answer)
     monkeypatch.setattr(find, "_no_worse_than_usual", lambda _, __, best, ___: best)
     monkeypatch.setattr(find, "completed", lambda _, diagnosis: diagnosis)
     case: Any = None
@@ -60,10 +60,10 @@ def test_an_effect_that_was_not_needed_may_be_found_beside_a_law(monkeypatch: py
     asked: list[Any] = []
     monkeypatch.setattr(find, "search_catalogue", lambda *_: finding)
     monkeypatch.setattr(find, "answered", lambda *_: plain)
-    monkeypatch.setattr(find, "something_remains", lambda _: True)
-    monkeypatch.setattr(find, "search_laws", lambda _, __, never, ___: asked.append(never))
-    monkeypatch.setattr(find, "_with_one_for_several", lambda *_: ONE)
-    monkeypatch.setattr(find, "_with_tables", lambda _, answer, __: answer)
+    monkeypatch.setattr(with_laws, "something_remains", lambda _: True)
+    monkeypatch.setattr(with_laws, "search_laws", lambda _, __, never, ___: asked.append(never))
+    monkeypatch.setattr(with_laws, "_with_one_for_several", lambda *_: ONE)
+    monkeypatch.setattr(with_laws, "_with_tables", lambda _, answer, __: answer)
     monkeypatch.setattr(find, "_no_worse_than_usual", lambda _, __, best, ___: best)
     monkeypatch.setattr(find, "completed", lambda _, diagnosis: diagnosis)
     case: Any = None
@@ -87,4 +87,4 @@ def test_a_special_case_that_drove_at_one_motor_may_be_found_beside_a_law(
     """Friction by a power of the load beside Coulomb friction at another motor was called Stribeck friction."""
     finding: Any = SimpleNamespace(barred={"coulomb_friction": why})
     named = [EffectInstance(CATALOGUE[beside], "left", beside)]
-    assert ("coulomb_friction" in find._never_with_laws(finding, named)) is barred
+    assert ("coulomb_friction" in with_laws._never_with_laws(finding, named)) is barred

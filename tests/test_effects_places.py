@@ -13,7 +13,7 @@ from tests.effects_kit import joint_signals
 MADE = {"bench/effects/README.md", "scenarios/README.md"}  # python docs/made/readme_tables.py
 OF_THEIR_OWN = {  # what a few effects have and most do without, each with its reason
     "bench/benchmarks/measured/sentences.py": "what an effect does, in a clause about a machine",
-    "bench/diagnosis/discovery/named.py": "the names of laws that a search finds",
+    "bench/diagnosis/discovery/grammar.py": "the names of laws that a search finds",
     "bench/export/c_code.py": "what a law is in C",
     "bench/export/placed.py": "what a joint of MuJoCo holds",
     "bench/studies/trial/compatible.py": "two names for the same part",

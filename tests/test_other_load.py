@@ -10,7 +10,7 @@ from bench.diagnosis.summary import summary_sentences
 from bench.identification.finding import Code
 from bench.identification.finding_words import sentence
 from bench.identification.identify import identify
-from bench.identification.mistaken import other_load
+from bench.identification.other_loads import other_load
 from bench.identification.prepare import prepare
 from bench.identification.problem import problem_of
 from tests.workbench_kit import FRICTION, write_dataset

@@ -10,7 +10,6 @@ from bench.basics.errors import BenchError
 from bench.dataset.dataset import load_dataset
 from bench.dataset.logs.units import UNITS
 from bench.dataset.robot import load_robot
-from bench.diagnosis.signs import refuse_signs
 from bench.identification.finding import (
     CAUSES,
     MEND_FIRST,
@@ -23,10 +22,10 @@ from bench.identification.finding import (
 )
 from bench.identification.finding_words import sentence
 from bench.identification.identify import identify
-from bench.identification.mistaken import mistaken
+from bench.identification.mistaken import mistaken, refuse_signs
 from bench.identification.prepare import prepare
 from bench.identification.problem import problem_of
-from bench.identification.reversed_positions import changes
+from bench.identification.reversed_columns import changes
 from bench.identification.tolerances import TOLERANCES
 from bench.scenario.scenario import load_scenario, resolve_trajectories
 from bench.truth.dataset import as_dataset

@@ -12,7 +12,7 @@ from rich.console import Console
 from bench.basics.sentence import and_list, in_percent, or_list
 from bench.cli.last_lines import after_diagnosis
 from bench.diagnosis.as_json import diagnosis_json
-from bench.diagnosis.differs_words import from_run_to_run
+from bench.diagnosis.dependence_words import from_run_to_run
 from bench.diagnosis.law_words import law_sentences
 from bench.diagnosis.reason import Because
 from bench.diagnosis.reason_words import reason_sentence, unexplained_words

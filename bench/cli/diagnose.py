@@ -122,7 +122,7 @@ class _Outcome:
         """Write discovered laws next to the model file; from then on the diagnosis names their files."""
         if model is None:
             return
-        from bench.diagnosis.discovery.written import write_laws
+        from bench.diagnosis.discovery.law_files import write_laws
 
         self.diagnosis = write_laws(self.diagnosis, model.parent)
         names = dict.fromkeys(law.file for law in self.diagnosis.discovered if law.file is not None)

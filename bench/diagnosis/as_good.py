@@ -2,11 +2,11 @@
 
 from collections.abc import Iterator, Sequence
 
-from bench.diagnosis.base_model import BaseModel
+from bench.diagnosis.base_model import BaseModel, added_effects
 from bench.diagnosis.candidates import Proposal
 from bench.diagnosis.evidence import answer_weight
 from bench.diagnosis.result import Unexplained
-from bench.diagnosis.rounds import Round
+from bench.diagnosis.round import Round, usable
 from bench.diagnosis.search import Scored, close, scored
 from bench.diagnosis.unnamed_effects import unnamed_spread
 from bench.effects import EffectInstance
@@ -38,7 +38,7 @@ def with_spread_over_models(
         return after
     samples = last.system.samples
     least = answer_weight(samples, model, after) - RULE.undecided
-    others, added = [], model.effects[len(base_model.start.effects) :]
+    others, added = [], added_effects(base_model, model)
     for chosen in _as_good(last):
         instances = [
             instance for i in chosen for instance in _instances(last.proposals[i], i in last.chosen, added)
@@ -56,20 +56,18 @@ def _as_good(last: Round) -> Iterator[tuple[int, ...]]:
     identified effect the best with another in its place.
     """
     system, best = last.system, last.selection.selected
-    usable = [
-        i for i, proposal in enumerate(last.proposals) if not proposal.absorbed and i not in last.chosen
-    ]
+    others = [i for i in usable(last.proposals, ()) if i not in last.chosen]
 
     def best_first(sets: Sequence[tuple[int, ...]]) -> list[Scored]:
         return sorted(scored(system, sets), key=lambda each: -each.total)
 
-    more = best_first([(*last.chosen, i) for i in usable])
+    more = best_first([(*last.chosen, i) for i in others])
     candidates = [larger for larger in more if larger.total + RULE.prior > best.total][
         : TOLERANCES.search.one_more
     ]
     for k in last.chosen:
-        others = best_first([(*(c for c in last.chosen if c != k), i) for i in usable])
-        candidates += [other for other in others if close(best, other)][:1]
+        swaps = best_first([(*(c for c in last.chosen if c != k), i) for i in others])
+        candidates += [swap for swap in swaps if close(best, swap)][:1]
     for candidate in candidates:
         yield candidate.fit.chosen
 
@@ -79,7 +77,5 @@ def _instances(
 ) -> Sequence[EffectInstance]:
     """An effect at the places where it was identified, or everywhere."""
     return (
-        [instance for instance in added if instance.effect.name == proposal.name]
-        if in_model
-        else proposal.instances
+        [instance for instance in added if instance.name == proposal.name] if in_model else proposal.instances
     )

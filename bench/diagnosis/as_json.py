@@ -45,10 +45,7 @@ def diagnosis_json(diagnosis: Diagnosis, *, words: bool = True) -> dict[str, Any
         "not_looked_at": list(diagnosis.unfinished),
         "missing": list(diagnosis.missing),
         "ladder": [
-            {
-                "effects": list(step.effects),
-                "error": {"identify": step.identify, "validate": step.validate},
-            }
+            {"effects": list(step.effects), "error": {"identify": step.identify, "validate": step.validate}}
             for step in diagnosis.ladder
         ],
         "ranking": [_verdict(diagnosis, verdict, words) for verdict in diagnosis.ranking],

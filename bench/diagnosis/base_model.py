@@ -10,12 +10,14 @@ from bench.basics.deadline import NEVER, Deadline
 from bench.diagnosis.candidates import Context, Proposal, context_of, shaped
 from bench.diagnosis.noise import leaves_only_noise, noise_squares
 from bench.diagnosis.normal_equations import System
-from bench.diagnosis.restart import restarted
 from bench.effects import EffectInstance, changes_torque
+from bench.identification.compressed import Stack
+from bench.identification.decision import RULE
 from bench.identification.effect_columns import PresentModel
 from bench.identification.nonlinear import converged, converged_from, present_model, settles
 from bench.identification.perturbations import Nearby
 from bench.identification.prepare import Prepared, seen_nearby, with_effects
+from bench.identification.solution import Solution, scaled_lstsq, torque_residual_rms, torque_system, weighted
 from bench.identification.solve_only import solved_quickly
 from bench.identification.tolerances import TOLERANCES
 
@@ -105,7 +107,7 @@ class BaseModel:
 
     def again_nearby(self, model: Prepared) -> Prepared:
         """A model that is converged as it is, converged as it is known nearby, if that is less work."""
-        if not _less_nearby(model.effects[len(self.start.effects) :]):
+        if not _less_nearby(added_effects(self, model)):
             return model
         return self._seen_by(seen_nearby(self.start, self.nearby), model)
 
@@ -166,6 +168,16 @@ def _less_nearby(instances: Sequence[EffectInstance]) -> bool:
     return any(changes_torque(instance.effect) for instance in instances)
 
 
+def added_effects(base_model: BaseModel, model: Prepared) -> tuple[EffectInstance, ...]:
+    """The effects that a model has beyond those of the starting model."""
+    return model.effects[len(base_model.start.effects) :]
+
+
+def added_names(base_model: BaseModel, model: Prepared) -> set[str]:
+    """Their names."""
+    return {instance.name for instance in added_effects(base_model, model)}
+
+
 def base_model_of(start: Prepared, deadline: Deadline = NEVER) -> BaseModel:
     """The search for what a converged starting model lacks."""
     start = at_its_solution(start)
@@ -179,3 +191,31 @@ def at_its_solution(model: Prepared) -> Prepared:
     stack, solution = solved_quickly(model)
     present = present_model(model, restarted(stack, solution, model.dataset.robot.nominal_gains))
     return replace(with_effects(model, model.effects, present), converged=model.converged)
+
+
+def restarted(stack: Stack, solution: Solution, nominal: np.ndarray) -> Solution:
+    """The solution, with nominal gains for those that are negative or far from them, and theta (p,) solved anew.
+
+    Gains that are all off by about the same factor, in a model that explains at least `RULE.most` of the squared
+    currents, have not run away: the nominal ones, or the currents, are in another unit. A model that lacks strong
+    friction may fit best with gains without bounds, near zero, or below; steps of the current's error never lead back
+    from there. nominal (n,): nominal drive gains. Columns that are zero or absorbed get the least values.
+    """
+    ratio = solution.gains / nominal
+    away = (ratio < 1.0 / RULE.gain_lost) | (ratio > RULE.gain_lost)
+    together = bool(np.all(ratio > 0.0)) and ratio.max() < RULE.gain_lost * ratio.min()
+    if not (np.any(solution.gains_fitted) and away.any()):
+        return solution
+    if away.all() and together and _explained(stack, solution) >= RULE.most:
+        return solution
+    gains = np.where(away, nominal, solution.gains)
+    rows, right = torque_system(weighted(stack.factors, solution.weights / gains), gains)
+    return replace(solution, theta=scaled_lstsq(rows, right), gains=gains)
+
+
+def _explained(stack: Stack, solution: Solution) -> float:
+    """Share of the squared currents that a solution explains, the mean of all motors that move."""
+    measured = np.mean(stack.current**2, axis=0)
+    error = torque_residual_rms(stack, solution.theta, solution.gains) / solution.gains
+    moving = measured > 0.0
+    return float(1.0 - np.mean(error[moving] ** 2 / measured[moving])) if moving.any() else 0.0

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.linalg.lapack import dposv
 
+from bench.diagnosis.motor_products import SetProducts, products_of_sets, squares_of_sets
 from bench.diagnosis.normal_equations import SetFit, System, fit_of, has_converged, solve_set, start_of
-from bench.diagnosis.set_products import SetProducts, products_of_sets, squares_of_sets
 from bench.identification.bilinear import errors_by, moved_gains, share_within_reach
 from bench.identification.solution import Solution
 from bench.identification.tolerances import TOLERANCES

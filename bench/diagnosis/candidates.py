@@ -1,6 +1,6 @@
 """The effects that a model might lack, each with the shape that suits the data best."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -11,6 +11,7 @@ from bench.effects import Effect, EffectInstance, RobotSignals, places_in
 from bench.identification.effect_rows import effect_rows
 from bench.identification.filtered import forget_motions
 from bench.identification.joint_samples import stands_still
+from bench.identification.newton import with_shape_columns
 from bench.identification.partial_regression import PartialRegression, partial_regression
 from bench.identification.prepare import Prepared
 from bench.identification.shapes import best_shape
@@ -50,10 +51,7 @@ def context_of(prepared: Prepared, near: tuple[RobotSignals, ...]) -> Context:
 
 
 def propose(
-    start: Context,
-    catalogue: Mapping[str, Effect],
-    progress: Progress = SILENT,
-    deadline: Deadline = NEVER,
+    start: Context, catalogue: Mapping[str, Effect], progress: Progress = SILENT, deadline: Deadline = NEVER
 ) -> list[Proposal]:
     """Every effect of the catalogue that the starting model does not have, wherever it can sit.
 
@@ -61,13 +59,11 @@ def propose(
     """
     prepared = start.prepared
     places = places_in(prepared.model.geometry, prepared.dataset.weighed)
-    present = {(instance.effect.name, instance.joint) for instance in prepared.effects}
+    present = {instance.seat for instance in prepared.effects}
     every = {
         name: [
             EffectInstance(
-                places.effect_at(effect, joint),
-                joint,
-                name if effect.place == "robot" else f"{name}:{joint}",
+                places.effect_at(effect, joint), joint, name if effect.place == "robot" else f"{name}:{joint}"
             )
             for joint in places.where(effect)
             if (name, joint) not in present
@@ -155,3 +151,40 @@ def _taken_up_by(context: Context, instance: EffectInstance) -> str:
     norms[norms == 0.0] = 1.0
     values = np.linalg.lstsq(rows / norms, column)[0]
     return prepared.model.base.names[int(np.argmax(np.abs(values)))]
+
+
+def partners(
+    model: Prepared, context: Context, proposals: Sequence[Proposal], chosen: Collection[int]
+) -> list[int]:
+    """Proposals (indices) that would explain much of what the converged model leaves, the most first.
+
+    The model's columns are joined by the derivatives by its shape parameters: a time constant that was identified
+    without a viscous friction has taken its part, and would leave it there. Where nothing bends, in the model or in
+    what joins it, a search has said all there is. context: of the model; chosen: what the model has already.
+    """
+    bends = any(map(_bends, model.effects))
+    able = [
+        i
+        for i, proposal in enumerate(proposals)
+        if i not in chosen
+        and not proposal.absorbed
+        and (bends or (chosen and any(map(_bends, proposal.instances))))
+    ]
+    if not able:
+        return []
+    stack, solution = solved_quickly(model)
+    bent, extended = with_shape_columns(model, stack, solution, np.arange(model.layout.size))
+    regression = partial_regression(bent, extended)
+    shares = {
+        i: regression.explained(candidate_columns(context.prepared, proposals[i].instances))[1]
+        / regression.sum_of_squares
+        for i in able
+    }
+    bounds = TOLERANCES.search
+    large = (i for i in shares if shares[i] > bounds.revealed_share)
+    return sorted(large, key=lambda i: -shares[i])[: bounds.revealed]
+
+
+def _bends(instance: EffectInstance) -> bool:
+    """Whether its columns depend on what else the model has."""
+    return bool(instance.effect.shape) or instance.effect.depends_on_model

@@ -4,8 +4,6 @@ from dataclasses import replace
 
 from bench.basics.progress import SILENT, Progress
 from bench.diagnosis.base_model import base_model_of
-from bench.diagnosis.compared import compared
-from bench.diagnosis.elsewhere import differing_elsewhere, worse_elsewhere
 from bench.diagnosis.evidence import answer_weight
 from bench.diagnosis.fading import not_asked
 from bench.diagnosis.result import Unfinished
@@ -14,7 +12,15 @@ from bench.diagnosis.search_from import search_from
 from bench.diagnosis.search_result import SearchResult
 from bench.diagnosis.split_problem import SplitProblem
 from bench.diagnosis.starting import origins_of
-from bench.diagnosis.values_by_log import Place, explains_more, leading, places_of, with_values_by_log
+from bench.diagnosis.values_by_log import (
+    Place,
+    differing_elsewhere,
+    explains_more,
+    leading,
+    places_of,
+    with_values_by_log,
+    worse_elsewhere,
+)
 from bench.identification.identify import fit
 from bench.identification.prepare import Prepared
 from bench.identification.result import Identification
@@ -33,7 +39,7 @@ def search_catalogue(case: SplitProblem, progress: Progress = SILENT) -> SearchR
     plain = _search_with_values(case, case.start, case.before, progress)
     if case.deadline.passed:
         return replace(plain, unfinished=(*plain.unfinished, Unfinished.OWN_VALUES))
-    plain = compared(case, plain)
+    plain = plain.compared_by_log(case)
     result, tried = plain, list[frozenset[Place]]()
     while len(tried) < TOLERANCES.search.by_recording:
         wanted = places_of(result.differs)
@@ -48,7 +54,7 @@ def search_catalogue(case: SplitProblem, progress: Progress = SILENT) -> SearchR
         result = _search_with_values(case, start, fit(start), progress)
         if result.unfinished or case.deadline.passed:
             return replace(plain, unfinished=(Unfinished.OWN_VALUES,))
-        result = compared(case, result)
+        result = result.compared_by_log(case)
         if places_of(result.differs) == wanted:
             better = explains_more(result.model, plain.model) and not worse_elsewhere(
                 result.model, result.after, plain.after, wanted
@@ -64,7 +70,7 @@ def _search_with_values(
 
     before: the answer of `model` as it is.
     """
-    given = [instance.effect.name for instance in model.effects]
+    given = [instance.name for instance in model.effects]
     barred = not_asked(case.problem.dataset.recordings, case.problem.catalogue, given)
     for start in origins_of(model):
         base_model = base_model_of(start, case.deadline)

@@ -2,8 +2,7 @@
 
 from dataclasses import replace
 
-from bench.diagnosis.alike_places import alike_places
-from bench.diagnosis.place_shares import place_shares
+from bench.diagnosis.places import alike_places, place_shares
 from bench.diagnosis.result import Diagnosis
 from bench.diagnosis.search_result import SearchResult
 from bench.diagnosis.without_log import without_logs

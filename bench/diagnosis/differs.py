@@ -9,7 +9,7 @@ import numpy as np
 from bench.diagnosis.block_cross_validation import block_cross_validation
 from bench.diagnosis.result import Differing
 from bench.effects import Effect, EffectInstance
-from bench.effects.select import TAG
+from bench.effects.select import at_joint, with_value_each
 from bench.identification.decision import RULE
 from bench.identification.identify import fit
 from bench.identification.nonlinear import converged
@@ -69,7 +69,7 @@ def _candidates(
     model: Prepared, catalogue: Mapping[str, Effect]
 ) -> tuple[list[_Candidate], list[EffectInstance]]:
     """What may differ, and the instances of all their columns, one each."""
-    present = {(instance.effect.name, instance.joint): instance for instance in model.effects}
+    present = {instance.seat: instance for instance in model.effects}
     logs = model.logs
     candidates: list[_Candidate] = []
     instances: list[EffectInstance] = []
@@ -78,11 +78,9 @@ def _candidates(
             there = present.get((name, joint))
             if there is not None and there.recording:
                 continue
-            added = [] if there is not None else [EffectInstance(catalogue[name], joint, f"{name}:{joint}")]
+            added = [] if there is not None else [at_joint(catalogue[name], joint)]
             start = len(instances)
-            instances += added + [
-                EffectInstance(catalogue[name], joint, f"{name}:{joint}{TAG}", log, logs) for log in logs[:-1]
-            ]
+            instances += added + with_value_each(catalogue[name], joint, logs)[:-1]
             at = start + len(added)
             candidates.append(
                 _Candidate(catalogue[name], joint, tuple(range(start, at)), tuple(range(at, len(instances))))
@@ -95,14 +93,12 @@ def _that_show(
 ) -> tuple[tuple[Differing, ...], Identification | None]:
     """Those whose values, all fitted together, differ clearly and are possible; and that fit."""
     places = {(candidate.effect.name, candidate.joint) for candidate, *_ in chosen}
-    kept = [instance for instance in model.effects if (instance.effect.name, instance.joint) not in places]
+    kept = [instance for instance in model.effects if instance.seat not in places]
     logs = model.logs
     added = [
-        EffectInstance(
-            candidate.effect, candidate.joint, f"{candidate.effect.name}:{candidate.joint}{TAG}", log, logs
-        )
+        instance
         for candidate, *_ in chosen
-        for log in logs
+        for instance in with_value_each(candidate.effect, candidate.joint, logs)
     ]
     wider = converged(with_effects(model, (*kept, *added)), nearly=True)
     result = fit(wider)

@@ -32,10 +32,7 @@ class Samples:
         return replace(self, coarsening=RULE.coarsening_beyond(excess))
 
     def log_posterior(
-        self,
-        squares: np.ndarray,
-        unknowns: np.ndarray | int,
-        prior: np.ndarray | float,
+        self, squares: np.ndarray, unknowns: np.ndarray | int, prior: np.ndarray | float
     ) -> np.ndarray:
         """Logarithm (...,) of the weight of models, of squares (..., 2, n) of motors' errors, fitted and judged.
 
@@ -113,4 +110,4 @@ def effects_unknowns(effects: Iterable[EffectInstance]) -> int:
 
 def effects_prior(effects: Iterable[EffectInstance]) -> float:
     """Nats that effects must bring, each once for all places."""
-    return RULE.prior * len({instance.effect.name for instance in effects})
+    return RULE.prior * len({instance.name for instance in effects})

@@ -4,14 +4,18 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cache
 
-from bench.diagnosis.base_model import BaseModel
+from bench.diagnosis.base_model import BaseModel, added_effects
 from bench.diagnosis.evidence import ResidualSumOfSquares, answer_squares
 from bench.diagnosis.normal_equations import solve_set
 from bench.diagnosis.result import LadderStep
-from bench.diagnosis.rounds import Round
+from bench.diagnosis.round import Round
 from bench.diagnosis.search import held_out_error
+from bench.diagnosis.split_problem import SplitProblem
+from bench.diagnosis.starting import kept_and_new
+from bench.diagnosis.values_by_log import values_by_log
 from bench.effects import EffectInstance
-from bench.identification.identify import fitted_currents
+from bench.identification.identify import fit, fitted_currents
+from bench.identification.prepare import Prepared
 from bench.identification.result import CurrentSeries, DriveGain, Identification, relative_error
 
 
@@ -28,20 +32,44 @@ Fits = Callable[[frozenset[str]], FittedSet]
 """From the names of effects to the model that has them."""
 
 
-def fits_of(
-    base_model: BaseModel,
-    kept: Sequence[EffectInstance],
-    new: Sequence[EffectInstance],
-    before: Identification,
-    after: Identification,
-) -> Fits:
-    """What is kept of the starting model with some of the new effects, by name, each set fitted once; before, after:
-    without any, and with all.
+@dataclass(frozen=True)
+class FittedSets:
+    """The effects that a model has beyond what is kept of the given ones, their names, and the fits of some of them.
+
+    requests: effects with a value for each recording that all of these fits have.
     """
+
+    new: tuple[EffectInstance, ...]
+    names: tuple[str, ...]
+    fits: Fits
+    requests: tuple[str, ...]
+
+    def ladder(self, before: Identification, *, whole: bool) -> tuple[LadderStep, ...]:
+        """Errors after each added effect, the one that helps most first, or the first and the last of these alone.
+
+        before: the answer of the given model; where all steps have values for each recording, it is the first.
+        """
+        if whole:
+            steps = ladder_of(self.names, self.fits)
+        else:
+            ends = [(), self.names] if self.names else [()]
+            steps = tuple(replace(self.fits(frozenset(names)).step, effects=names) for names in ends)
+        if not self.requests:
+            return steps
+        named = (replace(step, effects=(*self.requests, *step.effects)) for step in steps)
+        return (step_of((), before.recordings), *named)
+
+
+def fits_of(case: SplitProblem, base_model: BaseModel, model: Prepared, after: Identification) -> FittedSets:
+    """Sets of the effects of a fitted model, each fitted once; after: with all of them."""
+    given = case.start.effects
+    kept, new = kept_and_new(added_effects(base_model, model), given)
+    requests = tuple(dict.fromkeys(each.request for each in values_by_log(base_model.start, given)))
+    before = fit(base_model.with_instances(kept)) if requests else case.before
 
     @cache
     def fitted(names: frozenset[str]) -> FittedSet:
-        chosen = [instance for instance in new if instance.effect.name in names]
+        chosen = [instance for instance in new if instance.name in names]
         if not names:
             series, gains = before.recordings, values_of(before.drive_gains)
         elif len(chosen) == len(new):
@@ -50,7 +78,7 @@ def fits_of(
             series, gains = fitted_currents(base_model.with_instances([*kept, *chosen]))
         return FittedSet(step_of(tuple(names), series), answer_squares([*kept, *chosen], series), gains)
 
-    return fitted
+    return FittedSets(new, tuple(dict.fromkeys(instance.name for instance in new)), fitted, requests)
 
 
 def values_of(gains: Mapping[str, DriveGain]) -> dict[str, float]:
@@ -85,22 +113,6 @@ def ladder_of(names: Sequence[str], fits: Fits) -> tuple[LadderStep, ...]:
         remaining.remove(best.effects[-1])
         steps.append(best)
     return tuple(steps)
-
-
-def with_values_before(
-    ladder: Sequence[LadderStep], requests: Sequence[str], before: Identification
-) -> tuple[LadderStep, ...]:
-    """A ladder whose steps all have effects with a value for each recording, as requested, after the model without."""
-    if not requests:
-        return tuple(ladder)
-    steps = [replace(step, effects=(*requests, *step.effects)) for step in ladder]
-    return (step_of((), before.recordings), *steps)
-
-
-def ends_of_ladder(names: Sequence[str], fits: Fits) -> tuple[LadderStep, ...]:
-    """The first and the last step of a ladder."""
-    first = fits(frozenset()).step
-    return (first, replace(fits(frozenset(names)).step, effects=tuple(names))) if names else (first,)
 
 
 def step_of(effects: tuple[str, ...], fitted: Sequence[CurrentSeries]) -> LadderStep:

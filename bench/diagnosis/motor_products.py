@@ -1,9 +1,12 @@
-"""Inner products of all columns, motor by motor."""
+"""Inner products of all columns, motor by motor; those of many sets have their first columns in common, once."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.linalg import orth
+
+from bench.identification.bilinear import TINY
 
 
 @dataclass(frozen=True)
@@ -34,3 +37,113 @@ def summed(parts: Sequence[MotorProducts], size: int, motors: int) -> MotorProdu
         sum(part.measured for part in parts),
         sum((part.rows_of_motor for part in parts), np.zeros(motors)),
     )
+
+
+@dataclass(frozen=True)
+class SetProducts:
+    """Products of S sets with every motor's [base, added, torque, error]: b columns that all have, c that each has.
+
+    base (n, b, b); across (S, n, b, c + 2): base by a set's added columns; within (S, n, c + 2, c + 2).
+    """
+
+    base: np.ndarray
+    across: np.ndarray
+    within: np.ndarray
+
+    def combined(self, errors: np.ndarray) -> np.ndarray:
+        """Inner products (S, n, b + c + 2) of all columns with what errors (S, n, b + c + 2) combine of them."""
+        b = self.base.shape[1]
+        shared, single = errors[..., :b], errors[..., b:, None]
+        result = np.empty(errors.shape)
+        result[..., :b] = np.matmul(shared.swapaxes(0, 1), self.base).swapaxes(0, 1)
+        result[..., :b] += (self.across @ single)[..., 0]
+        result[..., b:] = (shared[..., None, :] @ self.across)[..., 0, :]
+        result[..., b:] += (self.within @ single)[..., 0]
+        return result
+
+    def weighted(self, shares: np.ndarray) -> np.ndarray:
+        """The products of columns (S, b + c, b + c), all motors by their shares (S, n)."""
+        sets, n, b, c = self.across.shape
+        c -= 2
+        result = np.empty((sets, b + c, b + c))
+        result[:, :b, :b] = (shares @ self.base.reshape(n, -1)).reshape(sets, b, b)
+        cross = (shares[:, None] @ self.across.reshape(sets, n, -1)).reshape(sets, b, c + 2)[..., :c]
+        result[:, :b, b:], result[:, b:, :b] = cross, cross.swapaxes(1, 2)
+        among = shares[:, None] @ self.within.reshape(sets, n, -1)
+        result[:, b:, b:] = among.reshape(sets, c + 2, c + 2)[:, :c, :c]
+        return result
+
+    def of_torque(self, start: np.ndarray) -> np.ndarray:
+        """Products (S, n, b + c + 2) of all columns with the current that was measured, as torque / start + error."""
+        every = np.concatenate((self.across, self.within), axis=2)
+        return np.asarray(every[..., -2] / start[:, None] + every[..., -1])
+
+    def some(self, which: np.ndarray) -> "SetProducts":
+        """The products of some of the sets, (S,) True or False."""
+        return SetProducts(self.base, self.across[which], self.within[which])
+
+
+def products_of_sets(products: MotorProducts, b: int, added: Sequence[np.ndarray], c: int) -> SetProducts:
+    """Products of the first b columns and of each set's added ones (indices), c of them with zeros to fill up."""
+    size = products.inner.shape[1]
+    picked = np.full((len(added), c + 2), size)  # the column of zeros
+    picked[:, -2:] = size - 2, size - 1
+    for row, block in zip(picked, added, strict=True):
+        row[: len(block)] = block
+    inner = products.with_zeros
+    across = np.moveaxis(inner[:, :b][:, :, picked], 2, 0)
+    block = np.moveaxis(inner[:, picked[:, :, None], picked[:, None, :]], 1, 0)
+    base = np.ascontiguousarray(inner[:, :b, :b])
+    return SetProducts(base, np.ascontiguousarray(across), np.ascontiguousarray(block))
+
+
+def squares_of_sets(errors: np.ndarray, combined: np.ndarray) -> np.ndarray:
+    """Sums of squares (S, n) of what errors combine, never below what rounding leaves of nothing."""
+    return np.asarray(np.maximum(np.einsum("snk,snk->sn", errors, combined), TINY))
+
+
+@dataclass(frozen=True)
+class MotorRows:
+    """Rows of one motor in one recording: M rows of some of C columns, and of the torque and the error that go with
+    them.
+
+    filled (c,): the columns that are not zero there; values (M, c): these; ends (M, 2): torque and error.
+    """
+
+    filled: np.ndarray
+    values: np.ndarray
+    ends: np.ndarray
+
+
+def motor_rows(columns: Sequence[np.ndarray], ends: np.ndarray) -> MotorRows:
+    """The rows of a motor, from columns (M, ...) side by side, and torque and error (M, 2)."""
+    every = np.concatenate(columns, axis=1)
+    filled = np.flatnonzero(every.any(axis=0))
+    return MotorRows(filled, every[:, filled], ends)
+
+
+def apart_from(rows: MotorRows, columns: Sequence[int]) -> MotorRows:
+    """The rows without what some of the columns, in any size, account for."""
+    selected = rows.values[:, np.isin(rows.filled, columns)]
+    basis = orth(selected) if selected.any() else np.zeros((len(selected), 0))
+    values, ends = (part - basis @ (basis.T @ part) for part in (rows.values, rows.ends))
+    return MotorRows(rows.filled, values, ends)
+
+
+def folded(triangle: np.ndarray, rows: MotorRows, weight: float) -> np.ndarray:
+    """Triangular factor of all columns (C, C) with one motor's rows, weighted, under those that it has already."""
+    reduced = weight * np.asarray(np.linalg.qr(rows.values, mode="r"))
+    under = np.zeros((len(reduced), triangle.shape[1]))
+    under[:, rows.filled] = reduced
+    return np.asarray(np.linalg.qr(np.concatenate((triangle, under)), mode="r"))
+
+
+def products(rows: MotorRows, change: np.ndarray) -> np.ndarray:
+    """Inner products (k + 2, k + 2) of columns combined by `change` (C, k), torque and error."""
+    changed = np.concatenate((rows.values @ change[rows.filled], rows.ends), axis=1)
+    return np.asarray(changed.T @ changed)
+
+
+def combined(rows: MotorRows, values: np.ndarray) -> np.ndarray:
+    """Sum (M,) of columns, torque and error, each by its value (C + 2,)."""
+    return np.asarray(rows.values @ values[rows.filled] + rows.ends @ values[-2:])

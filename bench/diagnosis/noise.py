@@ -1,13 +1,18 @@
-"""What the noise of the currents leaves of the fitted recordings: a model that leaves no more lacks nothing."""
+"""What no model explains: the noise of the currents, and what logs do not repeat where their motion repeats itself."""
+
+from collections.abc import Sequence
 
 import numpy as np
 
+from bench.basics.interpolation import cubic_spline
 from bench.diagnosis.normal_equations import System
 from bench.identification.current_noise import current_noise
 from bench.identification.decision import RULE
 from bench.identification.prepare import Prepared
+from bench.identification.result import CurrentSeries
 from bench.identification.solve_only import solved_quickly, spread
 from bench.identification.tolerances import TOLERANCES
+from bench.signals.returning import rows_until_return, same_again
 
 
 def noise_squares(prepared: Prepared) -> np.ndarray | None:
@@ -39,3 +44,25 @@ def leaves_only_noise(system: System, model: Prepared, noise: np.ndarray | None)
     samples = system.fitted.rows / system.autocorrelation_time
     nats = 0.5 * samples * np.log(residual / max(least, np.finfo(float).tiny))
     return bool(TOLERANCES.statistics.white * least < residual and nats < RULE.prior)
+
+
+def not_repeated(series: Sequence[CurrentSeries]) -> float | None:
+    """RMS of what the errors of all series do not repeat, over that of the currents there; None if no motion returns.
+
+    Half of the squared difference of the errors one period apart: noise, and whatever else the motion does not decide.
+    """
+    squares = measured = 0.0
+    for trace in series:
+        rows = rows_until_return(trace.position)
+        if rows is None:
+            continue
+        period = rows * float(trace.time[-1] - trace.time[0]) / (len(trace.time) - 1)
+        again = same_again(trace.position, rows)
+        known = np.arange(len(trace.time)) < len(again)
+        later = trace.time[known] + period
+        still = cubic_spline(trace.time, trace.moving.astype(float))(later) <= 1.0 - 1e-6
+        both = again[:, None] & trace.moving[known] & ~still
+        apart = (cubic_spline(trace.time, trace.error)(later) - trace.error[known]) * both
+        squares += 0.5 * float((apart**2).sum())
+        measured += float(((trace.measured[known] * both) ** 2).sum())
+    return float(np.sqrt(squares / measured)) if measured else None

@@ -14,8 +14,16 @@ import numpy as np
 
 from bench.basics.deadline import NEVER, Deadline
 from bench.diagnosis.evidence import Samples
-from bench.diagnosis.motor_products import MotorProducts, summed
-from bench.diagnosis.motor_rows import MotorRows, apart_from, combined, folded, motor_rows, products
+from bench.diagnosis.motor_products import (
+    MotorProducts,
+    MotorRows,
+    apart_from,
+    combined,
+    folded,
+    motor_rows,
+    products,
+    summed,
+)
 from bench.effects import EffectInstance, RobotSignals
 from bench.identification.autocorrelation_time import autocorrelation_time, repeats_of
 from bench.identification.bilinear import (

@@ -62,9 +62,7 @@ def posterior_of(
         probability[list(fit.chosen)] += weight
     sets = tuple(
         ProbableSet(
-            tuple(proposals[k].name for k in fit.chosen),
-            float(weight),
-            scale * held_out_error(system, fit),
+            tuple(proposals[k].name for k in fit.chosen), float(weight), scale * held_out_error(system, fit)
         )
         for fit, weight in zip(fits[: TOLERANCES.report.sets], weights, strict=False)
         if weight > TOLERANCES.report.set_probability

@@ -10,6 +10,7 @@ from bench.diagnosis.evidence import Samples
 from bench.diagnosis.ladder import Fits
 from bench.diagnosis.reason import Because, Reason
 from bench.diagnosis.result import EffectVerdict
+from bench.diagnosis.significance import wrong_signs
 from bench.effects import EffectInstance
 from bench.identification.decision import RULE
 from bench.identification.result import Identification
@@ -17,16 +18,10 @@ from bench.identification.result import Identification
 
 def impossible_effects(result: Identification, added: Sequence[EffectInstance]) -> dict[str, Reason]:
     """Effects with a clearly negative parameter, that must be positive, wherever they are; and why they go."""
-    by_name: dict[str, list[str]] = {}
+    by_name: dict[str, list[list[str]]] = {}
     for instance in added:
-        values = result.effect_parameters[instance.effect.name][instance.place]
-        wrong = [
-            parameter.name
-            for parameter in instance.effect.parameters
-            if parameter.positive and values[parameter.name].value < -RULE.shows * values[parameter.name].std
-        ]
-        by_name.setdefault(instance.effect.name, []).append(wrong[0] if wrong else "")
-    return {name: Reason(Because.IMPOSSIBLE, (wrong[0],)) for name, wrong in by_name.items() if all(wrong)}
+        by_name.setdefault(instance.name, []).append(wrong_signs(result, instance))
+    return {name: Reason(Because.IMPOSSIBLE, (wrong[0][0],)) for name, wrong in by_name.items() if all(wrong)}
 
 
 def impossible_but_needed(whole: Identification, dropped: Sequence[EffectInstance]) -> dict[str, Reason]:
@@ -37,11 +32,8 @@ def impossible_but_needed(whole: Identification, dropped: Sequence[EffectInstanc
     """
     reasons: dict[str, Reason] = {}
     for instance in dropped:
-        values = whole.effect_parameters[instance.effect.name][instance.place]
-        for parameter in instance.effect.parameters:
-            value = values[parameter.name]
-            if parameter.positive and value.value < -RULE.shows * value.std:
-                reasons[instance.effect.name] = Reason(Because.IMPOSSIBLE, (parameter.name, instance.place))
+        if wrong := wrong_signs(whole, instance):
+            reasons[instance.name] = Reason(Because.IMPOSSIBLE, (wrong[-1], instance.place))
     return reasons
 
 
@@ -49,7 +41,7 @@ def cancelling_effect(result: Identification, added: Sequence[EffectInstance]) -
     """The effect added last, of those with a torque many times all that a motor gives, or which cancels that of
     another: it has no size by itself.
     """
-    by_motor = {instance.effect.name: instance.effect.by_motor for instance in added}
+    by_motor = {instance.name: instance.effect.by_motor for instance in added}
     for j, (joint, gain) in enumerate((joint, result.drive_gains[joint]) for joint in result.joints):
         given, torques = _torques_at(result, j, gain.value, list(by_motor))
         for name, torque in reversed(torques.items()):

@@ -32,6 +32,11 @@ def score(system: System, fit: SetFit) -> Scored:
     return Scored(fit, held_out, log_posterior(system, fit, system.samples))
 
 
+def score_set(system: System, chosen: Sequence[int]) -> Scored:
+    """A set, solved."""
+    return score(system, solve_set(system, chosen))
+
+
 def log_posterior(system: System, fit: SetFit, samples: Samples) -> float:
     """Logarithm of the weight of a set, with samples that count as these do: see `Samples.log_posterior`."""
     return float(samples.log_posterior(fit.by_motor, len(fit.columns), system.prior_of(fit.chosen)))
@@ -52,7 +57,7 @@ def search(system: System, usable: Sequence[int], deadline: Deadline = NEVER) ->
     stay; larger sets are reached one change after the other. Raises TimeUpError after the deadline.
     """
     singles = dict(zip(usable, scored(system, [(i,) for i in usable]), strict=True))
-    best = score(system, solve_set(system, ()))
+    best = score_set(system, ())
     for size in range(1, TOLERANCES.search.exhaustive + 1):
         deadline.check()
         best = _best(system, best, combinations(_shortlist(system, usable, singles, best), size))
@@ -68,7 +73,7 @@ def best_set(
     deadline.
     """
     starts = [
-        score(system, solve_set(system, ())),
+        score_set(system, ()),
         *sorted(scored(system, [*begin]), key=_total)[-TOLERANCES.search.starts :],
     ]
     return max((climbed(system, start, usable, deadline) for start in starts), key=_total)

@@ -1,18 +1,20 @@
 """The result of a search for missing effects."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 
 from bench.diagnosis.base_model import BaseModel
+from bench.diagnosis.differs import differing
 from bench.diagnosis.encoder_noise import encoder_error
 from bench.diagnosis.evidence import Samples, answer_squares
 from bench.diagnosis.ladder import Fits
 from bench.diagnosis.reason import Reason
-from bench.diagnosis.result import Differing, LadderStep, Superfluous, Unfinished
-from bench.diagnosis.rounds import Round
+from bench.diagnosis.result import Differing, LadderStep, Superfluous, Unexplained, Unfinished
+from bench.diagnosis.round import Round
 from bench.diagnosis.split_problem import SplitProblem
-from bench.diagnosis.unexplained import excess
+from bench.diagnosis.unexplained import excess, unexplained
+from bench.diagnosis.values_by_log import with_common_values
 from bench.effects import EffectInstance
 from bench.identification.prepare import Prepared
 from bench.identification.result import Identification
@@ -46,6 +48,16 @@ class SearchResult:
         """Log weight of the identified model, its laws as improbable as proposed: see `Samples.log_posterior`."""
         effects = self.model.effects
         return answer_squares(effects, self.after.recordings, self.last.prior_of(effects)).weight(samples)
+
+    def compared_by_log(self, case: SplitProblem) -> "SearchResult":
+        """With the effects that differ by recording in the identified model, or would, and the answer with these."""
+        model = with_common_values(self.model, case.start.effects)
+        differs, differently = differing(model, case.problem.catalogue)
+        return replace(self, compared=True, differs=differs, differently=differently)
+
+    def unexplained_by(self, case: SplitProblem, after: Identification) -> Unexplained:
+        """What an answer of the identified model leaves unexplained."""
+        return unexplained(after, case.problem.dataset.recordings, partial(encoder_error, self.model))
 
     def excess(self, case: SplitProblem) -> float:
         """Excess of the identified model: see `unexplained.excess`."""

@@ -22,9 +22,9 @@ def is_significant(result: Identification, instance: EffectInstance) -> bool:
     the noise better than any one does, so that it must bring what every effect must, and the logarithm of how many were
     tried.
     """
-    values = result.effect_parameters[instance.effect.name][instance.place]
+    values = result.effect_parameters[instance.name][instance.place]
     parameters = instance.effect.parameters
-    if wrong_sign(result, instance):
+    if wrong_signs(result, instance):
         return False
     estimates = np.array([values[parameter.name].value for parameter in parameters])
     covariance = _at_its_shape(result, instance)
@@ -39,19 +39,20 @@ def is_significant(result: Identification, instance: EffectInstance) -> bool:
     return bool(estimates[known] @ inverse @ estimates[known] > needed)
 
 
-def wrong_sign(result: Identification, instance: EffectInstance) -> bool:
-    """Whether a parameter that must be positive is clearly negative there."""
-    values = result.effect_parameters[instance.effect.name][instance.place]
-    return any(
-        parameter.positive and values[parameter.name].value < -RULE.shows * values[parameter.name].std
+def wrong_signs(result: Identification, instance: EffectInstance) -> list[str]:
+    """The parameters that must be positive and are clearly negative there."""
+    values = result.effect_parameters[instance.name][instance.place]
+    return [
+        parameter.name
         for parameter in instance.effect.parameters
-    )
+        if parameter.positive and values[parameter.name].value < -RULE.shows * values[parameter.name].std
+    ]
 
 
 def _at_its_shape(result: Identification, instance: EffectInstance) -> np.ndarray:
     """Covariance (p, p) of an effect's linear parameters where its shape is as it is."""
     rows = {unknown: i for i, unknown in enumerate(result.covariance_rows)}
-    name, place = instance.effect.name, instance.place
+    name, place = instance.name, instance.place
     values = result.effect_parameters[name][place]
 
     def rows_of(names: Sequence[str]) -> list[int | None]:

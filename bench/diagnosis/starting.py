@@ -3,7 +3,7 @@
 from collections.abc import Collection, Sequence
 from dataclasses import replace
 
-from bench.diagnosis.base_model import BaseModel
+from bench.diagnosis.base_model import BaseModel, added_effects
 from bench.diagnosis.candidates import Proposal
 from bench.diagnosis.evidence import Samples, answer_weight
 from bench.diagnosis.result import Superfluous
@@ -30,7 +30,7 @@ def kept_and_new(
 ) -> tuple[tuple[EffectInstance, ...], tuple[EffectInstance, ...]]:
     """The identified effects, split into those of the starting model and the rest."""
     there = _places(given)
-    kept = tuple(instance for instance in effects if (instance.effect.name, instance.joint) in there)
+    kept = tuple(instance for instance in effects if instance.seat in there)
     return kept, tuple(instance for instance in effects if instance not in kept)
 
 
@@ -45,29 +45,28 @@ def leaving(
 
     Each is tried once more in addition to the others: one that takes a clear share of the error away comes back.
     """
-    given_count = len(base_model.start.effects)
-    each = {instance.effect.name for instance in base_model.start.effects if instance.recording}
+    each = {instance.name for instance in base_model.start.effects if instance.recording}
     added = _named(
-        model.effects[given_count:], [instance for instance in given if instance.effect.name not in each]
+        added_effects(base_model, model), [instance for instance in given if instance.name not in each]
     )
-    model = replace(model, effects=(*model.effects[:given_count], *added))
+    model = replace(model, effects=(*model.effects[: len(base_model.start.effects)], *added))
     if model.effects and added:
         after = replace(after, effects=tuple(dict.fromkeys(instance.request for instance in model.effects)))
     gone: list[Superfluous] = []
     there = _places(base_model.start.effects)
-    absent = [instance for instance in given if (instance.effect.name, instance.joint) not in there]
-    for name in dict.fromkeys(instance.effect.name for instance in absent):
-        if any(instance.effect.name == name for instance in added):
+    absent = [instance for instance in given if instance.seat not in there]
+    for name in dict.fromkeys(instance.name for instance in absent):
+        if any(instance.name == name for instance in added):
             continue
         wider = base_model.with_instances(
-            [*added, *(instance for instance in absent if instance.effect.name == name)]
+            [*added, *(instance for instance in absent if instance.name == name)]
         )
         result = fit(wider)
         if answer_weight(samples, wider, result) > answer_weight(samples, model, after):
             model, after = wider, result
-            added = list(model.effects[given_count:])
+            added = list(added_effects(base_model, model))
         elif name not in each:  # else it has a value for each recording somewhere
-            wholes = [instance.effect.name for instance in added if name in instance.effect.contains]
+            wholes = [instance.name for instance in added if name in instance.effect.contains]
             gone.append(Superfluous(name, wholes[0] if wholes else None))
     return model, after, tuple(gone)
 
@@ -83,12 +82,9 @@ def given_wholly(given: Sequence[EffectInstance], proposals: Sequence[Proposal])
 
 
 def _named(effects: Sequence[EffectInstance], given: Sequence[EffectInstance]) -> list[EffectInstance]:
-    requests = {(instance.effect.name, instance.joint): instance.request for instance in given}
-    return [
-        replace(instance, request=requests.get((instance.effect.name, instance.joint), instance.request))
-        for instance in effects
-    ]
+    requests = {instance.seat: instance.request for instance in given}
+    return [replace(instance, request=requests.get(instance.seat, instance.request)) for instance in effects]
 
 
 def _places(given: Sequence[EffectInstance]) -> set[tuple[str, str]]:
-    return {(instance.effect.name, instance.joint) for instance in given}
+    return {instance.seat for instance in given}

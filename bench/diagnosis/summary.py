@@ -8,14 +8,16 @@ import numpy as np
 
 from bench.basics.joint_units import units_of_gain
 from bench.basics.sentence import and_list, capital, in_percent, or_list
-from bench.diagnosis.differs_words import from_run_to_run
+from bench.diagnosis.dependence_words import (
+    by_log_sentence,
+    from_run_to_run,
+    unfinished_sentence,
+    usual_sentence,
+)
 from bench.diagnosis.law_words import law_sentences
-from bench.diagnosis.motions import telling_motions
 from bench.diagnosis.reason_words import reason_sentence, unexplained_words, validated_on
 from bench.diagnosis.result import Diagnosis, EffectVerdict, Remainder, Unfinished
-from bench.diagnosis.unfinished_words import unfinished_sentence
-from bench.diagnosis.unproven_words import by_log_sentence, usual_sentence
-from bench.effects.display_names import spoken
+from bench.effects.display_names import spoken, telling_motions
 from bench.identification.decision import RULE, deciding_by
 from bench.identification.finding import CAUSES, Code
 from bench.identification.finding_words import sentence

@@ -6,7 +6,7 @@ import numpy as np
 
 from bench.basics.chi_squared import exceeded_with
 from bench.dataset.recording import Recording
-from bench.diagnosis.repeats import not_repeated
+from bench.diagnosis.noise import not_repeated
 from bench.diagnosis.result import Remainder, Unexplained, excess_of
 from bench.identification.current_noise import current_noise
 from bench.identification.decision import RULE

@@ -2,28 +2,23 @@
 Coulomb friction and an offset at every motor.
 """
 
-from collections.abc import Collection, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from itertools import combinations
 
+from bench.diagnosis.base_model import added_effects
 from bench.diagnosis.evidence import answer_weight
-from bench.diagnosis.ladder import fits_of, ladder_of, with_values_before
-from bench.diagnosis.normal_equations import solve_set
+from bench.diagnosis.ladder import fits_of
 from bench.diagnosis.reason import Because, Reason
-from bench.diagnosis.rounds import Round
-from bench.diagnosis.search import score
+from bench.diagnosis.rounds import with_set
 from bench.diagnosis.search_result import SearchResult
-from bench.diagnosis.significance import wrong_sign
+from bench.diagnosis.significance import wrong_signs
 from bench.diagnosis.split_problem import SplitProblem
-from bench.diagnosis.starting import kept_and_new
-from bench.diagnosis.values_by_log import values_by_log
 from bench.effects import EffectInstance
 from bench.identification.chosen_band import usual_friction
-from bench.identification.errors_in_variables import with_errors_in_variables_checked
-from bench.identification.identify import fit
-from bench.identification.impossible_payload import with_possible_payloads
+from bench.identification.identify import fit, with_doubts_checked
 from bench.identification.prepare import Prepared
-from bench.identification.result import Identification, relative_error
+from bench.identification.result import Identification
 
 
 @dataclass(frozen=True)
@@ -40,12 +35,7 @@ class _WithFriction:
     @property
     def error(self) -> float:
         """Relative error on recordings that were not fitted."""
-        return judged_error(self.after)
-
-
-def judged_error(result: Identification) -> float:
-    """Relative error on recordings that were not fitted."""
-    return relative_error([trace for trace in result.recordings if trace.use == "validate"]) or 0.0
+        return self.after.error.validate or 0.0
 
 
 def no_worse_than_usual(case: SplitProblem, finding: SearchResult, error: float) -> SearchResult | None:
@@ -58,7 +48,7 @@ def no_worse_than_usual(case: SplitProblem, finding: SearchResult, error: float)
         if proposal.name in usual_friction(case.problem.catalogue) and not proposal.absorbed
     }
     every = [instance for instances in usual.values() for instance in instances]
-    least = judged_error(fit(finding.base_model.with_instances(every)))
+    least = fit(finding.base_model.with_instances(every)).error.validate or 0.0
     if error <= least:
         return None
     best: _WithFriction | None = None
@@ -93,49 +83,37 @@ def _tried(
 ) -> _WithFriction:
     """A model with these effects where their sign is possible."""
     base_model = finding.base_model
-    given = len(base_model.start.effects)
-    selected = finding.model.effects[given:] if searched else ()
+    selected = added_effects(base_model, finding.model) if searched else ()
     joining = [instance for name in names for instance in usual[name]]
     model = base_model.with_instances([*selected, *joining])
     after = fit(model)
-    kept = [instance for instance in model.effects[given:] if not wrong_sign(after, instance)]
-    if len(kept) < len(model.effects) - given:
+    every = added_effects(base_model, model)
+    kept = [instance for instance in every if not wrong_signs(after, instance)]
+    if len(kept) < len(every):
         model = base_model.with_instances(kept)
         after = fit(model)
-    after = with_errors_in_variables_checked(model, with_possible_payloads(model, after, fit), fit)
-    there = {instance.effect.name for instance in kept}
+    after = with_doubts_checked(model, after)
+    there = {instance.name for instance in kept}
     before = finding.names if searched else ()
     return _WithFriction(model, after, tuple(n for n in names if n in there and n not in before), searched)
 
 
 def _as_result(case: SplitProblem, finding: SearchResult, tried: _WithFriction) -> SearchResult:
     """The result of the search with another model."""
-    base_model, given = finding.base_model, case.start.effects
-    kept, new = kept_and_new(tried.model.effects[len(base_model.start.effects) :], given)
-    names = tuple(dict.fromkeys(instance.effect.name for instance in new))
-    each = dict.fromkeys(instance.request for instance in values_by_log(base_model.start, given))
-    without = fit(base_model.with_instances(kept)) if each else case.before
-    fits = fits_of(base_model, kept, new, without, tried.after)
+    sets = fits_of(case, finding.base_model, tried.model, tried.after)
     barred, last = dict(finding.barred), finding.last
     if not tried.searched:
-        barred |= {name: Reason(Because.WORSE_THAN_USUAL) for name in finding.names if name not in names}
-        last = _with_set(last, names)
+        barred |= {name: Reason(Because.WORSE_THAN_USUAL) for name in finding.names if name not in sets.names}
+        last = with_set(last, [i for i, each in enumerate(last.proposals) if each.name in sets.names])
     return replace(
         finding,
         last=last,
         model=tried.model,
         after=tried.after,
-        new=new,
-        names=names,
-        fits=fits,
-        ladder=with_values_before(ladder_of(names, fits), [*each], case.before),
+        new=sets.new,
+        names=sets.names,
+        fits=sets.fits,
+        ladder=sets.ladder(case.before, whole=True),
         barred=barred,
         usual=tried.added if tried.searched else (),
     )
-
-
-def _with_set(last: Round, names: Collection[str]) -> Round:
-    """A round whose best set is that of these effects."""
-    chosen = [i for i, proposal in enumerate(last.proposals) if proposal.name in names]
-    selected = score(last.system, solve_set(last.system, chosen))
-    return replace(last, selection=replace(last.selection, selected=selected))

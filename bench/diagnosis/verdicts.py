@@ -1,70 +1,98 @@
 """A verdict on every effect of the catalogue, with its reason."""
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 
 from bench.diagnosis.batched_sets import solve_sets, swapped
 from bench.diagnosis.candidates import Proposal
-from bench.diagnosis.normal_equations import System, solve_set
+from bench.diagnosis.normal_equations import System
+from bench.diagnosis.posterior import Posterior, with_probability
+from bench.diagnosis.pruning import refused
 from bench.diagnosis.reason import Because, Doubt, Reason
 from bench.diagnosis.result import EffectVerdict, Unexplained, Verdict
-from bench.diagnosis.search import Scored, Selection, close, contains, held_out_error, score
+from bench.diagnosis.round import Round
+from bench.diagnosis.search import Scored, close, contains, held_out_error, score_set
+from bench.diagnosis.search_result import SearchResult
+from bench.diagnosis.split_problem import SplitProblem
+from bench.diagnosis.starting import given_wholly
 from bench.identification.decision import RULE
+from bench.identification.effect_torques import sizes_of
+from bench.identification.result import Identification
+
+ORDER: Mapping[Verdict, int] = {
+    "missing": 0,
+    "indistinguishable": 1,
+    "resembles": 2,
+    "not supported": 3,
+    "absorbed": 4,
+}
 
 
 def verdicts(
-    system: System,
-    proposals: Sequence[Proposal],
-    selection: Selection,
-    places: dict[str, tuple[str, ...]],
-    scale: float,
-    unexplained: Unexplained,
-    without: Mapping[str, float],
-) -> tuple[EffectVerdict, ...]:
+    finding: SearchResult, scale: float, unexplained: Unexplained, without: Mapping[str, float]
+) -> list[EffectVerdict]:
     """Every effect, the identified ones first, then by evidence.
 
-    places: joints at which each identified effect shows. scale: error of the converged model over that of its set.
-    without: error of the identified model without each of its effects, fitted anew. unexplained: where it is
-    significant, no effect accounts for it, and an identified effect is only sure if the error without it is
-    RULE.dominant times the residual with it, or RULE.dominant_in_much times where much remains.
+    scale: error of the converged model over that of its set. without: error of the identified model without each of its
+    effects, fitted anew. unexplained: where it is significant, no effect accounts for it, and an identified effect is
+    only sure if the error without it is RULE.dominant times the residual with it, or RULE.dominant_in_much times where
+    much remains.
     """
-    best = selection.selected
-    chosen = set(best.fit.chosen)
-    others = [i for i in selection.singles if i not in chosen]
-    more = [(*best.fit.chosen, i) for i in others]
-    solve_sets(
-        system, [*more, *swapped(best.fit.chosen, others)]
-    )  # together, and kept: each is asked for below
+    last = finding.last
+    system, best = last.system, last.selection.selected
+    others = [i for i in last.selection.singles if i not in last.chosen]
+    more = [(*last.chosen, i) for i in others]
+    solve_sets(system, [*more, *swapped(last.chosen, others)])  # together, and kept: each is asked for below
     sure = (RULE.dominant_in_much if unexplained.much else RULE.dominant) if unexplained.significant else 0.0
+    places: dict[str, tuple[str, ...]] = {}
+    for instance in finding.new:
+        at = (instance.joint,) if instance.joint else finding.model.dataset.robot.joints
+        places[instance.name] = (*places.get(instance.name, ()), *at)
     rows: list[EffectVerdict] = []
-    for i, proposal in enumerate(proposals):
+    for i, proposal in enumerate(last.proposals):
         if proposal.absorbed:
             rows.append(_absorbed(proposal, _error(system, best, scale)))
-        elif i in chosen:
-            error = without.get(proposal.name, 0.0)
-            rows.append(
-                _identified(system, proposals, selection, i, places[proposal.name], scale, sure, error)
-            )
+        elif i in last.chosen:
+            shown, error = places.get(proposal.name, ()), without.get(proposal.name, 0.0)
+            rows.append(_identified(last, i, shown, scale, sure, error))
         else:
-            rows.append(_other(system, proposals, selection, i, scale))
-    order: dict[Verdict, int] = {
-        "missing": 0,
-        "indistinguishable": 1,
-        "resembles": 2,
-        "not supported": 3,
-        "absorbed": 4,
-    }
-    names = {proposals[i].name for i in chosen}
-    return tuple(
-        sorted(
-            rows,
-            key=lambda verdict: (
-                verdict.effect not in names,
-                order[verdict.verdict],
-                -verdict.evidence,
-                verdict.effect,
-            ),
-        )
-    )
+            rows.append(_other(last, i, scale))
+    names = last.names
+
+    def order(verdict: EffectVerdict) -> tuple[bool, int, float, str]:
+        return verdict.effect not in names, ORDER[verdict.verdict], -verdict.evidence, verdict.effect
+
+    return sorted(rows, key=order)
+
+
+def ranking_of(
+    case: SplitProblem,
+    finding: SearchResult,
+    after: Identification,
+    judged: Sequence[EffectVerdict],
+    posterior: Posterior,
+    *,
+    complete: bool,
+) -> tuple[EffectVerdict, ...]:
+    """The verdicts with sizes and probabilities, and why effects were refused.
+
+    after: answer of the identified model. complete: whether all sets were searched.
+    """
+    proposals, new = finding.last.proposals, {instance.name for instance in finding.new}
+    known = {*given_wholly(case.start.effects, proposals), *finding.last.names} - new
+    probability = {proposals[i].name: float(posterior.probability[i]) for i in finding.last.selection.singles}
+    ranking = []
+    for verdict in judged:
+        name = verdict.effect
+        if name in known or not (complete or not undecided(verdict)):
+            continue
+        said = refused(verdict, finding.barred.get(name))
+        said = replace(said, size=sizes_of(finding.model, after, name))
+        said = with_probability(said, probability.get(name), posterior.sets, finding.names)
+        if name in finding.usual:
+            said = replace(said, verdict="not supported", alternatives=(), why=Reason(Because.USUAL))
+        ranking.append(said)
+    return tuple(ranking)
 
 
 def undecided(verdict: EffectVerdict) -> bool:
@@ -83,68 +111,40 @@ def _absorbed(proposal: Proposal, error: float) -> EffectVerdict:
 
 
 def _identified(
-    system: System,
-    proposals: Sequence[Proposal],
-    selection: Selection,
-    i: int,
-    places: tuple[str, ...],
-    scale: float,
-    sure: float,
-    before: float,
+    last: Round, i: int, places: tuple[str, ...], scale: float, sure: float, before: float
 ) -> EffectVerdict:
-    best, chosen = selection.selected, selection.selected.fit.chosen
-    others = tuple(k for k in chosen if k != i)
-    without = score(system, solve_set(system, others))
+    system, best = last.system, last.selection.selected
+    others = tuple(k for k in last.chosen if k != i)
+    without = score_set(system, others)
     alternatives = [
-        proposals[k].name
-        for k in selection.singles
-        if k not in chosen
+        last.proposals[k].name
+        for k in last.selection.singles
+        if k not in last.chosen
         and not contains(system.candidates[k], system.candidates[i])
-        and close(best, score(system, solve_set(system, (*others, k))))
+        and close(best, score_set(system, (*others, k)))
     ]
     after = _error(system, best, scale)
     unsure = without.fit.held_out < sure**2 * best.fit.held_out
     why = Reason(Because.EXPLAINS, doubts=(Doubt.MUCH_LEFT,) if unsure else ())
     verdict: Verdict = "indistinguishable" if alternatives else "resembles" if unsure else "missing"
-    return EffectVerdict(
-        proposals[i].name,
-        verdict,
-        before,
-        after,
-        best.held_out - without.held_out,
-        places,
-        tuple(alternatives),
-        {},
-        why,
-    )
+    evidence, name = best.held_out - without.held_out, last.proposals[i].name
+    return EffectVerdict(name, verdict, before, after, evidence, places, tuple(alternatives), {}, why)
 
 
-def _other(
-    system: System, proposals: Sequence[Proposal], selection: Selection, i: int, scale: float
-) -> EffectVerdict:
-    best, chosen = selection.selected, selection.selected.fit.chosen
-    added = score(system, solve_set(system, (*chosen, i)))
+def _other(last: Round, i: int, scale: float) -> EffectVerdict:
+    system, best, name = last.system, last.selection.selected, last.proposals[i].name
+    added = score_set(system, (*last.chosen, i))
     before, after = _error(system, best, scale), _error(system, added, scale)
-    rivals = [
-        proposals[k].name
-        for k in chosen
+    evidence = added.held_out - best.held_out
+    rivals = tuple(
+        last.proposals[k].name
+        for k in last.chosen
         if not contains(system.candidates[i], system.candidates[k])
-        and close(best, score(system, solve_set(system, (*(c for c in chosen if c != k), i))))
-    ]
+        and close(best, score_set(system, (*(c for c in last.chosen if c != k), i)))
+    )
     if rivals:
-        return EffectVerdict(
-            proposals[i].name,
-            "indistinguishable",
-            before,
-            after,
-            added.held_out - best.held_out,
-            (),
-            tuple(rivals),
-            {},
-            Reason(Because.AS_GOOD),
-        )
+        why = Reason(Because.AS_GOOD)
+        return EffectVerdict(name, "indistinguishable", before, after, evidence, (), rivals, {}, why)
     nothing = after >= before or added.total + RULE.prior < best.total
     why = Reason(Because.GAINS_NOTHING if nothing else Because.GAINS_LITTLE)
-    return EffectVerdict(
-        proposals[i].name, "not supported", before, after, added.held_out - best.held_out, (), (), {}, why
-    )
+    return EffectVerdict(name, "not supported", before, after, evidence, (), (), {}, why)

@@ -2,11 +2,11 @@
 
 from collections.abc import Sequence
 
-from bench.diagnosis.base_model import BaseModel
+from bench.diagnosis.base_model import BaseModel, added_effects
 from bench.diagnosis.evidence import Samples, answer_weight
 from bench.diagnosis.pruning import cancelling_effect, impossible_but_needed, impossible_effects
 from bench.diagnosis.reason import Reason
-from bench.diagnosis.significance import is_significant, wrong_sign
+from bench.diagnosis.significance import is_significant, wrong_signs
 from bench.effects import EffectInstance
 from bench.identification.identify import fit
 from bench.identification.prepare import Prepared
@@ -19,9 +19,9 @@ def where_possible(
     """The identified effects where they show, converged and fitted; and those that cannot be, with why they go."""
     whole = fit(model)
     kept, after = _where_it_shows(base_model, model, whole, given, samples)
-    stayed = {(instance.effect.name, instance.place) for instance in kept.effects}
-    dropped = [instance for instance in model.effects if (instance.effect.name, instance.place) not in stayed]
-    added = kept.effects[len(base_model.start.effects) :]
+    stayed = {instance.key for instance in kept.effects}
+    dropped = [instance for instance in model.effects if instance.key not in stayed]
+    added = added_effects(base_model, kept)
     out = impossible_effects(after, added)
     if answer_weight(samples, kept, after) < answer_weight(samples, model, whole):
         out |= impossible_but_needed(whole, dropped)
@@ -40,15 +40,11 @@ def _where_it_shows(
     as it is known nearby, they are looked at again once it is converged as it is. Where recordings that were not fitted
     are explained clearly worse without what shows nowhere by itself, only an impossible sign is a reason to leave.
     """
-    added = model.effects[len(base_model.start.effects) :]
-    there = {(instance.effect.name, instance.joint) for instance in given}
-    kept = [
-        instance
-        for instance in added
-        if (instance.effect.name, instance.joint) in there or is_significant(result, instance)
-    ]
+    added = added_effects(base_model, model)
+    there = {instance.seat for instance in given}
+    kept = [instance for instance in added if instance.seat in there or is_significant(result, instance)]
     for instance in added:
-        if not any(other.effect.name == instance.effect.name for other in kept):
+        if not any(other.name == instance.name for other in kept):
             kept.append(instance)
     if len(kept) < len(added):
         there_only = base_model.warm_started(model, [instance for instance in added if instance in kept])
@@ -57,11 +53,7 @@ def _where_it_shows(
     if there_only is model:
         return model, result
     fitted, nearly = fit(there_only), model.nearby is not None or model.provisional
-    able = [
-        instance
-        for instance in added
-        if (instance.effect.name, instance.joint) in there or not wrong_sign(result, instance)
-    ]
+    able = [instance for instance in added if instance.seat in there or not wrong_signs(result, instance)]
     poorer = answer_weight(samples, there_only, fitted) < answer_weight(samples, model, result)
     if poorer and len(able) > len(kept):
         there_only = base_model.warm_started(model, able)

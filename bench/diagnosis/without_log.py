@@ -6,9 +6,9 @@ from dataclasses import replace
 from bench.diagnosis.batched_sets import reduced
 from bench.diagnosis.candidates import Proposal
 from bench.diagnosis.motor_products import summed
-from bench.diagnosis.normal_equations import System, solve_set
+from bench.diagnosis.normal_equations import System
 from bench.diagnosis.result import WithoutLog
-from bench.diagnosis.search import Selection, possible, score, scored
+from bench.diagnosis.search import Selection, possible, score_set, scored
 from bench.identification.prepare import Prepared
 
 
@@ -25,7 +25,7 @@ def without_logs(
     for log in fitted if len(fitted) > 1 else ():
         others = _without(system, log)
         chosen = selection.selected.fit.chosen
-        whole = score(others, solve_set(others, chosen))
+        whole = score_set(others, chosen)
         fewer = scored(others, reduced(chosen))
         gone = [
             proposals[i].name

@@ -1,7 +1,10 @@
-"""An effect's name in a sentence."""
+"""An effect's name in a sentence, and the motion that brings it out."""
 
 import re
+from collections.abc import Sequence
 
+from bench.effects.catalogue import CATALOGUE
+from bench.effects.effect import Effect
 from bench.effects.select import TAG
 
 _PEOPLE = re.compile(r"\b(coulomb|stribeck)\b")
@@ -26,3 +29,8 @@ def begun(name: str) -> str:
 def named_after(text: str) -> str:
     """A text with the names of people as names."""
     return _PEOPLE.sub(lambda m: m.group().capitalize(), text)
+
+
+def telling_motions(effects: Sequence[str]) -> list[str]:
+    """What to do to tell these effects apart, without repetitions."""
+    return list(dict.fromkeys(CATALOGUE.get(name, Effect).shown_by for name in effects))

@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from itertools import accumulate, pairwise
 
 from bench.basics.errors import BenchError, meant
 from bench.effects.catalogue import CATALOGUE
@@ -42,6 +43,21 @@ class EffectInstance:
     among: tuple[str, ...] = ()
 
     @property
+    def name(self) -> str:
+        """The name of its effect."""
+        return self.effect.name
+
+    @property
+    def seat(self) -> tuple[str, str]:
+        """Its effect and joint, whichever recording its value belongs to."""
+        return self.effect.name, self.joint
+
+    @property
+    def key(self) -> tuple[str, str]:
+        """Its effect and the name of its values."""
+        return self.effect.name, self.place
+
+    @property
     def place(self) -> str:
         """The name of its values: left, robot, or left@unloaded.csv."""
         return (self.joint or ROBOT) + (f"@{self.recording}" if self.recording else "")
@@ -57,6 +73,22 @@ class EffectInstance:
     def everywhere(self) -> "EffectInstance":
         """The same effect with one value for all recordings."""
         return replace(self, recording="", among=()) if self.recording else self
+
+
+def at_joint(effect: Effect, joint: str) -> EffectInstance:
+    """An effect at one joint, with one value for all recordings."""
+    return EffectInstance(effect, joint, f"{effect.name}:{joint}")
+
+
+def with_value_each(effect: Effect, joint: str, logs: tuple[str, ...]) -> list[EffectInstance]:
+    """An effect at one joint, with a value for each of the logs."""
+    return [EffectInstance(effect, joint, f"{effect.name}:{joint}{TAG}", log, logs) for log in logs]
+
+
+def parameter_slices(effects: Sequence[EffectInstance]) -> list[tuple[EffectInstance, slice]]:
+    """Every effect, and where its parameters stand among those of all, one effect after the other."""
+    ends = accumulate((len(instance.effect.parameters) for instance in effects), initial=0)
+    return [(instance, slice(*part)) for instance, part in zip(effects, pairwise(ends), strict=True)]
 
 
 def select_effects(
@@ -101,7 +133,7 @@ def select_effects(
             )
         among = tuple(recordings) if each else ()
         for at in [joint] if joint else possible:
-            if any(instance.effect.name == name and instance.joint == at for instance in instances):
+            if any(instance.name == name and instance.joint == at for instance in instances):
                 raise BenchError(f"effect {name!r} is given twice for {at or 'the robot'!r}")
             instances += [
                 EffectInstance(places.effect_at(effect, at), at, request, word, among)

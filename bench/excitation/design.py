@@ -13,7 +13,7 @@ from bench.dataset.robot import Robot
 from bench.excitation.bounds import DESIGN
 from bench.excitation.current_band import band_shares
 from bench.excitation.limits import Limits, feasible_motion, keeps_clear, limits_of
-from bench.identification.payload_parameters import payload_columns
+from bench.identification.layout import payload_columns
 from bench.model.model import IdentificationModel, build_model
 from bench.model.motion import Motion
 from bench.model.regressor import projected_regressor

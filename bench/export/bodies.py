@@ -8,7 +8,7 @@ import numpy as np
 from bench.dataset.payload import Payload
 from bench.dataset.robot_mjcf import ROTOR
 from bench.export.identified import IdentifiedModel
-from bench.identification.payload_parameters import payload_columns
+from bench.identification.layout import payload_columns
 from bench.model.base import independent_columns
 from bench.model.geometry import Geometry, Placement
 from bench.model.guess import guessed_parameters

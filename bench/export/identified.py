@@ -13,9 +13,8 @@ from bench.dataset.names import DATASET_FILE
 from bench.dataset.payload import Payload
 from bench.dataset.robot import Robot, load_robot, refuse_other_locks, refuse_redundant
 from bench.effects import Effect, EffectInstance, catalogue_for, places_in, select_effects
-from bench.identification.layout import parameter_layout
+from bench.identification.layout import parameter_layout, payload_columns
 from bench.identification.model_file import SavedModel, load_model, with_saved_effects
-from bench.identification.payload_parameters import payload_columns
 from bench.model.model import IdentificationModel, build_model
 from bench.model.regressor import PARAMETERS
 
@@ -30,7 +29,7 @@ class EffectValues:
     @property
     def name(self) -> str:
         """The name of the effect."""
-        return self.instance.effect.name
+        return self.instance.name
 
     @property
     def place(self) -> str:

@@ -19,7 +19,7 @@ from bench.export.bodies import about_center
 from bench.export.identified import unknown_payload
 from bench.export.physical import PhysicalSet
 from bench.export.placed import JointTerms, Placed, not_placed_lines, placed_effects
-from bench.identification.payload_parameters import payload_columns
+from bench.identification.layout import payload_columns
 from bench.model.geometry import Placement
 from bench.twin.file import STEPS_TO_STICK, STIFF
 

@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from bench.effects.select import parameter_slices
 from bench.identification.finding import Code, Finding, Unknown
 from bench.identification.layout import known_rows, regressor_rows
 from bench.identification.observation import Observation
@@ -17,13 +18,11 @@ def columns_without_value(prepared: Prepared, observation: Observation) -> list[
     """
     (log,) = {seen.recording.log for seen in prepared.measured if seen.recording.name == observation.name}
     together: dict[tuple[str, str, int], list[int]] = {}
-    at = prepared.layout.size - prepared.layout.effects
-    for instance in prepared.effects:
-        size = len(instance.effect.parameters)
+    first = prepared.layout.effect_slice.start
+    for instance, part in parameter_slices(prepared.effects):
         if instance.recording and log not in instance.among:
-            for k in range(size):
-                together.setdefault((instance.effect.name, instance.joint, k), []).append(at + k)
-        at += size
+            for k in range(part.start, part.stop):
+                together.setdefault((*instance.seat, k - part.start), []).append(first + k)
     return [np.array(columns) for columns in together.values()]
 
 
@@ -49,7 +48,7 @@ def in_this_recording(prepared: Prepared, observation: Observation, solution: So
 
 def without_values_by_log(prepared: Prepared) -> list[Finding]:
     """The recordings, and the effect with the recordings whose values are known."""
-    among = {instance.effect.name: instance.among for instance in prepared.effects if instance.recording}
+    among = {instance.name: instance.among for instance in prepared.effects if instance.recording}
     findings = []
     for name, logs in among.items():
         others = tuple(

@@ -27,7 +27,7 @@ def prepare_checked(problem: Problem) -> Prepared:
     prepared = prepare(problem)
     if problem.filters:
         return prepared
-    known = {instance.effect.name for instance in prepared.effects}
+    known = {instance.name for instance in prepared.effects}
     friction = [name for name in usual_friction(problem.catalogue) if name not in known]
     places = places_in(prepared.model.geometry, problem.dataset.weighed)
     instances = select_effects(friction, places, problem.catalogue, prepared.logs)

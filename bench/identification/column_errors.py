@@ -1,34 +1,37 @@
 """How large the errors of the observation matrix's columns are: noise carried through the model."""
 
-from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 import numpy as np
 
 from bench.dataset.recording import Recording
+from bench.identification.closed_loop import columns_at
+from bench.identification.filtered import measure
+from bench.identification.prepare import Prepared
 from bench.signals.decimation import noise_bandwidth
-from bench.signals.settings import FilterSettings, signal_bands
+from bench.signals.settings import signal_bands
 
 SEED = 20120603
 
-Columns = Callable[[Recording], tuple[np.ndarray, np.ndarray]]
 
-
-def column_errors(recordings: Sequence[Recording], settings: FilterSettings, columns: Columns) -> np.ndarray:
+def column_errors(prepared: Prepared) -> np.ndarray:
     """Expected inner products (n, p + 2, p + 2) of the errors of [phi, kappa, current], motor by motor.
 
     The noise of positions and currents is read off the spectra above the band of the motion, taken as white.
     As much noise once more is added to the positions, with a fixed seed; what it changes in the columns
-    replaces what the measured noise did. `columns` gives phi (M, n, p) and kappa (M, n) of a recording.
+    replaces what the measured noise did.
     """
+    settings = prepared.settings
+
+    def columns(recording: Recording) -> np.ndarray:
+        return columns_at(prepared, measure(prepared.model, recording, settings))
+
     random = np.random.default_rng(SEED)
     parts = []
-    for recording in recordings:
+    for recording in [entry.recording for entry in prepared.measured if entry.recording.use == "identify"]:
         rate = recording.rate
         bands = signal_bands([recording.position], [recording.current], rate)
-        phi, kappa = columns(recording)
-        phi_perturbed, kappa_perturbed = columns(perturbed(recording, bands.position_noise, random))
-        change = np.concatenate((phi_perturbed - phi, (kappa_perturbed - kappa)[:, :, None]), axis=2)
+        change = columns(perturbed(recording, bands.position_noise, random)) - columns(recording)
         samples, n, size = change.shape
         errors = np.zeros((n, size + 1, size + 1))
         errors[:, :size, :size] = np.einsum("kjp,kjq->jpq", change, change)

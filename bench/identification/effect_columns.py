@@ -14,7 +14,7 @@ from bench.effects.checked_columns import columns_at_motors
 from bench.effects.signals import UNCHANGED, AskedWithinError, Changed, JointReaction, ReactionModel
 from bench.identification.effect_rows import made_of
 from bench.identification.filtered import Measured
-from bench.identification.payload_parameters import payload_columns
+from bench.identification.layout import payload_columns
 from bench.identification.perturbed_observation import change_key, perturbed_rows
 from bench.identification.tolerances import TOLERANCES
 from bench.model.geometry import Geometry

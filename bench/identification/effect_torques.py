@@ -1,11 +1,13 @@
-"""The torque that each effect of a model takes, sample by sample."""
+"""The torque that each effect of a model takes: sample by sample, and as RMS at each motor."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
-from bench.identification.result import CurrentSeries
+from bench.effects.select import parameter_slices
+from bench.identification.prepare import Prepared
+from bench.identification.result import CurrentSeries, Identification
 
 
 @dataclass(frozen=True, eq=False)
@@ -25,3 +27,19 @@ class EffectTorques:
 def effect_torques(recordings: Sequence[CurrentSeries]) -> tuple[EffectTorques, ...]:
     """What the motors have to supply for the effects of a model, in each recording."""
     return tuple(EffectTorques(trace.name, trace.time, trace.by_effect) for trace in recordings)
+
+
+def sizes_of(model: Prepared, result: Identification, effect: str) -> dict[str, float]:
+    """RMS torque of an effect at each motor over the fitted recordings, N*m or N; nothing where it is not there."""
+    joints = list(model.dataset.robot.joints)
+    total = None
+    for instance, part in parameter_slices(model.effects):
+        if instance.name == effect:
+            quantities = result.effect_parameters[effect][instance.place]
+            values = np.array([quantities[parameter.name].value for parameter in instance.effect.parameters])
+            torque = np.concatenate([seen.effects[:, :, part] @ values for seen in model.fitted])
+            total = torque if total is None else total + torque
+    if total is None:
+        return {}
+    rms = np.sqrt((total**2).mean(axis=0))
+    return {joint: float(value) for joint, value in zip(joints, rms, strict=True) if value > 0}

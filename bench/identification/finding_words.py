@@ -2,12 +2,11 @@
 
 from collections.abc import Callable, Mapping
 
-from bench.basics.sentence import in_percent, say
+from bench.basics.sentence import and_list, in_percent, say
 from bench.dataset.dataset import HeavyPayload
 from bench.effects.display_names import begun, spoken
 from bench.effects.select import ROBOT, TAG
 from bench.identification.finding import UNBELIEVABLE, Code, Finding, Unknown
-from bench.identification.gain_words import GAIN_WORDS
 from bench.identification.scale_words import CODES, scale_sentence
 from bench.identification.wording import with_error
 
@@ -173,6 +172,53 @@ def _other_values(finding: Finding) -> str:
     )
 
 
+def _gains_alike(finding: Finding) -> str:
+    n, many = finding.numbers, len(finding.names) > 1
+    factors = f"{n['least']:.2f} to {n['most']:.2f} times nominal"
+    if many:
+        mass = f"The declared masses of {and_list(finding.names)} are probably wrong"
+    else:
+        mass = f"The declared mass of {finding.names[0]}, {n['mass']:.3g} kg, is probably wrong"
+    likely = "" if many else f": with {n['likely']:.2g} kg they would be nominal"
+    weigh = "them and correct them" if many else "it and correct it"
+    return (
+        f"All drive gains are off by like factors, {factors}. {mass}{likely}. Weigh {weigh} in dataset.toml."
+    )
+
+
+def _current_reversed(finding: Finding) -> str:
+    joint, *recordings = finding.names
+    where = f" in {recordings[0]}" if recordings else ""
+    again = "that log" if recordings else "the logs"
+    return (
+        f"The sign of current.{joint}{where} is probably reversed: with the other sign {_falls(finding)}. "
+        f"Import {again} again with `--scale current.{joint}=-1`."
+    )
+
+
+def _position_reversed(finding: Finding) -> str:
+    joint = finding.names[0]
+    also = f" and of current.{joint}" if finding.numbers["current"] else ""
+    option = f" --scale current.{joint}=-1" if finding.numbers["current"] else ""
+    return (
+        f"The sign of position.{joint}{also} is probably reversed: with the other sign {_falls(finding)}. Import the "
+        f"logs again with `--scale position.{joint}=-1{option}`."
+    )
+
+
+def _positions_swapped(finding: Finding) -> str:
+    first, second = finding.names
+    return (
+        f"The columns of position.{first} and position.{second} are probably swapped: exchanged, {_falls(finding)}. "
+        "Import the logs again with each under its joint."
+    )
+
+
+def _falls(finding: Finding) -> str:
+    before, after = (in_percent(finding.numbers[key]) for key in ("before", "after"))
+    return f"the error falls from {before} to {after} (nominal gains, friction in the model)"
+
+
 FAR_WORSE = (
     "The error of recordings that were not fitted ({checked:%}) is far larger than that of fitted ones ({fitted:%}), "
     "{names[0]} worst"
@@ -223,7 +269,10 @@ WORDS: Mapping[Code, str | Callable[[Finding], str]] = {
     Code.LOCKED: _locked,
     **dict.fromkeys(CODES.values(), scale_sentence),
     Code.PERIODS_NOT_WHOLE: _not_whole,
-    **GAIN_WORDS,
+    Code.GAINS_ALIKE: _gains_alike,
+    Code.CURRENT_REVERSED: _current_reversed,
+    Code.POSITION_REVERSED: _position_reversed,
+    Code.POSITIONS_SWAPPED: _positions_swapped,
     Code.ROWS_REPEATED: "Of {names:and} up to {share:%} of the rows repeat the row before, while the robot moves: the "
     "logger ran faster than the controller. They are not used; check the time base, too.",
     Code.BAND_NARROWED: "The fit uses frequencies up to {band:.3g} Hz. The spectra suggest {rejected:.3g} Hz, but "

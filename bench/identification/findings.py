@@ -3,6 +3,7 @@
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from math import exp, log
 from types import MappingProxyType
 
 import numpy as np
@@ -13,7 +14,6 @@ from bench.dataset.robot_locked import LockedJoint
 from bench.effects import EffectInstance
 from bench.identification.decision import RULE
 from bench.identification.finding import Code, Finding, Unknown
-from bench.identification.gains_alike import gains_alike
 from bench.identification.result import DriveGain, Identification
 from bench.identification.tolerances import TOLERANCES
 from bench.signals.bounds import BANDS
@@ -50,7 +50,7 @@ def with_findings(
         findings.append(Finding(Code.RANK_DEFICIENT, numbers=rank))
     if result.scaled_condition > TOLERANCES.findings.condition:
         findings.append(Finding(Code.ILL_CONDITIONED, numbers={"condition": result.scaled_condition}))
-    apart = {(instance.effect.name, instance.place) for instance in outside}
+    apart = {instance.key for instance in outside}
     apart |= {
         (unknown.effect, unknown.place)
         for each in more
@@ -103,9 +103,7 @@ def _beyond(outside: Sequence[EffectInstance]) -> list[Finding]:
     """Effects that would be so large that they are another name for the drive gain."""
     places: dict[str, list[Unknown]] = {}
     for instance in outside:
-        places.setdefault(instance.effect.name, []).append(
-            Unknown("effect", "", instance.place, instance.effect.name)
-        )
+        places.setdefault(instance.name, []).append(Unknown("effect", "", instance.place, instance.name))
     return [Finding(Code.NOT_FROM_GAIN, of=tuple(at)) for at in places.values()]
 
 
@@ -292,3 +290,36 @@ def short_recordings(recordings: Sequence[Recording], settings: FilterSettings) 
         "needed": settling / TOLERANCES.findings.disturbed,
     }
     return [Finding(Code.SHORT, tuple(short), numbers=numbers)]
+
+
+def gains_alike(result: Identification, payloads: Mapping[str, Payload]) -> list[Finding]:
+    """The payloads whose declared mass moves all drive gains; none where gains differ, or are near nominal.
+
+    Every gain is proportional to that mass. Where the model leaves much of the current, a missing effect may move the
+    gains as well, and nothing is said of the mass. numbers: least and greatest gain over the nominal one, the declared
+    mass of the first payload, and the one with which the gains are nominal on average.
+    """
+    bounds = TOLERANCES.findings
+    gains = {joint: gain for joint, gain in result.drive_gains.items() if gain.fitted and gain.determined}
+    ratios = [gain.value / gain.nominal for gain in gains.values()]
+    carried = {series.payload for series in result.recordings if series.use == "identify"}
+    weighed = [name for name, payload in payloads.items() if name in carried and payload.mass is not None]
+    error = result.error.identify
+    if not result.gains_fitted or len(ratios) < 2 or min(ratios) <= 0.0 or not weighed:
+        return []
+    if error is None or error > bounds.large_error or max(ratios) > bounds.alike_gains * min(ratios):
+        return []
+    common = exp(float(np.mean(np.log(ratios))))
+    if abs(log(common)) <= log(bounds.common_gain):
+        return []
+    mass = payloads[weighed[0]].mass or 0.0
+    numbers = {"least": min(ratios), "most": max(ratios), "mass": mass, "likely": mass / common}
+    return [
+        Finding(
+            Code.GAINS_ALIKE,
+            tuple(weighed),
+            tuple(Unknown("gain", "gain", joint) for joint in gains),
+            numbers,
+            "kg",
+        )
+    ]

@@ -13,9 +13,8 @@ from itertools import combinations
 import numpy as np
 
 from bench.dataset.payload import Payload
-from bench.identification.layout import parameter_layout
+from bench.identification.layout import parameter_layout, payload_columns
 from bench.identification.observation import Observation
-from bench.identification.payload_parameters import payload_columns
 from bench.identification.scale import Scale, ScaleCase, ScaleRemedy
 from bench.identification.tolerances import TOLERANCES
 from bench.model.bounds import BODIES, RANKS

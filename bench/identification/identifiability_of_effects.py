@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 
 from bench.effects import EffectInstance
+from bench.effects.select import parameter_slices
 from bench.identification.compressed import Stack, triangular_factors
 from bench.identification.decision import RULE
 from bench.identification.finding import Code, Finding, Unknown
@@ -87,9 +88,7 @@ def collinear(
     covariance (P, P), its rows named. The eigenvector of a small eigenvalue of the correlation between them is the
     combination that is known; what is known of each by itself is 1 / sqrt(eigenvalue) times less.
     """
-    changing = {
-        (instance.effect.name, instance.place) for instance in effects if instance.effect.depends_on_model
-    }
+    changing = {instance.key for instance in effects if instance.effect.depends_on_model}
     indices = [
         i
         for i, row in enumerate(rows)
@@ -118,21 +117,18 @@ def unsettled(
 
     values, std (k,): of all parameters of all effects, one effect after the other.
     """
-    findings, at = [], 0
-    for instance in effects:
+    findings = []
+    for instance, part in parameter_slices(effects):
         about = instance.effect.about_values()
-        for k, parameter in enumerate(instance.effect.parameters):
-            value, place = float(values[at + k]), about.get(parameter.name, 0.0)
+        for at, parameter in enumerate(instance.effect.parameters, part.start):
+            value, place = float(values[at]), about.get(parameter.name, 0.0)
             off = abs(value - place)
             if (
                 place
-                and off > RULE.shows * std[at + k]
+                and off > RULE.shows * std[at]
                 and off > TOLERANCES.steps.linearisation_reached * max(abs(value), abs(place))
             ):
-                findings.append(
-                    (at + k, Unknown("effect", parameter.name, instance.place, instance.effect.name))
-                )
-        at += len(instance.effect.parameters)
+                findings.append((at, Unknown("effect", parameter.name, instance.place, instance.name)))
     return findings
 
 

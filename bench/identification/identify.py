@@ -1,19 +1,18 @@
 """From a dataset to drive gains, base parameters and effect parameters."""
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from bench.basics.threads import on_one_thread
-from bench.dataset.recording import Recording
 from bench.effects import EffectInstance
 from bench.identification.bandwidth import with_band_checked
-from bench.identification.closed_loop import columns_at, commanded_currents, simulated_columns
+from bench.identification.closed_loop import commanded_currents, simulated_columns
 from bench.identification.column_errors import column_errors
 from bench.identification.compressed import Stack, stack_observations
 from bench.identification.errors_in_variables import with_errors_in_variables_checked
 from bench.identification.estimators import DEFAULT_METHOD, Request, solve
-from bench.identification.filtered import measure
 from bench.identification.identifiability_of_effects import (
     essential_columns,
     expanded,
@@ -51,9 +50,7 @@ def identify(
     def fitted(problem: Prepared, by: str = method) -> Identification:
         return fit(problem, by, deviations=deviations, essential=essential)
 
-    answer = with_errors_in_variables_checked(
-        prepared, with_possible_payloads(prepared, fitted(prepared), fitted), fitted
-    )
+    answer = with_doubts_checked(prepared, fitted(prepared), fitted)
     return with_band_checked(prepared, answer, lambda problem: fitted(problem, DEFAULT_METHOD))
 
 
@@ -76,6 +73,17 @@ def fit(
         return result
     bad = bad_stretches(prepared.fitted, solution.row_weights, prepared.dataset.robot.joints)
     return replace(result, findings=(*result.findings, *bad))
+
+
+def with_doubts_checked(
+    prepared: Prepared, result: Identification, fitted: Callable[..., Identification] = fit
+) -> Identification:
+    """The answer `result` held against payloads that can be, and against what noise in the filters' band does to it.
+
+    fitted: makes an answer of prepared equations, and by a method where one is given.
+    """
+    possible = with_possible_payloads(prepared, result, fitted)
+    return with_errors_in_variables_checked(prepared, possible, fitted)
 
 
 @on_one_thread
@@ -125,7 +133,7 @@ def _solved(prepared: Prepared, method: str, deviations: Deviations, *, essentia
         request = Request(
             stack=system,
             gains=gains,
-            column_errors=lambda: _column_errors(prepared)[np.ix_(motors, errors, errors)],
+            column_errors=lambda: column_errors(prepared)[np.ix_(motors, errors, errors)],
             simulated=lambda: simulated_columns(prepared)[:, :, errors[:-1]],
             commanded=lambda: commanded_currents(prepared),
             joints=dataset.robot.joints,
@@ -141,16 +149,3 @@ def _solved(prepared: Prepared, method: str, deviations: Deviations, *, essentia
         )
         stack, kept = reduced(stack, needed), kept[needed]
     return _Solved(prepared, stack, solved(stack, kept), kept, outside)
-
-
-def _column_errors(prepared: Prepared) -> np.ndarray:
-    """See bench.identification.column_errors."""
-
-    def columns(recording: Recording) -> tuple[np.ndarray, np.ndarray]:
-        rows = columns_at(prepared, measure(prepared.model, recording, prepared.settings))
-        return rows[:, :, :-1], rows[:, :, -1]
-
-    recordings = [
-        measurement.recording for measurement in prepared.measured if measurement.recording.use == "identify"
-    ]
-    return column_errors(recordings, prepared.settings, columns)

@@ -9,9 +9,8 @@ from bench.dataset.payload import Payload, inertia_matrix
 from bench.identification.autocorrelation_time import autocorrelation_time
 from bench.identification.decision import RULE
 from bench.identification.finding import Code, Finding, Unknown
-from bench.identification.layout import payload_parameter_names
+from bench.identification.layout import payload_columns, payload_parameter_names
 from bench.identification.model_averaged import changed, estimates, gains_model_averaged, model_averaged
-from bench.identification.payload_parameters import payload_columns
 from bench.identification.prepare import Prepared, prepare, with_effects
 from bench.identification.problem import Problem
 from bench.identification.result import Identification

@@ -6,9 +6,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from bench.basics.errors import BenchError
-from bench.dataset.payload import Payload
+from bench.dataset.payload import Payload, inertia_matrix
 from bench.identification.observation import Observation
-from bench.identification.payload_parameters import payload_columns
 from bench.model.base import independent_columns
 from bench.model.model import IdentificationModel
 from bench.model.regressor import PARAMETERS, UNITS
@@ -31,6 +30,11 @@ class ParameterLayout:
     def size(self) -> int:
         """Number of parameters without the drive gains."""
         return self.base + sum(len(index) for index in self.payloads.values()) + self.redundant + self.effects
+
+    @property
+    def effect_slice(self) -> slice:
+        """Where the effects stand, the last of all."""
+        return slice(self.size - self.effects, self.size)
 
     @property
     def redundant_slice(self) -> slice:
@@ -68,7 +72,7 @@ def regressor_rows(observation: Observation, layout: ParameterLayout) -> np.ndar
         rows[:, :, layout.payload_slice(observation.payload_name)] = observation.payload[:, :, index]
     if layout.redundant:
         rows[:, :, layout.redundant_slice] = observation.redundant
-    rows[:, :, layout.size - layout.effects :] = observation.effects
+    rows[:, :, layout.effect_slice] = observation.effects
     return rows
 
 
@@ -108,3 +112,35 @@ def parameter_layout(
             kept = independent_columns(np.column_stack((rows[:, columns.unknown], known))).kept
             indices[name] = columns.unknown[kept[kept < len(columns.unknown)]]
     return ParameterLayout(len(model.base.columns), indices, effects)
+
+
+@dataclass(frozen=True)
+class PayloadColumns:
+    """Which of a payload's 10 standard parameters in the tool frame are known.
+
+    known (10,): their values, zero where unknown; unknown: the indices that are estimated.
+    """
+
+    known: np.ndarray
+    unknown: np.ndarray
+
+
+def payload_columns(payload: Payload) -> PayloadColumns:
+    """Known and unknown standard parameters of a payload (chi_kL and chi_uL of equation 11).
+
+    Without a centre of mass its first moments are unknown and so is the inertia about the tool; without a
+    mass, all ten are.
+    """
+    known = np.zeros(10)
+    if payload.mass is None:
+        return PayloadColumns(known, np.arange(10))
+    known[0] = payload.mass
+    if payload.center_of_mass is None:
+        return PayloadColumns(known, np.arange(1, 10))
+    c = np.asarray(payload.center_of_mass)
+    known[1:4] = payload.mass * c
+    if payload.inertia is None:
+        return PayloadColumns(known, np.arange(4, 10))
+    inertia = inertia_matrix(payload.inertia) + payload.mass * (np.dot(c, c) * np.eye(3) - np.outer(c, c))
+    known[4:] = inertia[[0, 0, 1, 0, 1, 2], [0, 1, 1, 2, 2, 2]]
+    return PayloadColumns(known, np.arange(0))

@@ -24,10 +24,9 @@ from bench.identification.finding import Finding
 from bench.identification.finding_words import note
 from bench.identification.findings import locked_findings
 from bench.identification.frame import html_table
-from bench.identification.layout import payload_parameter_names
+from bench.identification.layout import payload_columns, payload_parameter_names
 from bench.identification.model_json import FORMAT, from_json, to_json
 from bench.identification.nonlinear import present_model
-from bench.identification.payload_parameters import payload_columns
 from bench.identification.prepare import Prepared, prepare, with_effects
 from bench.identification.problem import Problem
 from bench.identification.result import (
@@ -295,12 +294,12 @@ def _shaped(instance: EffectInstance, saved: SavedModel) -> EffectInstance:
 
 
 def _effect_value(instance: EffectInstance, name: str, saved: SavedModel) -> float:
-    joints = saved.model.effect_parameters.get(instance.effect.name, {})
+    joints = saved.model.effect_parameters.get(instance.name, {})
     try:
         return joints[instance.place][name].value
     except KeyError:
         where = f" at {instance.place!r}" if instance.place != ROBOT else ""
-        raise BenchError(f"{saved.path}: no {name} of {instance.effect.name}{where}") from None
+        raise BenchError(f"{saved.path}: no {name} of {instance.name}{where}") from None
 
 
 def _base_value(name: str, known: Mapping[str, float], saved: SavedModel) -> float:

@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 
 from bench.effects import Bracket, EffectInstance
+from bench.effects.select import parameter_slices
 from bench.identification.compressed import Stack, compress
 from bench.identification.identifiability_of_effects import with_zeros
 from bench.identification.joint_samples import joint_samples
@@ -35,7 +36,7 @@ def stepped(prepared: Prepared, stack: Stack, solution: Solution) -> tuple[Prepa
     if not shapes and not about.any():
         return None
     kept = identifiable(prepared, stack)
-    linear = prepared.layout.size - prepared.layout.effects
+    linear = prepared.layout.effect_slice.start
     whole = np.concatenate((np.zeros((*bent.shape[:2], linear)), bent), axis=2)
     system = _linearised(stack, whole, np.append(np.zeros(linear), about), columns)
     added = np.arange(len(shapes)) + prepared.layout.size
@@ -174,13 +175,12 @@ def _shape_derivatives(
 
     theta: all the layout's unknowns; the effects' parameters are the last of them. rows: (M, n).
     """
-    at = prepared.layout.size - prepared.layout.effects
     shapes: list[tuple[int, str]] = []
     values, steps = [], []
     ends: list[EffectInstance] = []
-    for i, instance in enumerate(prepared.effects):
-        coefficients = theta[at : at + len(instance.effect.parameters)]
-        at += len(coefficients)
+    of_effects = theta[prepared.layout.effect_slice]
+    for i, (instance, part) in enumerate(parameter_slices(prepared.effects)):
+        coefficients = of_effects[part]
         for parameter in instance.effect.shape:
             if parameter.discrete:
                 continue

@@ -8,6 +8,7 @@ import numpy as np
 
 from bench.basics.deadline import NEVER, Deadline
 from bench.effects import EffectInstance
+from bench.effects.select import parameter_slices
 from bench.identification.compressed import Stack
 from bench.identification.decision import RULE
 from bench.identification.effect_columns import PresentModel
@@ -33,17 +34,14 @@ def present_model(prepared: Prepared, solution: Solution) -> PresentModel:
     extra = np.array([actuator.gain for actuator in prepared.dataset.robot.redundant])
     if layout.redundant:
         extra = extra + solution.theta[layout.redundant_slice]
-    effects, at = [], layout.size - layout.effects
-    for instance in prepared.effects:
-        count = len(instance.effect.parameters)
-        effects.append((instance, solution.theta[at : at + count]))
-        at += count
+    values = solution.theta[layout.effect_slice]
+    effects = tuple((instance, values[part]) for instance, part in parameter_slices(prepared.effects))
     return replace(
         prepared.present,
         gains=solution.gains,
         base=base,
         payloads=payloads,
-        effects=tuple(effects),
+        effects=effects,
         redundant_gains=extra,
     )
 
@@ -101,7 +99,7 @@ def _begun(model: Prepared) -> tuple[tuple[EffectInstance, ...], PresentModel, t
 
 def _about(prepared: Prepared, solution: Solution) -> tuple[EffectInstance, ...]:
     """A model's effects, linearised about its solution."""
-    return linearised(prepared.effects, solution.theta[prepared.layout.size - prepared.layout.effects :])
+    return linearised(prepared.effects, solution.theta[prepared.layout.effect_slice])
 
 
 def _but_bent(
@@ -234,7 +232,7 @@ def beyond_bounds(prepared: Prepared) -> tuple[EffectInstance, ...]:
         if outside or (before is not None and np.allclose(solution.gains, before, rtol=settled, atol=0.0)):
             return outside
         before = solution.gains
-        about = linearised(prepared.effects, solution.theta[prepared.layout.size - prepared.layout.effects :])
+        about = _about(prepared, solution)
         prepared = with_effects(prepared, about, present_model(prepared, solution), fitted_only=True)
     return ()
 
@@ -248,30 +246,22 @@ def within_bounds(prepared: Prepared) -> tuple[Prepared, tuple[EffectInstance, .
     whole = prepared = converged(prepared)
     gone: set[tuple[str, str]] = set()
     while beyond := beyond_bounds(prepared):
-        gone |= {_place(instance) for instance in beyond}
-        kept = [instance for instance in prepared.effects if _place(instance) not in gone]
+        gone |= {instance.key for instance in beyond}
+        kept = [instance for instance in prepared.effects if instance.key not in gone]
         prepared = converged(with_effects(whole, kept))
     if not gone:
         return whole, ()
-    remaining = {_place(instance): instance for instance in prepared.effects}
-    every = [remaining.get(_place(instance)) or _nothing(instance) for instance in whole.effects]
-    outside = tuple(instance for instance in every if _place(instance) in gone)
+    remaining = {instance.key: instance for instance in prepared.effects}
+    every = [remaining.get(instance.key) or _nothing(instance) for instance in whole.effects]
+    outside = tuple(instance for instance in every if instance.key in gone)
     return replace(with_effects(prepared, every), converged=True), outside
 
 
 def columns_of(prepared: Prepared, instances: tuple[EffectInstance, ...]) -> np.ndarray:
     """Where the parameters of some of a model's effects stand among its unknowns."""
-    indices: list[int] = []
-    at = prepared.layout.size - prepared.layout.effects
-    for instance in prepared.effects:
-        size = len(instance.effect.parameters)
-        indices += range(at, at + size) if instance in instances else ()
-        at += size
-    return np.array(indices, dtype=int)
-
-
-def _place(instance: EffectInstance) -> tuple[str, str]:
-    return instance.effect.name, instance.place
+    among = [part for instance, part in parameter_slices(prepared.effects) if instance in instances]
+    indices = [k for part in among for k in range(part.start, part.stop)]
+    return prepared.layout.effect_slice.start + np.array(indices, dtype=int)
 
 
 def _nothing(instance: EffectInstance) -> EffectInstance:
@@ -285,17 +275,15 @@ def out_of_bounds(prepared: Prepared, solution: Solution) -> tuple[EffectInstanc
     """
     robot = prepared.dataset.robot
     ratios = dict(zip(robot.joints, (solution.gains / robot.nominal_gains).tolist(), strict=True))
-    outside, at = [], prepared.layout.size - prepared.layout.effects
-    for instance in prepared.effects:
+    outside, values = [], solution.theta[prepared.layout.effect_slice]
+    for instance, part in parameter_slices(prepared.effects):
         bounds = [parameter.below for parameter in instance.effect.parameters]
-        values = solution.theta[at : at + len(bounds)]
-        at += len(bounds)
         if not np.any(np.isfinite(bounds)):
             continue
         wild = (
             prepared.fit_gains and not 1.0 / RULE.gain_far <= ratios.get(instance.joint, 1.0) <= RULE.gain_far
         )
-        if wild or np.any(np.abs(values) >= bounds):
+        if wild or np.any(np.abs(values[part]) >= bounds):
             outside.append(instance)
     return tuple(outside)
 
@@ -307,11 +295,11 @@ def staying(prepared: Prepared, solution: Solution, added_from: int) -> list[int
     it. It leaves its place, but not the last place that it has.
     """
     outside = out_of_bounds(prepared, solution)
-    remaining = Counter(instance.effect.name for instance in prepared.effects)
+    remaining = Counter(instance.name for instance in prepared.effects)
     stay = []
     for i, instance in enumerate(prepared.effects):
-        if i < added_from or instance not in outside or remaining[instance.effect.name] == 1:
+        if i < added_from or instance not in outside or remaining[instance.name] == 1:
             stay.append(i)
         else:
-            remaining[instance.effect.name] -= 1
+            remaining[instance.name] -= 1
     return stay

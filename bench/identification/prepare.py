@@ -22,9 +22,8 @@ from bench.identification.filtered import (
 from bench.identification.finding import Finding
 from bench.identification.fixed_columns import FixedColumns
 from bench.identification.fixed_scale import recorded_states, scale_of
-from bench.identification.layout import ParameterLayout, parameter_layout
+from bench.identification.layout import ParameterLayout, parameter_layout, payload_columns
 from bench.identification.observation import Observation, observe
-from bench.identification.payload_parameters import payload_columns
 from bench.identification.perturbations import Nearby
 from bench.identification.problem import Problem
 from bench.identification.scale import NOT_WANTED, Scale

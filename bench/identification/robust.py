@@ -74,11 +74,7 @@ def robust_error(stack: Stack, start: Solution, nominal: np.ndarray) -> Solution
 
 
 def _likeliest(
-    stack: Stack,
-    theta: np.ndarray,
-    gains: np.ndarray,
-    fit_gains: Fitted,
-    most: int | None = None,
+    stack: Stack, theta: np.ndarray, gains: np.ndarray, fit_gains: Fitted, most: int | None = None
 ) -> _Fit:
     """The nearest maximum of the likelihood, as far as so many rounds lead, by default all."""
     moving, floor = stack.moving, current_floor(stack)

@@ -10,6 +10,7 @@ from dataclasses import replace
 import numpy as np
 
 from bench.effects import EffectInstance
+from bench.effects.select import parameter_slices
 from bench.identification.bilinear import (
     TINY,
     Centred,
@@ -82,12 +83,11 @@ def spread(stack: Stack, solution: Solution) -> np.ndarray:
 
 def linearised(instances: Sequence[EffectInstance], values: np.ndarray) -> tuple[EffectInstance, ...]:
     """The effects linearised about these values (k,) of their parameters, one after the other."""
-    linear, at = [], 0
-    for instance in instances:
+    linear = []
+    for instance, part in parameter_slices(instances):
         names = [parameter.name for parameter in instance.effect.parameters]
-        shape_values = dict(zip(names, values[at : at + len(names)].tolist(), strict=True))
-        linear.append(replace(instance, effect=instance.effect.about(shape_values)))
-        at += len(names)
+        about = instance.effect.about(dict(zip(names, values[part].tolist(), strict=True)))
+        linear.append(replace(instance, effect=about))
     return tuple(linear)
 
 

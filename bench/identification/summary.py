@@ -7,6 +7,7 @@ import numpy as np
 from bench.basics.joint_units import drive_unit
 from bench.effects import EffectInstance
 from bench.effects.select import ROBOT as ROBOT
+from bench.effects.select import parameter_slices
 from bench.identification.by_recording import in_this_recording, without_values_by_log
 from bench.identification.finding import Code, Finding, Unknown
 from bench.identification.findings import with_findings
@@ -44,7 +45,7 @@ def summarise(
     series = tuple(modelled_series(prepared, observation, solution) for observation in prepared.observations)
     std = np.sqrt(np.maximum(np.diag(spread.covariance), 0.0))
     p, n = layout.size, len(solution.gains)
-    effects = slice(p - layout.effects, p)
+    effects = layout.effect_slice
     loose = unsettled(prepared.effects, solution.theta[effects], std[effects])
     kept = np.setdiff1d(kept, [effects.start + i for i, _ in loose])
     rows = np.any([observation.moving.any(axis=0) for observation in prepared.fitted], axis=0)
@@ -179,12 +180,12 @@ def _sharing(prepared: Prepared, name: str, solution: Solution) -> np.ndarray | 
 def _rows(prepared: Prepared, parameters: Sequence[str]) -> tuple[Unknown, ...]:
     """What the covariance's rows are of, in the order of [theta, gains, shape parameters]."""
     linear = [
-        Unknown("effect", parameter.name, instance.place, instance.effect.name)
+        Unknown("effect", parameter.name, instance.place, instance.name)
         for instance in prepared.effects
         for parameter in instance.effect.parameters
     ]
     shapes = [
-        Unknown("effect", shape.name, instance.place, instance.effect.name)
+        Unknown("effect", shape.name, instance.place, instance.name)
         for instance in prepared.effects
         for shape in instance.effect.shape
         if not shape.discrete
@@ -202,13 +203,10 @@ def _effect_torques(
 ) -> dict[str, np.ndarray]:
     """The torque (M, n) of each effect, all its places together."""
     by_effect: dict[str, np.ndarray] = {}
-    values = solution.theta[prepared.layout.size - prepared.layout.effects :]
-    at = 0
-    for instance in prepared.effects:
-        where = slice(at, at + len(instance.effect.parameters))
-        at = where.stop
-        torque = np.where(observation.moving, observation.effects[:, :, where] @ values[where], np.nan)
-        name = instance.effect.name
+    values = solution.theta[prepared.layout.effect_slice]
+    for instance, part in parameter_slices(prepared.effects):
+        torque = np.where(observation.moving, observation.effects[:, :, part] @ values[part], np.nan)
+        name = instance.name
         by_effect[name] = by_effect[name] + torque if name in by_effect else torque
     return by_effect
 
@@ -219,7 +217,7 @@ def _effects(
     rotates = {joint.name: joint.kind != "slide" for joint in prepared.model.geometry.joints}
     drives = {actuator.joint: drive_unit(actuator.gain_unit) for actuator in prepared.dataset.robot.actuators}
     quantities: dict[str, dict[str, dict[str, Quantity]]] = {}
-    at = prepared.layout.size - prepared.layout.effects
+    at = prepared.layout.effect_slice.start
     for instance in prepared.effects:
         values = {}
         turning, drive = rotates.get(instance.joint, True), drives.get(instance.joint, "A")
@@ -233,5 +231,5 @@ def _effects(
             spread = 0.0 if shape.discrete else float(std[shape_at]) or float("inf")
             values[shape.name] = Quantity(float(value), spread, shape.unit_at(turning, drive))
             shape_at += not shape.discrete
-        quantities.setdefault(instance.effect.name, {})[instance.place] = values
+        quantities.setdefault(instance.name, {})[instance.place] = values
     return quantities

@@ -26,7 +26,7 @@ from bench.basics.plain_data import finite
 from bench.basics.versions import Versions, versions
 from bench.dataset.dataset import Dataset, load_dataset
 from bench.dataset.names import DATASET_FILE, RUN_FILE
-from bench.diagnosis.law_effects import law_effects
+from bench.diagnosis.discovery.law_files import law_effects
 from bench.diagnosis.result import (
     Diagnosis,
     Differing,

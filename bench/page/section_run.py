@@ -7,9 +7,9 @@ from typing import Any
 from bench.basics.shell_word import quoted
 from bench.basics.versions import Versions, versions
 from bench.dataset.dataset import Dataset
+from bench.diagnosis.dependence_words import unfinished_sentence
 from bench.diagnosis.reason_words import unexplained_words, validated_on
 from bench.diagnosis.result import Diagnosis, Unfinished
-from bench.diagnosis.unfinished_words import unfinished_sentence
 from bench.document.numbers import STD_FROM, USES, fit_rate
 from bench.document.typeset import effect_name, short, typeset
 from bench.identification.result import Identification

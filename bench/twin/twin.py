@@ -150,7 +150,7 @@ class Twin:
             elif isinstance(instance.effect, PlatformForce) and file.tool is not None:
                 self._tool = self._force_at(file.tool, values)
                 continue
-            left_out.append(f"{instance.effect.name} at {at}" if at else instance.effect.name)
+            left_out.append(f"{instance.name} at {at}" if at else instance.name)
         motors = []
         for motor in file.motors:
             joint = self.model.joint(motor.joint)

@@ -1,14 +1,16 @@
 """Factors of which laws are products: powers, waves, decays, steps, and what is remembered."""
 
 from abc import ABC, abstractmethod
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from itertools import pairwise
 
 import numpy as np
 
-from bench.diagnosis.discovery.units import Unit, times, written
-from bench.diagnosis.discovery.variables import Place, Seen, Variable
+from bench.diagnosis.discovery.variables import Place, Seen, Unit, Variable, times, written
 from bench.diagnosis.result import Role
 from bench.effects.memory import first_order
+from bench.effects.table import hat
 from bench.identification.tolerances import TOLERANCES
 
 
@@ -73,17 +75,23 @@ class Factor(ABC):
 
 
 @dataclass(frozen=True)
-class Power(Factor):
-    """|x|^exponent, or where odd sign(x) |x|^exponent. free: the exponent may be adapted."""
+class OfOne(Factor):
+    """A function of one variable."""
 
     variable: Variable
-    exponent: float = 1.0
-    odd: bool = True
-    free: bool = False
 
     @property
     def variables(self) -> tuple[Variable, ...]:
         return (self.variable,)
+
+
+@dataclass(frozen=True)
+class Power(OfOne):
+    """|x|^exponent, or where odd sign(x) |x|^exponent. free: the exponent may be adapted."""
+
+    exponent: float = 1.0
+    odd: bool = True
+    free: bool = False
 
     @property
     def number(self) -> Number | None:
@@ -133,13 +141,12 @@ def _power(x: str, number: str, exponent: float | None, odd: bool, prefix: str) 
 
 
 @dataclass(frozen=True)
-class Wave(Factor):
+class Wave(OfOne):
     """cos(w x) and sin(w x): a wave whose phase is free. x: a position or the time; w: `rate`, rad a unit of x.
 
     reach: how far the rate may be adapted, where it is free. about_mean: with its mean as the first part.
     """
 
-    variable: Variable
     rate: float
     reach: float
     free: bool = False
@@ -148,10 +155,6 @@ class Wave(Factor):
     @property
     def parts(self) -> int:
         return 3 if self.about_mean else 2
-
-    @property
-    def variables(self) -> tuple[Variable, ...]:
-        return (self.variable,)
 
     @property
     def number(self) -> Number | None:
@@ -224,16 +227,11 @@ class Decay(Timed):
 
 
 @dataclass(frozen=True)
-class Step(Factor):
+class Step(OfOne):
     """1 where x is larger than a threshold, else 0. x: a position or the time; reach: how far it may be adapted."""
 
-    variable: Variable
     threshold: float
     reach: float
-
-    @property
-    def variables(self) -> tuple[Variable, ...]:
-        return (self.variable,)
 
     @property
     def number(self) -> Number:
@@ -294,3 +292,49 @@ def unit_of(factors: tuple[Factor, ...], place: Place) -> str:
     """Unit of a coefficient that makes a torque or force of a product of factors."""
     product = times(*(factor.unit(place) for factor in factors), power=-1.0)
     return written(times({"{effort}": 1.0}, product))
+
+
+@dataclass(frozen=True)
+class PiecewiseLinear(OfOne):
+    """f(x) by its values at knots, with straight lines between; constant beyond the first and the last."""
+
+    knots: tuple[float, ...]
+
+    @property
+    def parts(self) -> int:
+        return len(self.knots)
+
+    @property
+    def role(self) -> Role:
+        return "table"
+
+    def values(self, seen: Seen) -> np.ndarray:
+        x = seen.values[self.variable]
+        return np.column_stack([hat(x, *pair) for pair in self._hats()])
+
+    def formula(self, place: Place) -> tuple[str, ...]:
+        return self._written(place, ".4g")
+
+    def code(self, place: Place, number: str) -> tuple[str, ...]:  # noqa: ARG002 - it has none
+        return self._written(place, ".9g")
+
+    def _written(self, place: Place, digits: str) -> tuple[str, ...]:
+        x = self.variable.symbol(place)
+        return tuple(f"hat({x}, {', '.join(format(each, digits) for each in pair)})" for pair in self._hats())
+
+    def _hats(self) -> list[tuple[float, float, float]]:
+        padded = (self.knots[0], *self.knots, self.knots[-1])
+        return [(a, b, c) for (a, b), (_, c) in pairwise(pairwise(padded))]
+
+
+def table_over(
+    variable: Variable, values: np.ndarray, knots: int, among: Sequence[float] = ()
+) -> PiecewiseLinear:
+    """With as many values of a variable (M,) between any two of its knots; `among` are knots, too."""
+    places = np.quantile(values, np.linspace(0.01, 0.99, knots))
+    apart = 0.3 * float(np.ptp(places)) / knots
+    nodes = sorted(among)
+    for place in places.tolist():
+        if all(abs(place - value) > apart for value in nodes):
+            nodes.append(place)
+    return PiecewiseLinear(variable, tuple(sorted(nodes)))

@@ -5,12 +5,16 @@ from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import count
 
+from bench.diagnosis.base_model import BaseModel, added_effects
+from bench.diagnosis.discovery.refine import Refined
+from bench.diagnosis.discovery.seen import places_of
 from bench.diagnosis.discovery.source import labelled, law_effect
 from bench.diagnosis.discovery.term import Term
 from bench.diagnosis.discovery.variables import Place
 from bench.effects import EffectInstance
+from bench.effects.select import at_joint
 from bench.identification.decision import RULE
-from bench.identification.result import Identification
+from bench.identification.identify import fit
 
 
 @dataclass(frozen=True)
@@ -31,26 +35,18 @@ class Law:
         ]
 
 
-def laws_of(
-    result: Identification,
-    effects: Sequence[EffectInstance],
-    terms: Mapping[str, Term],
-    places: Sequence[Place],
-    taken: Collection[str],
-) -> list[Law]:
-    """Laws of the terms of a fitted model, each at the motors at which it shows.
-
-    effects: of the model; terms: by the name of their effect; taken: names that laws cannot have.
-    """
+def laws_of(base_model: BaseModel, refined: Refined, taken: Collection[str]) -> list[Law]:
+    """Laws of a converged model's terms, each at the motors where it shows; taken: names that they cannot have."""
+    result, terms, places = fit(refined.model), refined.terms, places_of(base_model.start)
     shown: dict[int, list[Term]] = {}
     for place in places:
-        for instance in effects:
-            if instance.effect.name not in terms or instance.joint != place.name:
+        for instance in added_effects(base_model, refined.model):
+            if instance.name not in terms or instance.joint != place.name:
                 continue
-            values = result.effect_parameters[instance.effect.name][instance.place]
+            values = result.effect_parameters[instance.name][instance.place]
             linear = [values[parameter.name] for parameter in instance.effect.parameters]
             if any(abs(value.value) > RULE.shows * value.std for value in linear):
-                term = terms[instance.effect.name].with_numbers(list(instance.effect.shape_values().values()))
+                term = terms[instance.name].with_numbers(list(instance.effect.shape_values().values()))
                 shown.setdefault(place.index, []).append(term)
     groups: dict[object, list[int]] = {}
     for index, some in shown.items():
@@ -81,5 +77,5 @@ def _law(name: str, shown: Mapping[int, Sequence[Term]], at: Sequence[Place]) ->
     for place in at:
         numbers, names = labelled(shown[place.index])
         values = {label: numbers[label].value for labels in names for label in labels}
-        instances.append(EffectInstance(replace(effect, **values), place.name, f"{name}:{place.name}"))
+        instances.append(at_joint(replace(effect, **values), place.name))
     return Law(name, terms, tuple(at), tuple(instances), source)

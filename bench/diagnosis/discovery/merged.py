@@ -1,25 +1,77 @@
 """One power of the velocity in place of several functions of it that only together come near it."""
 
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import replace
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 from itertools import groupby, product
 
-from bench.diagnosis.base_model import BaseModel
+from bench.diagnosis.base_model import BaseModel, added_effects
 from bench.diagnosis.discovery.factors import Power
 from bench.diagnosis.discovery.grammar import V
 from bench.diagnosis.discovery.laws import Law
-from bench.diagnosis.discovery.parts import Part, parts_of, unknowns
 from bench.diagnosis.discovery.refine import Judge, Refined, instances_of
 from bench.diagnosis.discovery.screen import Screened
 from bench.diagnosis.discovery.seen import places_of
 from bench.diagnosis.discovery.term import Term
 from bench.diagnosis.discovery.variables import Place
 from bench.diagnosis.search_result import SearchResult
-from bench.effects import Effect
+from bench.effects import Effect, EffectInstance
 from bench.identification.prepare import Prepared, with_effects
 from bench.identification.tolerances import TOLERANCES
 
 NAME = "power"
+
+
+@dataclass(frozen=True)
+class Part:
+    """An effect of the catalogue at a place, or one term of a law there, by itself."""
+
+    instance: EffectInstance
+    term: Term | None = None
+
+    @property
+    def name(self) -> str:
+        """The name of its effect."""
+        return self.instance.name
+
+    @property
+    def of_velocity(self) -> bool:
+        """Whether it is friction by its motor's velocity alone."""
+        if self.term is None:
+            return self.instance.effect.of_velocity
+        return all(isinstance(factor, Power) and factor.variable == V for factor in self.term.factors)
+
+    @property
+    def unknowns(self) -> int:
+        """Count of its numbers; the exponents of a law are among them, whether they were chosen or adapted."""
+        effect = self.instance.effect
+        factors = () if self.term is None else self.term.factors
+        chosen = [each for each in factors if isinstance(each, Power) and each.exponent and not each.free]
+        return len(effect.parameters) + len(effect.shape) + len(chosen)
+
+
+def parts_of(instances: Iterable[EffectInstance], laws: Sequence[Law]) -> list[Part]:
+    """Effects as they are, and every law as its terms with the numbers that it has there."""
+    by_name = {law.name: law for law in laws}
+    parts = []
+    for instance in instances:
+        law = by_name.get(instance.name)
+        parts += [Part(instance)] if law is None else _terms(law, instance)
+    return parts
+
+
+def unknowns(parts: Iterable[Part]) -> int:
+    """Number of unknowns of all together."""
+    return sum(part.unknowns for part in parts)
+
+
+def _terms(law: Law, instance: EffectInstance) -> list[Part]:
+    (place,) = (place for place in law.places if place.name == instance.joint)
+    terms = law.at(instance.effect.shape_values())
+    parts = []
+    for i, term in enumerate(terms):
+        (alone,) = instances_of(f"{law.name}_term_{i + 1}", Screened(term, {}, 0.0), [place])
+        parts.append(Part(alone, term))
+    return parts
 
 
 def merged(
@@ -32,7 +84,7 @@ def merged(
     than noise, so that a model with as many unknowns can leave clearly less.
     """
     base_model = finding.base_model
-    parts = parts_of(finding.model.effects[len(base_model.start.effects) :], laws)
+    parts = parts_of(added_effects(base_model, finding.model), laws)
     least = finding.weight_by(judge.samples)
     for alike in together(parts):
         others = [part for part in parts if part not in alike]

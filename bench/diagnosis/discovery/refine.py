@@ -5,15 +5,15 @@ from dataclasses import dataclass
 from functools import partial
 from itertools import islice
 
-from bench.diagnosis.base_model import BaseModel, at_its_solution
-from bench.diagnosis.discovery.grammar import LOAD
-from bench.diagnosis.discovery.named import name_of
+from bench.diagnosis.base_model import BaseModel, added_effects, added_names, at_its_solution
+from bench.diagnosis.discovery.grammar import LOAD, name_of
 from bench.diagnosis.discovery.screen import Screened, at_place
 from bench.diagnosis.discovery.source import law_effect
 from bench.diagnosis.discovery.term import Term, about_its_mean, at_other_harmonics, freed
 from bench.diagnosis.discovery.variables import Place
 from bench.diagnosis.evidence import Samples, effects_prior, residual_squares
 from bench.effects import EffectInstance
+from bench.effects.select import at_joint, parameter_slices
 from bench.identification.decision import RULE
 from bench.identification.nonlinear import converged
 from bench.identification.prepare import Prepared, with_effects
@@ -32,9 +32,9 @@ class Refined:
     weight: float
     held_out: float = 0.0
 
-    def size(self, given_count: int) -> int:
-        """How many effects it has beyond the first `given_count` instances."""
-        return len({instance.effect.name for instance in self.model.effects[given_count:]})
+    def size(self, base_model: BaseModel) -> int:
+        """How many effects it has beyond those of the starting model."""
+        return len(added_names(base_model, self.model))
 
 
 @dataclass(frozen=True)
@@ -46,7 +46,7 @@ class Judge:
 
     def refined(self, model: Prepared, terms: Mapping[str, Term]) -> Refined:
         """A converged model with its weight."""
-        names = {instance.effect.name for instance in model.effects}
+        names = {instance.name for instance in model.effects}
         residual = residual_squares(
             model, effects_prior(model.effects) + self.price * len(names & terms.keys())
         )
@@ -56,10 +56,7 @@ class Judge:
 def instances_of(name: str, screened: Screened, places: Sequence[Place]) -> tuple[EffectInstance, ...]:
     """A term at every motor, with its numbers there."""
     return tuple(
-        EffectInstance(
-            law_effect(name, [at_place(screened, place)], place)[0], place.name, f"{name}:{place.name}"
-        )
-        for place in places
+        at_joint(law_effect(name, [at_place(screened, place)], place)[0], place.name) for place in places
     )
 
 
@@ -83,10 +80,9 @@ def refined(
     that is known there; what does well is then converged as it is. `LawBounds.models` of them are tried, those with
     all or none of the other effects first. Raises TimeUpError after the deadline.
     """
-    given_count = len(base_model.start.effects)
     best = judge.refined(model, terms)
     looked_at = judge.refined(base_model.again_nearby(model), terms)
-    for _ in range(best.size(given_count)):
+    for _ in range(best.size(base_model)):
         fewer = (
             (new, variant.looked_at)
             for variant in _fewer(base_model, looked_at, judge)
@@ -106,13 +102,12 @@ def _converged_if_better(
     base_model: BaseModel, variant: _Variant, looked_at: Refined, best: Refined, judge: Judge
 ) -> Refined | None:
     """A model that is tried, converged as it is; None where the best is as good. looked_at: see `_promises`."""
-    given_count = len(base_model.start.effects)
-    if variant.looked_at.size(given_count) > best.size(given_count) or not _promises(
+    if variant.looked_at.size(base_model) > best.size(base_model) or not _promises(
         base_model, variant, looked_at, best, judge
     ):
         return None
     new = judge.refined(variant.exactly(), variant.looked_at.terms)
-    return new if new.weight > best.weight and not _slower(new, given_count) else None
+    return new if new.weight > best.weight and not _slower(new) else None
 
 
 def _promises(
@@ -134,8 +129,7 @@ def _promises(
 
 def _fewer(base_model: BaseModel, refinement: Refined, judge: Judge) -> Iterator[_Variant]:
     """The model without one of its effects, where a term remains."""
-    given_count = len(base_model.start.effects)
-    names = {instance.effect.name for instance in refinement.model.effects[given_count:]}
+    names = added_names(base_model, refinement.model)
     for name in sorted(names):
         terms = {key: term for key, term in refinement.terms.items() if key != name}
         fewer = _without(base_model, refinement.model, names - {name}, refinement, judge) if terms else None
@@ -150,11 +144,10 @@ def _tried(
 
     refinement: the model that they start from, converged as it is known nearby.
     """
-    given_count = len(base_model.start.effects)
     wholes = []
 
     def as_variant(look: Prepared, exactly: Callable[[], Prepared], name: str, variant: Term) -> _Variant:
-        kept = {instance.effect.name for instance in look.effects[given_count:]}
+        kept = added_names(base_model, look)
         terms = {key: term_of for key, term_of in refinement.terms.items() if key in kept} | {name: variant}
         return _Variant(judge.refined(look, terms), exactly)
 
@@ -166,18 +159,18 @@ def _tried(
             return as_variant(exact, lambda: exact, name, variant)
         return as_variant(base_model.joined_nearby(refinement.model, others, added), exactly, name, variant)
 
-    added_names = {instance.effect.name for instance in refinement.model.effects[given_count:]}
+    present = added_names(base_model, refinement.model)
     for name, term in refinement.terms.items():
-        for variant, mean in _with_a_mean(term, added_names):
+        for variant, mean in _with_a_mean(term, present):
             others = [
                 instance
-                for instance in refinement.model.effects[given_count:]
-                if instance.effect.name not in (name, mean)
+                for instance in added_effects(base_model, refinement.model)
+                if instance.name not in (name, mean)
             ]
             yield with_others(others, f"{name}_mean", variant)
     for name, term in refinement.terms.items():
         others = [
-            instance for instance in refinement.model.effects[given_count:] if instance.effect.name != name
+            instance for instance in added_effects(base_model, refinement.model) if instance.name != name
         ]
         for variant in (*at_other_harmonics(term), *freed(term)):
             free = f"{name}_free"
@@ -185,9 +178,7 @@ def _tried(
                 yield with_others([], free, variant)
             whole = with_others(others, free, variant)
             yield whole
-            wholes.append(
-                (whole.looked_at.model, free, variant, {instance.effect.name for instance in others})
-            )
+            wholes.append((whole.looked_at.model, free, variant, {instance.name for instance in others}))
     for whole_model, free, variant, names in wholes:
         for name in sorted(names) if len(names) > 1 else ():
             fewer = _without(base_model, whole_model, {*names, free} - {name}, refinement, judge)
@@ -210,23 +201,19 @@ def _with_a_mean(term: Term, names: Collection[str]) -> Iterator[tuple[Term, str
             yield variant, name
 
 
-def _slower(new: Refined, given_count: int) -> bool:
+def _slower(new: Refined) -> bool:
     """Whether a wave's rate has run below the range that it is free in, at the motor where that law is largest.
 
     So slow a wave is a straight line over the travel, and imitates something else.
     """
-    at = new.model.layout.size - new.model.layout.effects
-    _, solution = solved_quickly(new.model)
+    values = solved_quickly(new.model)[1].theta[new.model.layout.effect_slice]
     largest: dict[str, tuple[float, EffectInstance]] = {}
-    begin = 0
-    for i, instance in enumerate(new.model.effects):
-        part = slice(begin, begin := begin + len(instance.effect.parameters))
-        if i < given_count or instance.effect.name not in new.terms:
+    for instance, part in parameter_slices(new.model.effects):
+        if instance.name not in new.terms:
             continue
-        values = solution.theta[at + part.start : at + part.stop]
-        size = sum(float(((seen.effects[:, :, part] @ values) ** 2).sum()) for seen in new.model.fitted)
-        if size >= largest.get(instance.effect.name, (0.0, instance))[0]:
-            largest[instance.effect.name] = size, instance
+        size = sum(float(((seen.effects[:, :, part] @ values[part]) ** 2).sum()) for seen in new.model.fitted)
+        if size >= largest.get(instance.name, (0.0, instance))[0]:
+            largest[instance.name] = size, instance
     return any(
         value < number.low
         for name, (_, effect_instance) in largest.items()
@@ -244,13 +231,8 @@ def _without(
 
     As the whole: as it is known nearby, or as it is.
     """
-    given_count = len(base_model.start.effects)
-    remaining = [
-        instance
-        for i, instance in enumerate(whole.effects)
-        if i < given_count or instance.effect.name in kept
-    ]
-    fewer = with_effects(whole, remaining)
+    remaining = [instance for instance in added_effects(base_model, whole) if instance.name in kept]
+    fewer = with_effects(whole, (*whole.effects[: len(base_model.start.effects)], *remaining))
     if judge.refined(fewer, {}).held_out > TOLERANCES.laws.start_error * refinement.held_out:
         return None
     return at_its_solution(converged(fewer, nearly=True, deadline=base_model.deadline))

@@ -8,16 +8,16 @@ import numpy as np
 from bench.basics.progress import SILENT, Progress
 from bench.diagnosis.base_model import BaseModel
 from bench.diagnosis.candidates import Proposal
-from bench.diagnosis.discovery.grammar import grammar
-from bench.diagnosis.discovery.named import BASICS, name_of
+from bench.diagnosis.discovery.grammar import BASICS, grammar, name_of
 from bench.diagnosis.discovery.refine import Judge, Refined, instances_of, refined
 from bench.diagnosis.discovery.screen import Known, few_rows, residual_without
 from bench.diagnosis.discovery.seen import places_of, scope_of, seen_at
 from bench.diagnosis.discovery.states import State, best_states
 from bench.diagnosis.discovery.term import Term
-from bench.diagnosis.normal_equations import solve_set
-from bench.diagnosis.rounds import Round, reshaped, system_about
-from bench.diagnosis.search import Selection, best_set, score
+from bench.diagnosis.round import Round, reshaped_proposals, usable
+from bench.diagnosis.rounds import system_about
+from bench.diagnosis.search import Selection, best_set, score_set
+from bench.effects.select import parameter_slices
 from bench.identification.decision import RULE
 from bench.identification.partial_regression import partial_regression
 from bench.identification.prepare import Prepared
@@ -55,7 +55,9 @@ def search_laws(
         if not states:
             break
         if number:
-            laws = replace(laws, last=replace(laws.last, proposals=reshaped(base_model, laws.last, SILENT)))
+            laws = replace(
+                laws, last=replace(laws.last, proposals=reshaped_proposals(base_model, laws.last, SILENT))
+            )
         new = _round(base_model, laws, barred, states, count)
         if new.last.names == laws.last.names:
             laws = new
@@ -97,9 +99,7 @@ def _round(
         terms[name], by_structure[screened.term.structure] = screened.term, name
         proposals.append(Proposal(name, instances_of(name, screened, places), False, "", prior))
     index = {proposal.name: i for i, proposal in enumerate(proposals)}
-    usable = [
-        i for i, proposal in enumerate(proposals) if not proposal.absorbed and proposal.name not in barred
-    ]
+    able = usable(proposals, barred)
     begin = [[index[name] for name in this_round.names]]
     for state in states[: TOLERANCES.laws.starts]:
         names = {
@@ -107,16 +107,16 @@ def _round(
             for candidate in state.terms
         }
         chosen = {index[name] for name in (*names, *state.effects) if name in index}
-        begin.append(sorted(chosen.intersection(usable)))
+        begin.append(sorted(chosen.intersection(able)))
     system = system_about(base_model, this_round.model, proposals)
-    best = best_set(system, begin, usable, base_model.deadline)
-    singles = {i: score(system, solve_set(system, (i,))) for i in usable}
+    best = best_set(system, begin, able, base_model.deadline)
+    singles = {i: score_set(system, (i,)) for i in able}
     return Laws(Round(this_round.model, proposals, system, Selection(best, singles)), terms)
 
 
 def _states(base_model: BaseModel, laws: Laws) -> tuple[list[State], int]:
     """Sets of terms added to nothing, to the identified effects, and to these without each one; and their number."""
-    model, given_count = laws.last.model, len(base_model.start.effects)
+    model = laws.last.model
     names = laws.last.names
     stack, solution = solved_quickly(model)
     regression = partial_regression(stack, solution)
@@ -125,7 +125,7 @@ def _states(base_model: BaseModel, laws: Laws) -> tuple[list[State], int]:
     terms = grammar(scope_of(seen, regression, places))
     rows = few_rows(len(regression.remainder))
     known = [Known(seen_at(seen, place), rows, terms) for place in places]
-    columns, unknowns = _columns_of(model, given_count)
+    columns, unknowns = _columns_of(model, len(base_model.start.effects))
     lefts = {}
     fewer = [names, *(names - {name} for name in sorted(names)), set[str]()]
     for kept in {tuple(sorted(some)): some for some in fewer}.values():
@@ -145,11 +145,9 @@ def _columns_of(model: Prepared, given_count: int) -> tuple[dict[str, list[int]]
     """
     columns: dict[str, list[int]] = {}
     unknowns: dict[str, int] = {}
-    at = model.layout.size - model.layout.effects
-    for i, instance in enumerate(model.effects):
-        size, name = len(instance.effect.parameters), instance.effect.name
-        if i >= given_count:
-            columns.setdefault(name, []).extend(range(at, at + size))
-            unknowns[name] = unknowns.get(name, 0) + size + len(instance.effect.shape)
-        at += size
+    first = model.layout.effect_slice.start
+    for instance, part in parameter_slices(model.effects)[given_count:]:
+        at = range(first + part.start, first + part.stop)
+        columns.setdefault(instance.name, []).extend(at)
+        unknowns[instance.name] = unknowns.get(instance.name, 0) + len(at) + len(instance.effect.shape)
     return columns, unknowns

@@ -5,17 +5,16 @@ from collections.abc import Collection, Sequence
 
 import numpy as np
 
-from bench.diagnosis.discovery.factors import Factor, Power
+from bench.diagnosis.discovery.factors import Factor, Power, table_over
 from bench.diagnosis.discovery.grammar import TOOL, A, Q, T, V
 from bench.diagnosis.discovery.laws import Law
 from bench.diagnosis.discovery.screen import Known, Residual, Screened, few_rows, residual_without
 from bench.diagnosis.discovery.seen import has_tool, places_of, seen_at
 from bench.diagnosis.discovery.source import law_effect
-from bench.diagnosis.discovery.table import table_over
 from bench.diagnosis.discovery.term import Term
 from bench.diagnosis.discovery.variables import Kind, Place, Seen, Variable
 from bench.diagnosis.search_result import SearchResult
-from bench.effects import EffectInstance
+from bench.effects.select import at_joint
 from bench.identification.decision import RULE
 from bench.identification.partial_regression import partial_regression
 from bench.identification.prepare import Prepared
@@ -98,5 +97,4 @@ def _law(terms: Sequence[Term], place: Place, taken: Collection[str]) -> Law:
     while name in taken:
         name += "_"
     effect, source = law_effect(name, terms, place, VALIDITY)
-    instance = EffectInstance(effect, place.name, f"{name}:{place.name}")
-    return Law(name, tuple(terms), (place,), (instance,), source)
+    return Law(name, tuple(terms), (place,), (at_joint(effect, place.name),), source)

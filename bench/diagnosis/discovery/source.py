@@ -6,19 +6,14 @@ from dataclasses import replace
 from pathlib import Path
 from textwrap import wrap
 
-from bench.diagnosis.discovery.factors import Memory, Number
-from bench.diagnosis.discovery.table import PiecewiseLinear
+from bench.diagnosis.discovery.factors import Memory, Number, PiecewiseLinear
 from bench.diagnosis.discovery.term import Term
 from bench.diagnosis.discovery.variables import MEANINGS, SYMBOLS, Place, Variable
 from bench.effects import Effect
 from bench.effects.user_file import effects_in
 from bench.identification.tolerances import TOLERANCES
 
-ATTRIBUTES = {
-    "position": "position",
-    "velocity": "velocity",
-    "acceleration": "acceleration",
-}
+ATTRIBUTES = {"position": "position", "velocity": "velocity", "acceleration": "acceleration"}
 
 
 OF_THE_ROBOT = ("load", "tool_speed", "others_load")

@@ -5,8 +5,7 @@ from pathlib import Path
 
 from bench.basics.joint_units import units_of_gain
 from bench.basics.sentence import and_list, capital, in_percent, or_list
-from bench.diagnosis.motions import telling_motions
-from bench.effects.display_names import begun, spoken
+from bench.effects.display_names import begun, spoken, telling_motions
 from bench.excitation.bounds import DISCRIMINATION
 from bench.excitation.discrimination.result import Discrimination, MotionFacts
 from bench.identification.decision import RULE

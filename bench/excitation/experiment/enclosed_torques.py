@@ -10,7 +10,7 @@ import numpy as np
 
 from bench.excitation.experiment.enclosed_loops import Enclosure
 from bench.excitation.experiment.nominal import Nominal
-from bench.identification.payload_parameters import payload_columns
+from bench.identification.layout import payload_columns
 from bench.model.balls import balls, dense_balls
 from bench.model.body_rates import BodyRates, body_rates
 from bench.model.geometry import Geometry

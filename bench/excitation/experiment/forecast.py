@@ -142,7 +142,7 @@ def described(nominal: Nominal) -> Iterator[Expected]:
     for instance in nominal.effects:
         for parameter in instance.effect.parameters:
             rotates = kinds.get(instance.joint) != "slide"
-            name = f"{instance.effect.name}:{instance.joint or ROBOT}.{parameter.name}"
+            name = f"{instance.name}:{instance.joint or ROBOT}.{parameter.name}"
             yield Expected(name, "effect", unit_at(parameter.unit, rotates), nan, None, 1.0)
     if nominal.gains_fitted:
         for actuator in robot.actuators:

@@ -13,8 +13,7 @@ from bench.excitation.bounds import FORECAST
 from bench.identification.effect_columns import PresentModel, robot_signals
 from bench.identification.filtered import Measured
 from bench.identification.finding import Finding
-from bench.identification.layout import ParameterLayout
-from bench.identification.payload_parameters import payload_columns
+from bench.identification.layout import ParameterLayout, payload_columns
 from bench.identification.standstill import no_gaps
 from bench.model.model import IdentificationModel
 from bench.model.motion import Motion
@@ -109,10 +108,9 @@ def seen_each(nominal: Nominal, motions: Motion, samples: int, payload: str | No
             jacobian[:, layout.payload_slice(payload)] = loads[:, layout.payloads[payload]]
     each = [slice(at, at + samples) for at in range(0, torque.shape[1], samples)]
     if nominal.effects:
-        first = layout.size - layout.effects
         for motion in each:  # an effect may have a memory
             columns = _effects(nominal, motions.at(motion), payload)
-            jacobian[:, first : layout.size, motion] = columns.transpose(1, 2, 0)
+            jacobian[:, layout.effect_slice, motion] = columns.transpose(1, 2, 0)
     jacobian[:, : layout.size] /= nominal.gains[:, None, None]
     current = torque.T / nominal.gains
     if nominal.gains_fitted:

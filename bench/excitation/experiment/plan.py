@@ -14,6 +14,7 @@ from bench.dataset.names import Use
 from bench.dataset.payload import Payload
 from bench.dataset.robot import Robot, refuse_redundant
 from bench.effects import CATALOGUE, Effect, EffectInstance, places_in, select_effects
+from bench.effects.select import parameter_slices
 from bench.excitation.bounds import SEARCH
 from bench.excitation.experiment.covariance import RelativeErrors, Volume
 from bench.excitation.experiment.descent import best_near
@@ -342,10 +343,8 @@ def targets_of(nominal: Nominal, wanted: Sequence[str]) -> np.ndarray:
             indices += range(layout.base)
         if name in (ALL, GAINS):
             indices += gains.tolist()
-        at = layout.size - layout.effects
-        for instance in nominal.effects:
-            count = len(instance.effect.parameters)
+        for instance, part in parameter_slices(nominal.effects):
             if instance.request == name:
-                indices += range(at, at + count)
-            at += count
+                first = layout.effect_slice.start
+                indices += range(first + part.start, first + part.stop)
     return np.unique(indices)

@@ -13,11 +13,11 @@ from bench.basics.progress import SILENT
 from bench.basics.threads import on_one_thread
 from bench.diagnosis.base_model import BaseModel
 from bench.diagnosis.candidates import Proposal, propose
-from bench.diagnosis.normal_equations import solve_set
 from bench.diagnosis.reason_words import reason_sentence
 from bench.diagnosis.result import Diagnosis
-from bench.diagnosis.rounds import Round, reshaped, system_about
-from bench.diagnosis.search import Selection, score
+from bench.diagnosis.round import Round, reshaped_proposals
+from bench.diagnosis.rounds import system_about
+from bench.diagnosis.search import Selection, score_set
 from bench.effects import Effect, EffectInstance
 from bench.effects.display_names import spoken
 from bench.identification.perturbations import Nearby
@@ -47,25 +47,25 @@ def instances_of(
         proposals = _about_the_model(base_model, model, proposals)
     instances = [instance for each in proposals if not each.absorbed for instance in each.instances]
     names = list(effects)
-    return tuple(sorted(instances, key=lambda instance: names.index(instance.effect.name)))
+    return tuple(sorted(instances, key=lambda instance: names.index(instance.name)))
 
 
 def _about_the_model(
     base_model: BaseModel, model: DiagnosedModel, proposals: list[Proposal]
 ) -> list[Proposal]:
     """Proposals as the last round of a search leaves them, which identified the effects of `model`."""
-    present = {(instance.effect.name, instance.joint) for instance in model.effects}
+    present = {instance.seat for instance in model.effects}
     some = []
     for proposal in proposals:
         kept = tuple(each for each in proposal.instances if (proposal.name, each.joint) not in present)
         if kept:
             some.append(replace(proposal, instances=kept))
-    names = dict.fromkeys(instance.effect.name for instance in model.effects)
-    groups = [tuple(instance for instance in model.effects if instance.effect.name == name) for name in names]
+    names = dict.fromkeys(instance.name for instance in model.effects)
+    groups = [tuple(instance for instance in model.effects if instance.name == name) for name in names]
     every = [*(Proposal(each[0].effect.name, each, False, "") for each in groups), *some]
     system = system_about(base_model, model.complete, every)
-    best = score(system, solve_set(system, range(len(groups))))
-    return reshaped(base_model, Round(model.complete, every, system, Selection(best, {})), SILENT)
+    best = score_set(system, range(len(groups)))
+    return reshaped_proposals(base_model, Round(model.complete, every, system, Selection(best, {})), SILENT)
 
 
 def without_room(system: PageSystem, ranks: Mapping[str, int]) -> frozenset[str]:
@@ -73,7 +73,7 @@ def without_room(system: PageSystem, ranks: Mapping[str, int]) -> frozenset[str]
 
     The last in rank go first; those identified, of a rank below zero, stay.
     """
-    names = sorted({instance.effect.name for instance in system.effects}, key=lambda name: ranks[name])
+    names = sorted({instance.name for instance in system.effects}, key=lambda name: ranks[name])
     dropped: list[str] = []
     while names and ranks[names[-1]] >= 0 and _numbers(system, dropped) * NUMBER > MOST_BYTES:
         dropped.append(names.pop())
@@ -84,7 +84,7 @@ def carried_columns(system: PageSystem, without: Collection[str]) -> np.ndarray:
     """Which columns are carried for each motor (n, C): those that are more than zero there."""
     kept = system.filled()
     for start, stop, instance in zip(system.starts, system.starts[1:], system.effects, strict=False):
-        if instance.effect.name in without:
+        if instance.name in without:
             kept[:, start:stop] = False
     return kept
 
@@ -181,7 +181,7 @@ def page_data(problem: Problem, diagnosis: Diagnosis) -> dict[str, Any]:
     without = without_room(system, _ranks(model, diagnosis))
     robot = model.plain.dataset.robot
     kept = carried_columns(system, without)
-    listed = {instance.effect.name for instance in system.effects}
+    listed = {instance.name for instance in system.effects}
     listed |= {verdict.effect for verdict in diagnosis.ranking if verdict.effect in known}
     return {
         "version": VERSION,
@@ -197,7 +197,7 @@ def page_data(problem: Problem, diagnosis: Diagnosis) -> dict[str, Any]:
         "reference": doubles(system.reference),
         "basis": _basis(system.basis),
         "effects": [_effect(model, system, diagnosis, without, name) for name in known if name in listed],
-        "found": [[instance.effect.name, instance.joint] for instance in model.effects],
+        "found": [[instance.name, instance.joint] for instance in model.effects],
         "started": [list(pair) for pair in model.started],
         "deviations": _deviations(model, diagnosis),
         "recordings": thinned(model, system, kept),
@@ -214,9 +214,9 @@ def with_command(data: dict[str, Any], command: str, model: dict[str, Any] | Non
 def _usable(model: DiagnosedModel, diagnosis: Diagnosis, known: Mapping[str, Effect]) -> dict[str, Effect]:
     """What may be ticked: identified, or judged and not absorbed. The page changes nothing in what the model has."""
     given = {
-        instance.effect.name for instance in model.plain.effects
+        instance.name for instance in model.plain.effects
     }  # columns of the model, as the rigid bodies' are
-    fitted = {instance.effect.name for instance in model.effects}
+    fitted = {instance.name for instance in model.effects}
     shown = {verdict.effect for verdict in diagnosis.ranking if verdict.verdict != "absorbed"}
     return {name: effect for name, effect in known.items() if name not in given and name in fitted | shown}
 
@@ -224,7 +224,7 @@ def _usable(model: DiagnosedModel, diagnosis: Diagnosis, known: Mapping[str, Eff
 def _ranks(model: DiagnosedModel, diagnosis: Diagnosis) -> dict[str, int]:
     """How early an effect must have its place; those identified before all."""
     ranks = {verdict.effect: i for i, verdict in enumerate(diagnosis.ranking)}
-    return ranks | {instance.effect.name: -1 for instance in model.effects}
+    return ranks | {instance.name: -1 for instance in model.effects}
 
 
 def _motor(model: DiagnosedModel, system: PageSystem, kept: np.ndarray, j: int) -> dict[str, Any]:
@@ -265,9 +265,9 @@ def _parameters(model: DiagnosedModel, diagnosis: Diagnosis) -> list[dict[str, s
     after = diagnosis.after
     rigid = [{"name": parameter.name, "unit": parameter.unit} for parameter in after.parameters]
     effects = [
-        {"name": f"{name} of {spoken(instance.effect.name)} at {instance.place}", "unit": value.unit}
+        {"name": f"{name} of {spoken(instance.name)} at {instance.place}", "unit": value.unit}
         for instance in model.plain.effects
-        for name, value in after.effect_parameters[instance.effect.name][instance.place].items()
+        for name, value in after.effect_parameters[instance.name][instance.place].items()
     ]
     return rigid + effects
 
@@ -282,7 +282,7 @@ def _deviations(model: DiagnosedModel, diagnosis: Diagnosis) -> list[dict[str, A
         ]
         return {"effects": [list(effect) for effect in effects], "gains": stds}
 
-    places = [(instance.effect.name, instance.joint) for instance in model.effects]
+    places = [instance.seat for instance in model.effects]
     return [of(diagnosis.after, places), of(diagnosis.before, model.started)]
 
 
@@ -291,7 +291,7 @@ def _effect(
 ) -> dict[str, Any]:
     ranks = [effect_verdict.effect for effect_verdict in diagnosis.ranking]
     verdict = diagnosis.ranking[ranks.index(name)] if name in ranks else None
-    places = [(i, instance) for i, instance in enumerate(system.effects) if instance.effect.name == name]
+    places = [(i, instance) for i, instance in enumerate(system.effects) if instance.name == name]
     return {
         "name": name,
         "rank": ranks.index(name) if name in ranks else -1,

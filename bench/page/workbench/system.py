@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from bench.diagnosis.motor_rows import apart_from, motor_rows
+from bench.diagnosis.motor_products import apart_from, motor_rows
 from bench.diagnosis.result import Diagnosis
 from bench.diagnosis.split import with_held_out_parts
 from bench.effects import EffectInstance, places_in, select_effects
@@ -81,15 +81,13 @@ def diagnosed_model(problem: Problem, diagnosis: Diagnosis) -> DiagnosedModel:
     complete = with_effects(plain, (*given, *instances), present_model(complete, solution))
     _, solution = solved_quickly(complete)
     kept = [effect for effect in before.effects if not effect.endswith(TAG)]
-    started = tuple(
-        (instance.effect.name, instance.joint) for instance in select_effects(kept, places, catalogue)
-    )
+    started = tuple(instance.seat for instance in select_effects(kept, places, catalogue))
     return DiagnosedModel(plain, complete, solution, started)
 
 
 def _requests(result: Identification, given: Sequence[EffectInstance]) -> list[str]:
     """The effects with one value for all recordings; given: the others."""
-    each = {(instance.effect.name, instance.place) for instance in given}
+    each = {instance.key for instance in given}
     return [
         name if place == ROBOT else f"{name}:{place}"
         for name, values in result.effect_parameters.items()
@@ -99,7 +97,7 @@ def _requests(result: Identification, given: Sequence[EffectInstance]) -> list[s
 
 
 def _with_values(result: Identification, instance: EffectInstance) -> EffectInstance:
-    values = result.effect_parameters[instance.effect.name][instance.place]
+    values = result.effect_parameters[instance.name][instance.place]
     shapes = {shape.name: values[shape.name].value for shape in instance.effect.shape}
     effect = replace(instance.effect, **shapes) if shapes else instance.effect
     linear = {parameter.name: values[parameter.name].value for parameter in effect.parameters}
@@ -256,10 +254,10 @@ def _reference(model: DiagnosedModel, instances: Sequence[EffectInstance], start
     reference = np.zeros(starts[-1])
     at = base_count = int(starts[0])
     reference[:base_count] = theta[:base_count]
-    places = [(instance.effect.name, instance.joint) for instance in instances]
+    places = [instance.seat for instance in instances]
     for instance in model.effects:
         count = len(instance.effect.parameters)
-        start = starts[places.index((instance.effect.name, instance.joint))]
+        start = starts[places.index(instance.seat)]
         reference[start : start + count] = theta[at : at + count]
         at += count
     return reference

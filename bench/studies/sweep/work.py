@@ -57,7 +57,7 @@ def diagnosis_metrics(simulation: Simulation, prepared: Prepared) -> dict[str, f
     problem = problem_of(prepared.dataset, modelled, filters=prepared.settings)
     diagnosis = find_missing_effects(problem, discover=False)  # effects of the catalogue are what counts
     hidden = {effect.name for effect in simulation.machine.hidden} - {
-        instance.effect.name for instance in prepared.effects
+        instance.name for instance in prepared.effects
     }
     alternatives = {verdict.effect: {verdict.effect, *verdict.alternatives} for verdict in diagnosis.ranking}
     missed = [name for name in hidden if not any(name in alternatives[other] for other in diagnosis.missing)]

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from bench.diagnosis.law_effects import law_effects
+from bench.diagnosis.discovery.law_files import law_effects
 from bench.diagnosis.result import Diagnosis, Discovered
 from bench.effects import CATALOGUE, EffectInstance, places_in, select_effects
 from bench.effects.select import ROBOT

@@ -1,10 +1,13 @@
-"""Laws that were discovered, as files of user-defined effects."""
+"""Laws that were discovered, as effects and as files of them."""
 
+from collections.abc import Iterable
 from dataclasses import replace
 from pathlib import Path
 
 from bench.basics.files.atomic import write_text_atomically
-from bench.diagnosis.result import Diagnosis
+from bench.diagnosis.result import Diagnosis, Discovered
+from bench.effects import Effect
+from bench.effects.user_file import effects_in
 
 
 def write_laws(diagnosis: Diagnosis, folder: Path) -> Diagnosis:
@@ -17,3 +20,9 @@ def write_laws(diagnosis: Diagnosis, folder: Path) -> Diagnosis:
         replace(discovered_law, file=f"{discovered_law.law}.py") for discovered_law in diagnosis.discovered
     )
     return replace(diagnosis, discovered=named)
+
+
+def law_effects(discovered: Iterable[Discovered]) -> dict[str, Effect]:
+    """The effects of laws by name, from the text of their files."""
+    sources = {law.law: law.source for law in discovered}
+    return {law: effects_in(source, Path(f"{law}.py"))[law] for law, source in sources.items()}

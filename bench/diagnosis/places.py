@@ -1,4 +1,4 @@
-"""How probable it is that an identified effect acts at each of its places, given that it is there."""
+"""Where an identified effect acts: how probable each of its places is, and others that explain the data as well."""
 
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
@@ -6,18 +6,21 @@ from dataclasses import replace
 import numpy as np
 from scipy.special import expit
 
+from bench.diagnosis.evidence import Samples, residual_squares
 from bench.diagnosis.normal_equations import Candidate, System, solve_set
-from bench.effects import EffectInstance
+from bench.diagnosis.significance import wrong_signs
+from bench.effects import EffectInstance, places_in
+from bench.effects.select import at_joint
+from bench.identification.decision import RULE
+from bench.identification.identify import fit
+from bench.identification.prepare import Prepared, with_effects
 
 Places = Mapping[str, Sequence[str]]
 """Names of effects -> places of each."""
 
 
 def place_shares(
-    system: System,
-    chosen: Sequence[int],
-    identified: Sequence[EffectInstance],
-    alike: Mapping[str, Places],
+    system: System, chosen: Sequence[int], identified: Sequence[EffectInstance], alike: Mapping[str, Places]
 ) -> dict[str, dict[str, float]]:
     """For every effect of a set, by name: the probability (0 to 1) of each place, given that the effect is there.
 
@@ -27,7 +30,7 @@ def place_shares(
     """
     kept: dict[str, set[str]] = {}
     for instance in identified:
-        kept.setdefault(instance.effect.name, set()).add(instance.place)
+        kept.setdefault(instance.name, set()).add(instance.place)
     whole = _weight(system, chosen, kept)
     result: dict[str, dict[str, float]] = {}
     for i in chosen:
@@ -61,3 +64,41 @@ def _at(candidate: Candidate, places: Collection[str]) -> Candidate:
     columns = np.repeat(there, [len(instance.effect.parameters) for instance in candidate.instances])
     instances = tuple(instance for instance, at in zip(candidate.instances, there, strict=True) if at)
     return Candidate(instances, candidate.columns[columns], candidate.lengths[columns])
+
+
+AT_MOTORS = ("actuator", "robot", "payload")  # where each has separate equations, or there is one place
+
+
+def alike_places(
+    model: Prepared, identified: Sequence[EffectInstance], samples: Samples
+) -> Mapping[str, Mapping[str, tuple[str, ...]]]:
+    """For every effect, by name, and each of its places: others, at which a model with it is hardly less probable.
+
+    identified: effects of the model. Those in motors are omitted: each motor has a separate current.
+    """
+    places = places_in(model.model.geometry, model.dataset.weighed)
+    there = {instance.seat for instance in model.effects}
+    least = residual_squares(model, 0.0).weight(samples) - RULE.undecided
+    by_effect: dict[str, dict[str, tuple[str, ...]]] = {}
+    for instance in identified:
+        effect = instance.effect
+        if effect.place in AT_MOTORS or instance.recording:
+            continue
+        others = [
+            joint
+            for joint in places.where(effect)
+            if (effect.name, joint) not in there and _as_probable(model, instance, joint, samples, least)
+        ]
+        if others:
+            by_effect.setdefault(effect.name, {})[instance.joint] = tuple(others)
+    return by_effect
+
+
+def _as_probable(
+    model: Prepared, instance: EffectInstance, joint: str, samples: Samples, least: float
+) -> bool:
+    """Whether the model with an effect moved to another place is that probable, and no sign is impossible there."""
+    moved = at_joint(instance.effect, joint)
+    effects = [moved if each == instance else each for each in model.effects]
+    there = with_effects(model, effects)
+    return residual_squares(there, 0.0).weight(samples) > least and not wrong_signs(fit(there), moved)

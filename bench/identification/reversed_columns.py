@@ -1,4 +1,6 @@
-"""Whether an encoder counts backwards, or an angle and a travel are exchanged: tried where little is explained."""
+"""Whether an encoder or a current has the wrong sign, or an angle and a travel are exchanged: tried where little is
+explained.
+"""
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
@@ -107,3 +109,44 @@ def changes(robot: Robot) -> Iterator[PositionChange]:
             factors = np.ones(len(joints))
             factors[a], factors[b] = (1.0 / scale, scale) if turns[a] else (scale, 1.0 / scale)
             yield PositionChange(Code.POSITIONS_SWAPPED, (joints[a], joints[b]), tuple(order), factors)
+
+
+_Reversal = tuple[tuple[str, ...], tuple[int, ...]]
+"""Names of recordings, and the motors whose currents have the other sign in them."""
+
+
+@on_one_thread
+def reversed_currents(
+    result: Identification, trial: ColumnsTrial, deadline: Deadline = NEVER
+) -> list[Finding]:
+    """The currents whose sign, changed, brings the error far down; none where none do.
+
+    Tried with the nominal gains, since fitted ones would only change their own sign, and with dry and viscous friction
+    in addition to the rigid bodies: one motor in all fitted recordings or in one, or all motors. trial: equations
+    with the filters of the result. Raises TimeUpError after the deadline.
+    """
+    bounds = TOLERANCES.findings
+
+    def error_with(change: _Reversal) -> float:
+        deadline.check()
+        return trial.error(trial.reversed_in(*change), nominal=True)
+
+    before = error_with(((), ()))
+    if before < bounds.large_error:
+        return []
+    names, motors = min(_changes(tuple(trial.parts), len(result.joints)), key=error_with)
+    after = error_with((names, motors))
+    if not after < min(bounds.swapped_error * before, bounds.explained):
+        return []
+    where = () if len(names) == len(trial.parts) else names
+    numbers = {"before": before, "after": after}
+    return [
+        Finding(Code.CURRENT_REVERSED, (result.joints[motor], *where), numbers=numbers) for motor in motors
+    ]
+
+
+def _changes(names: tuple[str, ...], motors: int) -> Iterator[_Reversal]:
+    each = [(motor,) for motor in range(motors)]
+    for chosen in dict.fromkeys([names, *((name,) for name in names)]):
+        for some in dict.fromkeys([*each, tuple(range(motors))]):
+            yield chosen, some

@@ -1,0 +1,174 @@
+"""A round of a search: effects in the shape that suits the model which it selected, their system, and the best set."""
+
+from collections.abc import Collection, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+from bench.basics.progress import Progress
+from bench.diagnosis.base_model import BaseModel, added_effects
+from bench.diagnosis.batched_sets import solve_sets, swapped
+from bench.diagnosis.candidates import Context, Proposal, shaped
+from bench.diagnosis.evidence import ResidualSumOfSquares, effects_prior, residual_squares
+from bench.diagnosis.noise import leaves_only_noise
+from bench.diagnosis.normal_equations import System, solve_set
+from bench.diagnosis.search import Selection, contains
+from bench.effects import EffectInstance
+from bench.identification.decision import RULE
+from bench.identification.nonlinear import settles
+from bench.identification.prepare import Prepared, with_effects
+from bench.identification.solve_only import candidate_columns, reshaped
+
+
+@dataclass(frozen=True)
+class Round:
+    """A converged model, every effect in the shape that suits it, their system about it, and the best set there.
+
+    cut: whether the time was up before the search had ended; the model is that of the best set so far, then.
+    """
+
+    model: Prepared
+    proposals: Sequence[Proposal]
+    system: System
+    selection: Selection
+    cut: bool = False
+
+    @cached_property
+    def residual(self) -> ResidualSumOfSquares:
+        """The residual sums of squares of its model."""
+        return residual_squares(self.model, self.prior_of(self.model.effects))
+
+    def prior_of(self, effects: Sequence[EffectInstance]) -> float:
+        """Nats that effects must bring, with what its proposals must bring beyond an effect of the catalogue."""
+        names = {instance.name for instance in effects}
+        return effects_prior(effects) + sum(each.prior for each in self.proposals if each.name in names)
+
+    @property
+    def chosen(self) -> tuple[int, ...]:
+        """The best set's proposals (indices)."""
+        return self.selection.selected.fit.chosen
+
+    @property
+    def names(self) -> set[str]:
+        """The best set's effects."""
+        return {self.proposals[i].name for i in self.chosen}
+
+
+def reshaped_proposals(base_model: BaseModel, this_round: Round, progress: Progress) -> list[Proposal]:
+    """Proposals in the shape that suits the selected set: as found, or in the place of the effect that they rival.
+
+    An effect that could replace an identified one is given the shape that it would have without that one; the others
+    the shape that explains most of what the selected set leaves, if that is more than noise. A special case of an
+    identified effect that explains little of this is given its shape in the place of that one.
+    """
+    model = this_round.model
+    added = added_effects(base_model, model)
+    candidates = this_round.system.candidates
+    contexts: dict[int | None, Context] = {None: base_model.context(model)}
+    result = []
+    only_noise = leaves_only_noise(this_round.system, model, base_model.noise)
+    asked = [
+        i
+        for i, candidate in enumerate(this_round.proposals)
+        if i not in this_round.chosen and _has_shape(candidate)
+    ]
+    solve_sets(
+        this_round.system, swapped(this_round.chosen, asked)
+    )  # together, and kept: each is asked for below
+    for i, proposal in enumerate(this_round.proposals):
+        progress.advance()
+        base_model.deadline.check()
+        if i in this_round.chosen:
+            instances = tuple(instance for instance in added if instance.name == proposal.name)
+            result.append(replace(proposal, instances=instances))
+            continue
+        if not _has_shape(proposal):
+            result.append(proposal)
+            continue
+        rival = next((k for k in this_round.chosen if contains(candidates[i], candidates[k])), None)
+        if rival is None:
+            rival = _rival(this_round.system, this_round.selection, i)
+        if rival is None:
+            instances = (
+                proposal.instances
+                if only_noise
+                else shaped(contexts[None], proposal.instances, base_model.deadline)
+            )
+            rival = next((k for k in this_round.chosen if contains(candidates[k], candidates[i])), None)
+            if rival is None or (not only_noise and explains(contexts[None], instances)):
+                result.append(replace(proposal, instances=instances))
+                continue
+        name = this_round.proposals[rival].name
+        if rival not in contexts:
+            others = [instance for instance in added if instance.name != name]
+            contexts[rival] = base_model.context(with_effects(model, (*base_model.start.effects, *others)))
+        instances = shaped(contexts[rival], proposal.instances, base_model.deadline)
+        if contains(candidates[rival], candidates[i]):
+            present = [instance for instance in added if instance.name == name]
+            instances = explaining_most(contexts[rival], instances, with_shapes_of(present, instances))
+        result.append(replace(proposal, instances=instances))
+    return result
+
+
+def _has_shape(proposal: Proposal) -> bool:
+    """Whether the columns of an effect depend on the model to which it is added."""
+    return not proposal.absorbed and settles(proposal.instances)
+
+
+def _rival(system: System, selection: Selection, i: int) -> int | None:
+    """The identified effect in whose place effect i does best, where that is better than most of what it explains."""
+    best = selection.selected.fit
+    if not best.chosen:
+        return None
+    sets = zip(best.chosen, swapped(best.chosen, [i]), strict=True)
+    swaps = {k: solve_set(system, pair).fitted for k, pair in sets}
+    rival = min(swaps, key=lambda k: swaps[k])
+    without = solve_set(system, tuple(c for c in best.chosen if c != rival)).fitted
+    return rival if swaps[rival] < 0.5 * (without + best.fitted) else None
+
+
+def with_shapes_of(
+    wholes: Sequence[EffectInstance], parts: Sequence[EffectInstance]
+) -> tuple[EffectInstance, ...]:
+    """The special cases of an effect with the values that this has at their joints of parameters of the same name."""
+    values = {whole.joint: whole.effect.shape_values() for whole in wholes}
+    result = []
+    for part in parts:
+        there = values.get(part.joint, {})
+        result.append(
+            reshaped(part, {name: there[name] for name in part.effect.shape_values() if name in there})
+        )
+    return tuple(result)
+
+
+def explaining_most(context: Context, *tried: tuple[EffectInstance, ...]) -> tuple[EffectInstance, ...]:
+    """The instances that explain most, all together, of what a model leaves."""
+    return max(tried, key=lambda instances: _explained(context, instances))
+
+
+def explains(context: Context, instances: Sequence[EffectInstance]) -> bool:
+    """Whether instances take a clear share away of what a model leaves of the fitted recordings."""
+    return (
+        _explained(context, instances)
+        > (1.0 - (1.0 - RULE.material) ** 2) * context.regression.sum_of_squares
+    )
+
+
+def _explained(context: Context, instances: Sequence[EffectInstance]) -> float:
+    return float(context.regression.explained(candidate_columns(context.prepared, instances))[1])
+
+
+def in_their_shape(base_model: BaseModel, proposals: Sequence[Proposal], model: Prepared) -> list[Proposal]:
+    """The proposals in the shape they have in a converged model."""
+    added = added_effects(base_model, model)
+    changed = []
+    for proposal in proposals:
+        instances = tuple(each for each in added if each.name == proposal.name)
+        changed.append(replace(proposal, instances=instances) if instances else proposal)
+    return changed
+
+
+def usable(proposals: Sequence[Proposal], barred: Collection[str]) -> list[int]:
+    """Proposals (indices) that may be selected."""
+    return [
+        i for i, proposal in enumerate(proposals) if not proposal.absorbed and proposal.name not in barred
+    ]
