@@ -40,9 +40,18 @@ def foreign(name, measured_data):
 
 
 def counts(geometry, monkeypatch, seeds=10):
-    numbers = set()
+    """What so many pairs of sets of states decide; each set is in two pairs, and computed once."""
+    at, known, numbers = base_module._independent_at, {}, set()
+
+    def once(*given):
+        key = given[3:]  # its seed, and how many are wanted at least
+        if key not in known:
+            known[key] = at(*given)
+        return known[key]
+
+    monkeypatch.setattr(base_module, "_independent_at", once)
     for seed in range(seeds):
-        monkeypatch.setattr(base_module, "SEEDS", (2 * seed, 2 * seed + 1))
+        monkeypatch.setattr(base_module, "SEEDS", (seed, seed + 1))
         numbers.add(len(base_parameters.__wrapped__(geometry).columns))
     return numbers
 

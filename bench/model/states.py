@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from bench.model.bounds import RANDOM_POSES
+from bench.model.bounds import CLOSURE, RANDOM_POSES
 from bench.model.follow import Pose, advance, home_pose, make_follower
 from bench.model.geometry import Geometry
 from bench.model.mobility import column_scales, smallest_singular_values
@@ -29,7 +29,8 @@ def random_motion(geometry: Geometry, count: int, seed: int) -> Motion:
     while len(poses) < wanted and tries < 20 * wanted:
         tries += 1
         target = random.uniform(low, high)
-        reached, _ = advance(follower, pose, pose.q[geometry.active_configuration] * 0.3 + target * 0.7)
+        towards = pose.q[geometry.active_configuration] * 0.3 + target * 0.7
+        reached, _ = advance(follower, pose, towards, CLOSURE.nearly)  # `rates_at` closes them to rounding
         if np.all(np.abs(reached.amplification) < largest):
             pose = reached
             poses.append(pose)
