@@ -1,5 +1,6 @@
 """Logs of other programs become recordings of a dataset."""
 
+import shlex
 from collections.abc import Callable, Mapping
 from pathlib import Path
 
@@ -10,6 +11,7 @@ import pytest
 from scipy.io import savemat
 
 from bench.basics.errors import BenchError
+from bench.cli import main
 from bench.dataset.dataset import load_dataset
 from bench.dataset.logs.columns import LogMap
 from bench.dataset.logs.importing import LogRequest, import_log
@@ -183,6 +185,32 @@ def test_a_map_that_does_not_fit_is_refused_and_nothing_is_written(
     assert "\n" not in message
     assert [text for text in expected if text not in message] == [], message
     assert not (tmp_path / "out").exists()
+
+
+def test_where_nothing_is_mapped_the_options_are_proposed_that_the_names_tell(
+    tmp_path: Path, robot: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    columns = log()
+    columns["t"] = 1e3 * columns["t"]
+    names = {"t": "Zeit_ms", "qa": "Winkel arm", "qr": "Weg rail", "qw": "Winkel wheel"}
+    names |= {"ia": "Strom arm", "ir": "Strom rail", "iw": "Strom wheel"}
+    write_table(tmp_path / "log.csv", {names[name]: values for name, values in columns.items()})
+    words = ["import", str(tmp_path / "log.csv"), "--robot", robot, "-o", str(tmp_path / "out")]
+    assert main(words) == 2
+    said = capsys.readouterr().err
+    proposed = said.partition("by their names these may be right, look at each: ")[2].partition(
+        ": if a preamble"
+    )[0]
+    assert proposed == (
+        "--map time=Zeit_ms --map position.arm='Winkel arm' --map position.rail='Weg rail'"
+        " --map position.wheel='Winkel wheel' --map current.arm='Strom arm'"
+        " --map current.rail='Strom rail' --map current.wheel='Strom wheel' --scale time=ms"
+    )
+    assert main([*words, *shlex.split(proposed)]) == 0
+    columns["arm"] = columns.pop("qa")  # a name that may be anything
+    write_table(tmp_path / "log.csv", {names.get(name, name): values for name, values in columns.items()})
+    assert main(words) == 2
+    assert "say which is which, as in --map time=Zeit_ms (with --scale time=ms" in capsys.readouterr().err
 
 
 def truncate(path: Path) -> None:

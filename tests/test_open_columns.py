@@ -6,10 +6,11 @@ import numpy as np
 import pytest
 from rosbags.rosbag2 import StoragePlugin
 
+from bench.dataset.logs.guess import guesses
 from bench.dataset.logs.units import unit_in, units_of
 from bench.dataset.robot import load_robot
 from bench.local.checks import Mapped, checked
-from bench.local.columns import guesses, look_at
+from bench.local.columns import look_at
 from tests.good_data import write_robot
 from tests.test_logs_ros import samples, write_bag
 

@@ -1,34 +1,18 @@
-"""What the columns of a log may be: joints by their names, units by what the log or a name says."""
+"""The columns of a log as a page shows them, and what they may be."""
 
-import re
-from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from bench.basics.files.recording_fault import IN_UNIT
-from bench.dataset.joint_facts import JointFacts, joint_facts
 from bench.dataset.logs.columns import GROUPS, glimpse
+from bench.dataset.logs.guess import guesses
 from bench.dataset.logs.log_file import LogFile, Reading
 from bench.dataset.logs.ros_bag import is_bag, joint_topics
-from bench.dataset.logs.units import LAST, UNITS, measured_by, name_of, unit_in, units_of
-from bench.dataset.recording_checks import Channel, position_units
+from bench.dataset.logs.units import name_of, units_of
 from bench.dataset.robot import Robot
 
 POINTS = 160  # of a column's small picture
-
-TIME = frozenset({"time", "timestamp", "t", "zeit", "clock"})
-POSITION = frozenset(
-    {"position", "positions", "pos", "q", "qm", "qs", "angle", "ang", "theta", "enc", "encoder", "joint", "x"}
-    | {"winkel", "stellung", "angulo", "posicion", "path", "stroke", "travel", "weg", "hub", "course"}
-)
-CURRENT = frozenset(
-    {"current", "currents", "cur", "curr", "i", "iq", "amp", "amps", "effort", "torque", "tau", "vir", "u"}
-    | {"strom", "drehmoment", "courant", "couple", "corriente"}
-)
-PLACES, DRIVES = ("angle", "length"), ("current", "voltage", "torque", "force")
-"""What the units of positions and of currents measure."""
 
 
 def look_at(path: str, robot: Robot, topic: str | None = None, skip_rows: int = 0) -> dict[str, Any]:
@@ -61,155 +45,6 @@ def columns_of(log: LogFile, robot: Robot) -> dict[str, Any]:
         "units": {column: units_of(column, robot) for column in needs},
         "notes": list(log.notes),
     }
-
-
-def guesses(
-    names: Sequence[str],
-    robot: Robot,
-    stated: Mapping[str, str] | None = None,
-    values: Mapping[str, np.ndarray] | None = None,
-) -> dict[str, dict[str, str]]:
-    """Needed column -> {column, unit, why} for those whose names or units tell; a person confirms them.
-
-    stated: units by column as the log gives them; in a language that is not known, they tell what is what.
-    values: of the columns (N,), which tell a path in mm from one in m by the joint's range.
-    why is "name" where the log's name holds the joint's, "order" where names are numbered as the joints are, "unit"
-    where no other column measures what this joint needs, "rest" where none but this joint and column remain, "alike"
-    where a current's name has a word of the name of its joint's position, and "range" where the values tell the unit.
-    """
-    proposed: dict[str, tuple[str, str]] = {}
-    time = next((name for name in names if (words := _words(name)) and words[0] in TIME), None)
-    if time is not None:
-        proposed["time"] = time, "name"
-    for kind, spoken, measured in (("position", POSITION, PLACES), ("current", CURRENT, DRIVES)):
-        free = [name for name in names if name != time and spoken & set(_words(name))]
-        if not free:
-            free = [name for name in names if name != time and _measures(name, stated) in measured]
-        named, why = _by_name(free, robot.driven), "name"
-        numbered = [name for name in free if re.search(r"\d", _stem(name)) or len(robot.driven) == 1]
-        in_order = not robot.redundant and len(numbered) == len(robot.driven)
-        if not named and in_order:
-            named, why = dict(zip(robot.driven, sorted(numbered, key=_number), strict=True)), "order"
-        proposed |= {f"{kind}.{joint}": (name, why) for joint, name in named.items()}
-    facts = {f"position.{fact.name}": fact for fact in joint_facts(robot)}
-    taken = {name for name, _ in proposed.values()}
-    rest = {name: (values or {}).get(name) for name in names if name not in taken}
-    proposed |= _by_unit(
-        rest, {target: facts[target] for target in facts if target not in proposed}, robot, stated
-    )
-    currents = [name for name in rest if _measures(name, stated) in DRIVES]
-    proposed |= _alike(currents, {target: name for target, (name, _) in proposed.items()}, robot.driven)
-    guessed = {}
-    for target, (name, why) in proposed.items():
-        unit = unit_in(name, units_of(target, robot))
-        by_range = (
-            "" if unit or name in (stated or {}) else _by_range(facts.get(target), (values or {}).get(name))
-        )
-        guessed[target] = {"column": name, "unit": unit or by_range, "why": "range" if by_range else why}
-    return guessed
-
-
-def _by_unit(
-    free: Mapping[str, np.ndarray | None],
-    open_: Mapping[str, JointFacts],
-    robot: Robot,
-    stated: Mapping[str, str] | None,
-) -> dict[str, tuple[str, str]]:
-    """Positions that no name tells: where one joint alone measures a length, or an angle, and one column does; or
-    where one joint and one position without a unit remain.
-
-    free: columns that are nothing yet, with their values. Of several columns, those within the joint's range count.
-    """
-    chosen = {}
-    for measured in PLACES:
-        joints = [target for target in open_ if measured_by(target, robot) == measured]
-        columns = [name for name in free if _measures(name, stated) == measured]
-        if len(joints) == 1 and len(columns) > 1:
-            columns = [name for name in columns if _within(open_[joints[0]], free[name], _unit(name, stated))]
-        if len(joints) == len(columns) == 1:
-            chosen[joints[0]] = columns[0], "unit"
-    last = [target for target in open_ if target not in chosen]
-    unmeasured = [name for name in free if POSITION & set(_words(name)) and not _measures(name, stated)]
-    if len(last) == len(unmeasured) == 1:
-        chosen[last[0]] = unmeasured[0], "rest"
-    return chosen
-
-
-def _alike(
-    currents: Sequence[str], proposed: Mapping[str, str], joints: Sequence[str]
-) -> dict[str, tuple[str, str]]:
-    """Currents of joints that no name tells, by the words that their names share with the position's alone."""
-    places = {joint: proposed[f"position.{joint}"] for joint in joints if f"position.{joint}" in proposed}
-    chosen = {}
-    for joint, place in places.items():
-        others = {word for other in places.values() if other != place for word in _words(other)}
-        words = {*_words(place)} - others
-        alike = [name for name in currents if words & {*_words(name)}]
-        if len(alike) == 1 and f"current.{joint}" not in proposed:
-            chosen[f"current.{joint}"] = alike[0], "alike"
-    return chosen if len({name for name, _ in chosen.values()}) == len(chosen) else {}
-
-
-def _within(joint: JointFacts, values: np.ndarray | None, unit: str | None) -> bool:
-    """Whether values in a unit lie in a joint's range; False where one of these is not known."""
-    if values is None or unit is None or joint.lower is None or joint.upper is None:
-        return False
-    known = values[np.isfinite(values)] * UNITS[unit].factor
-    return bool(known.size and joint.lower <= known.min() and known.max() <= joint.upper)
-
-
-def _by_range(joint: JointFacts | None, values: np.ndarray | None) -> str:
-    """The unit in which a path fits the range of its slide; "" where it does in m, or there is no range.
-
-    Angles are asked about: between degrees and radians a factor of 57 is less telling than a thousand.
-    """
-    if joint is None or joint.kind != "slide" or joint.lower is None or values is None:
-        return ""
-    known = values[np.isfinite(values)]
-    fault = position_units(Channel(known, 1.0, joint)) if known.size else None
-    remedy = None if fault is None else fault.remedy
-    return "" if remedy is None else IN_UNIT[remedy][1]
-
-
-def _unit(name: str, stated: Mapping[str, str] | None) -> str | None:
-    """A column's unit, stated or in its name; None where there is none."""
-    match = LAST.match(name)
-    return (stated or {}).get(name) or (name_of(match.group(2)) if match else None)
-
-
-def _measures(name: str, stated: Mapping[str, str] | None) -> str:
-    """What a column's unit measures; "" where it has none."""
-    unit = _unit(name, stated)
-    return UNITS[unit].of if unit else ""
-
-
-def _by_name(names: Sequence[str], joints: Sequence[str]) -> dict[str, str]:
-    """Joint -> the one name that holds all words and numbers of the joint's."""
-    by_joint = {}
-    for joint in joints:
-        wanted = set(_parts(joint))
-        holding = [name for name in names if wanted <= set(_parts(_stem(name)))]
-        if len(holding) == 1:
-            by_joint[joint] = holding[0]
-    return by_joint if len(set(by_joint.values())) == len(by_joint) else {}
-
-
-def _stem(name: str) -> str:
-    """A name without the unit that it ends in: t_ms -> t; a lone letter, as in motor.m, is more than a unit."""
-    match = LAST.match(name)
-    return match.group(1) if match and name_of(match.group(2)) else name
-
-
-def _parts(name: str) -> list[str]:
-    return [part.lower() for part in re.findall(r"[^\W\d_]+|\d+", name)]
-
-
-def _words(name: str) -> list[str]:
-    return [part for part in _parts(_stem(name)) if not part.isdigit()]
-
-
-def _number(name: str) -> tuple[int, ...]:
-    return tuple(int(part) for part in _parts(_stem(name)) if part.isdigit())
 
 
 def _seen(values: np.ndarray) -> dict[str, Any]:

@@ -12,8 +12,18 @@ import numpy.typing as npt
 
 from bench.basics.errors import BenchError, meant, refuse
 from bench.basics.plural import plural
+from bench.dataset.logs.guess import guesses
 from bench.dataset.logs.log_file import LogFile, Reading, read_log, text_log
-from bench.dataset.logs.units import UNITS, Unit, factor_of, measured_by, unit_in, unit_named, units_of
+from bench.dataset.logs.units import (
+    UNITS,
+    Unit,
+    factor_of,
+    measured_by,
+    name_of,
+    unit_in,
+    unit_named,
+    units_of,
+)
 from bench.dataset.names import TEXTS
 from bench.dataset.recording import velocity_column
 from bench.dataset.robot import Robot
@@ -182,7 +192,8 @@ def _sources(
     if missing:
         what = f"nothing is mapped to {', '.join(missing)} (the log has {_inventory(log)})"
         raise BenchError(
-            f"{file}: {what}{_misspelt(missing, log_map)}{_example(missing[0], sources, there, robot)}"
+            f"{file}: {what}{_misspelt(missing, log_map)}"
+            f"{_proposed(missing, sources, log, robot) or _example(missing[0], sources, there, robot)}"
             f"{_skipping(log, sources)}"
         )
     absent = [(target, source) for target, source in sources.items() if source not in there]
@@ -216,6 +227,21 @@ def _misspelt(missing: Sequence[str], log_map: LogMap) -> str:
         if near:
             return f"; {target!r} is no column that is needed: did you mean {near[0]!r}?"
     return ""
+
+
+def _proposed(missing: Sequence[str], sources: Mapping[str, str], log: LogFile, robot: Robot) -> str:
+    """The options that map all that is missing, where the names of the log's columns tell it; "" where they do not."""
+    stated = {name: unit for name, text in log.units.items() if (unit := name_of(text))}
+    there = [name for name in (*log.vectors, *log.texts) if name not in sources.values()]
+    guessed = guesses(there, robot, stated, log.vectors)
+    if not set(missing) <= set(guessed):
+        return ""
+    options = [f"--map {target}={shlex.quote(guessed[target]['column'])}" for target in missing]
+    for target in missing:
+        unit, column = guessed[target]["unit"], guessed[target]["column"]
+        if column not in stated and unit not in ("", units_of(target, robot)[0]):
+            options.append(f"--scale {target}={unit}")
+    return f"; by their names these may be right, look at each: {' '.join(options)}"
 
 
 def _example(target: str, sources: Mapping[str, str], there: Sequence[str], robot: Robot) -> str:
