@@ -11,6 +11,7 @@ from bench.diagnosis.result import LadderStep, Remainder
 from bench.diagnosis.summary import doubts, summary_sentences
 from bench.identification.finding import Code, Finding
 from bench.identification.findings import runaway, with_findings
+from bench.identification.result import ErrorSummary
 from tests.diagnosis_kit import OTHERS, VISCOUS, found_diagnosis
 from tests.shown import dataset_of
 
@@ -121,3 +122,11 @@ def test_where_most_of_the_current_is_left_no_model_explains_it(found):
     assert "the error is 130 % of the current" in said
     noise = replace(nothing, unexplained=replace(left, what=Remainder.NOISE))
     assert summary_sentences(noise)[0].startswith("No effect of the catalogue is missing")
+
+
+@pytest.mark.parametrize(("validate", "reported"), [(0.9, 0.9), (0.0, 0.0), (None, 0.8)])
+def test_the_error_of_fitted_recordings_is_reported_where_there_are_no_others(
+    validate: float | None, reported: float
+) -> None:
+    assert LadderStep((), 0.8, validate).reported == reported
+    assert ErrorSummary(0.8, validate, {}, {}, {}).reported == reported

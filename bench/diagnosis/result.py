@@ -50,6 +50,11 @@ class LadderStep:
     validate: float | None
     recordings: tuple[CurrentSeries, ...] = field(default=(), compare=False, repr=False)
 
+    @property
+    def reported(self) -> float | None:
+        """That of recordings that were not fitted; of the fitted ones where there are no others."""
+        return self.identify if self.validate is None else self.validate
+
 
 @dataclass(frozen=True)
 class EffectVerdict:
@@ -281,7 +286,7 @@ class Diagnosis:
 
     def __repr__(self) -> str:
         parts = (*self.missing, *self.by_recording, *(law.formula for law in self.discovered))
-        errors = [step.validate if step.validate is not None else step.identify for step in self.ladder]
+        errors = [step.reported for step in self.ladder]
         fall = " → ".join(f"{100.0 * error:.3g} %" for error in errors if error is not None)
         early = "" if self.finished else "; unfinished"
         return f"<{self.robot}: {', '.join(parts) or 'nothing'} missing; error {fall}{early}>"

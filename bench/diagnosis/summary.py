@@ -95,7 +95,7 @@ def _summary(diagnosis: Diagnosis) -> DiagnosisSummary:
     searched = Unfinished.SETS not in diagnosis.unfinished
     missing = named_effects(diagnosis)
     first, last = diagnosis.ladder[0], diagnosis.ladder[-1]
-    before, after = (_first_known(step.validate, step.identify) for step in (first, last))
+    before, after = (step.reported for step in (first, last))
     floor = f"the noise floor is {in_percent(diagnosis.unexplained.noise_floor)}"
     residual_sentence = f"{capital(unexplained_words(diagnosis.unexplained, searched=searched))}."
     validation = validated_on(diagnosis)
@@ -375,10 +375,6 @@ def _largest_change(diagnosis: Diagnosis) -> str | None:
         f"{100.0 * (gain.value / gain.nominal - 1.0):+.3g} % from its nominal {gain.nominal:.4g}; without {them} it "
         f"{came}."
     )
-
-
-def _first_known(*values: float | None) -> float | None:
-    return next((value for value in values if value is not None), None)
 
 
 def _share(size: float, torque: float) -> str:

@@ -32,7 +32,7 @@ def step_labels(steps: Sequence[Sequence[str]]) -> list[str]:
 def ladder_table(diagnosis: Diagnosis) -> Table:
     """Errors fitted and not fitted after each added effect, down to the noise, with bars for the latter."""
     steps, floor = diagnosis.ladder, diagnosis.unexplained.noise_floor
-    errors = [step.identify if step.validate is None else step.validate for step in steps]
+    errors = [step.reported for step in steps]
     values = [*errors, floor]
     largest = max((value for value in values if value), default=1.0)
     return Table(

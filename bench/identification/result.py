@@ -78,6 +78,11 @@ class ErrorSummary:
     by_actuator_validate: Mapping[str, float]
     by_recording: Mapping[str, float]
 
+    @property
+    def reported(self) -> float | None:
+        """That of recordings that were not fitted; of the fitted ones where there are no others."""
+        return self.identify if self.validate is None else self.validate
+
 
 @dataclass(frozen=True)
 class BandPoint:
@@ -196,7 +201,7 @@ class Identification:
             for joint, drive_gain in self.drive_gains.items()
         )
         unit = next((drive_gain.unit for drive_gain in self.drive_gains.values()), "")
-        error = self.error.identify if self.error.validate is None else self.error.validate
+        error = self.error.reported
         error_text = "" if error is None else f", error {100.0 * error:.3g} %"
         return f"<{self.robot} with {', '.join(self.effects) or 'rigid bodies only'}: {gains} {unit}{error_text}>"
 

@@ -99,8 +99,10 @@ def ladder_section(diagnosis: Diagnosis, errors: PageTable) -> Section:
     figure: Figure | Text = chart_figure(ladder_chart(diagnosis), 300)
     if len(steps) == 1:
         lead = f"No effect helps beyond chance; {judged}"
-        only = steps[0].identify if steps[0].validate is None else steps[0].validate
-        said = f"No effect was added: the model as it is leaves an error of {share(only)}, noise alone {share(floor)}."
+        only = share(steps[0].reported)
+        said = (
+            f"No effect was added: the model as it is leaves an error of {only}, noise alone {share(floor)}."
+        )
         figure = Text("", (typeset(said),))
     title = "The same in numbers" if len(steps) > 1 else "In numbers"
     table = on_page(ladder_table(diagnosis), title, ERROR_AID)

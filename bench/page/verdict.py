@@ -107,14 +107,13 @@ def gains_listed(result: Identification, joints: Collection[str]) -> str:
 def diagnosis_tiles(diagnosis: Diagnosis) -> tuple[Tile, ...]:
     """The numbers that count of a diagnosis."""
     first, last = diagnosis.ladder[0], diagnosis.ladder[-1]
-    known = [step.validate if step.validate is not None else step.identify for step in (first, last)]
     kind = "not fitted" if last.validate is not None else "fitted"
-    before = f"from {share(known[0])} without" if diagnosis.added else "nothing to add"
+    before = f"from {share(first.reported)} without" if diagnosis.added else "nothing to add"
     missing = [name for name in diagnosis.added if name not in diagnosis.usual]
     count = str(len(missing)) if missing else "none"
     names = ", ".join(effect_name(name) for name in missing) or "that the catalogue knows"
     return (
-        Tile(f"Error, {kind}", share(known[1]), before),
+        Tile(f"Error, {kind}", share(last.reported), before),
         _noise_tile(diagnosis.unexplained.noise_floor),
         Tile("Missing effects", count, names),
         _gain_tile(diagnosis.after),
@@ -124,11 +123,14 @@ def diagnosis_tiles(diagnosis: Diagnosis) -> tuple[Tile, ...]:
 def identification_tiles(result: Identification, noise: float) -> tuple[Tile, ...]:
     """The numbers that count of an identification."""
     validation = result.error.validate
-    error = validation if validation is not None else result.error.identify
     fitted = share(result.error.identify)
     note = f"fitted {fitted}" if validation is not None else "no recording kept for validation"
     return (
-        Tile("Error, not fitted" if validation is not None else "Error, fitted", share(error), note),
+        Tile(
+            "Error, not fitted" if validation is not None else "Error, fitted",
+            share(result.error.reported),
+            note,
+        ),
         _noise_tile(noise),
         _gain_tile(result),
         Tile("Condition number", short(result.scaled_condition, 3), "columns of unit length"),

@@ -94,7 +94,7 @@ def discovered_at(finding: SearchResult, law: Law, i: int) -> Discovered:
         numbers=numbers,
         identify=error.identify,
         validate=error.validate,
-        without=without.identify if without.validate is None else without.validate,
+        without=without.reported,
         named=single.pop() if len(single) == 1 else None,
         nearest=_nearest(finding, law.name, without.validate),
         source=law.source,

@@ -163,8 +163,7 @@ def _fitted(prepared: Prepared, wanted: Sequence[str]) -> Identification:
 
 def _error(result: Identification) -> float:
     """Relative error on recordings that were not fitted; on the fitted ones where there are no others."""
-    error = result.error.identify if result.error.validate is None else result.error.validate
-    return float("nan") if error is None else error
+    return float("nan") if result.error.reported is None else result.error.reported
 
 
 def _floor(simulation: Simulation, result: Identification) -> float:
