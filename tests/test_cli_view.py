@@ -205,6 +205,22 @@ def test_an_mcap_file_has_currents_errors_torques_and_joint_states(data, tmp_pat
         np.array(torque)[there].astype(float), value.value * np.array(velocity)[there], rtol=0.05, atol=0.02
     )
     assert schemas["/free/joint_states"]["elbow"]["properties"]["velocity"]["description"] == "rad/s"
+    as_readers_document_it(path)
+
+
+def as_readers_document_it(path):
+    """JSON objects with a JSON schema of type object and no references, as Foxglove asks for; PlotJuggler chooses its
+    reader by the encoding of the messages.
+    """
+    from mcap.reader import make_reader
+
+    with path.open("rb") as file:
+        summary = make_reader(file).get_summary()
+    assert {channel.message_encoding for channel in summary.channels.values()} == {"json"}
+    for schema in summary.schemas.values():
+        assert schema.encoding == "jsonschema"
+        assert json.loads(schema.data)["type"] == "object"
+        assert b"$ref" not in schema.data
 
 
 def test_without_the_package_an_mcap_file_is_refused_at_once(data, tmp_path, monkeypatch, capsys):
