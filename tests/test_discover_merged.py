@@ -20,8 +20,8 @@ LEFT = Place(("left", "right"), (True, True), 0)
 BRAKED_LEFT = {**BRAKED, "joint": "left"}
 
 
-def power(c: float, exponent: float) -> dict[str, object]:
-    return {"effect": "product_law", "joint": "left", "c": c, "direction": 1.0, "v": exponent}
+def power(c: float, exponent: float, joint: str = "left") -> dict[str, object]:
+    return {"effect": "product_law", "joint": joint, "c": c, "direction": 1.0, "v": exponent}
 
 
 def diagnosed(*hidden: dict[str, object]) -> Diagnosis:
@@ -30,16 +30,22 @@ def diagnosed(*hidden: dict[str, object]) -> Diagnosis:
     return found
 
 
-@pytest.mark.parametrize(("c", "exponent"), [(0.14, 0.57), (0.14, 1.6), (0.3, 2.4)])
+@pytest.mark.parametrize(
+    "powers",
+    [{"left": (0.3, 2.4)}, {"left": (0.14, 0.57), "right": (0.14, 1.6)}],
+    ids=["one motor", "two motors"],
+)
 def test_one_power_of_the_velocity_stands_for_several_functions_that_are_near_it(
-    c: float, exponent: float
+    powers: dict[str, tuple[float, float]],
 ) -> None:
     """With 0.57 three effects of the catalogue leave no more than noise, with 1.6 two leave a little more."""
-    found = diagnosed(power(c, exponent))
+    found = diagnosed(*(power(*values, joint) for joint, values in powers.items()))
     assert found.missing == ()
-    (law,) = found.discovered
-    assert law.numbers["p"].value == pytest.approx(exponent, abs=0.02)
-    assert law.terms[0].value == pytest.approx(c, rel=0.02)
+    assert {law.place for law in found.discovered} == set(powers)
+    for law in found.discovered:
+        c, exponent = powers[law.place]
+        assert law.numbers["p"].value == pytest.approx(exponent, abs=0.02)
+        assert law.terms[0].value == pytest.approx(c, rel=0.02)
 
 
 def test_beside_what_goes_by_something_else_it_is_one_power_too() -> None:
@@ -50,8 +56,8 @@ def test_beside_what_goes_by_something_else_it_is_one_power_too() -> None:
 
 
 FRICTIONS = {
-    "viscous and quadratic": {"viscous_friction": {"Fv": 0.1}, "quadratic_drag": {"c": 0.05}},
-    "Stribeck and viscous": {
+    "left": {"viscous_friction": {"Fv": 0.1}, "quadratic_drag": {"c": 0.05}},
+    "right": {
         "stribeck_friction": {"Fc": 0.1, "Fs": 0.1, "vs": 0.3},
         "viscous_friction": {"Fv": 0.1},
     },
@@ -59,13 +65,20 @@ FRICTIONS = {
 
 
 @pytest.mark.parametrize("beside", [(), (BRAKED_LEFT,)], ids=["alone", "beside a law"])
-@pytest.mark.parametrize("frictions", FRICTIONS.values(), ids=FRICTIONS)
-def test_frictions_that_are_there_keep_their_names(
-    frictions: dict[str, dict[str, float]], beside: tuple[dict[str, object], ...]
-) -> None:
-    hidden = [{"effect": name, "joint": "left", **values} for name, values in frictions.items()]
+def test_frictions_that_are_there_keep_their_names(beside: tuple[dict[str, object], ...]) -> None:
+    hidden = [
+        {"effect": name, "joint": joint, **values}
+        for joint, frictions in FRICTIONS.items()
+        for name, values in frictions.items()
+    ]
     found = diagnosed(*hidden, *beside)
-    assert set(found.missing) == set(frictions)
+    assert {
+        verdict.effect: verdict.actuators for verdict in found.ranking if verdict.effect in found.missing
+    } == {
+        "viscous_friction": ("left", "right"),
+        "quadratic_drag": ("left",),
+        "stribeck_friction": ("right",),
+    }
     assert [law.place for law in found.discovered] == ["left"] * len(beside)
 
 

@@ -31,11 +31,12 @@ from bench.identification.tolerances import TOLERANCES
 
 @dataclass(frozen=True)
 class AnswerWithLaws:
-    """The identified effects and laws, and the messages about them."""
+    """The identified effects and laws, and the messages about them. tried: laws that competed, those identified too."""
 
     finding: SearchResult
     laws: tuple[Law, ...]
     diagnosis: Diagnosis
+    tried: tuple[Law, ...] = ()
 
 
 def with_more(
@@ -140,9 +141,8 @@ def _with_laws(
     )  # what the catalogue holds is preferred to a law that is not sure
     if finding.odds_over(plain.finding, plain.diagnosis.unexplained.excess) <= needed:
         return plain
-    return AnswerWithLaws(
-        finding, staying, with_discovered(finding, staying, laws, answered(case, finding, progress))
-    )
+    diagnosis = with_discovered(finding, staying, laws, answered(case, finding, progress))
+    return AnswerWithLaws(finding, staying, diagnosis, tuple(laws))
 
 
 def _with_one_for_several(case: SplitProblem, plain: AnswerWithLaws, progress: Progress) -> AnswerWithLaws:
@@ -151,7 +151,7 @@ def _with_one_for_several(case: SplitProblem, plain: AnswerWithLaws, progress: P
     finding, unexplained = plain.finding, plain.diagnosis.unexplained
     much = (1.0 - RULE.material) * unexplained.error > hypot(unexplained.noise_floor, unexplained.encoders)
     prior = RULE.prior + float(np.log(TOLERANCES.laws.merged_laws))
-    searched = Laws(finding.last, {law.name: law.terms[0] for law in plain.laws})
+    searched = Laws(finding.last, {law.name: law.terms[0] for law in plain.tried})
     judge = Judge(finding.last.system.samples, prior)
     for single in merged(finding, plain.laws, case.problem.catalogue, judge, much=much):
         answer = _with_laws(case, plain, searched, single, progress, prior=prior)
