@@ -8,6 +8,7 @@ from bench.dataset.recording import Recording
 from bench.dataset.robot import Actuator, Robot
 from bench.identification.result import CurrentSeries
 from bench.residuals.motor import compared
+from bench.signals.decimation import decimate, noise_bandwidth
 from bench.signals.settings import FilterSettings
 
 RATE, EVERY, ROWS = 1000.0, 25, 800  # logged samples per second, one row in so many, rows
@@ -67,6 +68,12 @@ def made(error, count=2, payloads=(None, None), joints=("left",)):
 
 def white(random, size=0.02, rows=ROWS):
     return size * random.standard_normal(rows)
+
+
+def filtered(random, size):
+    """What the filter of the fit leaves of white noise, of this RMS."""
+    noise = decimate(random.standard_normal(ROWS * EVERY), EVERY)[:ROWS]
+    return size * noise / np.sqrt(noise_bandwidth(EVERY))
 
 
 def coloured(random, alike=0.7, size=0.02, rows=ROWS):

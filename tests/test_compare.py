@@ -18,7 +18,19 @@ from bench.residuals.regions import concentrations, regions, shares
 from bench.residuals.residuals import errors_by_motor
 from bench.residuals.words import dependence_words, where_sentences, whole_sentences
 from bench.signals.decimation import noise_bandwidth
-from tests.compared_kit import EVERY, NOISE, RATE, ROWS, SETTINGS, coloured, made, one_recording, robot, white
+from tests.compared_kit import (
+    EVERY,
+    NOISE,
+    RATE,
+    ROWS,
+    SETTINGS,
+    coloured,
+    filtered,
+    made,
+    one_recording,
+    robot,
+    white,
+)
 
 
 def friction(row):
@@ -113,9 +125,17 @@ def test_errors_that_depend_on_nothing_are_said_to_be_spread(alike):
         assert sentence.endswith("spread over the whole motion")
 
 
+def test_currents_that_are_noisier_above_the_band_hide_no_friction_in_it():
+    """The noise of the current is read off above the band; the errors in its upper half say that it is less there."""
+    floor = NOISE * np.sqrt(noise_bandwidth(EVERY))
+    motor = found_of(made(lambda row, random: 0.9 * floor * friction(row) + filtered(random, 0.2 * floor)))
+    assert motor.above_noise
+    assert motor.error > 2.0 * motor.noise
+
+
 def test_an_error_as_small_as_the_noise_is_not_looked_into():
     floor = NOISE * np.sqrt(noise_bandwidth(EVERY))
-    what = made(lambda row, random: 0.2 * floor * friction(row) + white(random, 0.95 * floor))
+    what = made(lambda row, random: 0.2 * floor * friction(row) + filtered(random, 0.95 * floor))
     motor = found_of(what)
     assert relative_noise(what.of("left")) * np.sqrt(
         np.mean(what.of("left")[0].measured ** 2)

@@ -8,11 +8,10 @@ from bench.basics.chi_squared import exceeded_with
 from bench.dataset.recording import Recording
 from bench.diagnosis.noise import not_repeated
 from bench.diagnosis.result import Remainder, Unexplained, excess_of
-from bench.identification.current_noise import current_noise
+from bench.identification.current_noise import current_noise, squares_of_noise
 from bench.identification.decision import RULE
 from bench.identification.result import CurrentSeries, Identification, relative_error
 from bench.identification.tolerances import TOLERANCES
-from bench.signals.decimation import noise_bandwidth
 from bench.signals.settings import FilterSettings
 
 SEED = 20120606
@@ -96,15 +95,8 @@ def _judged(
 
 def _noise_in_band(series: Sequence[CurrentSeries], settings: FilterSettings) -> float:
     """Relative error of noise as dense in the whole band of the fit as the errors are in its upper half."""
-    factor = settings.decimation
-    band = noise_bandwidth(factor) * factor
-    low, high = (band * share for share in TOLERANCES.statistics.noise_alone)
-    noise = measured = 0.0
-    for trace in series:
-        power = np.abs(np.fft.rfft(trace.error * trace.moving, axis=0)) ** 2
-        top = power[int(low * len(power)) : max(int(high * len(power)), 1)]
-        noise += band * float(top.mean(axis=0).sum()) if len(top) else 0.0
-        measured += float(((trace.measured * trace.moving) ** 2).sum())
+    noise = sum(float(squares_of_noise(trace, settings)[0].sum()) for trace in series)
+    measured = sum(float(((trace.measured * trace.moving) ** 2).sum()) for trace in series)
     return float(np.sqrt(noise / measured)) if measured else 0.0
 
 

@@ -2,7 +2,11 @@
 
 import numpy as np
 
+from bench.basics.chi_squared import exceeded_with
 from bench.dataset.recording import Recording
+from bench.identification.decision import RULE
+from bench.identification.result import CurrentSeries
+from bench.identification.tolerances import TOLERANCES
 from bench.signals.decimation import noise_bandwidth
 from bench.signals.settings import FilterSettings
 from bench.signals.spectrum import noise_floor
@@ -22,3 +26,27 @@ def current_noise(
     return np.sqrt(
         noise**2 + sharing**2 @ noise_floor(recording.redundant_current, recording.rate, band) ** 2
     )
+
+
+def noise_of_series(recording: Recording, settings: FilterSettings, series: CurrentSeries) -> np.ndarray:
+    """As `current_noise` (n,), but where a motor's errors in the upper half of the band of the fit are too small for
+    it, its noise is as dense in the whole band as these errors: the currents are noisier above the band, as by the
+    hold of a controller.
+    """
+    above = current_noise(recording, settings, series.sharing)
+    squares, bins = squares_of_noise(series, settings)
+    within = np.sqrt(squares / np.maximum(series.moving.sum(axis=0), 1))
+    least = exceeded_with(1.0 - RULE.surprising, 2.0 * bins) / (2.0 * bins)
+    return np.where(within**2 < least * above**2, within, above)
+
+
+def squares_of_noise(series: CurrentSeries, settings: FilterSettings) -> tuple[np.ndarray, int]:
+    """Sums of squares (n,) of noise that is as dense in the whole band of the fit as the errors in its upper half, and
+    how many frequencies of the spectrum these are.
+    """
+    factor = settings.decimation
+    band = noise_bandwidth(factor) * factor
+    power = np.abs(np.fft.rfft(series.error * series.moving, axis=0)) ** 2
+    low, high = (int(band * share * len(power)) for share in TOLERANCES.statistics.noise_alone)
+    top = power[low : max(high, low + 1)]
+    return np.asarray(band * top.mean(axis=0)), len(top)

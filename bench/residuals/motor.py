@@ -8,7 +8,7 @@ import numpy as np
 from bench.basics.joint_units import drive_unit, units_of_gain
 from bench.dataset.recording import Recording
 from bench.dataset.robot import Robot
-from bench.identification.current_noise import current_noise
+from bench.identification.current_noise import noise_of_series
 from bench.identification.result import CurrentSeries
 from bench.residuals.bounds import ERROR_GRID
 from bench.signals.settings import FilterSettings
@@ -95,10 +95,8 @@ def compared(
         units[actuator.joint] = (drive_unit(unit), units_of_gain(unit).position)
     motors = []
     for trace in series:
-        noise, band = (
-            current_noise(logged[trace.name], settings, trace.sharing),
-            settings.band(logged[trace.name].rate),
-        )
+        noise = noise_of_series(logged[trace.name], settings, trace)
+        band = settings.band(logged[trace.name].rate)
         motors += [_motor(trace, j, joint, float(noise[j]), band) for j, joint in enumerate(robot.joints)]
     return Compared(robot.name, tuple(robot.joints), units, tuple(motors))
 
