@@ -85,8 +85,8 @@ def again(
 
     monkeypatch.setattr(rounds, "_converged", converge)
     monkeypatch.setattr(rounds, "round_about", judged)
-    monkeypatch.setattr(rounds, "reshaped", lambda *_: ())
-    monkeypatch.setattr(rounds, "_with_set", lambda here, chosen: replace(here, chosen=chosen))
+    monkeypatch.setattr(rounds, "reshaped_proposals", lambda *_: ())
+    monkeypatch.setattr(rounds, "with_set", lambda here, chosen: replace(here, chosen=chosen))
     monkeypatch.setattr(rounds, "_alike", lambda here, *_: [replace(here, chosen=key) for key in alike])
     progress: Any = SimpleNamespace(phase=lambda *_: None)
     base_model: Any = SimpleNamespace(with_proposals=lambda _, chosen: leaves[chosen], deadline=NEVER)

@@ -4,7 +4,7 @@ import pytest
 
 from bench.basics.progress import SILENT
 from bench.dataset.dataset import Dataset
-from bench.diagnosis import rounds
+from bench.diagnosis import round as one_round
 from bench.diagnosis.base_model import base_model_of
 from bench.diagnosis.candidates import Proposal
 from bench.diagnosis.round import with_shapes_of
@@ -33,7 +33,7 @@ def after_a_cable(dataset: Dataset, monkeypatch: pytest.MonkeyPatch) -> tuple[li
     """Where a hysteretic cable was found, and presliding friction began at FAR, where it is no rival of it: the
     displacement that it is given at each motor, and the set that is best then.
     """
-    monkeypatch.setattr(rounds, "_rival", lambda *_: None)
+    monkeypatch.setattr(one_round, "_rival", lambda *_: None)
     base_model = base_model_of(converged(prepare(problem_of(dataset))))
     proposals = [
         Proposal("hysteretic_cable", at_both("hysteretic_cable"), False, ""),
@@ -42,7 +42,7 @@ def after_a_cable(dataset: Dataset, monkeypatch: pytest.MonkeyPatch) -> tuple[li
     model = base_model.with_proposals(proposals, [0])
     found = round_about(base_model, model, proposals, {"presliding_hysteresis"})
     assert found.names == {"hysteretic_cable"}
-    after = rounds.reshaped(base_model, found, SILENT)
+    after = one_round.reshaped_proposals(base_model, found, SILENT)
     values = [instance.effect.shape_values()["x0"] for instance in after[1].instances]
     return values, round_about(base_model, model, after, ()).names
 

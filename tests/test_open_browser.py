@@ -179,7 +179,7 @@ def a_doubtful_card_has_its_probability_and_the_command_that_decides(page):
 
     page.route("**/*-diagnosis.json", doubtful)
     page.reload()
-    expect(page.locator("#missing .card")).to_contain_text("probability 93 %")
+    expect(page.locator("#missing .card")).to_contain_text("probability 0.93")
     line = "bench discriminate my_data viscous_friction quadratic_drag -o my_data.motion"
     expect(page.locator("#missing .verdict .command pre")).to_have_text(line)
     expect(page.locator("#missing .verdict .command").get_by_role("button", name="Copy")).to_be_visible()

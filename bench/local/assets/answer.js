@@ -38,7 +38,7 @@ const Answer = (() => {
     const where = told.actuators.length ? ` at ${told.actuators.join(", ")}` : "";
     const name = spoken(told.effect).replace(/^./, (first) => first.toUpperCase());
     const saves = `error ${percent(told.error_before)} → ${percent(told.error_after)}`;
-    const probable = told.probability === undefined ? null : `probability ${percent(told.probability)}`;
+    const probable = told.probability === undefined ? null : `probability ${probability(told.probability)}`;
     return el(
       "article",
       {class: "card"},
@@ -47,6 +47,12 @@ const Answer = (() => {
       el("p", {class: "saves"}, ...[saves, probable].filter(Boolean).map((text) => el("span", {}, text))),
       el("p", {class: "why"}, ...Dom.sentence(told.why)),
     );
+  }
+
+  /* As the terminal writes it. */
+  function probability(share) {
+    if (share < 0.01) return "< 0.01";
+    return share > 0.99 ? "> 0.99" : share.toFixed(2);
   }
 
   /* How large an effect is in the completed model, a line for each of its values. */

@@ -8,11 +8,12 @@ const Gains = (() => {
     const both = base && base !== found && base.gains_fitted && !brief;
     const units = new Set(Object.values(found.drive_gains).map((gain) => unit(gain.unit)));
     const shared = brief && units.size === 1 ? [...units][0] : null; // the unit of all, said once
+    const sized = (gain) => (brief && shared === null ? `${quantity(gain)} ${unit(gain.unit)}` : quantity(gain));
     const rows = Object.entries(found.drive_gains).map(([joint, gain]) => [
       joint,
       ...(both ? [quantity(base.drive_gains[joint])] : []),
-      quantity(gain),
-      ...(shared === null ? [unit(gain.unit)] : []),
+      sized(gain),
+      ...(brief ? [] : [unit(gain.unit)]),
       ...(found.gains_fitted && !brief ? [ChartBasics.formatNumber(gain.nominal, 5)] : []),
       ...(found.gains_fitted ? [change(gain)] : []),
     ]);
@@ -21,7 +22,7 @@ const Gains = (() => {
       ["motor", ""],
       ...(both ? [["before", "right"]] : []),
       [both ? `now${error}` : found.gains_fitted ? `gain${error}` : "gain", "right"],
-      ...(shared === null ? [["unit", "keep"]] : []),
+      ...(brief ? [] : [["unit", "keep"]]),
       ...(found.gains_fitted && !brief ? [["nominal", "right"]] : []),
       ...(found.gains_fitted ? [["from nominal", "right"]] : []),
     ];
