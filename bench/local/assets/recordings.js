@@ -149,7 +149,6 @@ const Recordings = (() => {
     if (app.described && !form.robot) form.robot = robotOf(app.described.robot);
     if (!form.robot && app.folder.named_robots.length === 1) [form.robot] = app.folder.named_robots;
     render();
-    setup.replaceChildren(); // nobody changes what is shown of the last log, and is lost with it
     await draw();
   }
 
