@@ -142,7 +142,7 @@ def test_payload_is_defined_and_then_named(run, tmp_path):
     [
         ([*MAPS], "time"),
         ([*MAPS, "--map", "time=clock"], "'clock'"),
-        ([*MAPS], "by their names these may be right, look at each: --map time=t"),
+        ([*MAPS], "--map time=t (with --scale time=ms where it is in ms)"),
         ([*MAPS[:-1], "current.right=temprature", "--map", "time=t"], "did you mean 'temperature'?"),
         ([*MAPS[:-1], "curent.right=i2", "--map", "time=t"], "did you mean 'current.right'?"),
         ([*MAPS, "--map", "time=t", "--map", "time=t"], "'time' is given twice"),

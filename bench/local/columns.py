@@ -9,7 +9,7 @@ from bench.dataset.logs.columns import GROUPS, glimpse
 from bench.dataset.logs.guess import guesses
 from bench.dataset.logs.log_file import LogFile, Reading
 from bench.dataset.logs.ros_bag import is_bag, joint_topics
-from bench.dataset.logs.units import name_of, units_of
+from bench.dataset.logs.units import stated_units, units_of
 from bench.dataset.robot import Robot
 
 POINTS = 160  # of a column's small picture
@@ -33,7 +33,7 @@ def columns_of(log: LogFile, robot: Robot) -> dict[str, Any]:
     stated: the unit that the log itself gives, which an import takes unless another is given. units: the first is SI.
     """
     names = [*log.vectors, *log.texts]
-    stated = {name: unit for name, text in log.units.items() if (unit := name_of(text))}
+    stated = stated_units(log.units)
     columns = [{"name": name, **_seen(log.vectors.get(name, np.empty(0)))} for name in names]
     needs = ["time", *(f"{kind}.{joint}" for kind in GROUPS for joint in robot.driven)]
     return {

@@ -19,7 +19,7 @@ from bench.dataset.logs.units import (
     Unit,
     factor_of,
     measured_by,
-    name_of,
+    stated_units,
     unit_in,
     unit_named,
     units_of,
@@ -231,7 +231,7 @@ def _misspelt(missing: Sequence[str], log_map: LogMap) -> str:
 
 def _proposed(missing: Sequence[str], sources: Mapping[str, str], log: LogFile, robot: Robot) -> str:
     """The options that map all that is missing, where the names of the log's columns tell it; "" where they do not."""
-    stated = {name: unit for name, text in log.units.items() if (unit := name_of(text))}
+    stated = stated_units(log.units)
     there = [name for name in (*log.vectors, *log.texts) if name not in sources.values()]
     guessed = guesses(there, robot, stated, log.vectors)
     if not set(missing) <= set(guessed):
@@ -241,7 +241,10 @@ def _proposed(missing: Sequence[str], sources: Mapping[str, str], log: LogFile, 
         unit, column = guessed[target]["unit"], guessed[target]["column"]
         if column not in stated and unit not in ("", units_of(target, robot)[0]):
             options.append(f"--scale {target}={unit}")
-    return f"; by their names these may be right, look at each: {' '.join(options)}"
+    first = guessed[missing[0]]
+    known = first["unit"] or first["column"] in stated
+    hint = "" if known else _unit_hint(missing[0], "", robot)
+    return f"; by their names these may be right, look at each: {' '.join(options)}{hint}"
 
 
 def _example(target: str, sources: Mapping[str, str], there: Sequence[str], robot: Robot) -> str:
@@ -249,12 +252,15 @@ def _example(target: str, sources: Mapping[str, str], there: Sequence[str], robo
     free = [name for name in there if name not in sources.values()]
     if not free:
         return ""
-    units = units_of(target, robot)
-    unit = unit_in(free[0], units) or (units[1] if len(units) > 1 else "")
-    said = f"; say which is which, as in --map {target}={shlex.quote(free[0])}"
-    return (
-        f"{said} (with --scale {target}={unit} where it is in {unit})" if unit not in ("", units[0]) else said
-    )
+    hint = _unit_hint(target, unit_in(free[0], units_of(target, robot)), robot)
+    return f"; say which is which, as in --map {target}={shlex.quote(free[0])}{hint}"
+
+
+def _unit_hint(target: str, unit: str, robot: Robot) -> str:
+    """How a column's unit is given: the one that its name tells, "" where it tells none."""
+    si, *others = units_of(target, robot)
+    unit = unit or next(iter(others), "")
+    return f" (with --scale {target}={unit} where it is in {unit})" if unit not in ("", si) else ""
 
 
 def _check_targets(

@@ -154,6 +154,11 @@ def name_of(text: str) -> str | None:
     return next((name for name, known in UNITS.items() if known == unit), None)
 
 
+def stated_units(stated: Mapping[str, str]) -> dict[str, str]:
+    """The units that a log states, by column, under their names in `UNITS`; without those that are not known."""
+    return {column: unit for column, text in stated.items() if (unit := name_of(text))}
+
+
 def units_of(column: str, robot: Robot) -> list[str]:
     """The units that a recording's column may be in, SI first."""
     names = [name for name, unit in UNITS.items() if unit.of == measured_by(column, robot)]
