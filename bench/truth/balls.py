@@ -23,21 +23,23 @@ LARGEST_TURN = (
 
 @dataclass(frozen=True, eq=False)
 class BallFriction:
-    """The dry friction of one ball joint of R runs: where it is among the velocities, and its size N·m.
+    """The dry friction of the B ball joints of R runs: where they are among the velocities, and their sizes N·m.
 
-    velocity: live angular velocity (R, 3). shares (R, 3): of its size for each coordinate, when last it was not slow.
+    dofs (3 B,); whole (B, 1); velocity: live (R, nv). shares (R, B, 3): of its size for each coordinate, when last a
+    ball was not slow.
     """
 
-    dofs: slice
-    whole: float
+    dofs: NDArray[np.signedinteger]
+    whole: Array
     velocity: Array
     shares: Array
 
     def size(self) -> Array:
-        """Size (R, 3) for each coordinate at this step: together they oppose the angular velocity."""
-        speed = np.linalg.norm(self.velocity, axis=1, keepdims=True)
-        np.divide(np.abs(self.velocity), speed, out=self.shares, where=speed > SLOW)
-        return self.whole * self.shares
+        """Size (R, 3 B) for each coordinate at this step: those of a ball together oppose its angular velocity."""
+        turning = self.velocity[:, self.dofs].reshape(self.shares.shape)
+        speed = np.sqrt((turning * turning).sum(axis=2, keepdims=True))
+        np.divide(np.abs(turning), speed, out=self.shares, where=speed > SLOW)
+        return (self.whole * self.shares).reshape(len(turning), -1)
 
 
 def ball_joints(model: mujoco.MjModel) -> list[tuple[str, slice]]:
@@ -47,14 +49,16 @@ def ball_joints(model: mujoco.MjModel) -> list[tuple[str, slice]]:
     return [(name, slice(start, start + 3)) for name, start in starts]
 
 
-def balls_of(model: mujoco.MjModel, velocity: Array) -> tuple[BallFriction, ...]:
-    """One for each ball joint with dry friction; velocity: live (R, nv)."""
-    return tuple(
-        BallFriction(
-            dofs, float(model.dof_frictionloss[dofs.start]), velocity[:, dofs], np.ones((len(velocity), 3))
-        )
-        for _, dofs in ball_joints(model)
-        if model.dof_frictionloss[dofs.start] > 0.0
+def balls_of(model: mujoco.MjModel, velocity: Array) -> BallFriction | None:
+    """Of the ball joints with dry friction, None where no ball has any; velocity: live (R, nv)."""
+    starts = [dofs.start for _, dofs in ball_joints(model) if model.dof_frictionloss[dofs.start] > 0.0]
+    if not starts:
+        return None
+    return BallFriction(
+        np.add.outer(starts, np.arange(3)).ravel(),
+        model.dof_frictionloss[starts][:, None],
+        velocity,
+        np.ones((len(velocity), len(starts), 3)),
     )
 
 

@@ -305,7 +305,7 @@ class Stepper:
         for bearing in self._bearings:
             for friction, level in zip(self._frictions, bearing.size(), strict=True):
                 friction[bearing.dof] = level
-        for ball in self._balls:
-            for friction, level in zip(self._frictions, ball.size(), strict=True):
-                friction[ball.dofs] = level
+        if self._balls:
+            for friction, level in zip(self._frictions, self._balls.size(), strict=True):
+                friction[self._balls.dofs] = level
         self._batch.set_models(self._models)

@@ -158,7 +158,7 @@ const Effects = (() => {
     applied = {run: job.files.run, place};
     await app.refresh();
     await app.drawn;
-    document.getElementById(place).scrollIntoView({block: "start", behavior: "instant"}); // as of a figure
+    document.getElementById(place).scrollIntoView();
   }
 
   function apply() {

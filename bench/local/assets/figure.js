@@ -45,7 +45,7 @@ const Figures = (() => {
       });
       draw();
       chose();
-      holder.scrollIntoView({block: "start", behavior: "instant"}); // a smooth one ends where the page is drawn anew
+      holder.scrollIntoView();
     };
     return {go};
   }

@@ -155,7 +155,7 @@
     );
     if (location.hash) {
       const target = aim(location.hash);
-      if (target) target.scrollIntoView({behavior: "instant"});
+      if (target) target.scrollIntoView();
     }
     const closed = [];
     addEventListener("beforeprint", () => {
@@ -199,6 +199,7 @@
       row.scrollLeft = current.offsetLeft - row.clientWidth / 3;
     };
     addEventListener("scroll", mark, {passive: true});
+    new ResizeObserver(mark).observe(document.querySelector("main")); // figures drawn later move sections without a scroll
     mark();
   }
 
