@@ -6,7 +6,7 @@ from typing import Literal
 import numpy as np
 
 from bench.basics.errors import BenchError
-from bench.identification.filtered import Measured
+from bench.identification.filtered import Measured, of_recording
 from bench.identification.standstill import around, interpolated_part, moving_rows
 from bench.identification.tolerances import TOLERANCES
 from bench.model.model import IdentificationModel
@@ -61,7 +61,7 @@ def observe(model: IdentificationModel, measured: Measured) -> Observation:
         for part in blocks_of(samples, TOLERANCES.memory.samples):
             decimation.push(_stacked(model, measured, columns, part))
     except BenchError as error:  # of a long log, whose loops are closed only now
-        raise BenchError(f"{recording.name}: {error}") from None
+        raise of_recording(recording.name, error) from None
     kept = decimation.finish()
     sizes = np.cumsum([n * p, n, n, n])
     filtered, current, position, velocity, acceleration = np.split(kept, sizes, axis=1)

@@ -13,7 +13,7 @@ from bench.model.closing import Closing
 from bench.model.closure import Closures, closures_of
 from bench.model.configuration import configuration_rates, hermite, integrate, normalised
 from bench.model.geometry import Geometry
-from bench.model.nodes import Samples, Track, followed, nodes_along, travel_of
+from bench.model.nodes import NearSingularError, Samples, Track, followed, nodes_along, travel_of
 from bench.model.scalars import Scalar
 
 _Guess = Callable[[slice], np.ndarray]  # nearly closed poses (nq, K) of a slice of the samples
@@ -372,8 +372,8 @@ def _guess_near(geometry: Geometry, near: Motion, track: Track) -> _Guess:
     return guess
 
 
-def _singular(geometry: Geometry, time: np.ndarray, sample: int) -> BenchError:
-    return BenchError(
+def _singular(geometry: Geometry, time: np.ndarray, sample: int) -> NearSingularError:
+    return NearSingularError(
         f"t = {time[sample]:.4f} s: {geometry.robot.name} is at or near a singular pose; its loop closures "
         "do not determine the passive joints there"
     )

@@ -12,6 +12,10 @@ from bench.model.geometry import Geometry
 Samples = slice | np.ndarray
 
 
+class NearSingularError(BenchError):
+    """At some time the loop closures do not determine the passive joints, or nearly so."""
+
+
 @dataclass(frozen=True)
 class Track:
     """What is given: time (N,); of the active joints position as logged, velocity and acceleration, (N, n) each.
@@ -93,7 +97,7 @@ def followed(geometry: Geometry, track: Track, nodes: np.ndarray, most: float = 
         if share < 1.0:
             reached = _followed_closely(follower, pose, track, range(before + 1, node + 1))
         if np.abs(reached.amplification).max(initial=0.0) > (1.0 + CLOSURE.correction) * most:
-            raise BenchError(
+            raise NearSingularError(
                 f"t = {track.time[node]:.4f} s: a joint of {geometry.robot.name} moves more than {most:.3g} times as "
                 "fast as a motor"
             )
