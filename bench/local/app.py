@@ -30,7 +30,7 @@ from bench.local.jobs import Jobs
 from bench.local.steps import command_of
 from bench.local.worker import CancelledError, DiedError, Worker
 from bench.page.render import ASSETS as REPORT_ASSETS
-from bench.page.render import CHARTS, MACHINE
+from bench.page.render import EVERY_PAGE, MACHINE
 
 ENDING = "`bench open` is being ended; start it again, what was found lies in the folder"
 ASSETS = Path(__file__).with_name("assets")
@@ -98,12 +98,12 @@ SCRIPTS = (
 @cache
 def page_html() -> str:
     """The page; scripts and styles are asked for apart, as its policy wants it."""
-    scripts = "\n".join(f'<script src="assets/{name}"></script>' for name in (*CHARTS, MACHINE, *SCRIPTS))
+    scripts = "\n".join(f'<script src="assets/{name}"></script>' for name in (*EVERY_PAGE, MACHINE, *SCRIPTS))
     return (ASSETS / "open.html").read_text(encoding="utf-8").replace("<!-- scripts -->", scripts)
 
 
 KINDS = {".js": "text/javascript", ".css": "text/css"}
-ASSET_FILES = {name: REPORT_ASSETS / name for name in (*CHARTS, MACHINE, "page.css")} | {
+ASSET_FILES = {name: REPORT_ASSETS / name for name in (*EVERY_PAGE, MACHINE, "page.css")} | {
     name: ASSETS / name for name in (*SCRIPTS, "open.css")
 }
 """What belongs to the page."""

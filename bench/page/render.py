@@ -16,7 +16,7 @@ from bench.basics.plain_data import finite
 from bench.page.parts import Figure, Mechanism, Page, Runs
 
 ASSETS = Path(__file__).with_name("assets")
-CHARTS = (
+EVERY_PAGE = (
     "chart_basics.js",
     "elements.js",
     "chart_series.js",
@@ -24,6 +24,7 @@ CHARTS = (
     "chart_cursor.js",
     "chart_several.js",
     "charts.js",
+    "frame.js",
 )
 RUNS, MACHINE = "runs.js", "machine.js"
 
@@ -50,7 +51,11 @@ def render_page(page: Page, workbench: Workbench | None = None) -> str:
     """The file's text. The policy allows the scripts and the style in it by their hashes, and nothing else."""
     kinds = {type(part) for section in page.sections for part in section.parts}
     more = [name for kind, name in ((Runs, RUNS), (Mechanism, MACHINE)) if kind in kinds]
-    scripts = [*map(asset, (*CHARTS, *more)), *([workbench.script] if workbench else []), asset("page.js")]
+    scripts = [
+        *map(asset, (*EVERY_PAGE, *more)),
+        *([workbench.script] if workbench else []),
+        asset("page.js"),
+    ]
     style = asset("page.css") + (workbench.style if workbench else "")
     # a script ends at its end tag, wherever it is: none of ours may hold one
     if any("</" in text for text in (*scripts, style)):

@@ -2,7 +2,6 @@
 /* The page: what is opened, what runs, colours, and that every step hears of what the others did. */
 (() => {
   const {el} = Dom;
-  const THEMES = ["auto", "light", "dark"];
   const app = {
     folder: null,
     dataset: Kept.get("dataset", null),
@@ -131,39 +130,9 @@
     document.body.classList.remove("working");
   }
 
-  function startTheme() {
-    const button = document.getElementById("theme");
-    const set = (theme) => {
-      if (theme === "auto") delete document.documentElement.dataset.theme;
-      else document.documentElement.dataset.theme = theme;
-      button.textContent = `Colours: ${theme}`;
-      button.dataset.now = theme;
-    };
-    set("auto");
-    button.addEventListener("click", () => set(THEMES[(THEMES.indexOf(button.dataset.now) + 1) % THEMES.length]));
-  }
-
-  function startContents() {
-    const links = [...document.querySelectorAll("nav.contents a")];
-    const mark = () => {
-      let current = links[0];
-      for (const link of links) {
-        if (document.getElementById(link.hash.slice(1)).getBoundingClientRect().top < Math.min(innerHeight / 3, 200))
-          current = link;
-      }
-      for (const link of links) {
-        if (link === current) link.setAttribute("aria-current", "true");
-        else link.removeAttribute("aria-current");
-      }
-    };
-    addEventListener("scroll", mark, {passive: true});
-    new ResizeObserver(mark).observe(document.querySelector("main"));
-    mark();
-  }
-
   for (const part of [Recordings, Errors, Effects, Results]) part.start(app);
-  startTheme();
-  startContents();
+  Frame.startTheme();
+  Frame.startContents();
   app.ready = refresh().catch(unreachable);
   Server.listen(showJobs, (there) => {
     if (there) document.getElementById("banner").hidden = true;

@@ -1,39 +1,9 @@
 "use strict";
-/* The page: theme, choices of figures, contents, and print. */
+/* The page: choices of figures, and print. */
 (() => {
-  const THEMES = ["auto", "light", "dark"];
-  const root = document.documentElement;
   const figures = JSON.parse(document.getElementById("figures").textContent);
   const LOWER = 0.8; // times its height on a screen, of a wide chart on paper
   const PRINTED = {wide: 900, grid: 340}; // px, at which a chart is drawn; paper shows it smaller
-
-  function remembered() {
-    try {
-      return localStorage.getItem("theme");
-    } catch {
-      return null; // a browser may not let a file remember
-    }
-  }
-
-  function setTheme(theme) {
-    if (theme === "auto") delete root.dataset.theme;
-    else root.dataset.theme = theme;
-    const button = document.getElementById("theme");
-    button.textContent = `Colours: ${theme}`;
-    button.dataset.now = theme;
-    try {
-      localStorage.setItem("theme", theme);
-    } catch {
-      // as above
-    }
-  }
-
-  function startTheme() {
-    const button = document.getElementById("theme");
-    const before = remembered();
-    setTheme(THEMES.includes(before) ? before : "auto");
-    button.addEventListener("click", () => setTheme(THEMES[(THEMES.indexOf(button.dataset.now) + 1) % THEMES.length]));
-  }
 
   function element(name, kind, parent, text) {
     const made = document.createElement(name);
@@ -182,34 +152,13 @@
     });
   }
 
-  /* Marks in the contents which section is being read. */
-  function startContents() {
-    const links = [...document.querySelectorAll("nav.contents a")];
-    const row = document.querySelector("nav.contents"); // on a phone, wider than it shows
-    const mark = () => {
-      let current = links[0];
-      for (const link of links) {
-        const target = document.getElementById(link.hash.slice(1));
-        if (target && target.getBoundingClientRect().top < Math.min(innerHeight / 3, 200)) current = link;
-      }
-      for (const link of links) {
-        if (link === current) link.setAttribute("aria-current", "true");
-        else link.removeAttribute("aria-current");
-      }
-      row.scrollLeft = current.offsetLeft - row.clientWidth / 3;
-    };
-    addEventListener("scroll", mark, {passive: true});
-    new ResizeObserver(mark).observe(document.querySelector("main")); // figures drawn later move sections without a scroll
-    mark();
-  }
-
-  startTheme();
+  Frame.startTheme();
   // what has its full height from the beginning comes first: links then land where they should
   for (const holder of document.querySelectorAll("[data-machine]")) startMachine(holder);
   for (const holder of document.querySelectorAll("[data-runs]"))
     window.Runs.start(holder, figures[holder.dataset.runs]);
   startFigures();
-  startContents();
+  Frame.startContents();
   const workbench = document.getElementById("workbench");
   if (workbench && window.Workbench) {
     window.Workbench.start(workbench, JSON.parse(document.getElementById("workbench-data").textContent), Charts);
