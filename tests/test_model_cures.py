@@ -92,23 +92,23 @@ def test_a_loose_body_without_motors_is_no_base(tmp_path):
         (
             LEAF.format(gripper=""),
             ("arm",),
-            "its spring is not in the model, lock it: [locked] leaf = 0.1 in",
+            "its spring is not in the model, lock it by a first line of robot.toml: locked = {leaf = 0.1}",
         ),
         (LEAF.format(gripper=GRIPPER), ("arm",), "joints 'leaf', 'jaw' and 'other' have no motor"),
         (
             LEAF.format(gripper=GRIPPER),
             ("arm", "leaf"),
-            "if they are held, lock them: [locked] jaw = 0, other = 0 in robot.toml",
+            "if they are held, lock them by a first line of robot.toml: locked = {jaw = 0.0, other = 0.0}",
         ),
         (
             TILTED,
             ("left",),
-            "a motor, a closure or a lock is missing, for example [locked] left_elbow = -0.2",
+            "a lock is missing, for example as the first line of robot.toml: locked = {left_elbow = -0.2",
         ),
         (
             TILTED.replace('name="right_elbow" axis', 'name="right_elbow" stiffness="3" axis'),
             ("left",),
-            "its spring is not in the model, lock it: [locked] right_elbow = 0.5 in",
+            "its spring is not in the model, lock it by a first line of robot.toml: locked = {right_elbow = 0.5}",
         ),
     ],
 )
@@ -116,9 +116,9 @@ def test_what_nothing_determines_is_locked_by_the_line_that_is_told(body, motors
     robot = write_robot(tmp_path, body, motors)
     message = refusal(robot)
     assert said in message
-    line = re.search(r"\[locked\] (.*) in robot.toml", message).group(1)
+    line = re.search(r"locked = \{.*?\}", message).group()
     toml = tmp_path / "robot.toml"
-    toml.write_text(toml.read_text() + "\n[locked]\n" + line.replace(", ", "\n"))
+    toml.write_text(f"{line}\n{toml.read_text()}")
     assert build_model(load_robot(tmp_path)).geometry.robot.joints == motors
 
 

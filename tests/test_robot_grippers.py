@@ -61,7 +61,7 @@ def notes(report, code):
 
 def test_joints_at_their_stops_are_offered_where_springs_leave_a_motion(tmp_path):
     (failure,) = failures(check_robot(robot(tmp_path / "free", FINGER, PIN, ["driver"])))
-    springs, stops = re.findall(r"\[locked\] (\w+ = -?[\d.e-]+)", failure)
+    springs, stops = re.findall(r"locked = \{(\w+ = -?[\d.e-]+)\}", failure)
     assert springs.startswith("link")
     assert stops.startswith("coupler")
     for number, line in enumerate((springs, stops)):

@@ -52,11 +52,9 @@ def unexplained_words(unexplained: Unexplained, *, searched: bool = True) -> str
         noise += f", that of the encoders {encoders}"
     if unexplained.repeats is not None:
         noise += f", and the logs are repeatable to {100.0 * unexplained.repeats:.3g} %"
-    if unexplained.what == Remainder.NO_PATTERN:
-        return f"the remaining error is {error} of the current ({noise}); it depends on no variable that was tested"
-    variables = ", ".join(unexplained.depends_on)
+    variables = ", ".join(unexplained.depends_on) or "no variable that was tested"
     varies = f"the remaining error is {error} of the current ({noise}), and it depends on {variables}"
-    return f"{varies}: no effect of the catalogue explains it" if searched else varies
+    return f"{varies}: no effect of the catalogue explains it" if searched and unexplained.significant else varies
 
 
 def _explains(verdict: EffectVerdict) -> str:

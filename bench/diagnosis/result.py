@@ -121,8 +121,8 @@ class Unexplained:
 
     @property
     def significant(self) -> bool:
-        """Whether something remains that no known effect accounts for."""
-        return self.what == Remainder.PATTERN
+        """Whether something remains that no known effect accounts for: errors with a pattern, or much of them."""
+        return self.what == Remainder.PATTERN or self.much
 
     @property
     def much(self) -> bool:

@@ -105,8 +105,9 @@ def _summary(diagnosis: Diagnosis) -> DiagnosisSummary:
     laws = law_sentences(diagnosis.discovered)
     if not missing:
         what = f"No effect of the catalogue{' with one value for all recordings' if differs else ''}"
+        lacks = "explains what the model lacks" if diagnosis.unexplained.significant else "is missing"
         nothing = (
-            f"{what} is missing: judged on {validation}, no effect reduces the "
+            f"{what} {lacks}: judged on {validation}, no effect reduces the "
             f"error clearly below {in_percent(after if each else before)} of the current."
         )
         if not searched:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from bench.basics.files.toml_output import toml_line
 from bench.basics.sentence import say
 from bench.dataset.joint_facts import joints_with_springs
 from bench.dataset.robot_redundancy import listed, use_connect, welds_to_connect
@@ -192,21 +193,18 @@ def cure_in_words(cure: Cure | None) -> str:
         return f"; {use_connect(cure.names)}"
     if cure.code in SENTENCES:
         return say(SENTENCES[cure.code], names=cure.names)
-    values, stops = (
-        ", ".join(f"{name} = {cure.positions[name]:.10g}" for name in names)
+    held, stops = (
+        toml_line("locked", {name: float(f"{cure.positions[name]:.10g}") for name in names})
         for names in (cure.names, cure.stops)
     )
     single = len(cure.names) == 1
-    line = f"lock {'it' if single else 'them'}: [locked] {values} in robot.toml"
+    line = f"lock {'it' if single else 'them'} by a first line of robot.toml: {held}"
     if cure.code == CureCode.LOCK_SPRINGS:
         said = f"; {'its spring is' if single else 'their springs are'} not in the model, {line}"
-        return (
-            f"{said}; or, where springs press joints against their end stops, [locked] {stops}"
-            if stops
-            else said
-        )
+        pressed = f"; or, where springs press joints against their end stops: {stops}"
+        return f"{said}{pressed}" if cure.stops else said
     if cure.others:
-        return f"; a motor, a closure or a lock is missing, for example [locked] {values} in robot.toml"
+        return f"; a motor, a closure or a lock is missing, for example as the first line of robot.toml: {held}"
     return f"; if {'it is' if single else 'they are'} held, {line}"
 
 

@@ -3,6 +3,7 @@
 A template is both, "what: sentence".
 """
 
+import shlex
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
@@ -109,7 +110,7 @@ def _joint_force(
 ) -> str:
     said = f"{TERMS[term]} on {', '.join(joints)}: the simulator adds it, the model does not contain it"
     if effects:
-        said += f"; fit it with --with {' --with '.join(effects)}"
+        said += f"; fit it with --with {' --with '.join(map(shlex.quote, effects))}"
     if as_a_whole:
         said += (
             f"; in a ball joint ({', '.join(as_a_whole)}) law and simulated machine oppose the angular velocity as a "

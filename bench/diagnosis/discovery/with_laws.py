@@ -168,7 +168,7 @@ def _with_tables(case: SplitProblem, plain: AnswerWithLaws, progress: Progress) 
     standard errors hold what they are without it, where they have not run away there.
     """
     finding, unexplained = plain.finding, plain.diagnosis.unexplained
-    if not (unexplained.significant or unexplained.much):
+    if not unexplained.significant:
         return plain
     progress.phase("tabling what no formula fits")
     base_model = finding.base_model
