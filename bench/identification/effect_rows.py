@@ -132,8 +132,8 @@ def _memory(signals: RobotSignals, instance: EffectInstance) -> KeptRows:
 
 
 def made_of(signals: RobotSignals, instance: EffectInstance) -> list[tuple[EffectInstance, float]]:
-    """The effects whose columns, times their shares, add up to an effect's: itself, or in a search two at adjacent
-    nodes; none if its value is that of another recording.
+    """The effects whose columns, times their shares, add up to an effect's: itself, or in a search two at its nodes;
+    none if its value is that of another recording.
     """
     if instance.recording:
         share = instance.share(signals.log)

@@ -94,7 +94,7 @@ def _first_independent(columns: np.ndarray, least: float) -> list[int]:
 
 
 def _rows_alike(rows: np.ndarray) -> np.ndarray:
-    """Rows (r, p) of unit length, columns of any unit weighted alike."""
+    """Rows (r, p) of unit length, columns of any unit count alike."""
     norms = np.linalg.norm(rows, axis=0)
     sizes = np.linalg.norm(rows / np.where(norms > 0.0, norms, 1.0), axis=1)
     return np.asarray(rows / np.where(sizes > 0.0, sizes, 1.0)[:, None])

@@ -151,7 +151,7 @@ def _middle_level(geometry: Geometry, closures: Closures, track: Track, most: fl
         return _solved(
             geometry, closures, finer, lambda block: guess(finer.time[block], finer.position(block)), enough
         )
-    except BenchError:  # too far between, as where passive joints turn fast for a slide's travel; or singular
+    except BenchError:  # too far apart, as when passive joints turn fast for a slide's travel; or singular
         reached = followed(geometry, track, nodes).T
         return _solved(geometry, closures, finer, lambda block: reached[:, block], enough)
 
