@@ -122,6 +122,6 @@ def compared_velocity(
 
 
 def _density(signal: FloatArray, rate: float) -> float:
-    """White noise density of a signal (N,) [unit^2/Hz]."""
+    """White noise density of signal (N,) [unit^2/Hz]."""
     channel = signal[:, None]
     return float(max(noise_density(channel, rate)[0], quantisation_density(channel, rate)[0]))

@@ -212,7 +212,7 @@ def noise_from(frequency: FloatArray, position: FloatArray) -> FloatArray:
 
 
 def largest_within_octaves(values: FloatArray, first: int, last: int) -> FloatArray:
-    """max(values[i : 2 * i + 1]) for i from first to last, of which 2 * last is a place: of two windows that overlap,
+    """max(values[i : 2 * i + 1]) for i from first to last; 2 * last must be an index. From two overlapping windows,
     each of a power of two of values.
     """
     starts = np.arange(first, last + 1)
@@ -231,8 +231,8 @@ def largest_within_octaves(values: FloatArray, first: int, last: int) -> FloatAr
 
 
 def _level_from(octaves: FloatArray, first: int) -> int | None:
-    """From which frequency (index) on an acceleration that has faded stays level up to the end; octaves (K,): its
-    largest value within an octave from each frequency on, `first` the lowest.
+    """The frequency (index) from which a faded acceleration stays level up to the end; octaves (K,): its largest value
+    within an octave from each frequency, the lowest at `first`.
     """
     index = first + np.arange(len(octaves))
     least = np.minimum.accumulate(octaves[::-1])[::-1]
