@@ -180,8 +180,8 @@ def robot_motion(
     *,
     near: Motion | None = None,
 ) -> Motion | None:
-    """The motion of the whole robot if, at the times, loops close and it keeps clear of singular poses, passive ranges
-    and boxes; or None.
+    """The motion of the whole robot if, at these times, loops close and it keeps off singular poses, passive stops and
+    boxes; or None.
     """
     position, velocity, acceleration = trajectory.evaluate(time)
     try:
