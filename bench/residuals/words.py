@@ -118,7 +118,7 @@ REGIONS: dict[RegionKind, str] = {
 
 
 def region_words(where: RegionPlace) -> str:
-    """RegionPlace in the motion, as in "at low speed (below 0.3 rad/s)"."""
+    """Where in the motion, as in "at low speed (below 0.3 rad/s)"."""
     if where.part is RegionKind.PAYLOAD:
         return f"with payload {where.subject}"
     if where.part is RegionKind.RECORDING:
