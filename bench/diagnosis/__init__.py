@@ -1,1 +1,1 @@
-"""Which physical effect a model lacks: evidence on recordings that were not fitted, and words for it."""
+"""Which physical effect a model lacks: evidence on recordings that were not fitted, and its wording."""

@@ -43,9 +43,9 @@ def answered(case: SplitProblem, finding: SearchResult, progress: Progress = SIL
     if not finding.compared and not unfinished:
         finding = finding.compared_by_log(case)
     if finding.differently is not None and not {each.request for each in finding.differs} <= {*after.effects}:
-        # values for each recording explain the data, too
+        # values by recording also explain the data
         after = gains_model_averaged(after, [finding.differently])
-    judged = verdicts(finding, scale, remaining, without)  # which solves sets that the posterior holds, too
+    judged = verdicts(finding, scale, remaining, without)  # solves sets that the posterior includes
     posterior = posterior_of(system, best, finding.last.proposals, scale, remaining.excess)
     complete = Unfinished.SETS not in unfinished
     ranking = ranking_of(case, finding, after, judged, posterior, complete=complete)
@@ -70,12 +70,12 @@ def answered(case: SplitProblem, finding: SearchResult, progress: Progress = SIL
 
 
 def _ending_with(ladder: Sequence[LadderStep], after: Identification) -> tuple[LadderStep, ...]:
-    """A ladder whose last step is the answer, which may have other payloads or less biased columns."""
+    """A ladder that ends with the answer, which may have other payloads or less biased columns."""
     *steps, last = ladder
     return (*steps, step_of(last.effects, after.recordings)) if steps else (last,)
 
 
 def _relative(finding: SearchResult, after: Identification) -> float:
-    """Error of the converged model over that of its set in the system, so that the errors of sets end where it does."""
+    """Error of the converged model over that of its set in the system: it scales the errors of sets."""
     selected_error = held_out_error(finding.last.system, finding.last.selection.selected.fit)
     return (after.error.validate or 0.0) / selected_error if selected_error > 0 else 0.0

@@ -1,4 +1,4 @@
-"""Models that explain the data as well as the one that was identified, and what they do to its drive gains."""
+"""Models that explain the data as well as the identified one, and their influence on its drive gains."""
 
 from collections.abc import Iterator, Sequence
 
@@ -22,12 +22,12 @@ from bench.identification.tolerances import TOLERANCES
 def with_spread_over_models(
     base_model: BaseModel, last: Round, model: Prepared, after: Identification, unexplained: Unexplained
 ) -> Identification:
-    """The identified model's answer, with standard errors of its gains that hold those of models that are as good.
+    """The identified model's answer; standard errors of its gains cover the gains of equally good models.
 
-    An effect that is too small to be named counts for how sure a gain is. Where something remains that no effect
-    accounts for, one effect more, or another in the place of an identified one, represents similar effects, too,
-    whatever its sign: each has the shape of a torque that is not modelled. model: with the identified effects where
-    they show; unexplained: what it leaves; beyond noise, fewer samples count. Raises TimeUpError after the deadline.
+    Effects too small to be named make a gain less certain. If an error remains unexplained, models with one effect
+    more, or another in place of an identified one, represent similar unmodelled torques, whatever their sign. model:
+    with the identified effects at their places; unexplained: its remaining error; beyond noise, fewer samples count.
+    Raises TimeUpError after the deadline.
     """
     if not after.gains_fitted:
         return after

@@ -27,14 +27,14 @@ MODEL_KEYS = (
 def diagnosis_json(diagnosis: Diagnosis, *, words: bool = True) -> dict[str, Any]:
     """The answer as plain data, ready for JSON; a number that is not finite becomes null.
 
-    words: whether with its sentences; all values and codes are there without them, and texts are empty.
+    words: whether to write sentences; without them texts are empty, and all values and codes are there.
 
-    finished: whether all was looked at before the time was up; not_looked_at: codes of what was not, or not to its end.
-    missing, ladder, ranking and unexplained as documented for other programs; size: RMS torque in N*m or force
-    in N by actuator; error_share: of the squared error, taken away; reason: the codes of why. differs_by_recording:
-    effects of which one value for all recordings is not enough, with request as `--with` takes it. superfluous: effects
-    of the starting model that the identified one does without. before, after: gains, parameters and errors of
-    the models without and with what is missing.
+    finished: whether the search was complete before the deadline; not_looked_at: codes of its missing or incomplete
+    parts. missing, ladder, ranking and unexplained as documented for other programs; size: RMS torque in N*m or force
+    in N by actuator; error_share: removed share of the squared error; reason: its codes. differs_by_recording: effects
+    that need more than one value for all recordings; request: as `--with` takes it. superfluous: effects of the
+    starting model that the identified one lacks. before, after: gains, parameters and errors of the models without and
+    with the missing effects.
     """
     answer = {
         "robot": diagnosis.robot,
@@ -67,7 +67,7 @@ def diagnosis_json(diagnosis: Diagnosis, *, words: bool = True) -> dict[str, Any
 
 
 def verdict_json(diagnosis: Diagnosis) -> dict[str, Any]:
-    """What is missing, where, how far the error falls, the laws and the gains: what an answer comes down to."""
+    """The core of an answer: what is missing and where, how far the error falls, laws and gains."""
     answer = diagnosis_json(diagnosis, words=False)
     missing = [entry for entry in answer["ranking"] if entry["effect"] in diagnosis.missing]
     short = {

@@ -1,4 +1,4 @@
-"""What a search starts from, and models near it: converged as they are, or as they are known nearby."""
+"""The start of a search, and models near it, converged with exact columns or with those of `Nearby`."""
 
 from collections.abc import Hashable, Sequence
 from dataclasses import dataclass, field, replace
@@ -24,10 +24,10 @@ from bench.identification.tolerances import TOLERANCES
 
 @dataclass(frozen=True)
 class BaseModel:
-    """What a search starts from: the model at its solution, and what is computed once for all models near it.
+    """The start of a search: the model at its solution, and what all models near it share.
 
-    known: added effects that were converged before, by what they began as, and the model that they belong to.
-    deadline: after which models are converged no further, but TimeUpError is raised.
+    known: added effects that were converged before, by their initial form, and the model about which they are
+    linearised. deadline: after it, converging a model raises TimeUpError.
     """
 
     start: Prepared
@@ -39,7 +39,7 @@ class BaseModel:
 
     @cached_property
     def at_leisure(self) -> "BaseModel":
-        """The same without a deadline: what was begun is brought to its end."""
+        """The same without a deadline, to complete what was begun."""
         return self if self.deadline is NEVER else replace(self, deadline=NEVER)
 
     @cached_property
@@ -48,7 +48,7 @@ class BaseModel:
         return noise_squares(self.start)
 
     def context(self, model: Prepared) -> Context:
-        """What a model leaves, about which effects get their shape."""
+        """A model's residual, from which effects get their shape."""
         return context_of(model, self.nearby.signals(model.present, model.signals))
 
     def with_proposals(self, proposals: Sequence[Proposal], chosen: Sequence[int]) -> Prepared:
@@ -56,14 +56,14 @@ class BaseModel:
         return self.with_instances(_instances(proposals, chosen))
 
     def nearly(self, proposals: Sequence[Proposal], chosen: Sequence[int]) -> Prepared:
-        """The same as it is known nearby, for a first look."""
+        """The same with nearby columns, for a first look."""
         instances = _instances(proposals, chosen)
         earlier = self._converged_before(instances)
         return at_its_solution(self._settled_nearby(instances)) if earlier is None else earlier
 
     def in_search(self, system: System, proposals: Sequence[Proposal], chosen: Sequence[int]) -> Prepared:
-        """The same as a search goes by it: as it is known nearby, if that is less work and all that a model can be
-        asked for, as it leaves only noise. system: in which the set was selected.
+        """The same for a search: with nearby columns if they save work and the model leaves only noise, so that it
+        cannot improve. system: in which the set was selected.
         """
         instances = _instances(proposals, chosen)
         if not _less_nearby(instances):
@@ -74,13 +74,13 @@ class BaseModel:
         return self._seen_by(self.start, near, TOLERANCES.search.settling_rounds)
 
     def exactly(self, model: Prepared) -> Prepared:
-        """A model that is converged as it is known nearby, converged as it is."""
+        """A model converged with nearby columns, now with exact ones."""
         if model.nearby is None and not model.provisional:
             return model
         return self._seen_by(self.start, model)
 
     def with_instances(self, instances: Sequence[EffectInstance]) -> Prepared:
-        """The starting model with these effects, converged; first as it is known nearby, if that is less work."""
+        """The starting model with these effects, converged; first with nearby columns, if that saves work."""
         if _less_nearby(instances):
             return self.exactly(self._settled_nearby(instances))
         prepared = self._converged_before(instances)
@@ -91,13 +91,13 @@ class BaseModel:
         return at_its_solution(prepared)
 
     def _converged_before(self, instances: Sequence[EffectInstance]) -> Prepared | None:
-        """The starting model with these effects, if they were converged from the same beginning before."""
+        """The starting model with these effects, if already converged from the same initial form."""
         entry = self.known.get(tuple(instances)) if _hashable(instances) else None
         return None if entry is None else replace(with_effects(self.start, *entry), converged=True)
 
     def warm_started(self, model: Prepared, instances: Sequence[EffectInstance]) -> Prepared:
-        """The starting model with these effects, converged from a converged model that is much like it and has the
-        shapes that they begin with, or with which they were identified.
+        """The starting model with these effects, converged from a similar converged model with their initial or
+        identified shapes.
         """
         if (earlier := self._converged_before(instances)) is not None:
             return at_its_solution(earlier)
@@ -106,7 +106,7 @@ class BaseModel:
         return self.exactly(self._settled(start, every, model.present, nearly=True))
 
     def again_nearby(self, model: Prepared) -> Prepared:
-        """A model that is converged as it is, converged as it is known nearby, if that is less work."""
+        """A model converged with exact columns, now with nearby ones if that saves work."""
         if not _less_nearby(added_effects(self, model)):
             return model
         return self._seen_by(seen_nearby(self.start, self.nearby), model)
@@ -114,7 +114,7 @@ class BaseModel:
     def joined_nearby(
         self, model: Prepared, others: Sequence[EffectInstance], added: Sequence[EffectInstance]
     ) -> Prepared:
-        """A model converged nearby with some of its effects and one more, which first gets its shape with these."""
+        """A model with some of its effects and one more, shaped with these, converged with nearby columns."""
         rest = with_effects(model, (*self.start.effects, *others))
         joining = shaped(self.context(rest), added)
         return self._settled(model, (*rest.effects, *joining), nearly=True)
@@ -133,7 +133,7 @@ class BaseModel:
         return at_its_solution(self._converged(model, effects, present, nearly=nearly))
 
     def _seen_by(self, other: Prepared, model: Prepared, most: int | None = None) -> Prepared:
-        """A converged model as another sees its effects, who sees them nearby, or as they are. most: rounds."""
+        """A converged model, converged with the signals of `other`, nearby or exact. most: rounds."""
         if not settles(model.effects):
             return self._settled(other, model.effects, model.present, nearly=False)
         return converged_from(
@@ -148,7 +148,7 @@ class BaseModel:
         *,
         nearly: bool = False,
     ) -> Prepared:
-        """A model with other effects, converged, see there; what the starting model has stays."""
+        """A model with other effects, see `converged`; those of the starting model stay."""
         begun = with_effects(model, effects, present, fitted_only=settles(effects))
         self.deadline.check()
         return converged(begun, nearly=nearly, added_from=len(self.start.effects), deadline=self.deadline)
@@ -164,7 +164,7 @@ def _hashable(instances: Sequence[EffectInstance]) -> bool:
 
 
 def _less_nearby(instances: Sequence[EffectInstance]) -> bool:
-    """Whether effects are much less work where small changes of the torque are known."""
+    """Whether nearby columns make effects much less work."""
     return any(changes_torque(instance.effect) for instance in instances)
 
 
@@ -179,13 +179,13 @@ def added_names(base_model: BaseModel, model: Prepared) -> set[str]:
 
 
 def base_model_of(start: Prepared, deadline: Deadline = NEVER) -> BaseModel:
-    """The search for what a converged starting model lacks."""
+    """The start of a search from a converged model."""
     start = at_its_solution(start)
     return BaseModel(start, Nearby(start.model, start.measured), deadline=deadline)
 
 
 def at_its_solution(model: Prepared) -> Prepared:
-    """A converged model, with itself as what effects are linearised about; from nominal gains where it has run away."""
+    """A converged model with effects linearised about itself, or about nominal gains if it has run away."""
     if settles(model.effects):
         return model
     stack, solution = solved_quickly(model)
@@ -194,12 +194,12 @@ def at_its_solution(model: Prepared) -> Prepared:
 
 
 def restarted(stack: Stack, solution: Solution, nominal: np.ndarray) -> Solution:
-    """The solution, with nominal gains for those that are negative or far from them, and theta (p,) solved anew.
+    """The solution, with negative or distant gains replaced by nominal ones, and theta (p,) solved again.
 
     Gains that are all off by about the same factor, in a model that explains at least `RULE.most` of the squared
-    currents, have not run away: the nominal ones, or the currents, are in another unit. A model that lacks strong
-    friction may fit best with gains without bounds, near zero, or below; steps of the current's error never lead back
-    from there. nominal (n,): nominal drive gains. Columns that are zero or absorbed get the least values.
+    currents, have not run away: nominal gains or currents are in another unit. A model that lacks strong friction may
+    fit best with unbounded gains, or gains near or below zero; steps of the current error never return from there.
+    nominal (n,): nominal drive gains. Zero or absorbed columns get minimum-norm values.
     """
     ratio = solution.gains / nominal
     away = (ratio < 1.0 / RULE.gain_lost) | (ratio > RULE.gain_lost)

@@ -1,4 +1,4 @@
-"""Many sets of effects solved side by side, where they are small: what Python adds to each is then shared."""
+"""Many small sets of effects solved together, which share the overhead of Python."""
 
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
@@ -40,8 +40,8 @@ def swapped(chosen: Sequence[int], others: Sequence[int]) -> list[tuple[int, ...
 
 @dataclass(frozen=True)
 class _Sets:
-    """Sets on their way: products; values (S, k) and gains (S, n) with the errors (S, n, k + 2) that they combine, all
-    columns' products with these (S, n, k + 2), every motor's squares (S, n), and their cost (S,).
+    """Sets during iteration: products; values (S, k), gains (S, n) and the coefficients (S, n, k + 2) of their errors,
+    all columns' products with these (S, n, k + 2), every motor's squares (S, n), and cost (S,).
     """
 
     products: SetProducts
@@ -59,7 +59,7 @@ class _Sets:
 
 
 def _alike(system: System, sized: Sequence[tuple[int, tuple[int, ...]]]) -> Iterator[list[tuple[int, ...]]]:
-    """Sets with about as many unknowns each, the fewest first, and no more than fit into the cache."""
+    """Groups of sets with similar numbers of unknowns, the fewest first, that fit into the cache."""
     chunk: list[tuple[int, ...]] = []
     fewest = 0
     for size, key in sized:
@@ -78,7 +78,7 @@ def _alike(system: System, sized: Sequence[tuple[int, tuple[int, ...]]]) -> Iter
 
 
 def _together(system: System, keys: Sequence[tuple[int, ...]]) -> dict[tuple[int, ...], SetFit]:
-    """Sets by steps of Gauss and Newton, the smaller ones with columns of zeros; those that need care are omitted."""
+    """Sets by Gauss-Newton steps, the smaller ones padded with zero columns; difficult ones are omitted."""
     start = system.start
     begun = [start_of(system, key) for key in keys]
     columns = [pair[0] for pair in begun]
@@ -136,8 +136,8 @@ def _at(products: SetProducts, values: np.ndarray, gains: np.ndarray, start: Sol
 
 
 def _moved(now: _Sets, steps: tuple[np.ndarray, np.ndarray, np.ndarray], start: Solution) -> _Sets:
-    """The sets after steps of values, of gains, and the shares (S,) of them that are taken: halved in place until no
-    set is worse for it.
+    """The sets after steps of values and gains, and the shares (S,) of these: halved in place until they make no set
+    worse.
     """
     step, by_gain, share = steps
     for _ in range(TOLERANCES.steps.halvings):

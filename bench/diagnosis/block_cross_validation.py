@@ -1,4 +1,4 @@
-"""Recordings cut into blocks of which every other one is fitted, to judge what belongs to a recording alone."""
+"""Recordings cut into blocks, every other one fitted, to judge values that only one recording has."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -33,7 +33,7 @@ class BlockCrossValidation:
         return np.maximum(squares, np.finfo(float).tiny)
 
     def evidence(self, before: np.ndarray, after: np.ndarray) -> float:
-        """Log-likelihood ratio, nats, of what two models leave (n,), each motor with its noise."""
+        """Log-likelihood ratio, nats, of two models' residuals (n,), each motor with its noise."""
         return 0.5 * float(self.samples @ np.log(before / after))
 
 
@@ -43,7 +43,7 @@ def block_cross_validation(stack: Stack, solution: Solution, further: np.ndarray
     error = stack.current - modelled
     count = np.maximum(stack.moving.sum(axis=0), 1)
     size = np.sqrt((error**2).sum(axis=0) / count)
-    weights = np.divide(1.0, size, out=np.zeros_like(size), where=size > 0.0)  # nothing, of one without rows
+    weights = np.divide(1.0, size, out=np.zeros_like(size), where=size > 0.0)  # zero for a motor without rows
     samples, n, p = stack.phi.shape
     fitted = np.broadcast_to(solution.gains_fitted, (n,))
     model_columns = p + (n if fitted.any() else 0)
@@ -74,7 +74,7 @@ def block_cross_validation(stack: Stack, solution: Solution, further: np.ndarray
 
 
 def _solution(inner: np.ndarray, used: np.ndarray) -> np.ndarray:
-    """How columns (S,) are combined to the error that remains: the used ones by least squares."""
+    """Coefficients (S,) of the columns in the remaining error: the used ones by least squares."""
     normal, right = inner[np.ix_(used, used)], inner[used, -1]
     lengths = np.sqrt(np.diag(normal))
     lengths[lengths == 0.0] = 1.0

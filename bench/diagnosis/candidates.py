@@ -1,4 +1,4 @@
-"""The effects that a model might lack, each with the shape that suits the data best."""
+"""The effects that a model might lack, each with the shape that fits the data best."""
 
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -21,10 +21,10 @@ from bench.identification.tolerances import TOLERANCES
 
 @dataclass(frozen=True)
 class Proposal:
-    """An effect at the places where it shows, and what keeps it from showing elsewhere.
+    """An effect at the places where data can show it, and why not elsewhere.
 
-    absorbed: no data of this robot can show it; taken_up_by: the parameter that takes up most of it. prior: nats that
-    it must bring beyond what every effect must, as one of so many that were tried.
+    absorbed: no data of this robot can show it; taken_up_by: the parameter that absorbs most of it. prior: nats that it
+    must bring beyond those of every effect, for the number of trials.
     """
 
     name: str
@@ -36,16 +36,14 @@ class Proposal:
 
 @dataclass(frozen=True)
 class Context:
-    """A model about which effects get their shape: its equations, with what such effects see of the recordings,
-    and what it leaves.
-    """
+    """A model from which effects get their shape: its equations, the signals for these effects, and its residual."""
 
     prepared: Prepared
     regression: PartialRegression
 
 
 def context_of(prepared: Prepared, near: tuple[RobotSignals, ...]) -> Context:
-    """Solve the prepared equations and keep what they leave; near: what effects see that are searched for."""
+    """Solve the prepared equations and keep the residual; near: signals for effects in a search."""
     regression = partial_regression(*solved_quickly(prepared))
     return Context(replace(prepared, signals=near), regression)
 
@@ -53,7 +51,7 @@ def context_of(prepared: Prepared, near: tuple[RobotSignals, ...]) -> Context:
 def propose(
     start: Context, catalogue: Mapping[str, Effect], progress: Progress = SILENT, deadline: Deadline = NEVER
 ) -> list[Proposal]:
-    """Every effect of the catalogue that the starting model does not have, wherever it can sit.
+    """Every effect of the catalogue that the starting model lacks, at all possible places.
 
     Raises TimeUpError after the deadline.
     """
@@ -70,7 +68,7 @@ def propose(
         ]
         for name, effect in catalogue.items()
     }
-    # Filtered together, and kept: each is asked for by itself below.
+    # Filtered together and kept; used one by one below.
     plain = [instance for instances in every.values() for instance in instances if not instance.effect.shape]
     alone = [instance for instance in plain if not instance.effect.depends_on_model]
     for seen, measured in zip(prepared.signals, prepared.measured, strict=True):
@@ -123,19 +121,19 @@ def _about_their_values(
 ) -> tuple[EffectInstance, ...]:
     first = instances[0].effect
     if first.about({parameter.name: 0.0 for parameter in first.parameters}) is first:
-        return instances  # linear: there is nothing to be linearised about
+        return instances  # linear: needs no linearisation
     values, _ = context.regression.explained(candidate_columns(context.prepared, instances))
     return linearised(instances, values)
 
 
 def _visible(context: Context, instance: EffectInstance) -> bool:
-    """Whether anything of an effect's columns lies outside those of the model."""
+    """Whether part of an effect's columns lies outside those of the model."""
     products = context.regression.products(candidate_columns(context.prepared, [instance]))
     return bool(np.any(products.remaining > TOLERANCES.rank.visible_effect))
 
 
 def _taken_up_by(context: Context, instance: EffectInstance) -> str:
-    """The base parameter whose column is most like an effect's first; empty where the effect does nothing."""
+    """The base parameter whose column is most like an effect's first; empty for an effect of zero."""
     prepared, regression = context.prepared, context.regression
     column = (
         candidate_columns(prepared, [instance])[:, :, 0] * regression.moving * regression.weights
@@ -156,11 +154,11 @@ def _taken_up_by(context: Context, instance: EffectInstance) -> str:
 def partners(
     model: Prepared, context: Context, proposals: Sequence[Proposal], chosen: Collection[int]
 ) -> list[int]:
-    """Proposals (indices) that would explain much of what the converged model leaves, the most first.
+    """Indices of proposals that would explain much of the converged model's residual, the most first.
 
-    The model's columns are joined by the derivatives by its shape parameters: a time constant that was identified
-    without a viscous friction has taken its part, and would leave it there. Where nothing bends, in the model or in
-    what joins it, a search has said all there is. context: of the model; chosen: what the model has already.
+    The derivatives by shape parameters count as columns of the model: a time constant identified without a viscous
+    friction has absorbed its part, and could release it. If no column bends, in the model or the proposal, a search is
+    already complete. context: of the model; chosen: proposals in the model.
     """
     bends = any(map(_bends, model.effects))
     able = [
@@ -186,5 +184,5 @@ def partners(
 
 
 def _bends(instance: EffectInstance) -> bool:
-    """Whether its columns depend on what else the model has."""
+    """Whether its columns depend on the rest of the model."""
     return bool(instance.effect.shape) or instance.effect.depends_on_model

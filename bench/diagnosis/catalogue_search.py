@@ -28,13 +28,13 @@ from bench.identification.tolerances import TOLERANCES
 
 
 def search_catalogue(case: SplitProblem, progress: Progress = SILENT) -> SearchResult:
-    """Search from the starting model; where values for each recording take most of a motor's error away, of fitted
-    recordings or of others, together with them.
+    """Search from the starting model; if values by recording, fitted or not, remove most of a motor's error, search
+    with these.
 
-    One value for all recordings, where it differs, moves the gains and looks like other effects. Values for each are
-    part of the answer where, with the effects identified with them, they explain clearly more of parts that are not
-    fitted, no less of other recordings with values of theirs, and still differ. After the deadline the best so far is
-    the answer.
+    One value for all recordings, if values differ, moves the gains and looks like other effects. The answer has values
+    by recording if, with the effects identified with them, they explain clearly more of parts that are not fitted, no
+    less of other recordings (with best-fitting values), and still differ. After the deadline the answer is the best so
+    far.
     """
     plain = _search_with_values(case, case.start, case.before, progress)
     if case.deadline.passed:
@@ -66,9 +66,9 @@ def search_catalogue(case: SplitProblem, progress: Progress = SILENT) -> SearchR
 def _search_with_values(
     case: SplitProblem, model: Prepared, before: Identification, progress: Progress
 ) -> SearchResult:
-    """Search from a model that has this model's effects, or some of them: the others are to be identified.
+    """Search from a model with this model's effects, or some of them; the others are identified again.
 
-    before: the answer of `model` as it is.
+    before: the answer of `model`.
     """
     given = [instance.name for instance in model.effects]
     barred = not_asked(case.problem.dataset.recordings, case.problem.catalogue, given)

@@ -1,4 +1,4 @@
-"""What the final answer of a diagnosis has beyond those that were tried: places, logs omitted, half of the band."""
+"""What only the final answer of a diagnosis has: places, logs omitted, half of the band."""
 
 from dataclasses import replace
 
@@ -11,8 +11,8 @@ from bench.identification.identify import fit
 
 
 def completed(finding: SearchResult, diagnosis: Diagnosis) -> Diagnosis:
-    """The final answer with the probability of every place of its effects, the places that the data cannot tell apart,
-    the answer with each log omitted, and standard errors that include how far that in half of the band is away.
+    """The final answer with the probability of every place of its effects, the places that the data cannot distinguish,
+    the answer with each log omitted, and standard errors that cover the answer in half of the band.
     """
     last, model = finding.last, finding.model
     alike = alike_places(model, finding.new, last.system.samples)

@@ -17,7 +17,7 @@ NOT_LOOKED_AT: Mapping[Unfinished, str] = {
 
 
 def unfinished_sentence(diagnosis: Diagnosis) -> str:
-    """What was not looked at, or not to its end; "" where the search came to its end."""
+    """What was not searched, or not completely; "" for a complete search."""
     if diagnosis.finished:
         return ""
     missed = and_list([NOT_LOOKED_AT[code] for code in diagnosis.unfinished])
@@ -28,7 +28,7 @@ def unfinished_sentence(diagnosis: Diagnosis) -> str:
 
 
 def by_log_sentence(diagnosis: Diagnosis) -> str:
-    """Which names stay whichever log is omitted, and on which logs the others depend; "" where nothing is named."""
+    """Names that stay whichever log is omitted, and logs on which the others depend; "" without names."""
     rows = diagnosis.without_logs
     if not rows or not diagnosis.missing:
         return ""
@@ -46,7 +46,7 @@ def by_log_sentence(diagnosis: Diagnosis) -> str:
 
 
 def usual_sentence(names: Sequence[str]) -> str:
-    """Friction that is in the model without being missing; "" where none is."""
+    """Friction in the model that is not missing; "" if there is none."""
     if not names:
         return ""
     are, them = ("is", "it") if len(names) == 1 else ("are", "them")
@@ -60,8 +60,8 @@ def usual_sentence(names: Sequence[str]) -> str:
 def from_run_to_run(
     differs: Sequence[Differing], in_model: Collection[str] = (), *, clear: bool
 ) -> tuple[str, ...]:
-    """The strongest with its values, then the others; in_model: requests of those that the answer holds so; clear:
-    whether nothing remains that no effect explains.
+    """The strongest with its values, then the others; in_model: requests of those with such values in the answer;
+    clear: whether effects explain the whole error.
     """
     if not differs:
         return ()

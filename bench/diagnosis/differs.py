@@ -1,4 +1,4 @@
-"""Offsets and frictions that differ from run to run: a value for each recording, judged on parts of each."""
+"""Offsets and frictions that differ from run to run: a value per recording, judged on parts of each."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -31,11 +31,11 @@ class _Candidate:
 def differing(
     model: Prepared, catalogue: Mapping[str, Effect]
 ) -> tuple[tuple[Differing, ...], Identification | None]:
-    """Effects of a converged model that have another value in each fitted recording, or would have, strongest first;
-    and the answer with these values, None where nothing differs.
+    """Effects, in a converged model or not, whose value differs by fitted recording, strongest first; and the answer
+    with these values, None if nothing differs.
 
-    One value for all recordings competes with one for each. A recording that is not fitted has no separate value, so
-    that every other part of each is kept apart to judge on.
+    One value for all recordings competes with one for each. A recording that is not fitted has no such value, so every
+    other part of each fitted one is held out.
     """
     logs = model.logs
     if len(logs) < 2:
@@ -68,7 +68,7 @@ def differing(
 def _candidates(
     model: Prepared, catalogue: Mapping[str, Effect]
 ) -> tuple[list[_Candidate], list[EffectInstance]]:
-    """What may differ, and the instances of all their columns, one each."""
+    """Candidates, and the instances of all their columns, one each."""
     present = {instance.seat: instance for instance in model.effects}
     logs = model.logs
     candidates: list[_Candidate] = []
@@ -91,7 +91,7 @@ def _candidates(
 def _that_show(
     model: Prepared, chosen: Sequence[tuple[_Candidate, float, float, float]]
 ) -> tuple[tuple[Differing, ...], Identification | None]:
-    """Those whose values, all fitted together, differ clearly and are possible; and that fit."""
+    """Those whose values, fitted together, differ clearly and are possible; and that fit."""
     places = {(candidate.effect.name, candidate.joint) for candidate, *_ in chosen}
     kept = [instance for instance in model.effects if instance.seat not in places]
     logs = model.logs
@@ -120,7 +120,7 @@ def _that_show(
 
 
 def _apart(values: Sequence[Quantity], covariance: np.ndarray) -> bool:
-    """Whether two of the values (k,) differ by more than chance makes of them; covariance (k, k)."""
+    """Whether two of the values (k,) differ by more than chance explains; covariance (k, k)."""
     return any(
         abs(values[a].value - values[b].value)
         > RULE.shows * np.sqrt(covariance[a, a] + covariance[b, b] - 2.0 * covariance[a, b])

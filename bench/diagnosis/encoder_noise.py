@@ -1,4 +1,4 @@
-"""What the encoders' noise alone leaves of the currents unmodelled."""
+"""The error of the currents that encoder noise alone causes."""
 
 from dataclasses import replace
 
@@ -18,11 +18,11 @@ SEED = 20120608
 
 
 def encoder_error(model: Prepared) -> float:
-    """RMS change of the currents' errors over the RMS of the measured ones, on recordings that were not fitted.
+    """RMS change of the current errors over the RMS of measured currents, on held-out recordings.
 
     As in `bench.identification.column_errors`, the noise of the positions is read off their spectra above the band of
-    the motion, and as much once more is added to them, with a fixed seed; the change of the errors then estimates
-    what the measured noise did.
+    the motion, and the same amount is added to them, with a fixed seed; the change of the errors estimates the
+    influence of the measured noise.
     """
     _, solution = solved_quickly(model)
     random = np.random.default_rng(SEED)

@@ -1,8 +1,8 @@
-"""How probable a model is, given all recordings: one coarsened posterior, for sets of effects and converged models.
+"""Probability of a model given all recordings: one coarsened posterior, for sets of effects and converged models.
 
-No model is exact, so that evidence does not grow without bound with the length of a log (Miller and Dunson, "Robust
-Bayesian inference via coarsening", Journal of the American Statistical Association 114, 2019): a motor's independent
-samples count in full where they are few, and never for more than `DecisionRule.coarsening` of them.
+No model is exact, so evidence does not grow without bound with the length of a log (Miller and Dunson, "Robust Bayesian
+inference via coarsening", Journal of the American Statistical Association 114, 2019): few independent samples of a
+motor count in full, many never for more than `DecisionRule.coarsening` samples.
 """
 
 from collections.abc import Iterable, Sequence
@@ -21,20 +21,20 @@ from bench.identification.summary import modelled_current
 
 @dataclass(frozen=True)
 class Samples:
-    """How many independent samples of each motor there are, fitted (n,) and judged (n,); and most that count."""
+    """Number of independent samples of each motor, fitted (n,) and judged (n,); and their maximum weight."""
 
     fitted: np.ndarray
     held_out: np.ndarray
     coarsening: float = field(default_factory=lambda: RULE.coarsening)
 
     def beyond(self, excess: float) -> "Samples":
-        """As they count for a model whose error's logarithm exceeds that of the noise by so much."""
+        """The samples that count for a model with log(error / noise) = `excess`."""
         return replace(self, coarsening=RULE.coarsening_beyond(excess))
 
     def log_posterior(
         self, squares: np.ndarray, unknowns: np.ndarray | int, prior: np.ndarray | float
     ) -> np.ndarray:
-        """Logarithm (...,) of the weight of models, of squares (..., 2, n) of motors' errors, fitted and judged.
+        """Log weight (...,) of models, from squares (..., 2, n) of motors' errors, fitted and judged.
 
         With N samples of motor j, fitted, and N' judged, squares R and R', and k unknowns: -1/2 sum_j z_j (N_j log R_j
         + N'_j log R'_j) - 1/2 k log(sum_j z_j N_j) - prior, where z_j = coarsening / (coarsening + N_j + N'_j).
@@ -50,7 +50,7 @@ class Samples:
 @dataclass(frozen=True)
 class ResidualSumOfSquares:
     """Squares (2, n) of every motor's error in a converged model, of fitted and judged recordings, drive units squared;
-    how many unknowns its effects have, and nats that its effects must bring; away: whether a gain has run away.
+    number of unknowns of its effects, and nats that these must bring; away: whether a gain has run away.
     """
 
     squares: np.ndarray
@@ -77,7 +77,7 @@ def residual_squares(model: Prepared, prior: float) -> ResidualSumOfSquares:
 def answer_squares(
     effects: Sequence[EffectInstance], series: Sequence[CurrentSeries], prior: float | None = None
 ) -> ResidualSumOfSquares:
-    """Residual squares of a model with these effects, by the currents that its answer gives. prior: by default of the
+    """Residual squares of a model with these effects, from the currents of its answer. prior: by default the
     catalogue's.
     """
     squares = _squares((trace.use, trace.error * trace.moving) for trace in series)
@@ -104,7 +104,7 @@ def answer_weight(samples: Samples, model: Prepared, answer: Identification) -> 
 
 
 def effects_unknowns(effects: Iterable[EffectInstance]) -> int:
-    """How many parameters effects have, linear and of shape."""
+    """Number of parameters of effects, linear and shape."""
     return sum(len(instance.effect.parameters) + len(instance.effect.shape) for instance in effects)
 
 

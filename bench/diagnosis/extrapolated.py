@@ -1,9 +1,8 @@
-"""Rows that were not fitted and in which the fitted ones do not determine what the model gives.
+"""Held-out rows in which the fitted rows do not determine the model's current.
 
-The leverage of a row is the variance of what the model gives there, over that of the noise. No row that was fitted has
-one above 1; a row that was not and has more lies outside what was fitted (Montgomery, Peck and Vining,
-"Introduction to Linear Regression Analysis", section 3.8, hidden extrapolation). Its error is that of the estimate, of
-which no effect is the cause.
+The leverage of a row is the variance of the model's current there, over that of the noise. No fitted row has a leverage
+above 1; a held-out row with more is extrapolated (Montgomery, Peck and Vining, "Introduction to Linear Regression
+Analysis", section 3.8, hidden extrapolation). Its error is that of the estimate, not of a missing effect.
 """
 
 from dataclasses import replace
@@ -21,9 +20,9 @@ from bench.identification.tolerances import TOLERANCES
 
 
 def without_extrapolation(prepared: Prepared) -> tuple[Prepared, tuple[Finding, ...]]:
-    """The same, judged only in rows whose leverage a fitted row could have; and what else there is.
+    """The same, judged only in rows with a leverage that a fitted row could have; and a report of the others.
 
-    A motor with fewer of these than of others is judged in all: there is too little else to judge it by.
+    If less than half of a motor's rows remain, it is judged in all rows.
     """
     checked = [seen for seen in prepared.observations if seen.use == "validate"]
     if not checked:
@@ -51,8 +50,8 @@ def without_extrapolation(prepared: Prepared) -> tuple[Prepared, tuple[Finding, 
 
 
 def leverage(fitted: Stack, asked: Stack, solution: Solution, kept: np.ndarray) -> np.ndarray:
-    """Variance (M, n) of what the model gives in every row asked for, over that of its motor's noise, when
-    columns (k,) are fitted, and the gains that the solution has as unknowns.
+    """Variance (M, n) of the model's current in every row of `asked`, over that of its motor's noise, if columns (k,)
+    are fitted, and the gains that are unknowns of the solution.
     """
     gains = np.flatnonzero(np.broadcast_to(solution.gains_fitted, solution.gains.shape))
     unknowns = np.concatenate((kept, fitted.phi.shape[2] + gains))

@@ -1,4 +1,4 @@
-"""What changes with nothing but the time is asked of long logs alone: in a short one any error looks like that."""
+"""Effects of time alone are searched only in long logs: in a short log, any error looks like one."""
 
 from collections.abc import Mapping, Sequence
 
@@ -11,7 +11,7 @@ from bench.identification.tolerances import TOLERANCES
 
 
 def too_short(recordings: Sequence[Recording]) -> float | None:
-    """The length in s of the longest log, from when it began, where that is too short for effects of the time alone."""
+    """Length in s of the longest log, from its start, if it is too short for effects of time alone."""
     fitted = [recording for recording in recordings if recording.use == "identify"]
     ends = {recording.log: float(recording.time[-1]) - recording.began for recording in fitted}
     for recording in recordings:
@@ -24,7 +24,7 @@ def too_short(recordings: Sequence[Recording]) -> float | None:
 def not_asked(
     recordings: Sequence[Recording], catalogue: Mapping[str, Effect], given: Sequence[str]
 ) -> dict[str, Reason]:
-    """Effects that are not asked of such logs, unless they are given, and why: their time constant would be one of the
+    """Effects that are not searched in such logs, unless given, and why: their time constant would be that of the
     recording, not of the machine.
     """
     length = too_short(recordings)

@@ -1,4 +1,4 @@
-"""The ladder of a diagnosis: what a model with some of the identified effects leaves, each fitted by itself."""
+"""The ladder of a diagnosis: errors of models with some of the identified effects, each fitted separately."""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -21,7 +21,7 @@ from bench.identification.result import CurrentSeries, DriveGain, Identification
 
 @dataclass(frozen=True)
 class FittedSet:
-    """A model with some effects, fitted by itself: the step of a ladder, what it leaves, and its drive gains."""
+    """A separately fitted model with some effects: the step of a ladder, its residual, and its drive gains."""
 
     step: LadderStep
     residual: ResidualSumOfSquares
@@ -34,7 +34,7 @@ Fits = Callable[[frozenset[str]], FittedSet]
 
 @dataclass(frozen=True)
 class FittedSets:
-    """The effects that a model has beyond what is kept of the given ones, their names, and the fits of some of them.
+    """The effects of a model beyond the given ones that it keeps, their names, and the fits of subsets.
 
     requests: effects with a value for each recording that all of these fits have.
     """
@@ -45,9 +45,9 @@ class FittedSets:
     requests: tuple[str, ...]
 
     def ladder(self, before: Identification, *, whole: bool) -> tuple[LadderStep, ...]:
-        """Errors after each added effect, the one that helps most first, or the first and the last of these alone.
+        """Errors after each added effect, the most helpful first, or only the first and last of these.
 
-        before: the answer of the given model; where all steps have values for each recording, it is the first.
+        before: the answer of the given model, the first step if all others have values by recording.
         """
         if whole:
             steps = ladder_of(self.names, self.fits)
@@ -87,12 +87,12 @@ def values_of(gains: Mapping[str, DriveGain]) -> dict[str, float]:
 
 
 def errors_without(names: Sequence[str], fits: Fits) -> dict[str, float]:
-    """Relative error on recordings that were not fitted, by effect, of the identified model without it, fitted anew."""
+    """Relative error on held-out recordings, by effect, of the identified model fitted again without it."""
     return {name: fits(frozenset(names) - {name}).step.validate or 0.0 for name in names}
 
 
 def errors_nearly_without(names: Sequence[str], last: Round, scale: float) -> dict[str, float]:
-    """The same as the last system knows it, without fitting anything."""
+    """The same from the last system, without another fit."""
     chosen, system = last.chosen, last.system
     return {
         name: scale
@@ -102,7 +102,7 @@ def errors_nearly_without(names: Sequence[str], last: Round, scale: float) -> di
 
 
 def ladder_of(names: Sequence[str], fits: Fits) -> tuple[LadderStep, ...]:
-    """Errors after each added effect, the one that helps most first. names: of all that are added."""
+    """Errors after each added effect, the most helpful first. names: of all added ones."""
     steps = [fits(frozenset()).step]
     remaining = list(names)
     taken: list[str] = []
@@ -116,7 +116,7 @@ def ladder_of(names: Sequence[str], fits: Fits) -> tuple[LadderStep, ...]:
 
 
 def step_of(effects: tuple[str, ...], fitted: Sequence[CurrentSeries]) -> LadderStep:
-    """A step by the currents that its model gives."""
+    """A step from the currents of its model."""
     return LadderStep(effects, _error(fitted, "identify"), _error(fitted, "validate"), tuple(fitted))
 
 

@@ -1,4 +1,4 @@
-"""Laws that were discovered, in a mechanical engineer's words."""
+"""Discovered laws, in a mechanical engineer's words."""
 
 import re
 from collections.abc import Sequence
@@ -50,7 +50,7 @@ def _phrase(some: Sequence[Discovered]) -> str:
 
 
 def _tabled(law: Discovered) -> str:
-    """A function without a formula: what it goes by, and what it makes of the error."""
+    """A function without a formula: its variables, and its influence on the error."""
     parts = list(dict.fromkeys(_function(term) or _kind(term) for term in law.terms))
     largest = max(law.terms, key=lambda term: abs(term.value))
     size = f"its largest value is ({_number(largest.value, largest.std)}) {symbols(largest.unit)}"
@@ -64,7 +64,7 @@ def _tabled(law: Discovered) -> str:
 
 
 def _function(term: LawTerm) -> str:
-    """What a table's entry belongs to: "a smooth function of the position that opposes the motion"; "" of no table."""
+    """A table's function: "a smooth function of the position that opposes the motion"; "" without a table."""
     table = next((look for look in term.looks_at if look.role == "table"), None)
     if table is None:
         return ""
@@ -77,7 +77,7 @@ def _function(term: LawTerm) -> str:
 
 
 def _kind(term: LawTerm) -> str:
-    """What a term does: "a torque that opposes the motion and grows with the size of the acceleration"."""
+    """A term as "a torque that opposes the motion and grows with the size of the acceleration"."""
     velocities = [look for look in term.looks_at if look.what == "velocity" and not look.motor]
     against = [look for look in velocities if look.role in ("direction", "signed")]
     wave = any(look.role == "wave" for look in term.looks_at)

@@ -1,4 +1,4 @@
-"""Inner products of all columns, motor by motor; those of many sets have their first columns in common, once."""
+"""Inner products of all columns, motor by motor; many sets share those of their first columns."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -11,11 +11,11 @@ from bench.identification.bilinear import TINY
 
 @dataclass(frozen=True)
 class MotorProducts:
-    """Inner products of every motor's [columns, torque, error] over so many rows.
+    """Inner products of every motor's [columns, torque, error].
 
-    torque and error: what the present model's solution needs, and leaves of the current. with_zeros
-    (n, C + 3, C + 3): with one more column, of zeros, for sets of different size that are solved side by side.
-    measured: sum of squares of all currents. rows_of_motor (n,): how many of the rows are each motor's.
+    torque and error: of the present model's solution, and of its current. with_zeros (n, C + 3, C + 3): with one more
+    column, of zeros, for sets of different size that are solved together. measured: sum of squares of all currents.
+    rows_of_motor (n,): number of rows of each motor.
     """
 
     with_zeros: np.ndarray
@@ -41,7 +41,7 @@ def summed(parts: Sequence[MotorProducts], size: int, motors: int) -> MotorProdu
 
 @dataclass(frozen=True)
 class SetProducts:
-    """Products of S sets with every motor's [base, added, torque, error]: b columns that all have, c that each has.
+    """Products of S sets with every motor's [base, added, torque, error]: b shared columns, c of each set.
 
     base (n, b, b); across (S, n, b, c + 2): base by a set's added columns; within (S, n, c + 2, c + 2).
     """
@@ -51,7 +51,7 @@ class SetProducts:
     within: np.ndarray
 
     def combined(self, errors: np.ndarray) -> np.ndarray:
-        """Inner products (S, n, b + c + 2) of all columns with what errors (S, n, b + c + 2) combine of them."""
+        """Inner products (S, n, b + c + 2) of all columns with errors of coefficients (S, n, b + c + 2)."""
         b = self.base.shape[1]
         shared, single = errors[..., :b], errors[..., b:, None]
         result = np.empty(errors.shape)
@@ -62,7 +62,7 @@ class SetProducts:
         return result
 
     def weighted(self, shares: np.ndarray) -> np.ndarray:
-        """The products of columns (S, b + c, b + c), all motors by their shares (S, n)."""
+        """The products of columns (S, b + c, b + c), all motors with shares (S, n)."""
         sets, n, b, c = self.across.shape
         c -= 2
         result = np.empty((sets, b + c, b + c))
@@ -74,7 +74,7 @@ class SetProducts:
         return result
 
     def of_torque(self, start: np.ndarray) -> np.ndarray:
-        """Products (S, n, b + c + 2) of all columns with the current that was measured, as torque / start + error."""
+        """Products (S, n, b + c + 2) of all columns with the measured current, torque / start + error."""
         every = np.concatenate((self.across, self.within), axis=2)
         return np.asarray(every[..., -2] / start[:, None] + every[..., -1])
 
@@ -84,7 +84,7 @@ class SetProducts:
 
 
 def products_of_sets(products: MotorProducts, b: int, added: Sequence[np.ndarray], c: int) -> SetProducts:
-    """Products of the first b columns and of each set's added ones (indices), c of them with zeros to fill up."""
+    """Products of the first b columns and of each set's added ones (indices), padded to c with zeros."""
     size = products.inner.shape[1]
     picked = np.full((len(added), c + 2), size)  # the column of zeros
     picked[:, -2:] = size - 2, size - 1
@@ -98,14 +98,13 @@ def products_of_sets(products: MotorProducts, b: int, added: Sequence[np.ndarray
 
 
 def squares_of_sets(errors: np.ndarray, combined: np.ndarray) -> np.ndarray:
-    """Sums of squares (S, n) of what errors combine, never below what rounding leaves of nothing."""
+    """Sums of squares (S, n) of errors, never below the rounding error."""
     return np.asarray(np.maximum(np.einsum("snk,snk->sn", errors, combined), TINY))
 
 
 @dataclass(frozen=True)
 class MotorRows:
-    """Rows of one motor in one recording: M rows of some of C columns, and of the torque and the error that go with
-    them.
+    """Rows of one motor in one recording: M rows of some of C columns, and of the torque and error.
 
     filled (c,): the columns that are not zero there; values (M, c): these; ends (M, 2): torque and error.
     """
@@ -123,7 +122,7 @@ def motor_rows(columns: Sequence[np.ndarray], ends: np.ndarray) -> MotorRows:
 
 
 def apart_from(rows: MotorRows, columns: Sequence[int]) -> MotorRows:
-    """The rows without what some of the columns, in any size, account for."""
+    """The rows after projecting out some of the columns."""
     selected = rows.values[:, np.isin(rows.filled, columns)]
     basis = orth(selected) if selected.any() else np.zeros((len(selected), 0))
     values, ends = (part - basis @ (basis.T @ part) for part in (rows.values, rows.ends))
@@ -131,7 +130,7 @@ def apart_from(rows: MotorRows, columns: Sequence[int]) -> MotorRows:
 
 
 def folded(triangle: np.ndarray, rows: MotorRows, weight: float) -> np.ndarray:
-    """Triangular factor of all columns (C, C) with one motor's rows, weighted, under those that it has already."""
+    """Triangular factor of all columns (C, C), updated with one motor's weighted rows."""
     reduced = weight * np.asarray(np.linalg.qr(rows.values, mode="r"))
     under = np.zeros((len(reduced), triangle.shape[1]))
     under[:, rows.filled] = reduced

@@ -19,10 +19,10 @@ from bench.identification.standard_errors import uncertainty
 
 @on_one_thread
 def mounted_otherwise(prepared: Prepared) -> list[Finding]:
-    """Payloads whose centre and inertia differ between the recordings that name them, the parameter that does most.
+    """Payloads whose centre and inertia differ between their recordings, with the most influential parameter.
 
-    Recordings that are not fitted count as well. Estimates for each recording are judged, against one for all, on every
-    other part of the recordings.
+    Includes recordings that are not fitted. Estimates by recording are judged, against one for all, on every other part
+    of the recordings.
     """
     logs = {
         observation.name: log for observation, log in zip(prepared.observations, _logs(prepared), strict=True)
@@ -78,7 +78,7 @@ def _differing(prepared: Prepared, payload: str, logs: Mapping[str, str]) -> Fin
 
 
 def _mounted(prepared: Prepared, payload: str, named: Mapping[str, str]) -> Prepared:
-    """All recordings, as if fitted, with a payload of which the mass alone is known; named: what each one carries."""
+    """All recordings, as if fitted, with a payload of which only the mass is known; named: the load of each."""
     declared = prepared.dataset.payloads[payload]
 
     def renamed(observation: Observation) -> Observation:

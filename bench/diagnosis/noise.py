@@ -1,4 +1,4 @@
-"""What no model explains: the noise of the currents, and what logs do not repeat where their motion repeats itself."""
+"""What no model explains: current noise, and errors that do not repeat when the motion does."""
 
 from collections.abc import Sequence
 
@@ -16,10 +16,10 @@ from bench.signals.returning import rows_until_return, same_again
 
 
 def noise_squares(prepared: Prepared) -> np.ndarray | None:
-    """Sum (n,) of the squares that the currents' noise alone leaves of each motor, drive units squared.
+    """Sum of squares (n,) of each motor's current noise, drive units squared.
 
-    Read off the spectra above the band of the motion, and taken as white. None with redundant motors, whose currents'
-    noise reaches the others through the loops.
+    Read off the spectra above the band of the motion, taken as white. None with redundant motors, whose current noise
+    reaches the others through the loops.
     """
     if prepared.dataset.robot.redundant:
         return None
@@ -32,8 +32,8 @@ def noise_squares(prepared: Prepared) -> np.ndarray | None:
 
 
 def leaves_only_noise(system: System, model: Prepared, noise: np.ndarray | None) -> bool:
-    """Whether no effect could earn its place in a converged model: what it leaves of the fitted recordings holds
-    too few nats beyond the `noise` (n,) of their currents.
+    """Whether no effect could earn its place in a converged model: its residual on the fitted recordings has too few
+    nats beyond the current `noise` (n,).
     """
     if noise is None:
         return False
@@ -47,9 +47,9 @@ def leaves_only_noise(system: System, model: Prepared, noise: np.ndarray | None)
 
 
 def not_repeated(series: Sequence[CurrentSeries]) -> float | None:
-    """RMS of what the errors of all series do not repeat, over that of the currents there; None if no motion returns.
+    """RMS of the non-repeating part of all errors, over that of the currents there; None if no motion returns.
 
-    Half of the squared difference of the errors one period apart: noise, and whatever else the motion does not decide.
+    Half of the squared difference of errors one period apart: noise, and whatever else does not follow the motion.
     """
     squares = measured = 0.0
     for trace in series:

@@ -1,9 +1,8 @@
-"""All candidate columns in one system of inner products, so that any set of effects is solved at once.
+"""All candidate columns in one system of inner products, so that any set of effects is solved quickly.
 
-The system is worked out once: relative to the present model's solution, so that nothing is lost by forming
-squares, in separate columns that are orthonormal, with every candidate's column free of them and of unit length,
-so that squares do not spoil the conditioning. A set then costs a Cholesky factorisation of as many rows as it has
-unknowns, whatever the number of samples.
+The system is formed once. It is relative to the present model's solution, so that forming squares loses no digits; base
+columns are orthonormal, and every candidate's column is orthogonal to them and of unit length, so that squares keep the
+conditioning. A set then costs a Cholesky factorisation of its number of unknowns, whatever the number of samples.
 """
 
 from collections.abc import Mapping, Sequence
@@ -49,8 +48,8 @@ from bench.identification.tolerances import TOLERANCES
 
 @dataclass(frozen=True)
 class Candidate:
-    """An effect at all the places where it can sit; columns: its places among the system's. lengths (k,): of its
-    columns, weighted, where the system's has the length one; zero where the model's leave nothing of it.
+    """An effect at all its possible places; columns: its indices among the system's. lengths (k,): of its weighted
+    columns, which have unit length in the system; zero if the model's columns span it.
     """
 
     instances: tuple[EffectInstance, ...]
@@ -60,8 +59,7 @@ class Candidate:
 
 @dataclass(frozen=True)
 class SetFit:
-    """A set of candidates, solved on the fitted recordings; weighted squares of the residual there and on the held-out
-    ones.
+    """A set of candidates, solved on the fitted recordings; weighted squares of residuals there and on held-out ones.
 
     values (k,): coefficients of the system's columns, base first, relative to the present solution; gains (n,).
     by_motor (2, n): squares of each motor's error, of fitted and of judged recordings.
@@ -78,12 +76,12 @@ class SetFit:
 
 @dataclass(frozen=True)
 class System:
-    """The equations of the fitted and of the judged recordings, with the columns of all candidates.
+    """The equations of fitted and judged recordings, with the columns of all candidates.
 
-    base: how many independent columns the present model has. start: its solution, whose weights are one over each
-    motor's current error. autocorrelation_time: rows that count as one, since neighbouring errors are alike. priors:
-    nats that each candidate must bring beyond what every one must, none where empty. by_log: the products by use of
-    every log alone. solved: sets that were asked for already.
+    base: number of independent columns of the present model. start: its solution, whose weights are one over each
+    motor's current error. autocorrelation_time: rows that count as one, since neighbouring errors correlate. priors:
+    nats that each candidate must bring beyond those of all, zero if empty. by_log: products of every log, by use.
+    solved: cache of solved sets.
     """
 
     candidates: tuple[Candidate, ...]
@@ -103,7 +101,7 @@ class System:
 
     @cached_property
     def samples(self) -> Samples:
-        """Independent ones; every period of a motion that returns counts once, with the errors that return with it."""
+        """The independent samples; periods of a motion count together as far as errors return with it."""
         together = self.autocorrelation_time * self.repeats
         fitted, held_out = (part.rows_of_motor / together for part in (self.fitted, self.held_out))
         return Samples(fitted, held_out)
@@ -113,14 +111,14 @@ class System:
         return np.concatenate([np.arange(self.base), *(self.candidates[i].columns for i in chosen)])
 
     def independent(self, chosen: Sequence[int]) -> np.ndarray:
-        """Which of `columns_of` are enough to span them all, as indices: one effect may hold another."""
+        """Indices of `columns_of` that span them all: one effect may contain another."""
         added = self.columns_of(chosen)[self.base :] - self.base
         kept = independent_of(self._among_candidates[np.ix_(added, added)])
         return np.concatenate((np.arange(self.base), self.base + kept))
 
     @cached_property
     def _among_candidates(self) -> np.ndarray:
-        """Inner products of the candidates' columns, weighted, as the present model's solution sees them."""
+        """Inner products of the candidates' columns, weighted as in the present model's solution."""
         share = (self.start.weights / self.start.gains) ** 2
         inner = self.fitted.inner[:, self.base : -2, self.base : -2]
         return np.asarray(np.einsum("j,jrc->rc", share, inner))
@@ -134,17 +132,17 @@ def build_system(
     start: Solution,
     deadline: Deadline = NEVER,
 ) -> System:
-    """The system of a prepared model with its solution `start`; candidates: an effect at its places each, or nothing.
+    """The system of a prepared model with its solution `start`; candidates: each an effect at its places, or empty.
 
-    exact: instances whose columns are as the fit has them; those of the others are of the recordings seen `near`.
-    Raises TimeUpError after the deadline.
+    exact: instances with the exact columns of the fit; the others have columns from the signals `near`. Raises
+    TimeUpError after the deadline.
     """
     every = [instance for instances in candidates for instance in instances]
     blocks: dict[str, list[tuple[MotorRows, ...]]] = {"identify": [], "validate": []}
     for signals, nearly, observation, measured in zip(
         prepared.signals, near, prepared.observations, prepared.measured, strict=True
     ):
-        # handed on without a name, so that no recording's columns outlast its rows; nor does its motion
+        # passed on without a name, to free each recording's columns and motion after its rows
         rows = _rows(
             prepared,
             observation,
@@ -211,7 +209,7 @@ def squared_errors(products: MotorProducts, fit: SetFit, start: Solution) -> np.
 
 
 def _solved(system: System, chosen: tuple[int, ...]) -> SetFit:
-    """Gauss-Newton with step halving, from the best solution that is known of a smaller set."""
+    """Gauss-Newton with step halving, from the best known solution of a smaller set."""
     start, fit_gains = system.start, system.start.gains_fitted
     columns, values, gains = start_of(system, chosen)
     inner = inner_of(system.fitted, columns)
@@ -245,7 +243,7 @@ def _solved(system: System, chosen: tuple[int, ...]) -> SetFit:
 def has_converged(
     cost: np.ndarray | float, new: np.ndarray | float, share: np.ndarray | float, ratio: np.ndarray
 ) -> np.ndarray:
-    """Whether a share of a step lowers the cost too little to be followed by another; ratio (..., n): of the gains."""
+    """Whether a share of a step lowers the cost too little for another step; ratio (..., n): of the gains."""
     away = run_away(ratio)
     fall = np.subtract(cost, new)
     whole = np.equal(share, 1.0) & (fall <= np.multiply(TOLERANCES.steps.set_converged, cost))
@@ -253,8 +251,8 @@ def has_converged(
 
 
 def start_of(system: System, chosen: tuple[int, ...]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """A set's independent columns (k,), and values (k,) and gains (n,) to start from: the best that are known of a
-    smaller set.
+    """A set's independent columns (k,), and values (k,) and gains (n,) to start from: the best known of a smaller
+    set.
     """
     columns = system.columns_of(chosen)
     columns = columns[system.independent(chosen)]
@@ -284,7 +282,7 @@ def fit_of(
     cost: float,
     by_motor: np.ndarray,
 ) -> SetFit:
-    """A set with the solution in its independent columns (k,), and the squares (2, n) that it leaves."""
+    """A set with the solution in its independent columns (k,), and the squares (2, n) of its error."""
     every = system.columns_of(chosen)
     whole = np.zeros(system.fitted.inner.shape[1])
     whole[columns] = values
@@ -317,8 +315,8 @@ def _added(
 def _rows(
     prepared: Prepared, observation: Observation, added: np.ndarray, start: Solution
 ) -> tuple[MotorRows, ...]:
-    """[phi, candidates, torque, error] of one recording at each motor, zero where it does not move; apart from what a
-    value of its accounts for, where it has none.
+    """[phi, candidates, torque, error] of one recording at each motor, zero at rest; the columns of values that the
+    recording lacks are projected out.
     """
     phi = regressor_rows(observation, prepared.layout)
     torque = phi @ start.theta + known_rows(observation, prepared.dataset.payloads)
@@ -332,7 +330,7 @@ def _rows(
 
 
 def _triangle(blocks: Sequence[Sequence[MotorRows]], size: int, start: Solution) -> np.ndarray:
-    """Triangular factor of so many columns, all but torque and error, every motor's rows weighted."""
+    """Triangular factor of `size` columns, all but torque and error, every motor's rows weighted."""
     triangle = np.zeros((0, size))
     for motors in blocks:
         for rows, weight in zip(motors, start.weights / start.gains, strict=True):
@@ -341,10 +339,10 @@ def _triangle(blocks: Sequence[Sequence[MotorRows]], size: int, start: Solution)
 
 
 def _orthonormal(triangle: np.ndarray, p: int) -> tuple[np.ndarray, np.ndarray]:
-    """How columns are combined to columns apart, from their triangular factor: (p + k, b + k), of which the first b
-    are orthonormal and span the first p, and the others have the length one and nothing of these.
+    """Combination (p + k, b + k) of columns, from their triangular factor: the first b results are orthonormal and span
+    the first p columns, the others have unit length and are orthogonal to these.
 
-    Also the lengths (k,) of the last k columns over those of what the first leave of them.
+    Also the lengths (k,) of the last k columns over those of their remainders.
     """
     k = triangle.shape[1] - p
     norms = np.linalg.norm(triangle[:, :p], axis=0)

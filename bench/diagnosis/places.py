@@ -1,4 +1,4 @@
-"""Where an identified effect acts: how probable each of its places is, and others that explain the data as well."""
+"""Where an identified effect acts: the probability of each place, and other places that are as good."""
 
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
@@ -24,9 +24,9 @@ def place_shares(
 ) -> dict[str, dict[str, float]]:
     """For every effect of a set, by name: the probability (0 to 1) of each place, given that the effect is there.
 
-    A place has one half if the set is as probable without it (`Samples.log_posterior`; an effect of one place has
-    it). system: about the identified model. identified: its effects, each at the places of the answer. alike: by
-    effect and place, other places that the data cannot tell from it; these share one probability.
+    A place has one half if the set is equally probable without it (`Samples.log_posterior`); a single place has one.
+    system: about the identified model. identified: its effects, each at the places of the answer. alike: by effect and
+    place, other places that the data cannot distinguish; these share one probability.
     """
     kept: dict[str, set[str]] = {}
     for instance in identified:
@@ -50,7 +50,7 @@ def place_shares(
 
 
 def _weight(system: System, chosen: Sequence[int], places: Mapping[str, Collection[str]]) -> float:
-    """Logarithm of a set's weight with its effects at these places, whatever its effects are."""
+    """Logarithm of a set's weight with its effects at these places."""
     candidates = list(system.candidates)
     for i in chosen:
         candidates[i] = _at(candidates[i], places.get(candidates[i].instances[0].effect.name, ()))
@@ -59,22 +59,22 @@ def _weight(system: System, chosen: Sequence[int], places: Mapping[str, Collecti
 
 
 def _at(candidate: Candidate, places: Collection[str]) -> Candidate:
-    """An effect at some of its places; at all of them where none is given."""
+    """An effect at some of its places; at all if none is given."""
     there = np.array([not places or instance.place in places for instance in candidate.instances])
     columns = np.repeat(there, [len(instance.effect.parameters) for instance in candidate.instances])
     instances = tuple(instance for instance, at in zip(candidate.instances, there, strict=True) if at)
     return Candidate(instances, candidate.columns[columns], candidate.lengths[columns])
 
 
-AT_MOTORS = ("actuator", "robot", "payload")  # where each has separate equations, or there is one place
+AT_MOTORS = ("actuator", "robot", "payload")  # each has separate equations, or there is only one place
 
 
 def alike_places(
     model: Prepared, identified: Sequence[EffectInstance], samples: Samples
 ) -> Mapping[str, Mapping[str, tuple[str, ...]]]:
-    """For every effect, by name, and each of its places: others, at which a model with it is hardly less probable.
+    """For every effect, by name, and each of its places: other places at which the model is hardly less probable.
 
-    identified: effects of the model. Those in motors are omitted: each motor has a separate current.
+    identified: effects of the model. Those at motors are omitted: each motor has a separate current.
     """
     places = places_in(model.model.geometry, model.dataset.weighed)
     there = {instance.seat for instance in model.effects}
@@ -97,7 +97,7 @@ def alike_places(
 def _as_probable(
     model: Prepared, instance: EffectInstance, joint: str, samples: Samples, least: float
 ) -> bool:
-    """Whether the model with an effect moved to another place is that probable, and no sign is impossible there."""
+    """Whether the model with an effect moved to another place has this weight, and possible signs there."""
     moved = at_joint(instance.effect, joint)
     effects = [moved if each == instance else each for each in model.effects]
     there = with_effects(model, effects)

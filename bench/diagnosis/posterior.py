@@ -1,4 +1,4 @@
-"""How probable each effect is: a posterior over all sets of effects that a search has solved."""
+"""Probability of each effect: a posterior over all sets of effects that a search has solved."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -21,8 +21,8 @@ DECIDED = ("missing", "resembles")
 
 @dataclass(frozen=True)
 class Posterior:
-    """probability (K,) of each candidate; sets: the leading ones, the most probable first. Both are of sets of the
-    catalogue's effects, given that one of these is right. leading: probability of the best set, given the same.
+    """probability (K,) of each candidate; sets: the leading ones, the most probable first. Both are conditional on a
+    set of the catalogue's effects being right. leading: probability of the best set, likewise.
     """
 
     probability: np.ndarray
@@ -39,9 +39,9 @@ def posterior_of(
 ) -> Posterior:
     """Over the possible sets of usable effects that were solved, about one model: see `Samples.log_posterior`.
 
-    What seems more probable than the best set was converged, and was not. scale: of errors, see `verdicts`. excess: see
-    `Unexplained.excess`; where it is large, the error is that of the model, and few samples are independent. A part of
-    the best set may be more probable then.
+    Sets that seem more probable than the best are excluded: converged, they were not. scale: of errors, see `verdicts`.
+    excess: see `Unexplained.excess`; if it is large, the model is wrong, few samples are independent, and a subset of
+    the best set may be more probable.
     """
     best = selection.selected
     usable = {*selection.singles, *best.fit.chosen}
@@ -71,11 +71,11 @@ def posterior_of(
 
 
 def something_else(posterior: Posterior, samples: Samples, unexplained: Unexplained) -> float:
-    """Probability that something acts which no set has: a law with a few unknowns more at each motor, with which no
-    more than noise remains, against all sets.
+    """Probability that something acts outside all sets: a law with a few more unknowns at each motor that leaves only
+    noise, against all sets.
 
-    samples: independent samples (n,) of the motors. unexplained: what the answer leaves. Its prior is that of an
-    effect: see `DecisionRule.prior`.
+    samples: independent samples (n,) of the motors. unexplained: the answer's residual. Its prior is that of an effect:
+    see `DecisionRule.prior`.
     """
     falls = max(unexplained.excess - log(RULE.beyond_noise), 0.0)
     if isinf(falls):
@@ -90,11 +90,11 @@ def something_else(posterior: Posterior, samples: Samples, unexplained: Unexplai
 def with_probability(
     verdict: EffectVerdict, probability: float | None, sets: Sequence[ProbableSet], reported: Sequence[str]
 ) -> EffectVerdict:
-    """The verdict with its probability, and undecided where sets with and without the effect are probable.
+    """The verdict with its probability, undecided if sets with and without the effect are probable.
 
-    An effect of the answer that is not sure is undecided between it and what the leading sets without it have; if these
-    have nothing else, and it is less probable than not, it only resembles what is missing. Another effect that is not
-    improbable is undecided between it and what the leading set with it lacks. reported: names of all effects of the
+    An uncertain effect of the answer is indistinguishable from effects that leading sets without it have instead; if
+    these have none, and it is less probable than not, it only resembles what is missing. Another effect that is not
+    improbable is indistinguishable from those that the leading set with it lacks. reported: names of all effects of the
     answer.
     """
     verdict = replace(verdict, probability=probability)
@@ -117,6 +117,6 @@ def with_probability(
 
 
 def shares_of(totals: Sequence[float]) -> np.ndarray:
-    """Probabilities (S,) of sets with these logarithms of their weights."""
+    """Probabilities (S,) of sets with these log weights."""
     weights = np.exp(np.array(totals) - max(totals))
     return np.asarray(weights / weights.sum())

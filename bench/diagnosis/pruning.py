@@ -1,4 +1,4 @@
-"""Identified effects that do not stay: of an impossible sign, or needed no more where the others are converged anew."""
+"""Identified effects that are removed: of an impossible sign, or not needed when the others are converged again."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
@@ -17,7 +17,7 @@ from bench.identification.result import Identification
 
 
 def impossible_effects(result: Identification, added: Sequence[EffectInstance]) -> dict[str, Reason]:
-    """Effects with a clearly negative parameter, that must be positive, wherever they are; and why they go."""
+    """Effects of which a parameter that must be positive is clearly negative at all places; and the reason."""
     by_name: dict[str, list[list[str]]] = {}
     for instance in added:
         by_name.setdefault(instance.name, []).append(wrong_signs(result, instance))
@@ -25,10 +25,10 @@ def impossible_effects(result: Identification, added: Sequence[EffectInstance]) 
 
 
 def impossible_but_needed(whole: Identification, dropped: Sequence[EffectInstance]) -> dict[str, Reason]:
-    """Effects omitted where their sign is impossible, if the model is less probable for it; and why they go.
+    """Effects omitted at places with an impossible sign, if this makes the model less probable; and the reason.
 
-    What they did there is needed: a part of theirs that is possible, as Stribeck's law has Coulomb friction in it, or
-    something that no effect accounts for. Either is looked for without them. whole: before they were omitted.
+    Something like them is needed there: a possible part of theirs, as Coulomb friction in Stribeck's law, or something
+    that no effect explains. Either is searched without them. whole: before they were omitted.
     """
     reasons: dict[str, Reason] = {}
     for instance in dropped:
@@ -38,8 +38,8 @@ def impossible_but_needed(whole: Identification, dropped: Sequence[EffectInstanc
 
 
 def cancelling_effect(result: Identification, added: Sequence[EffectInstance]) -> dict[str, Reason]:
-    """The effect added last, of those with a torque many times all that a motor gives, or which cancels that of
-    another: it has no size by itself.
+    """The last added effect whose torque is many times the motor's, or cancels that of another: its size is not
+    determined.
     """
     by_motor = {instance.name: instance.effect.by_motor for instance in added}
     for j, (joint, gain) in enumerate((joint, result.drive_gains[joint]) for joint in result.joints):
@@ -57,7 +57,7 @@ def cancelling_effect(result: Identification, added: Sequence[EffectInstance]) -
 def _torques_at(
     result: Identification, j: int, gain: float, names: Sequence[str]
 ) -> tuple[float, dict[str, np.ndarray]]:
-    """RMS torque of motor j in the fitted recordings, N*m or N, and there the torque (N,) of every effect."""
+    """RMS torque of motor j in the fitted recordings, N*m or N, and the torque (N,) of every effect there."""
     fitted = [trace for trace in result.recordings if trace.use == "identify"]
     given = np.concatenate([(gain * trace.measured * trace.moving)[:, j] for trace in fitted])
     return _rms(given), {
@@ -71,10 +71,10 @@ def _rms(torque: np.ndarray) -> float:
 
 
 def superfluous_effect(fits: Fits, names: Sequence[str], samples: Samples) -> dict[str, Reason]:
-    """The effect that is needed least, if the others, converged without it, are more probable; and why it goes.
+    """The least needed effect, if the others, converged without it, are more probable; and the reason.
 
-    A search compares sets about one model. What made a difference there and makes none now only mended how the others
-    were linearised.
+    A search compares sets about one model. An effect that helped there and no longer does only compensated for the
+    linearisation of the others.
     """
     every = frozenset(names)
     without = {name: fits(every - {name}).residual.weight(samples) for name in names}
@@ -87,10 +87,10 @@ def superfluous_effect(fits: Fits, names: Sequence[str], samples: Samples) -> di
 def improbable_effect(
     fits: Fits, names: Sequence[str], samples: Samples, excess: Callable[[], float]
 ) -> dict[str, Reason]:
-    """The effect that is needed least, if it is improbable where samples count as beyond noise; and why it goes.
+    """The least needed effect, if it is improbable with samples as they count beyond noise; and the reason.
 
-    excess: of the model, asked for only where there are several effects: one alone stays as what resembles the residual
-    most. The others stay as they are: what would take the place of an improbable effect is no more probable.
+    excess: of the model, called only for several effects: a single one stays as the one that resembles the residual
+    most. The others do not change: a replacement of an improbable effect would be no more probable.
     """
     if len(names) < 2:
         return {}
@@ -105,12 +105,12 @@ def improbable_effect(
 def gain_like_effect(
     fits: Fits, names: Sequence[str], samples: Samples, after: Identification, excess: Callable[[], float]
 ) -> dict[str, Reason]:
-    """The effect that moves a drive gain by more than its standard error and is needed least, if the others are more
-    probable without it; and why it goes.
+    """The least needed effect that moves a drive gain by RULE.shows standard errors, if the others are more probable
+    without it; and the reason.
 
-    excess: of the model, asked for only where a gain moves. Samples count as they do where the model's error is no
-    noise: an effect that trades against a gain, as a saturation or a friction that grows with the load, may then only
-    make up for a law that is nearly right, and take the gain along.
+    excess: of the model, called only if a gain moves. Samples count as they do beyond noise: an effect that trades
+    against a gain, such as a saturation or a friction that grows with the load, may only compensate for a nearly
+    correct law, and shift the gain.
     """
     every = frozenset(names)
     without = {name: fits(every - {name}) for name in names}
@@ -129,7 +129,7 @@ def gain_like_effect(
 
 
 def refused(verdict: EffectVerdict, why: Reason | None) -> EffectVerdict:
-    """The verdict on an effect that does not stay for this reason; unchanged where there is none."""
+    """The verdict on an effect that is removed for this reason; unchanged without one."""
     if why is None:
         return verdict
     return replace(verdict, verdict="not supported", actuators=(), alternatives=(), why=why)

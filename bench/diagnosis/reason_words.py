@@ -25,14 +25,14 @@ def reason_sentence(verdict: EffectVerdict) -> str:
 
 
 def validated_on(diagnosis: Diagnosis) -> str:
-    """What the errors and the evidence are of."""
+    """The data of errors and evidence."""
     if not diagnosis.held_out:
         return "recordings that were not fitted"
     return f"the last {100.0 * diagnosis.held_out:.0f} % of every recording, not fitted"
 
 
 def unexplained_words(unexplained: Unexplained, *, searched: bool = True) -> str:
-    """What remains with the identified effects, and how large the noise is; without a capital letter and full stop.
+    """The error that remains with the identified effects, and the noise; without capital letter and full stop.
 
     searched: whether all effects of the catalogue were tried.
     """
@@ -68,8 +68,8 @@ def _explains(verdict: EffectVerdict) -> str:
 
 
 def _filled(template: str, verdict: EffectVerdict) -> str:
-    """A template with the names of a verdict's reason, the effect `begun` and `spoken`, errors `before` and `after`;
-    where there are any, its places as `at` and the alternatives as `others`.
+    """A template filled with the names of a verdict's reason, the effect `begun` and `spoken`, errors `before` and
+    `after`; if any, its places `at` and alternatives `others`.
     """
     _, *place = verdict.why.names or ("",)
     return say(

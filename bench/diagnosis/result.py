@@ -1,4 +1,4 @@
-"""What a diagnosis says."""
+"""Result of a diagnosis."""
 
 from __future__ import annotations
 
@@ -20,18 +20,18 @@ if TYPE_CHECKING:
 
 
 class Remainder(StrEnum):
-    """What the errors look like that the final model leaves."""
+    """The kind of error that remains in the final model."""
 
     NOISE = "noise"  # of the currents
     NOISE_AND_ENCODERS = "noise and encoders"
-    NO_PATTERN = "no pattern"  # more than noise, which varies with nothing that was looked at
+    NO_PATTERN = "no pattern"  # more than noise, which varies with no tested variable
     PATTERN = "pattern"
 
 
 class Unfinished(StrEnum):
-    """What was not looked at, or not to its end, since the time was up."""
+    """Parts of the search that the deadline cut or prevented."""
 
-    CAUSES = "causes"  # columns that are swapped, loads that are others
+    CAUSES = "causes"  # swapped columns, wrong loads
     SETS = "sets"  # effects of the catalogue, and sets of them, beyond those identified
     OWN_VALUES = "own values"  # what differs from recording to recording
     AS_GOOD = "as good"  # models that explain the data as well
@@ -43,7 +43,7 @@ Verdict = Literal["missing", "not supported", "indistinguishable", "resembles", 
 
 @dataclass(frozen=True)
 class LadderStep:
-    """Errors of the model with these effects, as in `ErrorSummary`, and the currents that it gives."""
+    """Errors of the model with these effects, as in `ErrorSummary`, and its currents."""
 
     effects: tuple[str, ...]
     identify: float | None
@@ -52,7 +52,7 @@ class LadderStep:
 
     @property
     def reported(self) -> float | None:
-        """That of recordings that were not fitted; of the fitted ones where there are no others."""
+        """The error of recordings that were not fitted; if there are none, of the fitted ones."""
         return self.identify if self.validate is None else self.validate
 
 
@@ -60,14 +60,13 @@ class LadderStep:
 class EffectVerdict:
     """What the data say of one effect.
 
-    verdict: indistinguishable always has alternatives; an effect that resembles what is missing fits, and leaves much
-    that no effect explains, or does as well as a discovered law.
-    error_before, error_after: relative error on recordings that were not fitted, without and with it. evidence:
-    log-likelihood ratio on those recordings, nats. actuators: where it shows. alternatives: effects that the data
-    cannot tell from it. size: RMS of its torque at each actuator, N*m or N. probability: that it is there, given that
-    the catalogue holds what is there; None where these data cannot show it, or nothing was asked. alike: of its places
-    those that have others, from which the data cannot tell them. places: probability of each place, for an effect of
-    the answer.
+    verdict: indistinguishable always has alternatives; an effect that resembles fits, but leaves much unexplained, or
+    is as good as a discovered law. error_before, error_after: relative error on recordings that were not fitted,
+    without and with it. evidence: log-likelihood ratio on those recordings, nats. actuators: where it acts.
+    alternatives: effects that the data cannot distinguish from it. size: RMS of its torque at each actuator, N*m or N.
+    probability: that it acts, if the catalogue contains every effect that acts; None if these data cannot show it, or
+    it was not computed. alike: by place, others that the data cannot distinguish from it. places: probability of each
+    place, for an effect of the answer.
     """
 
     effect: str
@@ -95,8 +94,8 @@ class ProbableSet:
 
 @dataclass(frozen=True)
 class WithoutLog:
-    """What the answer is with one log omitted: `gone`, the effects that the other logs do not support. gains: by joint;
-    empty where the other logs all carry the same load, which leaves the gains' scale open.
+    """The answer with one log omitted: `gone`, the effects that the other logs do not support. gains: by joint; empty
+    if the other logs all carry the same load, which leaves the gains' scale open.
     """
 
     log: str
@@ -106,10 +105,10 @@ class WithoutLog:
 
 @dataclass(frozen=True)
 class Unexplained:
-    """What no effect of the catalogue accounts for. error and noise_floor: relative, on recordings not fitted.
+    """The error that the catalogue does not explain. error and noise_floor: relative, on recordings not fitted.
 
-    encoders: relative error that the encoders' noise makes, where it was asked for. repeats: what the errors do not
-    repeat where the motion returns, likewise; None where it never does or was not asked for.
+    encoders: relative error by encoder noise, if computed. repeats: the part of the error that does not repeat when the
+    motion returns, likewise; None if it never returns or was not computed.
     """
 
     what: Remainder
@@ -121,17 +120,17 @@ class Unexplained:
 
     @property
     def significant(self) -> bool:
-        """Whether something remains that no known effect accounts for: errors with a pattern, or much of them."""
+        """Whether something remains that no known effect explains: errors with a pattern, or much of them."""
         return self.what == Remainder.PATTERN or self.much
 
     @property
     def much(self) -> bool:
-        """Whether so much remains, whatever it varies with, that noise alone cannot be it."""
+        """Whether more remains than noise alone can explain, with or without a pattern."""
         return self.error > RULE.much * hypot(self.noise_floor, self.encoders)
 
     @property
     def excess(self) -> float:
-        """Logarithm, at least zero, of the error over what noise leaves, and what the logs do not repeat."""
+        """Logarithm, at least zero, of the error over noise or the non-repeating part of the error."""
         return excess_of(self.error, self.noise_floor, self.encoders, self.repeats)
 
 
@@ -159,17 +158,17 @@ class Differing:
 
     @property
     def request(self) -> str:
-        """How it is added to a model."""
+        """Its name in `--with`."""
         return f"{self.effect}:{self.joint}{TAG}"
 
 
 Role = Literal["direction", "signed", "size", "wave", "decay", "step", "memory", "table"]
-"""How a term of a law goes by something: by its sign alone, in proportion or a power of it, by its size, ..."""
+"""How a term of a law depends on a variable: on its sign, in proportion, as a power, on its size, ..."""
 
 
 @dataclass(frozen=True)
 class LooksAt:
-    """What a term of a law goes by; what: such as acceleration; motor: whose, empty for the law's motor or no motor."""
+    """A variable of a law's term; what: such as acceleration; motor: whose, empty for the law's motor or no motor."""
 
     what: str
     motor: str
@@ -178,7 +177,7 @@ class LooksAt:
 
 @dataclass(frozen=True)
 class LawTerm:
-    """One term of a law: a formula in SI units, the value of its coefficient, and what the term goes by."""
+    """One term of a law: a formula in SI units, the value of its coefficient, and its variables."""
 
     term: str
     value: float
@@ -193,12 +192,12 @@ HAT = re.compile(r"hat\((\w+), [^)]*\)")
 
 @dataclass(frozen=True)
 class Discovered:
-    """A law at one motor that is in no catalogue.
+    """A law outside the catalogue, at one motor.
 
-    law: the name of its effect. terms: what it is the sum of; numbers: what was adapted to the data within them, by
-    letter. identify, validate: relative errors of the model with it; without: on recordings that were not fitted,
-    without it. named: the effect of the catalogue that it is a case of. nearest: the effect that does best in its place
-    and the error with that, None where none helps. source: the file of its effect; file: where it was written.
+    law: the name of its effect. terms: its summands; numbers: their adapted constants, by letter. identify, validate:
+    relative errors of the model with it; without: on recordings that were not fitted, without it. named: the
+    catalogue's effect of which it is a case. nearest: the effect that best replaces it and its error, None if none
+    helps. source: text of its effect's file; file: its path.
     """
 
     place: str
@@ -215,7 +214,7 @@ class Discovered:
 
     @property
     def formula(self) -> str:
-        """The formula of the whole law, in SI units; of a table what it goes by."""
+        """The formula of the whole law, in SI units; for a table, its variables."""
         parts = [
             HAT.sub(r"table(\1)", term.term)
             if HAT.search(term.term)
@@ -228,7 +227,7 @@ class Discovered:
 
 @dataclass(frozen=True)
 class Superfluous:
-    """An effect of the starting model that the result does without; replaced_by: one of these that contains it."""
+    """An effect of the starting model that the result omits; replaced_by: a general one that contains it."""
 
     effect: str
     replaced_by: str | None
@@ -236,14 +235,12 @@ class Superfluous:
 
 @dataclass(frozen=True, repr=False)
 class Diagnosis:
-    """The answer of `diagnose`. missing: names, strongest first; before, after: the models without and with
-    them. differs: what has another value in each recording, whether the model has it or not; by_recording: those of
-    which `after` has these values, with one for all of the others.
-    superfluous: effects of the starting model that `after` does without.
-    discovered: laws that are in no catalogue, motor by motor; `after` and the ladder have them, too. unfinished: what
-    was not looked at, since the time was up. sets: of effects, the most probable first.
-    without_logs: what hangs on one log, where there are several. something_else: probability that something acts that
-    no model of the search has.
+    """The answer of `diagnose`. missing: names, strongest first; before, after: the models without and with them.
+    differs: effects with another value in each recording, in the model or not; by_recording: those of which `after` has
+    such values; the others have one for all. superfluous: effects of the starting model that `after` omits. discovered:
+    laws outside the catalogue, motor by motor; `after` and the ladder have them, too. unfinished: parts of the search
+    that the deadline cut. sets: of effects, the most probable first. without_logs: what depends on one of several logs.
+    something_else: probability that something outside all models of the search acts.
     """
 
     robot: str
@@ -264,23 +261,23 @@ class Diagnosis:
 
     @property
     def finished(self) -> bool:
-        """Whether all was looked at before the time was up."""
+        """Whether the search ended before the deadline."""
         return not self.unfinished
 
     @property
     def by_recording(self) -> tuple[str, ...]:
-        """What has a value for each recording in `after` and not in `before`, as EFFECT:MOTOR@recording."""
+        """Effects with a value by recording in `after` but not in `before`, as EFFECT:MOTOR@recording."""
         requests = [differing.request for differing in self.differs]
         return tuple(request for request in requests if request in self.after.effects)
 
     @property
     def usual(self) -> tuple[str, ...]:
-        """Friction in `after` that is not missing: without it, it is worse than with that of nearly every drive."""
+        """Friction in `after` that is not missing: without it, the model is worse than with usual friction."""
         return tuple(verdict.effect for verdict in self.ranking if verdict.why.because is Because.USUAL)
 
     @property
     def added(self) -> tuple[str, ...]:
-        """Names of all that `after` has beyond `before`: effects of the catalogue, values by recording, and laws."""
+        """Names of what `after` adds to `before`: effects of the catalogue, values by recording, and laws."""
         laws = dict.fromkeys(law.law for law in self.discovered)
         return (*self.missing, *self.usual, *self.by_recording, *laws)
 
@@ -306,7 +303,7 @@ class Diagnosis:
         ]
 
     def to_dataframe(self) -> pd.DataFrame:
-        """The same as a data frame. Needs pandas."""
+        """As a data frame. Needs pandas."""
         rows = self.rows()
         return data_frame({name: [row[name] for row in rows] for name in rows[0]})
 

@@ -1,4 +1,4 @@
-"""A round of a search: effects in the shape that suits the model which it selected, their system, and the best set."""
+"""A round of a search: effects in the best shape for its selected model, their system, and the best set."""
 
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
@@ -21,9 +21,9 @@ from bench.identification.solve_only import candidate_columns, reshaped
 
 @dataclass(frozen=True)
 class Round:
-    """A converged model, every effect in the shape that suits it, their system about it, and the best set there.
+    """A converged model, every effect in its best shape for it, their system about it, and the best set there.
 
-    cut: whether the time was up before the search had ended; the model is that of the best set so far, then.
+    cut: whether the deadline cut the search; the model is then that of the best set so far.
     """
 
     model: Prepared
@@ -38,7 +38,7 @@ class Round:
         return residual_squares(self.model, self.prior_of(self.model.effects))
 
     def prior_of(self, effects: Sequence[EffectInstance]) -> float:
-        """Nats that effects must bring, with what its proposals must bring beyond an effect of the catalogue."""
+        """Nats that effects must bring, including those of its proposals beyond an effect of the catalogue."""
         names = {instance.name for instance in effects}
         return effects_prior(effects) + sum(each.prior for each in self.proposals if each.name in names)
 
@@ -54,11 +54,11 @@ class Round:
 
 
 def reshaped_proposals(base_model: BaseModel, this_round: Round, progress: Progress) -> list[Proposal]:
-    """Proposals in the shape that suits the selected set: as found, or in the place of the effect that they rival.
+    """Proposals in the best shape for the selected set: in addition to it, or in place of the effect that they rival.
 
-    An effect that could replace an identified one is given the shape that it would have without that one; the others
-    the shape that explains most of what the selected set leaves, if that is more than noise. A special case of an
-    identified effect that explains little of this is given its shape in the place of that one.
+    An effect that could replace an identified one gets its shape without that one; the others get the shape that
+    explains most of the selected set's residual, if this exceeds noise. A special case of an identified effect that
+    explains little of it gets its shape in the place of that one.
     """
     model = this_round.model
     added = added_effects(base_model, model)
@@ -71,9 +71,7 @@ def reshaped_proposals(base_model: BaseModel, this_round: Round, progress: Progr
         for i, candidate in enumerate(this_round.proposals)
         if i not in this_round.chosen and _has_shape(candidate)
     ]
-    solve_sets(
-        this_round.system, swapped(this_round.chosen, asked)
-    )  # together, and kept: each is asked for below
+    solve_sets(this_round.system, swapped(this_round.chosen, asked))  # together, and kept for use below
     for i, proposal in enumerate(this_round.proposals):
         progress.advance()
         base_model.deadline.check()
@@ -115,7 +113,7 @@ def _has_shape(proposal: Proposal) -> bool:
 
 
 def _rival(system: System, selection: Selection, i: int) -> int | None:
-    """The identified effect in whose place effect i does best, where that is better than most of what it explains."""
+    """The identified effect that effect i replaces best, if i then explains most of what that one explains."""
     best = selection.selected.fit
     if not best.chosen:
         return None
@@ -129,7 +127,7 @@ def _rival(system: System, selection: Selection, i: int) -> int | None:
 def with_shapes_of(
     wholes: Sequence[EffectInstance], parts: Sequence[EffectInstance]
 ) -> tuple[EffectInstance, ...]:
-    """The special cases of an effect with the values that this has at their joints of parameters of the same name."""
+    """The special cases of an effect, with its parameter values of the same name at their joints."""
     values = {whole.joint: whole.effect.shape_values() for whole in wholes}
     result = []
     for part in parts:
@@ -141,12 +139,12 @@ def with_shapes_of(
 
 
 def explaining_most(context: Context, *tried: tuple[EffectInstance, ...]) -> tuple[EffectInstance, ...]:
-    """The instances that explain most, all together, of what a model leaves."""
+    """The instances that together explain most of a model's residual."""
     return max(tried, key=lambda instances: _explained(context, instances))
 
 
 def explains(context: Context, instances: Sequence[EffectInstance]) -> bool:
-    """Whether instances take a clear share away of what a model leaves of the fitted recordings."""
+    """Whether instances remove a clear share of a model's residual on the fitted recordings."""
     return (
         _explained(context, instances)
         > (1.0 - (1.0 - RULE.material) ** 2) * context.regression.sum_of_squares

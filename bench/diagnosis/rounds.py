@@ -1,4 +1,4 @@
-"""Rounds of a search: about the model that the last one selected, until the same is selected."""
+"""Rounds of a search, about the model of the last selection, until it repeats."""
 
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
@@ -22,7 +22,7 @@ from bench.identification.tolerances import TOLERANCES
 
 
 def first_round(base_model: BaseModel, catalogue: Mapping[str, Effect], progress: Progress = SILENT) -> Round:
-    """Every effect in the shape that suits the starting model; after the deadline `straight_round`."""
+    """Every effect in its best shape for the starting model; after the deadline `straight_round`."""
     progress.phase("searching, round 1", len(catalogue))
     try:
         proposals = propose(base_model.context(base_model.start), catalogue, progress, base_model.deadline)
@@ -32,7 +32,7 @@ def first_round(base_model: BaseModel, catalogue: Mapping[str, Effect], progress
 
 
 def straight_round(base_model: BaseModel, catalogue: Mapping[str, Effect]) -> Round:
-    """The best set of the effects alone whose columns depend on nothing that is sought: it is converged at once."""
+    """The best set of effects without searched parameters in their columns: it converges at once."""
     straight = {
         name: effect for name, effect in catalogue.items() if not settles([EffectInstance(effect, "", name)])
     }
@@ -45,11 +45,11 @@ def straight_round(base_model: BaseModel, catalogue: Mapping[str, Effect]) -> Ro
 def searched(
     base_model: BaseModel, first: Round, barred: Collection[str], progress: Progress = SILENT
 ) -> Round:
-    """Search, linearise about the best model, and search again until the same is selected; then as long as an effect
-    that joins leads to a set which, converged, leaves clearly less.
+    """Search, linearise about the best model, and search again until the selection repeats; then while an additional
+    effect leads to a set that, converged, is clearly better.
 
-    barred: effects that may not be selected: of an impossible sign, or superfluous. What a round selected without them
-    is there to be surpassed. After the deadline the best set so far is the answer.
+    barred: effects that may not be selected: of an impossible sign, or superfluous. The first round's set without them
+    is the one to surpass. After the deadline the best set so far is the answer.
     """
     if first.cut:
         return first
@@ -61,7 +61,7 @@ def searched(
             before = _converged(base_model.at_leisure, with_set(whole, stayed))
         del whole
     given = [first]
-    del first  # handed on without a name, so that its system is gone before the next is built
+    del first  # passed on without a name, to free its system before the next is built
     this_round = _again(base_model, given.pop(), barred, progress, before)
     tried = {frozenset(this_round.chosen)}
     for _ in range(TOLERANCES.search.rounds - 1):
@@ -83,7 +83,7 @@ def searched(
 
 
 def staying(base_model: BaseModel, this_round: Round, barred: Collection[str]) -> Round:
-    """What stays of a round's set where some effects may not be selected, converged, without another search."""
+    """A round's set without barred effects, converged, without another search."""
     stayed = [i for i in this_round.chosen if this_round.proposals[i].name not in barred]
     return replace(
         with_set(this_round, stayed), model=base_model.with_proposals(this_round.proposals, stayed), cut=True
@@ -97,16 +97,16 @@ def _again(
     progress: Progress,
     before: Round | None = None,
 ) -> Round:
-    """Linearise about the best model, and search again, until the same is selected, or no set does better:
-    the converged model with it.
+    """Linearise about the best model and search again, until the selection repeats or no set is better: its converged
+    model.
 
-    Sets are compared in one system, which is right about its model only. So a set takes the place of another only
-    if, both converged, it leaves clearly less, or is smaller and leaves hardly more; where the best set does not, those
-    like the present one are tried. before: a converged round in whose place the first is to be.
+    Sets are compared in one system, which is exact only about its model. So a set replaces another only if, both
+    converged, it is clearly better, or is smaller and hardly worse; if the best set does not, those like the present
+    one are tried. before: a converged round for the first to surpass.
     """
     if before is not None and not this_round.chosen:
         return before
-    spare = before  # what is answered where the time is up
+    spare = before  # the answer after the deadline
     try:
         for number in range(2, TOLERANCES.search.rounds + 1):
             if not this_round.chosen:
@@ -114,7 +114,7 @@ def _again(
             progress.phase(f"searching, round {number}", len(this_round.proposals))
             better = _first_better(base_model, this_round, before, barred)
             if better is None:
-                assert before is not None  # without one to surpass, the best set is taken
+                assert before is not None  # with none to surpass, the best set is accepted
                 return before
             spare = None if base_model.deadline is NEVER else better
             proposals = reshaped_proposals(base_model, better, progress)
@@ -123,7 +123,7 @@ def _again(
             del (
                 this_round,
                 better,
-            )  # so that this round's system is gone before the next is built, unless it is spared
+            )  # frees this round's system before the next is built, unless it is spared
             this_round = round_about(base_model, model, proposals, barred)
             if this_round.names == names:
                 return this_round
@@ -134,7 +134,7 @@ def _again(
 
 
 def _straight(base_model: BaseModel, this_round: Round, barred: Collection[str]) -> Round:
-    """A round with the best set of its effects that are converged at once, and the search cut there."""
+    """A round with the best set of its effects that converge at once; the search is cut there."""
     usable_now = [
         i for i in usable(this_round.proposals, barred) if not settles(this_round.proposals[i].instances)
     ]
@@ -145,7 +145,7 @@ def _straight(base_model: BaseModel, this_round: Round, barred: Collection[str])
 def _first_better(
     base_model: BaseModel, this_round: Round, before: Round | None, barred: Collection[str]
 ) -> Round | None:
-    """The best set of a round with its model, or the first like the one before that does better than that one."""
+    """The best set of a round with its model, or the first set similar to `before` that is better than it."""
     if before is None:
         return _converged(base_model, this_round)
     every = (
@@ -164,8 +164,8 @@ def _converged(base_model: BaseModel, this_round: Round) -> Round:
 def _alike(
     this_round: Round, chosen: tuple[int, ...], barred: Collection[str], less: float = 0.0
 ) -> list[Round]:
-    """The best sets of a round's system that are this one except for one effect, more, less or another, and less
-    probable by no more than so many nats.
+    """The best sets of a round's system that differ from this one by one effect, more, less or another, and are at most
+    `less` nats less probable.
     """
     present = score_set(this_round.system, chosen)
     scored = neighbours(
@@ -179,9 +179,7 @@ def _alike(
 
 
 def _better(this_round: Round, before: Round) -> bool:
-    """Whether a converged model is more probable than the one before, and its gains have not run away if those of the
-    other have not.
-    """
+    """Whether a converged model is more probable than the one before, and no gain has run away only in it."""
     new, old = this_round.residual, before.residual
     if new.away and not old.away:
         return False
@@ -195,9 +193,9 @@ def with_set(this_round: Round, chosen: Sequence[int]) -> Round:
 
 
 def _with_partner(base_model: BaseModel, this_round: Round, barred: Collection[str]) -> Round | None:
-    """The round when an effect joins the model and all shapes are converged anew; None if nothing better is.
+    """The round after one effect joins the model and all shapes converge again; None if none is better.
 
-    Sets are compared in one system: what each promises holds where it was linearised about the same model.
+    Sets are compared in one system, since their weights are comparable only about the same model.
     """
     context = base_model.context(this_round.model)
     for i in partners(this_round.model, context, this_round.proposals, this_round.chosen):
@@ -218,8 +216,8 @@ def _with_partner(base_model: BaseModel, this_round: Round, barred: Collection[s
 
 
 def _with_rival(base_model: BaseModel, this_round: Round, barred: Collection[str]) -> Round | None:
-    """The round from a set one effect away that is hardly less probable about this model, and more where it is
-    converged; None if none is.
+    """The round from a set one effect away that is hardly less probable about this model, and more probable when
+    converged; or None.
     """
     for rival in _alike(this_round, this_round.chosen, barred, RULE.undecided):
         there = _converged(base_model, rival)
@@ -239,7 +237,7 @@ def round_about(
 def round_from(
     base_model: BaseModel, model: Prepared, proposals: Sequence[Proposal], barred: Collection[str]
 ) -> Round:
-    """As `round_about`; the search also starts from the model's set: of laws at one motor each, none shows alone."""
+    """As `round_about`; the search also starts from the model's set: laws at one motor each show only together."""
     this_round = round_about(base_model, model, proposals, barred)
     there = added_names(base_model, model)
     known = usable(proposals, barred)
@@ -265,6 +263,6 @@ def system_about(base_model: BaseModel, model: Prepared, proposals: Sequence[Pro
 
 
 def _solution_about(start: Prepared, about: Prepared, weights: np.ndarray) -> Solution:
-    """The solution of the starting model, linearised as `about` is, with other weights (n,)."""
+    """The solution of the starting model, linearised like `about`, with other weights (n,)."""
     stack, solution = solved_quickly(about)
     return restarted(stack, replace(solution, weights=weights), start.dataset.robot.nominal_gains)

@@ -1,4 +1,4 @@
-"""Search all small sets of effects for the one that the data support."""
+"""Search the small set of effects that the data support best."""
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
@@ -24,8 +24,8 @@ class Scored:
 
 
 def score(system: System, fit: SetFit) -> Scored:
-    """See `Samples.log_posterior`. On judged recordings no parameter was fitted, so that the likelihood, there of all
-    samples, needs no penalty.
+    """See `Samples.log_posterior`. Judged recordings have no fitted parameter, so their likelihood, of all samples,
+    needs no penalty.
     """
     logs = np.log(fit.by_motor[1] + np.finfo(float).tiny)
     held_out = -0.5 * float(system.held_out.rows_of_motor @ logs) / system.autocorrelation_time
@@ -38,7 +38,7 @@ def score_set(system: System, chosen: Sequence[int]) -> Scored:
 
 
 def log_posterior(system: System, fit: SetFit, samples: Samples) -> float:
-    """Logarithm of the weight of a set, with samples that count as these do: see `Samples.log_posterior`."""
+    """Log weight of a set, with these samples: see `Samples.log_posterior`."""
     return float(samples.log_posterior(fit.by_motor, len(fit.columns), system.prior_of(fit.chosen)))
 
 
@@ -51,10 +51,10 @@ class Selection:
 
 
 def search(system: System, usable: Sequence[int], deadline: Deadline = NEVER) -> Selection:
-    """The most probable set among the usable candidates (indices) of which no effect has an impossible sign.
+    """The most probable set of usable candidates (indices) without an impossible sign.
 
-    All pairs and triples of the shortlist compete, so that a first choice that a better pair makes superfluous does not
-    stay; larger sets are reached one change after the other. Raises TimeUpError after the deadline.
+    All pairs and triples of the shortlist compete, so that a first choice does not stay if a better pair makes it
+    superfluous; larger sets are reached by single changes. Raises TimeUpError after the deadline.
     """
     singles = dict(zip(usable, scored(system, [(i,) for i in usable]), strict=True))
     best = score_set(system, ())
@@ -67,9 +67,9 @@ def search(system: System, usable: Sequence[int], deadline: Deadline = NEVER) ->
 def best_set(
     system: System, begin: Iterable[Sequence[int]], usable: Sequence[int], deadline: Deadline = NEVER
 ) -> Scored:
-    """The most probable set that is reached from the empty one and from others, one change after the other.
+    """The most probable set that single changes reach from the empty set and from others.
 
-    begin: start sets. usable: candidates (indices) that may join or stand in for a member. Raises TimeUpError after the
+    begin: start sets. usable: candidates (indices) that may join or replace a member. Raises TimeUpError after the
     deadline.
     """
     starts = [
@@ -80,11 +80,11 @@ def best_set(
 
 
 def climbed(system: System, start: Scored, usable: Sequence[int], deadline: Deadline = NEVER) -> Scored:
-    """The set that is reached by adding, exchanging or omitting one effect after the other, each time the best, as long
-    as the set becomes more probable.
+    """Hill climbing: add, exchange or omit one effect at a time, always the best change, while the set becomes more
+    probable.
 
-    Where a sign is impossible, any possible neighbour is better: what the sign belongs to may stand for that, as a
-    spring that pushes replaces an offset.
+    From an impossible sign, any possible neighbour is better: its effect may imitate that one, as a pushing spring does
+    an offset.
     """
     present = start
     for _ in range(TOLERANCES.search.changes):
@@ -102,7 +102,7 @@ def climbed(system: System, start: Scored, usable: Sequence[int], deadline: Dead
 
 
 def neighbours(system: System, present: Scored, usable: Sequence[int], least: float) -> list[Scored]:
-    """Sets with one effect more than this one, another or one less, whose weight is above the least, the best first."""
+    """Sets with one effect more, less or another, whose weight is above the least, the best first."""
     chosen = present.fit.chosen
     others = [i for i in usable if i not in chosen]
     sets = swapped(chosen, others) + (reduced(chosen) if chosen else [])
@@ -113,7 +113,7 @@ def neighbours(system: System, present: Scored, usable: Sequence[int], least: fl
 
 
 def _best(system: System, best: Scored, sets: Iterable[Sequence[int]]) -> Scored:
-    """The most probable possible set, or a special case that is as good; `best` where none is better."""
+    """The most probable possible set, or a special case that is as good; `best` if none is better."""
     better = [each for each in scored(system, [*sets]) if each.total > best.total]
     able = [each for each in better if possible(system, each.fit)]
     return simplest(system, max(able, key=_total), able) if able else best
@@ -129,7 +129,7 @@ def _total(each: Scored) -> float:
 
 
 def _shortlist(system: System, usable: Sequence[int], singles: dict[int, Scored], best: Scored) -> list[int]:
-    """Effects that explain most alone, and most with the best set so far: one may hide the other."""
+    """Effects that explain most alone, or most with the best set so far: one may hide another."""
     chosen = best.fit.chosen
     alone = sorted(usable, key=lambda i: -singles[i].total)[: TOLERANCES.search.alone]
     others = [i for i in usable if i not in chosen]
@@ -147,12 +147,12 @@ def held_out_error(system: System, fit: SetFit) -> float:
 
 
 def close(scored: Scored, other: Scored) -> bool:
-    """Whether the data cannot tell two sets apart: the second is hardly worse than the first."""
+    """Whether data cannot distinguish two sets: the second is hardly worse than the first."""
     return scored.total - other.total < RULE.undecided
 
 
 def simplest(system: System, scored: Scored, rivals: Sequence[Scored]) -> Scored:
-    """The set with fewest unknowns among those that are as good and hold a special case in place of an effect."""
+    """The set with fewest unknowns among equally good ones with a special case in place of an effect."""
     size = _unknowns(system, scored)
     simpler = [
         rival
@@ -183,7 +183,7 @@ def contains(whole: Candidate, part: Candidate) -> bool:
 
 
 def possible(system: System, fit: SetFit) -> bool:
-    """Whether the largest share of every effect that has a sign has the right one: no friction that drives."""
+    """Whether the largest share of every effect with a required sign has it: no friction drives."""
     at = system.base
     for i in fit.chosen:
         candidate = system.candidates[i]

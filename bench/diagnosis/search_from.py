@@ -1,4 +1,4 @@
-"""Search from a first round on until every selected effect is possible and needed."""
+"""Search from a first round until every selected effect is possible and needed."""
 
 from collections.abc import Mapping
 from functools import partial
@@ -31,16 +31,16 @@ def search_from(
     *,
     wholly: bool = False,
 ) -> SearchResult:
-    """Search from a first round on until every identified effect is possible and needed.
+    """Search from a first round until every identified effect is possible and needed.
 
-    barred: effects that may not be selected, and why. After the deadline the best set so far is the answer, brought to
-    its end; wholly: TimeUpError is raised instead.
+    barred: effects that may not be selected, and why. After the deadline the answer is the best set so far, completed;
+    wholly: raise TimeUpError instead.
     """
     known, given = dict(barred), case.start.effects
     cut, only_stays = False, False
     searching, base_model = base_model, base_model.at_leisure
     given_round = [first]
-    del first  # handed on without a name, so that its system is gone before the next is built
+    del first  # passed on without a name, to free its system before the next is built
     while True:
         this_round = given_round.pop()
         last = (
@@ -54,7 +54,7 @@ def search_from(
         progress.phase("fitting what was found")
         model, after, out = where_possible(base_model, last.model, given, last.system.samples)
         exact = base_model.exactly(last.model) if out else last.model
-        if exact is not last.model:  # nothing goes because of what is only nearly so
+        if exact is not last.model:  # no effect is removed because of approximate columns
             model, after, out = where_possible(base_model, exact, given, last.system.samples)
         if not out:
             model, after, superfluous = leaving(base_model, model, after, given, last.system.samples)

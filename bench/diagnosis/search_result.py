@@ -23,9 +23,9 @@ from bench.identification.result import Identification
 @dataclass(frozen=True)
 class SearchResult:
     """The result of a search. new: beyond what the starting model has; names: of their effects; fits: see `fits_of`;
-    barred: effects that may not be selected, and why. differs: what differs from run to run, and differently: the
-    answer with a value of it for each; compared: whether they are known. unfinished: what the deadline kept from being
-    looked at. usual: those of the names that are there only since the model is worse than usual friction without them.
+    barred: effects that may not be selected, and why. differs: effects that differ from run to run, and differently:
+    the answer with a value of them for each; compared: whether both are known. unfinished: parts that the deadline cut.
+    usual: names that are included only since the model is worse than usual friction without them.
     """
 
     base_model: BaseModel
@@ -45,18 +45,18 @@ class SearchResult:
     usual: tuple[str, ...] = ()
 
     def weight_by(self, samples: Samples) -> float:
-        """Log weight of the identified model, its laws as improbable as proposed: see `Samples.log_posterior`."""
+        """Log weight of the identified model, with the priors of its laws: see `Samples.log_posterior`."""
         effects = self.model.effects
         return answer_squares(effects, self.after.recordings, self.last.prior_of(effects)).weight(samples)
 
     def compared_by_log(self, case: SplitProblem) -> "SearchResult":
-        """With the effects that differ by recording in the identified model, or would, and the answer with these."""
+        """With effects whose values differ by recording, identified or not, and the answer with these."""
         model = with_common_values(self.model, case.start.effects)
         differs, differently = differing(model, case.problem.catalogue)
         return replace(self, compared=True, differs=differs, differently=differently)
 
     def unexplained_by(self, case: SplitProblem, after: Identification) -> Unexplained:
-        """What an answer of the identified model leaves unexplained."""
+        """The unexplained error in an answer of the model."""
         return unexplained(after, case.problem.dataset.recordings, partial(encoder_error, self.model))
 
     def excess(self, case: SplitProblem) -> float:
@@ -65,8 +65,6 @@ class SearchResult:
         return excess(self.after, recordings, partial(encoder_error, self.model))
 
     def odds_over(self, other: "SearchResult", excess: float) -> float:
-        """Log odds of the identified model over that of another search, which leaves so much more than noise, as a
-        logarithm.
-        """
+        """Log odds of the identified model over that of another search; excess: log(error / noise) of this model."""
         samples = self.last.system.samples.beyond(excess)
         return self.weight_by(samples) - other.weight_by(samples)

@@ -1,4 +1,4 @@
-"""Whether an identified effect shows at a joint."""
+"""Whether an identified effect acts at a joint."""
 
 from collections.abc import Sequence
 from math import log, prod
@@ -13,14 +13,13 @@ from bench.identification.result import Identification
 
 
 def is_significant(result: Identification, instance: EffectInstance) -> bool:
-    """Whether an effect has a parameter there that is not zero, and none of an impossible sign; several parameters
-    together, too, as a wave is no larger where its phase happens to be that of one of them.
+    """Whether an effect has a nonzero parameter there and none of an impossible sign; parameters are also tested
+    together, since a wave's significance must not depend on its phase.
 
-    Deviations from zero are those at the effect's shape: an effect that is zero has none, and where size and shape
-    go together, as those of a law that is nearly straight, the size by itself says nothing (Davies, "Hypothesis testing
-    when a nuisance parameter is present only under the alternative", Biometrika 64, 1977). The best of many shapes fits
-    the noise better than any one does, so that it must bring what every effect must, and the logarithm of how many were
-    tried.
+    Deviations from zero are taken at the effect's shape: an effect of zero has no shape, and if size and shape are
+    correlated, as in a nearly straight law, the size alone is not informative (Davies, "Hypothesis testing when a
+    nuisance parameter is present only under the alternative", Biometrika 64, 1977). The best of many shapes fits noise
+    better than a given one, so it must bring the prior of an effect plus the logarithm of the number of shapes tried.
     """
     values = result.effect_parameters[instance.name][instance.place]
     parameters = instance.effect.parameters
@@ -50,7 +49,7 @@ def wrong_signs(result: Identification, instance: EffectInstance) -> list[str]:
 
 
 def _at_its_shape(result: Identification, instance: EffectInstance) -> np.ndarray:
-    """Covariance (p, p) of an effect's linear parameters where its shape is as it is."""
+    """Covariance (p, p) of an effect's linear parameters at its present shape."""
     rows = {unknown: i for i, unknown in enumerate(result.covariance_rows)}
     name, place = instance.name, instance.place
     values = result.effect_parameters[name][place]

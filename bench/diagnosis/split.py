@@ -1,4 +1,4 @@
-"""Recordings to judge on, where the user named none."""
+"""Recordings to judge on, if the user named none."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -13,10 +13,10 @@ from bench.identification.tolerances import TOLERANCES
 
 
 def with_held_out_parts(dataset: Dataset) -> tuple[Dataset, float]:
-    """The dataset with something that is never fitted, and the share of every recording that was kept apart for it.
+    """The dataset with held-out data, and the share of every recording that was reserved for it.
 
-    Without any recording for validation the last 30 % of every recording are kept apart. Raises BenchError where these
-    are too few samples.
+    Without a recording for validation, the last 30 % of every recording are reserved. Raises BenchError if these are
+    too few samples.
     """
     if any(recording.use == "validate" for recording in dataset.recordings):
         return dataset, 0.0
@@ -30,7 +30,7 @@ def with_held_out_parts(dataset: Dataset) -> tuple[Dataset, float]:
 
 
 def _check_length(dataset: Dataset, recording: Recording, held_out: int) -> None:
-    """Raise BenchError where so many samples at the end of a recording are too few to judge on."""
+    """Raise BenchError if the held-out samples at a recording's end are too few to judge on."""
     if held_out < FEWEST:
         needed = ceil(FEWEST / TOLERANCES.statistics.held_out)
         raise BenchError(
@@ -41,7 +41,7 @@ def _check_length(dataset: Dataset, recording: Recording, held_out: int) -> None
 
 
 def dataset_of(dataset: Dataset, series: Sequence[CurrentSeries]) -> Dataset:
-    """The dataset whose recordings the series are of: with the ends kept apart where they were judged on."""
+    """The dataset of the series: with recordings' ends held out if these were judged on."""
     names = {recording.name for recording in dataset.recordings}
     return dataset if all(trace.name in names for trace in series) else with_held_out_parts(dataset)[0]
 

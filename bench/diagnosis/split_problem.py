@@ -1,4 +1,4 @@
-"""A problem that is diagnosed, in parts to fit and to judge on, with the fit of its starting model."""
+"""A problem to diagnose, in parts to fit and to judge on, with the fit of its starting model."""
 
 from dataclasses import dataclass, replace
 
@@ -17,9 +17,9 @@ from bench.identification.result import Identification
 
 @dataclass(frozen=True)
 class SplitProblem:
-    """A problem that is diagnosed: in parts to fit and to judge on, its starting model, and that model's fit.
+    """A problem to diagnose: in parts to fit and to judge on, its starting model, and that model's fit.
 
-    deadline: after which the best answer so far is given. extrapolated: of rows that are not judged.
+    deadline: after it the best answer so far is returned. extrapolated: rows that are not judged.
     """
 
     problem: Problem
@@ -33,7 +33,7 @@ class SplitProblem:
 def split_and_fitted(
     problem: Problem, progress: Progress = SILENT, deadline: Deadline = NEVER
 ) -> SplitProblem:
-    """Set parts aside to judge on, prepare the problem and fit the model as it is, however long that takes."""
+    """Hold out parts to judge on, prepare the problem and fit the starting model, without a deadline."""
     progress.phase("preparing the recordings")
     dataset, held_out = with_held_out_parts(problem.dataset)
     problem = replace(problem, dataset=dataset)

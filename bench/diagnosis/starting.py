@@ -1,4 +1,4 @@
-"""Effects that the starting model has: they are identified again, replaced by others, or leave."""
+"""Effects of the starting model: they are identified again, replaced, or removed."""
 
 from collections.abc import Collection, Sequence
 from dataclasses import replace
@@ -15,9 +15,9 @@ from bench.identification.result import Identification
 
 
 def origins_of(start: Prepared) -> list[Prepared]:
-    """Models to search from, the first that serves: without the effects that can be identified again, and as it is.
+    """Models to search from, in order: without the effects that can be identified again, then unchanged.
 
-    A search from effects that do not exist goes wrong, since others must undo what they do.
+    A search from effects that do not exist fails, since others must compensate for them.
     """
     fixed = [instance for instance in start.effects if instance.recording]
     if len(fixed) == len(start.effects):
@@ -41,9 +41,9 @@ def leaving(
     given: Sequence[EffectInstance],
     samples: Samples,
 ) -> tuple[Prepared, Identification, tuple[Superfluous, ...]]:
-    """The identified model, named as the user did, and those of the given effects that it does without.
+    """The identified model, with the user's names, and the given effects that it omits.
 
-    Each is tried once more in addition to the others: one that takes a clear share of the error away comes back.
+    Each is tried once more in addition to the others: one that removes a clear share of the error returns.
     """
     each = {instance.name for instance in base_model.start.effects if instance.recording}
     added = _named(
@@ -72,7 +72,7 @@ def leaving(
 
 
 def given_wholly(given: Sequence[EffectInstance], proposals: Sequence[Proposal]) -> Collection[str]:
-    """Effects that the starting model has wherever they can show: there is nothing to be said of them as missing."""
+    """Effects that the starting model has at all possible places: they cannot be missing."""
     there = _places(given)
     return {
         proposal.name

@@ -32,14 +32,14 @@ from bench.identification.wording import with_error
 
 @dataclass(frozen=True)
 class DiagnosisSummary:
-    """What a diagnosis says, each kind of sentence by itself.
+    """The sentences of a diagnosis, by kind.
 
-    verdict: what is missing; strange: what makes the answer or its names unsure; nominal: that the gains are only
-    nominal, "" where they are fitted or do not matter; undecided: what could as well be missing; moved: what became of
-    the gain that moves most, "" where none does; superfluous: what the model had in vain; differs: what has another
-    value in each recording; residual: what no effect accounts for; laws: those that are in no catalogue;
-    unfinished: what the time did not allow to look at, "" where all was; usual: friction that is in the model without
-    being missing, "" where none is; by_log: which names stay with each log omitted, "" where there is one log.
+    verdict: what is missing; strange: doubts about the answer or its names; nominal: that the gains are only nominal,
+    "" if they are fitted or do not matter; undecided: what could equally be missing; moved: change of the gain that
+    moves most, "" if none does; superfluous: effects that the model does not need; differs: values that differ by
+    recording; residual: what no effect explains; laws: those outside the catalogue; unfinished: parts that the deadline
+    cut, "" if none; usual: friction in the model that is not missing, "" if none; by_log: names that stay with each log
+    omitted, "" for one log.
     """
 
     verdict: str
@@ -76,12 +76,12 @@ class DiagnosisSummary:
 
 
 def summary_sentences(diagnosis: Diagnosis) -> list[str]:
-    """What is missing, what it changes, how sure that is, and the residual."""
+    """What is missing, its influence, how certain it is, and the residual."""
     return summary_of(diagnosis).sentences
 
 
 def summary_of(diagnosis: Diagnosis) -> DiagnosisSummary:
-    """What is missing, what it changes, how sure that is, the residual, and what was not looked at."""
+    """What is missing, its influence, how certain it is, the residual, and what was not searched."""
     with deciding_by(diagnosis.after.rule), bounded_by(diagnosis.after.tolerances):
         return replace(
             _summary(diagnosis),
@@ -181,19 +181,19 @@ def _summary(diagnosis: Diagnosis) -> DiagnosisSummary:
 
 
 def _explains_nothing(diagnosis: Diagnosis, error: float | None) -> bool:
-    """Whether even the last model leaves most of the current, more than noise does."""
+    """Whether even the last model leaves most of the current, and more than noise."""
     more = diagnosis.unexplained.what in (Remainder.PATTERN, Remainder.NO_PATTERN)
     return more and error is not None and error > TOLERANCES.findings.explained
 
 
 def doubts(diagnosis: Diagnosis) -> list[str]:
-    """What makes the names of the identified effects unsure: nominal gains, recordings that do not fit."""
+    """Doubts about the names of the identified effects: nominal gains, recordings that do not fit."""
     gains = gains_in_doubt(diagnosis.after)
     return [doubt for doubt in (*gains, *_strange(diagnosis), _nominal(diagnosis.after)) if doubt]
 
 
 def gains_in_doubt(result: Identification) -> list[str]:
-    """What makes drive gains unsure although the model explains the currents: all off alike, or one far off."""
+    """Doubts about drive gains although the model explains the currents: all off alike, or one far off."""
     alike = [finding for finding in result.findings if finding.code is Code.GAINS_ALIKE]
     far = [finding for finding in result.findings if finding.code is Code.GAIN_FAR]
     return [sentence(finding) for finding in alike or (() if runaway(result) else far)]
@@ -221,7 +221,7 @@ def _strange(diagnosis: Diagnosis) -> tuple[str, ...]:
 
 
 def _nominal(result: Identification) -> str:
-    """Why gains that are only nominal make names unsure; "" where they do not."""
+    """Why nominal gains make names uncertain; "" if they do not."""
     why = why_nominal(result)
     if why is None or len(result.drive_gains) == 1:
         return ""
@@ -234,7 +234,7 @@ def _nominal(result: Identification) -> str:
 
 
 def _superfluous(diagnosis: Diagnosis) -> str:
-    """What the starting model had that is not needed; "" where all of it is."""
+    """Unneeded effects of the starting model; "" if there are none."""
     alone = [spoken(effect.effect) for effect in diagnosis.superfluous if effect.replaced_by is None]
     parts = [
         f"{spoken(effect.effect)} is replaced by {spoken(effect.replaced_by)}"
@@ -251,7 +251,7 @@ def _superfluous(diagnosis: Diagnosis) -> str:
 
 
 def _named(diagnosis: Diagnosis, verdict: EffectVerdict) -> str:
-    """An effect, where it shows, and what it could be instead."""
+    """An effect, where it acts, and its alternatives."""
     instead = (
         f" (or {or_list([spoken(name) for name in verdict.alternatives])})" if verdict.alternatives else ""
     )
@@ -259,7 +259,7 @@ def _named(diagnosis: Diagnosis, verdict: EffectVerdict) -> str:
 
 
 def _cannot_tell(verdict: EffectVerdict, missing: Sequence[EffectVerdict]) -> str:
-    """What an effect could be instead, and how to find out."""
+    """Alternatives of an effect, and how to decide."""
     motions = "; ".join(telling_motions([verdict.effect, *verdict.alternatives])[: TOLERANCES.report.motions])
     options = "".join(f" --with {other.effect}" for other in missing if other is not verdict)
     return (
@@ -291,7 +291,7 @@ def reason(diagnosis: Diagnosis, verdict: EffectVerdict) -> str:
 
 
 def error_share(verdict: EffectVerdict) -> float | None:
-    """The share of the squared error, without an effect, that it takes away; None where there is no error."""
+    """The share of the squared error without an effect that it removes; None without an error."""
     if not verdict.error_before > 0.0:
         return None
     ratio = verdict.error_after / verdict.error_before
@@ -301,7 +301,7 @@ def error_share(verdict: EffectVerdict) -> float | None:
 def motor_torques(result: Identification) -> dict[str, float]:
     """RMS torque or force of every motor over the fitted recordings, by the model's gains, N*m or N.
 
-    Nothing where the answer has no currents of them.
+    Empty if the answer lacks their currents.
     """
     fitted = [trace for trace in result.recordings if trace.use == "identify"]
     if not fitted:
@@ -319,7 +319,7 @@ def effort_unit(result: Identification, joint: str) -> str:
 
 
 def where(diagnosis: Diagnosis, verdict: EffectVerdict) -> str:
-    """At which places an effect shows, as in " at left and right"; nothing where it can show at one place only."""
+    """Places of an effect, as in " at left and right"; "" if only one place is possible."""
     places, motors = list(verdict.actuators), list(diagnosis.after.drive_gains)
     whole = ROBOT in diagnosis.after.effect_parameters.get(verdict.effect, {})
     if whole or not places or places == motors[:1] == motors:
@@ -336,7 +336,7 @@ def _place(place: str, others: Sequence[str]) -> str:
 
 
 def _alike(verdict: EffectVerdict) -> list[str]:
-    """A sentence for each place that others could stand for."""
+    """A sentence for each place that others could replace."""
     return [
         f"{capital(spoken(verdict.effect))} at {place} could also be at {or_list(others)}: these recordings cannot "
         "distinguish these places."
@@ -345,7 +345,7 @@ def _alike(verdict: EffectVerdict) -> list[str]:
 
 
 def moved_gain(diagnosis: Diagnosis) -> str | None:
-    """The joint whose drive gain the identified effects move most, if the gains were fitted and it moves."""
+    """The joint whose drive gain the identified effects move most, if gains were fitted and one moves."""
     before, after = diagnosis.before.drive_gains, diagnosis.after.drive_gains
     if not diagnosis.after.gains_fitted:
         return None
@@ -358,7 +358,7 @@ def moved_gain(diagnosis: Diagnosis) -> str | None:
 
 
 def gain_moved(before: Quantity, after: Quantity) -> float:
-    """The share of itself by which a gain moves; without bounds where it was zero."""
+    """Relative change of a gain; infinite from zero."""
     return after.value / before.value - 1.0 if before.value else math.inf
 
 

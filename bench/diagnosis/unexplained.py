@@ -1,4 +1,4 @@
-"""Does anything remain that no known effect explains, and what does it vary with?"""
+"""Does an error remain that no known effect explains, and what does it vary with?"""
 
 from collections.abc import Callable, Sequence
 
@@ -20,7 +20,7 @@ SEED = 20120606
 def relative_noise_floor(
     recordings: Sequence[Recording], series: Sequence[CurrentSeries], settings: FilterSettings
 ) -> float:
-    """RMS of the currents' noise after the fit's filters over the RMS of the currents, all series together.
+    """RMS of the current noise after the fit's filters over that of the currents, all series together.
 
     The noise is read off the spectra above the band of the motion and taken as white.
     """
@@ -35,8 +35,8 @@ def relative_noise_floor(
 
 
 def excess(result: Identification, recordings: Sequence[Recording], encoders: Callable[[], float]) -> float:
-    """Logarithm, at least zero, of the error on recordings that were not fitted over what noise leaves of them, and
-    what the logs do not repeat. encoders: see `unexplained`.
+    """Logarithm, at least zero, of the error on held-out recordings over noise or the non-repeating part of the error.
+    encoders: see `unexplained`.
     """
     _, error, floor = _judged(result, recordings)
     if error <= RULE.beyond_noise * floor:
@@ -47,9 +47,9 @@ def excess(result: Identification, recordings: Sequence[Recording], encoders: Ca
 def unexplained(
     result: Identification, recordings: Sequence[Recording], encoders: Callable[[], float] = lambda: 0.0
 ) -> Unexplained:
-    """Test the errors of the final model for any dependence, on recordings that were not fitted.
+    """Test the errors of the final model on held-out recordings for any dependence.
 
-    encoders: relative error that the encoders' noise alone makes; asked for only where the currents' does not do.
+    encoders: relative error by encoder noise alone; called only if current noise does not explain the error.
     """
     held_out, error, floor = _judged(result, recordings)
     if error <= RULE.beyond_noise * floor:
@@ -63,7 +63,7 @@ def unexplained(
     for j in range(len(joints)):
         errors = np.concatenate([trace.error[:, j][trace.moving[:, j]] for trace in held_out])
         if not len(errors):
-            continue  # a motor that does not move throughout leaves no error that could vary
+            continue  # the error of a motor that never moves cannot vary
         scale = errors.std() or 1.0
         if _in_impacts(errors):
             ratios["time"] = max(ratios.get("time", 0.0), TOLERANCES.statistics.follows)
@@ -80,10 +80,10 @@ def unexplained(
 def _judged(
     result: Identification, recordings: Sequence[Recording]
 ) -> tuple[list[CurrentSeries], float, float]:
-    """The series that were not fitted, all where there are none; their relative error; and what noise leaves of it.
+    """The held-out series, or all if there are none; their relative error; and its noise floor.
 
-    Where the error is far below the noise above the band of the fit, the noise of the band is that of the error itself
-    in the upper half of the band.
+    If the error is far below the noise above the band of the fit, the noise in the band is read off the error in the
+    upper half of the band.
     """
     held_out = [trace for trace in result.recordings if trace.use == "validate"] or list(result.recordings)
     error = relative_error(held_out) or 0.0
@@ -94,14 +94,14 @@ def _judged(
 
 
 def _noise_in_band(series: Sequence[CurrentSeries], settings: FilterSettings) -> float:
-    """Relative error of noise as dense in the whole band of the fit as the errors are in its upper half."""
+    """Relative error of noise with the density of the errors in the upper half of the fit's band."""
     noise = sum(float(squares_of_noise(trace, settings)[0].sum()) for trace in series)
     measured = sum(float(((trace.measured * trace.moving) ** 2).sum()) for trace in series)
     return float(np.sqrt(noise / measured)) if measured else 0.0
 
 
 def _variables(series: Sequence[CurrentSeries], j: int) -> dict[str, np.ndarray]:
-    """What the error of a motor may vary with, one value a row."""
+    """What a motor's error may vary with, one value per row."""
 
     def stacked(name: str) -> np.ndarray:
         return np.concatenate([getattr(trace, name)[:, j][trace.moving[:, j]] for trace in series])
@@ -122,9 +122,9 @@ def _variables(series: Sequence[CurrentSeries], j: int) -> dict[str, np.ndarray]
 
 
 def _dependence(errors: np.ndarray, values: np.ndarray, random: np.random.Generator) -> float:
-    """How far the variation between bins is beyond chance: over one is beyond RULE.surprising.
+    """Variation between bins relative to chance: above one, less probable than RULE.surprising.
 
-    Chance is what shuffled blocks of the same errors give, so that their autocorrelation counts.
+    Chance comes from shuffled blocks of the same errors, which keep their autocorrelation.
     """
     edges = np.unique(np.quantile(values, np.linspace(0, 1, TOLERANCES.statistics.bins + 1)))
     if len(edges) < 2:
@@ -150,7 +150,7 @@ def _dependence(errors: np.ndarray, values: np.ndarray, random: np.random.Genera
             for _ in range(TOLERANCES.statistics.shuffles)
         ]
     )
-    # the sum of squares of bin means is close to a scaled chi-squared; its tail is carried on from its moments
+    # the sum of squares of bin means is close to a scaled chi-squared; its moments give the tail
     mean, variance = chance.mean(), chance.var()
     freedom = 2.0 * mean**2 / max(variance, 1e-300)
     limit = mean / freedom * exceeded_with(RULE.surprising, freedom)
@@ -158,7 +158,7 @@ def _dependence(errors: np.ndarray, values: np.ndarray, random: np.random.Genera
 
 
 def _in_impacts(errors: np.ndarray) -> bool:
-    """Whether few short stretches hold most of the squared error, as where play is crossed."""
+    """Whether few short stretches have most of the squared error, as when play is crossed."""
     rows = TOLERANCES.statistics.shuffled_rows
     blocks = len(errors) // rows
     energy = np.sort((errors[: blocks * rows].reshape(blocks, rows) ** 2).sum(axis=1))
@@ -167,7 +167,7 @@ def _in_impacts(errors: np.ndarray) -> bool:
 
 
 def _lasting(series: Sequence[CurrentSeries]) -> bool:
-    """Whether errors follow each other for longer than the low-pass of the fit makes white noise do.
+    """Whether errors correlate for longer than white noise after the fit's low-pass.
 
     The sum of squared correlations at lags beyond its reach is compared with its chi-squared law (Box and
     Pierce 1970), over all recordings and motors.

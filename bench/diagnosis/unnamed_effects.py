@@ -1,9 +1,9 @@
-"""How far effects that are too small to be named can have moved the drive gains.
+"""How far effects too small to be named may have moved the drive gains.
 
-One effect in every candidate's place is added to the answer with sizes that are random, not fitted: at every place the
-torque of an effect has the same standard deviation s, so that many places cost no more than one (a random-effects
-model; Gelman and Hill, "Data Analysis Using Regression and Multilevel/Hierarchical Models", 2007, chapter 12). The
-data weigh every s, and the effects against each other and against none.
+Each candidate effect is added to the answer with random, not fitted, sizes: at every place the torque of an effect has
+the same standard deviation s, so that many places cost no more than one (a random-effects model; Gelman and Hill, "Data
+Analysis Using Regression and Multilevel/Hierarchical Models", 2007, chapter 12). The data weight every s, and the
+effects against each other and against none.
 """
 
 from collections.abc import Sequence
@@ -22,7 +22,7 @@ from bench.identification.tolerances import TOLERANCES
 @dataclass(frozen=True)
 class RandomEffect:
     """An effect with random sizes. evidence: logarithm of its marginal likelihood over that of the model without it,
-    averaged over s; squares (n,): mean square of how far it can have moved each drive gain.
+    averaged over s; squares (n,): mean square of its shift of each drive gain.
     """
 
     evidence: float
@@ -32,10 +32,10 @@ class RandomEffect:
 def unnamed_spread(
     system: System, fit: SetFit, proposals: Sequence[Proposal], samples: Samples
 ) -> np.ndarray:
-    """Standard deviation (n,) of the drive gains by effects that a set's fit lacks.
+    """Standard deviation (n,) of the drive gains due to effects that a set's fit lacks.
 
-    samples: where more than noise remains, as few as count then. The prior is even: that one acts is as probable
-    as that none does, and all are equally probable.
+    samples: reduced if more than noise remains. Prior: one acts or none does, at even odds, and all are equally
+    probable.
     """
     others = [
         i
@@ -88,8 +88,8 @@ def _inverse(normal: np.ndarray) -> np.ndarray:
 
 
 def _random_effect(own: np.ndarray, score: np.ndarray, by_unit: np.ndarray) -> RandomEffect:
-    """A random effect from the information on its k sizes (k, k), their score (k,), and how far each unit of them moves
-    the gains (n, k).
+    """A random effect from the information on its k sizes (k, k), their score (k,), and the change of the gains per
+    unit of each (n, k).
     """
     information, turned = np.linalg.eigh(own)
     information = np.maximum(information, 0.0)

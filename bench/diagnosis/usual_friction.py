@@ -1,5 +1,5 @@
-"""No answer is worse, on recordings that were not fitted, than the model that everybody tries first: with viscous and
-Coulomb friction and an offset at every motor.
+"""Ensures that no answer is worse, on held-out recordings, than the usual first model: with viscous and Coulomb
+friction and an offset at every motor.
 """
 
 from collections.abc import Iterator
@@ -23,8 +23,8 @@ from bench.identification.result import Identification
 
 @dataclass(frozen=True)
 class _WithFriction:
-    """A model with some effects, and its answer. added: names of the usual friction in it that the search did not
-    select; searched: whether what the search selected is in it.
+    """A model with some effects, and its answer. added: names of usual friction in it that the search did not select;
+    searched: whether it has the search's selection.
     """
 
     model: Prepared
@@ -39,8 +39,8 @@ class _WithFriction:
 
 
 def no_worse_than_usual(case: SplitProblem, finding: SearchResult, error: float) -> SearchResult | None:
-    """The most probable result that is no worse than the usual friction, of those with as few effects more as that
-    takes; None where the search has one. error: of its answer.
+    """The most probable result that is no worse than the usual friction, with as few additional effects as needed; None
+    if the search has one. error: of its answer.
     """
     usual = {
         proposal.name: proposal.instances
@@ -66,7 +66,7 @@ def no_worse_than_usual(case: SplitProblem, finding: SearchResult, error: float)
 def _more_and_more(
     finding: SearchResult, usual: dict[str, tuple[EffectInstance, ...]]
 ) -> Iterator[list[tuple[bool, tuple[str, ...]]]]:
-    """Sets of usual friction, those of one size together: with what the search selected, then without."""
+    """Sets of usual friction, grouped by size: with the search's selection, then without."""
     missing = [name for name in usual if name not in finding.names]
     for size in range(1, len(missing) + 1):
         yield [(True, names) for names in combinations(missing, size)]
@@ -81,7 +81,7 @@ def _tried(
     *,
     searched: bool,
 ) -> _WithFriction:
-    """A model with these effects where their sign is possible."""
+    """A model with these effects, if their sign is possible."""
     base_model = finding.base_model
     selected = added_effects(base_model, finding.model) if searched else ()
     joining = [instance for name in names for instance in usual[name]]

@@ -1,4 +1,4 @@
-"""Models in which an offset or a friction that differs from run to run has a value for each recording."""
+"""Models with a value per recording of an offset or friction that differs from run to run."""
 
 from collections.abc import Collection, Iterator, Mapping, Sequence
 
@@ -17,25 +17,23 @@ from bench.identification.result import Identification
 from bench.identification.solve_only import solved_quickly
 
 Place = tuple[str, str]
-"""An effect and the joint at which it is."""
+"""An effect and its joint."""
 
 
 def places_of(differs: Sequence[Differing]) -> frozenset[Place]:
-    """Where what differs is."""
+    """Places of these."""
     return frozenset((differing.effect, differing.joint) for differing in differs)
 
 
 def leading(differs: Sequence[Differing]) -> bool:
-    """Whether values for each recording take most of a motor's error away: effects identified without them may be
-    theirs.
-    """
+    """Whether values by recording remove most of a motor's error: effects identified without them may be artefacts."""
     return any(differing.error_after**2 < RULE.most * differing.error_before**2 for differing in differs)
 
 
 def with_values_by_log(
     start: Prepared, places: Collection[Place], catalogue: Mapping[str, Effect]
 ) -> Prepared:
-    """A starting model with a value for each recording of what differs, in place of one for all; converged."""
+    """A starting model with values by recording at these places, in place of one for all; converged."""
     names = {name for name, _ in places}
     kept = [
         at_joint(instance.effect, instance.joint)
@@ -53,13 +51,13 @@ def with_values_by_log(
 
 
 def values_by_log(model: Prepared, given: Sequence[EffectInstance]) -> tuple[EffectInstance, ...]:
-    """The instances of a model with a value for one recording that the starting model (`given`) has not as such."""
+    """The instances of a model with a value for one recording that are not in the starting model (`given`)."""
     there = {instance.key for instance in given}
     return tuple(instance for instance in model.effects if instance.recording and instance.key not in there)
 
 
 def with_common_values(model: Prepared, given: Sequence[EffectInstance]) -> Prepared:
-    """The converged model with one value for all recordings in the place of those; itself where it has none."""
+    """The converged model with one value for all recordings in their place; itself if it has none."""
     per_recording = values_by_log(model, given)
     if not per_recording:
         return model
@@ -69,7 +67,7 @@ def with_common_values(model: Prepared, given: Sequence[EffectInstance]) -> Prep
 
 
 def explains_more(model: Prepared, other: Prepared) -> bool:
-    """Whether a converged model clearly explains more of the fitted recordings than another: each is fitted to every
+    """Whether a converged model explains clearly more of the fitted recordings than another: each is fitted to every
     other part of each recording and judged on the rest, where values for one recording hold, too.
     """
     of_model, of_other = _cross_validated(model), _cross_validated(other)
@@ -88,8 +86,8 @@ def _cross_validated(model: Prepared) -> BlockCrossValidation:
 def differing_elsewhere(
     model: Prepared, answer: Identification, catalogue: Mapping[str, Effect]
 ) -> frozenset[Place]:
-    """Where recordings that were not fitted, modelled far worse than those that were, differ from these by a value of
-    theirs, which takes most of a motor's error there away: as long as it is there, no effect shows.
+    """Places at which held-out recordings, modelled far worse than fitted ones, have another value that removes most of
+    a motor's error there; without it, no effect can be seen.
 
     model: with its answer, and without values for each recording at these places.
     """
@@ -117,7 +115,7 @@ def differing_elsewhere(
 def with_elsewhere_noted(
     model: Prepared, answer: Identification, catalogue: Mapping[str, Effect]
 ) -> Identification:
-    """The answer with what differs in recordings that were not fitted as the reason why these are modelled worse."""
+    """The answer with a finding that different values explain why held-out recordings are modelled worse."""
     places = differing_elsewhere(model, answer, catalogue)
     return (
         with_other_values(answer, [f"{name}:{joint}" for name, joint in sorted(places)]) if places else answer
@@ -127,8 +125,8 @@ def with_elsewhere_noted(
 def worse_elsewhere(
     model: Prepared, answer: Identification, other: Identification, places: Collection[Place]
 ) -> bool:
-    """Whether a model's answer explains clearly less of recordings that were not fitted than another, both given the
-    values there that suit them best of what differs, by `places`.
+    """Whether a model's answer explains clearly less of held-out recordings than another, both with their best values
+    at `places` there.
     """
     common = {instance.seat: instance.everywhere() for instance in model.effects if instance.seat in places}
     of_answer, of_other = (
@@ -144,8 +142,8 @@ def worse_elsewhere(
 def _elsewhere(
     model: Prepared, answer: Identification, instances: Sequence[EffectInstance]
 ) -> Iterator[tuple[np.ndarray, np.ndarray]]:
-    """For every recording that was not fitted, the errors of the current (M, n) and what a unit of each effect would
-    change of them (M, n, k); nothing in parts of fitted ones, whose values are known.
+    """For every held-out recording, the current errors (M, n) and their change by a unit of each effect (M, n, k); none
+    for parts of fitted ones, whose values are known.
     """
     gains = np.array([answer.drive_gains[joint].value for joint in answer.joints])
     series = {trace.name: trace for trace in answer.recordings}

@@ -34,15 +34,14 @@ def verdicts(
     """Every effect, the identified ones first, then by evidence.
 
     scale: error of the converged model over that of its set. without: error of the identified model without each of its
-    effects, fitted anew. unexplained: where it is significant, no effect accounts for it, and an identified effect is
-    only sure if the error without it is RULE.dominant times the residual with it, or RULE.dominant_in_much times where
-    much remains.
+    effects, fitted again. unexplained: if significant, no effect explains it, and an identified effect is only certain
+    if the error without it is RULE.dominant times the residual with it, or RULE.dominant_in_much times if much remains.
     """
     last = finding.last
     system, best = last.system, last.selection.selected
     others = [i for i in last.selection.singles if i not in last.chosen]
     more = [(*last.chosen, i) for i in others]
-    solve_sets(system, [*more, *swapped(last.chosen, others)])  # together, and kept: each is asked for below
+    solve_sets(system, [*more, *swapped(last.chosen, others)])  # together, and kept for use below
     sure = (RULE.dominant_in_much if unexplained.much else RULE.dominant) if unexplained.significant else 0.0
     places: dict[str, tuple[str, ...]] = {}
     for instance in finding.new:
@@ -96,7 +95,7 @@ def ranking_of(
 
 
 def undecided(verdict: EffectVerdict) -> bool:
-    """Whether an effect explains so much of the residual that a complete search would have to decide on it."""
+    """Whether an effect explains so much of the residual that only a complete search can decide on it."""
     return verdict.why.because is Because.GAINS_LITTLE and verdict.evidence > RULE.prior
 
 

@@ -1,4 +1,4 @@
-"""Where an identified effect stays: at the motors where it shows, and where its sign is possible."""
+"""Where an identified effect stays: at motors where it is significant and of a possible sign."""
 
 from collections.abc import Sequence
 
@@ -16,7 +16,7 @@ from bench.identification.result import Identification
 def where_possible(
     base_model: BaseModel, model: Prepared, given: Sequence[EffectInstance], samples: Samples
 ) -> tuple[Prepared, Identification, dict[str, Reason]]:
-    """The identified effects where they show, converged and fitted; and those that cannot be, with why they go."""
+    """The identified effects at these places, converged and fitted; and the impossible ones, with reasons."""
     whole = fit(model)
     kept, after = _where_it_shows(base_model, model, whole, given, samples)
     stayed = {instance.key for instance in kept.effects}
@@ -35,10 +35,10 @@ def _where_it_shows(
     given: Sequence[EffectInstance],
     samples: Samples,
 ) -> tuple[Prepared, Identification]:
-    """The identified effects without the joints at which they are nothing or have an impossible sign; given: those
-    that the starting model has there, which stay. result: of the model with all of them; where that is converged only
-    as it is known nearby, they are looked at again once it is converged as it is. Where recordings that were not fitted
-    are explained clearly worse without what shows nowhere by itself, only an impossible sign is a reason to leave.
+    """The identified effects without joints at which they are insignificant or have an impossible sign; given: those of
+    the starting model there, which stay. result: of the model with all of them; if converged only with nearby columns,
+    they are tested again with exact ones. If held-out recordings are explained clearly worse without effects that are
+    not significant by themselves, only an impossible sign removes them.
     """
     added = added_effects(base_model, model)
     there = {instance.seat for instance in given}

@@ -1,4 +1,4 @@
-"""A diagnosis with the effects of the catalogue, and no law beyond it."""
+"""A diagnosis with the effects of the catalogue, without laws."""
 
 from bench.basics.progress import SILENT, Progress
 from bench.basics.threads import on_one_thread
@@ -12,11 +12,10 @@ from bench.identification.problem import Problem
 
 @on_one_thread
 def diagnose_with_catalogue(problem: Problem, progress: Progress = SILENT) -> Diagnosis:
-    """Compare a model with the data, and find the effects of the catalogue that it lacks, and no law beyond it.
+    """Compare a model with the data, and identify the effects of the catalogue that it lacks, without laws.
 
-    Evidence is a likelihood ratio on recordings that were not fitted (or, where there are none, on the last
-    part of each), with as many samples as are independent of each other. All sets of up to three effects
-    compete; each must earn its place.
+    Evidence is a likelihood ratio on recordings that were not fitted (or, if there are none, on the last part of each),
+    with the number of independent samples. All sets of up to three effects compete; each must earn its place.
     """
     case = split_and_fitted(problem, progress)
     finding = search_catalogue(case, progress)

@@ -1,4 +1,4 @@
-"""What is the answer with each log omitted: names that stay, and names that hang on one log."""
+"""The answer with each log omitted: names that stay, and names that depend on one log."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -15,7 +15,7 @@ from bench.identification.prepare import Prepared
 def without_logs(
     model: Prepared, system: System, selection: Selection, proposals: Sequence[Proposal]
 ) -> tuple[WithoutLog, ...]:
-    """For every fitted log, where there are others: which effects of the best set the others do not support.
+    """For every fitted log of several: the effects of the best set that the others do not support.
 
     Sets are solved about the identified model, in the equations of the other logs.
     """
@@ -51,8 +51,8 @@ def _without(system: System, log: str) -> System:
 
 
 def _scaled(model: Prepared, log: str) -> bool:
-    """Whether gains are fitted and the other fitted logs carry different loads, one of known mass: the parameters of
-    the bodies absorb a load that is always there, and leave the scale open.
+    """Whether gains are fitted and the other fitted logs carry different loads, one of known mass: body parameters
+    absorb a load that is always present, and leave the scale open.
     """
     weighed = model.dataset.weighed
     carried = {

@@ -1,4 +1,4 @@
-"""The catalogue of physical effects, model side: one file an effect."""
+"""The catalogue of physical effects, model side: a file per effect."""
 
 from bench.effects.catalogue import CATALOGUE
 from bench.effects.checked_columns import effect_columns

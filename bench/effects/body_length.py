@@ -8,16 +8,16 @@ from bench.model.geometry import Anchor, Geometry, Placement
 
 WORLD = "world"
 NEGLIGIBLE = 1e-6  # m: shorter is no length
-ONE_SIDED = 0.5  # of the longest distance: a mean beyond it gives the body a direction
+ONE_SIDED = 0.5  # of the longest distance: a farther mean gives the body a direction
 
 
 @dataclass(frozen=True)
 class BodyLength:
     """The length of a body: from its joint to the farthest joint, loop anchor or tool that is fixed to it, m.
 
-    center (3,): where its joint is, or for the world the middle of the joints on it. direction (3,): towards
-    what is fixed to the body, where that lies to one side, at right angles to the axis of a hinge; None for a
-    platform or the world, which grow in all directions.
+    center (3,): its joint's position, or for the world the middle of the joints on it. direction (3,): towards the
+    points fixed to the body, if these lie to one side, perpendicular to the axis of a hinge; None for a platform or the
+    world, which grow in all directions.
     """
 
     joint: int
@@ -26,7 +26,7 @@ class BodyLength:
     direction: np.ndarray | None
 
     def moved(self, placement: Placement, change: float) -> Placement:
-        """A placement on the body where its length has grown by `change` m."""
+        """A placement on the body after its length has grown by `change` m."""
         if self.direction is None:
             shift = (placement.translation - self.center) * (change / self.length)
         else:
@@ -58,7 +58,7 @@ def lengths(geometry: Geometry) -> dict[str, BodyLength]:
 
 
 def with_length(geometry: Geometry, body: BodyLength, change: float) -> Geometry:
-    """The geometry with a body longer by `change` m; what else is fixed to it moves along."""
+    """The geometry with a body longer by `change` m; all that is fixed to it moves along."""
 
     def moved(anchor: Anchor) -> Anchor:
         if anchor.joint != body.joint:
@@ -79,7 +79,7 @@ def with_length(geometry: Geometry, body: BodyLength, change: float) -> Geometry
 
 
 def _fixed_points(geometry: Geometry, joint: int) -> list[np.ndarray]:
-    """Where joints, loop anchors and the tool are fixed to the body of a joint (-1: the world), (3,) each."""
+    """Points of joints, loop anchors and the tool on the body of a joint (-1: the world), (3,) each."""
     points = [
         other.placement.translation
         for other in geometry.joints

@@ -13,7 +13,7 @@ from bench.effects.user_file import user_file_of
 def effect_columns(instance: EffectInstance, robot: RobotSignals) -> np.ndarray:
     """Columns (N, n, p) of an effect at its place.
 
-    Raises BenchError where they have another shape or are not finite, or where a user's code fails.
+    Raises BenchError if they have another shape or are not finite, or if a user's code fails.
     """
     columns, motors = columns_at_motors(instance, robot)
     if len(motors) == len(robot.joints):
@@ -24,9 +24,9 @@ def effect_columns(instance: EffectInstance, robot: RobotSignals) -> np.ndarray:
 
 
 def columns_at_motors(instance: EffectInstance, robot: RobotSignals) -> tuple[np.ndarray, np.ndarray]:
-    """Columns (N, m, p) of an effect at the motors (m,) at which it can show: its motor, or all.
+    """Columns (N, m, p) of an effect at the motors (m,) that it can affect: its motor, or all.
 
-    By the share with which it counts in this recording.
+    Times the effect's share in this recording.
 
     Raises BenchError as `effect_columns` does.
     """

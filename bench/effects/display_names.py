@@ -1,4 +1,4 @@
-"""An effect's name in a sentence, and the motion that brings it out."""
+"""An effect's name in a sentence, and the motion that reveals it."""
 
 import re
 from collections.abc import Sequence
@@ -27,10 +27,10 @@ def begun(name: str) -> str:
 
 
 def named_after(text: str) -> str:
-    """A text with the names of people as names."""
+    """A text with capitalised names of people."""
     return _PEOPLE.sub(lambda m: m.group().capitalize(), text)
 
 
 def telling_motions(effects: Sequence[str]) -> list[str]:
-    """What to do to tell these effects apart, without repetitions."""
+    """Motions that distinguish these effects, without repetitions."""
     return list(dict.fromkeys(CATALOGUE.get(name, Effect).shown_by for name in effects))

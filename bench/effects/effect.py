@@ -1,4 +1,4 @@
-"""What an effect is: columns that the model lacks, in addition to those of the rigid bodies."""
+"""Base class of effects: columns in addition to those of the rigid bodies."""
 
 from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
@@ -15,11 +15,11 @@ from bench.model.geometry import Geometry
 
 @dataclass(frozen=True)
 class JointSamples:
-    """What a search for shape parameters may look at, each (M,), decimated.
+    """Signals for a search of shape parameters, each (M,), decimated.
 
-    position, velocity: rad or m and rate; motor_torque: gain times current, N*m or N; error: torque that the
-    model lacks, zero where the joint does not move. duration s, of the recording; speed: the joint's RMS over
-    all fitted recordings; travel: between its extreme positions in all of them; band Hz; rotates: a hinge.
+    position, velocity: rad or m and rate; motor_torque: gain times current, N*m or N; error: torque that the model
+    lacks, zero where the joint is at rest. duration s, of the recording; speed: the joint's RMS over all fitted
+    recordings; travel: between its extreme positions in all of them; band Hz; rotates: a hinge.
     """
 
     position: np.ndarray
@@ -35,12 +35,13 @@ class JointSamples:
 
 Place = Literal["actuator", "passive", "bearing", "body", "payload", "robot"]
 Seen = Literal["opposes", "fades", "load", "velocity", "repeats", "position", "current", "acceleration"]
-"""What an error looks like, as the key of the atlas asks: it opposes the motion, fades or grows in the course of a
-recording, or with the load; passes through zero with the velocity; repeats over the position; is a smooth curve over
-it; follows the current or its change; follows the acceleration, or rings."""
+"""How an error looks, by the key of the atlas: it opposes the motion, fades or grows during a recording, or grows with
+the load; passes through zero with the velocity; repeats over the position; is a smooth curve over it; follows the
+current or its change; follows the acceleration, or rings.
+"""
 MjcfTerm = Literal["stiffness", "damping", "frictionloss", "armature"]
 Bracket = tuple[float, float, float]
-"""Where a shape parameter is searched: lower bound, first value, upper bound; all equal: no further search."""
+"""Range of a shape parameter: lower bound, first value, upper bound; all equal: no further search."""
 
 
 def unit_at(unit: str, rotates: bool, drive: str = "A") -> str:
@@ -57,9 +58,9 @@ def unit_at(unit: str, rotates: bool, drive: str = "A") -> str:
 class EffectParameter:
     """A parameter of an effect.
 
-    In its unit `{effort}` is N*m or N, `{angle}` rad or m, `{turn}` turn or m, `{drive}` that of the current.
-    positive: a negative value would be physically impossible, such as a friction that drives. below: a value, in that
-    unit, from which on the effect would be another name for what it is made of, and its size means nothing.
+    In its unit `{effort}` is N*m or N, `{angle}` rad or m, `{turn}` turn or m, `{drive}` that of the current. positive:
+    a negative value would be physically impossible, such as a friction that drives. below: an upper bound, in that
+    unit, beyond which the effect cannot be distinguished from its source and its size means nothing.
     """
 
     name: str
@@ -77,9 +78,8 @@ class ShapeParameter:
     """A parameter that enters non-linearly, a field of the effect's class of the same name.
 
     `candidates`, in rising order, span its range; the best of them starts the search, which stays between its
-    neighbours. They are in units of the joint's RMS speed or of the longest recording's duration where `scale`
-    says so. discrete: nothing between the candidates makes sense. unlike: how many shapes that are nothing like each
-    other a search may look at.
+    neighbours. `scale`: whether they are in units of the joint's RMS speed or of the longest recording's duration.
+    discrete: only the candidates make sense. unlike: number of essentially different shapes in a search.
     """
 
     name: str
@@ -100,28 +100,27 @@ class Effect(ABC):
 
     The motors have to overcome `columns(...) @ parameters`, N*m or N, in addition to the rigid-body torque.
 
-    place: where it sits, with a set of parameters for each: "actuator" (joint with a motor), "passive" (joint
-    without), "bearing" (of those, one whose force follows from the motion), "body" (with a length), "payload", or once
-    for the "robot". contains: effects that are special cases of this one; it must earn its extra parameters against
-    them. depends_on_model: its columns use the present model's torque or gain. before_torque: it is between the
-    current reference and the torque, and no part of the torque that effects see as needed. at_link: it acts on the link
-    of its motor, as all that sits elsewhere does, so that a spring in the drive, or play, carries its torque.
+    place: where it acts, with a set of parameters for each: "actuator" (joint with a motor), "passive" (joint without),
+    "bearing" (a passive joint whose force the motion determines), "body" (with a length), "payload", or once for the
+    "robot". contains: effects that are special cases of this one; it must earn its extra parameters against them.
+    depends_on_model: its columns use the present model's torque or gain. before_torque: it acts between the current
+    reference and the torque, and is not part of the needed torque for effects. at_link: it acts on the link of its
+    motor, as all effects elsewhere do, so that a spring in the drive, or play, carries its torque.
 
-    law: a sentence with the law as a formula in written symbols; symbols: what they mean, with their units. Both are
-    "" where the effect tells none. shown_by: the motion in which it differs most from the others. seen: how the error
-    of a model without it looks, what is most often seen first; in_key: the words of the atlas's key for each of them,
-    which continue its question, "" where another of them says it.
+    law: a sentence with the law as a formula in written symbols; symbols: their meaning and units. Both may be "".
+    shown_by: the motion in which it differs most from other effects. seen: how the error of a model without it looks,
+    the most frequent first; in_key: for each of them the words of the atlas's key that continue its question, "" if
+    another of them says it.
 
-    A field named like a linear parameter is the value about which the columns are linearised (see `about`):
-    columns times parameter is then exact where the parameter has that value. bends: the columns change much with it,
-    so that the fit goes by derivatives. every_sample: its columns follow from all samples, as differences do, or change
-    much between few, as friction does where a joint is slow: a search must not take few of them. of_velocity: its
-    torque is an odd function of its joint's velocity alone. by_motor: the motor has to give its torque, since it
-    neither stores energy nor carries a weight; it cannot be many times what the motor gives. varies_by_run: it may have
-    another value from one recording to the next, as an amplifier's offset has, and a diagnosis looks for that.
-    of_instant: it follows from acceleration or torque of the same instant, and from nothing before. in_balls: of those
-    at passive joints, one that a ball joint can have, too. in_mjcf: the term of an MJCF's joint that has its law.
-    in_single_joints: what an effect of the whole robot is in single joints, see `in_joints_of`.
+    A field named like a linear parameter is the value about which the columns are linearised (see `about`): columns
+    times parameter is then exact at that value. bends: the columns change much with it, so that the fit uses
+    derivatives. every_sample: its columns need all samples, as differences do, or change fast between samples, as
+    friction does in a slow joint: a search must not thin them. of_velocity: its torque is an odd function of its
+    joint's velocity alone. by_motor: the motor must supply its torque, since it neither stores energy nor carries a
+    weight; it cannot be many times the motor's torque. varies_by_run: its value may differ between recordings, like an
+    amplifier's offset, and a diagnosis checks this. of_instant: it depends on acceleration or torque of the same
+    instant only. in_balls: for passive joints, whether a ball joint can have it. in_mjcf: the term of an MJCF's joint
+    that has its law. in_single_joints: parts of an effect of the whole robot in single joints, see `in_joints_of`.
     """
 
     name: ClassVar[str]
@@ -149,20 +148,20 @@ class Effect(ABC):
 
     @abstractmethod
     def columns(self, robot: RobotSignals, joint: str) -> np.ndarray:
-        """Torque at every motor for a value of one of each parameter, (N, n, p).
+        """Torque at every motor for a unit value of each parameter, (N, n, p).
 
-        joint: where the effect sits (a joint, a body or a payload); empty for an effect of the whole robot.
+        joint: where the effect acts (a joint, a body or a payload); empty for an effect of the whole robot.
         """
 
     def in_joint(self, robot: RobotSignals, joint: str) -> np.ndarray | None:  # noqa: ARG002 - by default none
-        """Torque or force (N, d, p) in its joint without a motor for a value of one of each parameter; None elsewhere.
+        """Torque or force (N, d, p) in its joint without a motor for a unit value of each parameter; None elsewhere.
 
         d: 1 in a hinge or slide, 3 in a ball joint.
         """
         return None
 
     def in_joints_of(self, geometry: Geometry) -> "Mapping[str, Effect]":  # noqa: ARG002 - by default in none
-        """Which of `in_single_joints` an effect has in a robot in addition, by the joints' names."""
+        """Which of `in_single_joints` an effect also has in a robot, by joint name."""
         return {}
 
     def shape_values(self) -> dict[str, float]:
@@ -170,32 +169,32 @@ class Effect(ABC):
         return {parameter.name: getattr(self, parameter.name) for parameter in self.shape}
 
     def about(self, values: Mapping[str, float]) -> Self:
-        """The effect linearised about these values of its linear parameters; itself where it is linear."""
+        """The effect linearised about these values of its linear parameters; itself if it is linear."""
         field_names = {field.name for field in fields(self)} - {parameter.name for parameter in self.shape}
         known = {name: value for name, value in values.items() if name in field_names}
         return replace(self, **known) if known else self
 
     def starts(self, robot: RobotSignals, joint: str) -> tuple[Self, ...]:  # noqa: ARG002 - by default as it is
-        """The effect as it is, and linearised about other values from which a search is to begin as well."""
+        """The effect, and the same linearised about further starting values of a search."""
         return (self,)
 
     def about_values(self) -> dict[str, float]:
-        """The values of its linear parameters about which the effect is linearised; none where it is linear."""
+        """The values of its linear parameters about which the effect is linearised; none if it is linear."""
         names = {parameter.name for parameter in self.parameters}
         return {field.name: getattr(self, field.name) for field in fields(self) if field.name in names}
 
     def position_offset(self, values: np.ndarray) -> float:  # noqa: ARG002 - by default none
-        """How far its joint is from where it was logged, rad or m, at these values (p,) of the parameters."""
+        """Offset of its joint from the logged position, rad or m, at these values (p,) of the parameters."""
         return 0.0
 
     def nodes(self, robot: RobotSignals, joint: str) -> tuple[float, float] | None:  # noqa: ARG002 - by default none
-        """Two values of its one parameter inside and outside of which a search takes the columns, linearised about the
-        parameter's value, to follow a straight line; None where they are to be computed for each value.
+        """Two values of its one parameter: a search interpolates and extrapolates the columns, linearised about the
+        value, linearly from these; None if columns must be computed for each value.
         """
         return None
 
     def brackets(self, parameter: ShapeParameter, samples: Sequence[JointSamples]) -> tuple[Bracket, ...]:
-        """Where to search a shape parameter at a joint; samples: of every fitted recording, none elsewhere."""
+        """Search ranges of a shape parameter at a joint; samples: of all fitted recordings, none elsewhere."""
         unit = 1.0
         if parameter.scale == "speed" and samples:
             unit = samples[0].speed
@@ -212,20 +211,20 @@ class Effect(ABC):
     def brackets_near(
         self, parameter: ShapeParameter, samples: Sequence[JointSamples]
     ) -> tuple[Bracket, ...]:
-        """As far as small steps may take a shape parameter from its value; by default to where it is searched."""
+        """Range for small steps of a shape parameter from its value; by default the search ranges."""
         return self.brackets(parameter, samples)
 
 
 @dataclass(frozen=True)
 class ActuatorEffect(Effect):
-    """An effect at one actuated joint that shows in its motor's torque alone."""
+    """An effect at one actuated joint that changes only its motor's torque."""
 
     @abstractmethod
     def torque(self, joint: JointSignals) -> np.ndarray:
-        """One column (N, p) for each parameter: its torque or force at a parameter value of one."""
+        """One column (N, p) for each parameter: torque or force at unit value."""
 
     def motor_column(self, robot: RobotSignals, joint: str) -> np.ndarray:
-        """`torque` (N, p) at a joint. Raises BenchError where it has another shape."""
+        """`torque` (N, p) at a joint. Raises BenchError if it has another shape."""
         torque = self.torque(robot.redundant[joint] if joint in robot.redundant else robot.joints[joint])
         shape = len(robot.time), len(self.parameters)
         if torque.shape != shape:
@@ -236,9 +235,9 @@ class ActuatorEffect(Effect):
         return torque
 
     def columns(self, robot: RobotSignals, joint: str) -> np.ndarray:
-        """Columns (N, n, p) with `torque` in the joint's row and zero elsewhere.
+        """Columns (N, n, p), `torque` in the joint's row, zero elsewhere.
 
-        At a redundant motor, what the others have to supply for it through the loops.
+        At a redundant motor, what the others supply for it through the loops.
         """
         torque = self.motor_column(robot, joint)
         if joint in robot.redundant:
@@ -250,5 +249,5 @@ class ActuatorEffect(Effect):
 
 
 def changes_torque(effect: Effect) -> bool:
-    """Whether an effect is a change of the present model's torque: much less work where small changes are known."""
+    """Whether an effect is a change of the present model's torque: much less work with nearby columns."""
     return effect.depends_on_model and not isinstance(effect, ActuatorEffect)

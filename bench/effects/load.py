@@ -1,4 +1,4 @@
-"""What is asked of one motor."""
+"""The load of one motor."""
 
 from collections.abc import Callable, Sequence
 
@@ -6,14 +6,14 @@ import numpy as np
 
 from bench.effects.signals import RobotSignals
 
-PASSES = 4  # in which a load and the part that a law has in it become one
-MOST = 0.7  # of the largest load: what a law may add to it
+PASSES = 4  # to make a load and a law's part in it consistent
+MOST = 0.7  # of the largest load: bound for a law's part
 
 
 def load_at(robot: RobotSignals, joint: str) -> np.ndarray:
     """Torque or force (N,) that the present model needs of an actuated joint, N*m or N.
 
-    With its effects but those that ask for it themselves: a law of the load is no part of it, see `with_itself`.
+    Without effects that use it themselves: a law of the load is not part of it, see `with_itself`.
     """
     return robot.joints[joint].needed_torque
 
@@ -21,9 +21,9 @@ def load_at(robot: RobotSignals, joint: str) -> np.ndarray:
 def with_itself(
     rest: np.ndarray, law: Callable[[np.ndarray], np.ndarray], values: Sequence[float]
 ) -> np.ndarray:
-    """The load (N,) of which a law is a part: `rest` (N,), and the law's columns (N, p) at it times values (p,).
+    """The load (N,) including a law: `rest` (N,), plus the law's columns (N, p) at this load times values (p,).
 
-    As a gear's friction goes by all that its motor gives.
+    A gear's friction depends on all of its torque.
     """
     most = MOST * float(np.abs(rest).max(initial=0.0))
     load = rest

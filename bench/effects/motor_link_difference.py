@@ -1,4 +1,4 @@
-"""Motors and links that do not move together: the torque that the difference of their positions makes."""
+"""Motors and links that do not move together: torque due to the difference of their positions."""
 
 import numpy as np
 
@@ -16,7 +16,7 @@ SHARE = 1e-3  # of the RMS speed, likewise
 
 
 def torque_of_motor(robot: RobotSignals, joint: str) -> tuple[np.ndarray, np.ndarray]:
-    """At the coarse samples: what the present model's link asks of the drive of a joint, and the joint's acceleration,
+    """At the coarse samples: the load of a joint's drive by the present model's link, and the joint's acceleration,
     (K,).
     """
     at = list(robot.joints).index(joint)
@@ -25,7 +25,7 @@ def torque_of_motor(robot: RobotSignals, joint: str) -> tuple[np.ndarray, np.nda
 
 
 def apparent_inertia(torque: np.ndarray, acceleration: np.ndarray) -> float:
-    """How much torque (K,) goes along with acceleration (K,): the slope of a line through both, not negative."""
+    """Torque (K,) per acceleration (K,): the slope of a fitted line, not negative."""
     square = float(acceleration @ acceleration)
     return max(float((torque - torque.mean()) @ acceleration) / square, 0.0) if square > 0.0 else 0.0
 
@@ -33,7 +33,7 @@ def apparent_inertia(torque: np.ndarray, acceleration: np.ndarray) -> float:
 def motion_cutoff(robot: RobotSignals, joint: str) -> float:
     """Hz: a frequency above which a joint's motion holds only noise, at most twice the fit's band.
 
-    MARGIN times that below which all but a ten-thousandth of the acceleration's power lies, inside the band.
+    MARGIN times that below which all but a ten-thousandth of the acceleration's power in the band lies.
     """
     coarse, band = robot.coarse, robot.joints[joint].band
     acceleration = coarse.acceleration[:, list(robot.joints).index(joint)]
@@ -42,9 +42,9 @@ def motion_cutoff(robot: RobotSignals, joint: str) -> float:
 
 
 def motion_band(values: np.ndarray, interval: float, band: float, share: float) -> float:
-    """Hz: below it lies such a share of the power that a joint's rates (K,) have inside a band.
+    """Hz: frequency below which this share of the power of a joint's rates (K,) inside a band lies.
 
-    The band itself where there is none. interval: s, between samples.
+    The band itself without power. interval: s, between samples.
     """
     frequency, power = hann_spectrum(values, 1.0 / interval, len(values), centred=True)
     inside = frequency <= band
@@ -57,10 +57,10 @@ def motion_band(values: np.ndarray, interval: float, band: float, share: float) 
 def torque_behind(
     robot: RobotSignals, joint: str, behind: np.ndarray, rotor: float = 0.0, cutoff: float | None = None
 ) -> np.ndarray:
-    """Change of the torque (N, n) where the link of a joint lies `behind` (K,) its motor, rad or m.
+    """Change of the torque (N, n) if the link of a joint lags its motor by `behind` (K,), rad or m.
 
-    At the coarse samples; what lies above the cutoff (Hz; twice the fit's band if omitted) is subtracted before it
-    is differentiated. rotor: the part of the model's inertia at the joint, kg*m2 or kg, that stays with the motor.
+    At the coarse samples; frequencies above the cutoff (Hz; default: twice the fit's band) are removed before
+    differentiation. rotor: the part of the model's inertia at the joint, kg*m2 or kg, that moves with the motor.
     """
     rates = rates_behind(robot, behind, cutoff)
     shift = np.zeros((3, *robot.coarse.position.shape))
@@ -73,7 +73,7 @@ def torque_behind(
 
 
 def rates_behind(robot: RobotSignals, behind: np.ndarray, cutoff: float | None = None) -> np.ndarray:
-    """How far a link lies behind its motor (K,), without what is above the cutoff, and its two rates: (3, K)."""
+    """The lag of a link behind its motor (K,), low-passed at the cutoff, and its two rates: (3, K)."""
     interval = robot.coarse.interval
     position = behind
     if robot.every > 1 and len(behind) >= SHORTEST:

@@ -1,4 +1,4 @@
-"""What acts in joints without a motor, seen by the motors through the loops."""
+"""Effects in joints without a motor, which load motors through the loops."""
 
 from abc import abstractmethod
 from dataclasses import dataclass
@@ -23,22 +23,22 @@ def passive_velocity(robot: RobotSignals, joint: str) -> np.ndarray:
 
 
 def seen_by_motors(robot: RobotSignals, joint: str, torque: np.ndarray) -> np.ndarray:
-    """What the motors need against a torque or force (N,) in a hinge or slide, (N, n): virtual work, J_t' torque."""
+    """Motor torques (N, n) against a torque or force (N,) in a hinge or slide: virtual work, J_t' torque."""
     index = robot.geometry.joints[robot.geometry.joint_index(joint)].v.start
     return robot.tree.jacobian[:, index, :] * torque[:, None]
 
 
 @dataclass(frozen=True)
 class PassiveEffect(Effect):
-    """An effect in a joint without a motor that follows from its position, velocity and acceleration."""
+    """An effect in a joint without a motor, a function of its position, velocity and acceleration."""
 
     place = "passive"
 
     @abstractmethod
     def torque(self, position: np.ndarray, velocity: np.ndarray, acceleration: np.ndarray) -> np.ndarray:
-        """Torque or force (N, d, p) in the joint for a value of one of each parameter.
+        """Torque or force (N, d, p) in the joint for a unit value of each parameter.
 
-        position (N, 1): rad or m, zero where the MJCF has it; nothing to go by in a ball joint. velocity, acceleration
+        position (N, 1): rad or m, zero where the MJCF has it; not meaningful in a ball joint. velocity, acceleration
         (N, d): d is 1 in a hinge or slide, 3 in a ball joint, see `joint_rates`.
         """
 
@@ -47,7 +47,7 @@ class PassiveEffect(Effect):
         return self.with_rates(robot.geometry, robot.tree, joint)[1]
 
     def columns(self, robot: RobotSignals, joint: str) -> np.ndarray:
-        """Columns (N, n, p): what the motors need against `torque`, by virtual work."""
+        """Columns (N, n, p): motor torques against `torque`, by virtual work."""
         rates, torque = self.with_rates(robot.geometry, robot.tree, joint)
         return np.einsum("kdn,kdp->knp", rates.jacobian, torque)
 

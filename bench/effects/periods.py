@@ -1,4 +1,4 @@
-"""Disturbances that repeat with the position: their phase, and how many periods there are."""
+"""Disturbances that repeat with the position: their phase and number of periods."""
 
 from collections.abc import Sequence
 
@@ -8,18 +8,18 @@ from bench.effects.effect import Bracket, JointSamples, ShapeParameter
 from bench.effects.signals import JointSignals
 
 FEWEST = 0.75  # periods within the travel; slower changes look like gravity
-FINENESS = 5.0  # steps of the search in what one more period within the travel is
+FINENESS = 5.0  # search steps per additional period within the travel
 MOST_STEPS = 4000
 PERIODS = ShapeParameter(
     "periods", "1/{turn}", (4.0, 6.0, 12.0, 24.0, 48.0, 96.0, 192.0), unlike=int(MOST_STEPS / FINENESS)
 )
 SLOW = 0.2  # of the RMS speed: a joint spends enough time below it
 PEAKS = 3
-TOGETHER = 500_000  # values of a wave that are worked out at a time: they stay in the processor's cache
+TOGETHER = 500_000  # values of a wave computed at a time: they stay in the processor's cache
 
 
 def phase(position: np.ndarray, periods: float, rotates: bool) -> np.ndarray:
-    """Angle (N,) in rad of a disturbance with so many periods a turn (hinge) or a metre (slide)."""
+    """Phase (N,) in rad of a disturbance with `periods` per turn (hinge) or per metre (slide)."""
     return position * periods * (1.0 if rotates else 2.0 * np.pi)
 
 
@@ -30,18 +30,17 @@ def wave(position: np.ndarray, periods: float, rotates: bool) -> np.ndarray:
 
 
 def followed_wave(joint: JointSignals, periods: float) -> np.ndarray:
-    """The same (N, 2) along a joint's samples, nothing where they are too far apart for a wave so fast."""
+    """The same (N, 2) along a joint's samples, zero where they are too far apart for the wave."""
     seen = joint.follows(phase(joint.position, periods, joint.rotates))
     return wave(joint.position, periods, joint.rotates) * seen[:, None]
 
 
 def strongest_periods(samples: Sequence[JointSamples], carriers: Sequence[np.ndarray]) -> tuple[Bracket, ...]:
-    """The periods that stand out of a joint's error: peaks of its least-squares periodogram over position.
+    """The prominent periods of a joint's error: peaks of its least-squares periodogram over position.
 
-    carriers: for every recording what multiplies the wave, (M,). A sample counts where the low-pass of the fit
-    lets the wave through, |rate of the phase| below 2 pi band. In single precision, since the periods are refined
-    afterwards. Source: Lomb, "Least-squares frequency analysis of unequally spaced data", Astrophysics and Space
-    Science 39, 1976.
+    carriers: the factor of the wave for every recording, (M,). A sample counts if the low-pass of the fit passes the
+    wave, |rate of the phase| below 2 pi band. In single precision, since the periods are refined afterwards. Source:
+    Lomb, "Least-squares frequency analysis of unequally spaced data", Astrophysics and Space Science 39, 1976.
     """
     joint = samples[0]
     turn = _one_in_the_travel(joint)
@@ -67,7 +66,7 @@ def strongest_periods(samples: Sequence[JointSamples], carriers: Sequence[np.nda
 
 
 def next_to(value: float, samples: Sequence[JointSamples]) -> Bracket:
-    """About so many periods, as far as the peak of a periodogram reaches: one more or fewer within the travel."""
+    """Range of periods about a value, as wide as a periodogram's peak: one more or fewer within the travel."""
     turn = _one_in_the_travel(samples[0])
     return min(value, max(value - turn, FEWEST * turn)), value, value + turn
 
@@ -77,7 +76,7 @@ def _one_in_the_travel(joint: JointSamples) -> float:
 
 
 def _moments(grid: np.ndarray, sample: JointSamples, carrier: np.ndarray) -> np.ndarray:
-    """Inner products (G, 5) of waves of so many periods each, with themselves and with the error."""
+    """Inner products (G, 5) of waves of these periods, with themselves and with the error."""
     angle = np.outer(grid, phase(sample.position, 1.0, sample.rotates)).astype(np.float32)
     pace = np.abs(phase(sample.velocity, 1.0, sample.rotates))
     most = 2.0 * np.pi * sample.band / np.maximum(pace, np.finfo(float).tiny)

@@ -1,4 +1,4 @@
-"""Where in a robot effects can sit."""
+"""Places of effects in a robot."""
 
 from collections.abc import Iterable
 from dataclasses import dataclass, field
@@ -15,7 +15,7 @@ class Places:
     """Names of all that can have an effect: joints with and without a motor, bodies with a length, payloads.
 
     passive: hinges and slides; balls: ball joints, which some effects of passive joints can have, too. redundant:
-    joints with a motor that do not move independently. geometry: what tells whose force follows from the motion.
+    joints with a motor that do not move independently. geometry: determines `bearing`.
     """
 
     actuator: tuple[str, ...]
@@ -28,7 +28,7 @@ class Places:
 
     @cached_property
     def bearing(self) -> tuple[str, ...]:
-        """Those of the passive joints whose force follows from the motion."""
+        """The passive joints whose force the motion determines."""
         geometry = self.geometry
         return tuple(
             name
@@ -44,7 +44,7 @@ class Places:
         )
 
     def where(self, effect: Effect) -> tuple[str, ...]:
-        """Where an effect can sit. At a redundant motor, what shows in its motor's torque and needs no model."""
+        """Places of an effect. At a redundant motor, only effects on its motor's torque that need no model."""
         alone = isinstance(effect, ActuatorEffect) and type(effect).columns is ActuatorEffect.columns
         more = self.redundant if alone and not effect.depends_on_model else ()
         if effect.place == "passive" and effect.in_balls:
@@ -54,14 +54,14 @@ class Places:
         return (*self.of(effect.place), *more)
 
     def effect_at(self, effect: Effect, place: str) -> Effect:
-        """The effect as it is at one of the places where it can sit."""
+        """The effect in its form at one of its places."""
         if effect.place != "robot" or not place or self.geometry is None:
             return effect
         return effect.in_joints_of(self.geometry)[place]
 
     def of(self, place: Place) -> tuple[str, ...]:
-        """Where effects of that kind can sit; one empty name for the whole robot."""
-        if place == "bearing":  # takes its time, and few ask for it
+        """Places for effects of that kind; one empty name for the whole robot."""
+        if place == "bearing":  # slow, and rarely needed
             return self.bearing
         everywhere: dict[Place, tuple[str, ...]] = {
             "actuator": self.actuator,

@@ -1,4 +1,4 @@
-"""Rows that were computed before, kept for when they are asked for again."""
+"""Cache of computed rows."""
 
 from collections.abc import Hashable
 from math import prod
@@ -11,7 +11,7 @@ Value = TypeVar("Value")
 
 
 class LeastAsked(Generic[Value]):
-    """Values by what they follow from; those not asked for the longest go where all are too large."""
+    """Values by key; the least recently used are dropped if all are too large."""
 
     def __init__(self, most_bytes: int = MOST_BYTES) -> None:
         self._parts: dict[Hashable, tuple[Value, int]] = {}
@@ -20,13 +20,13 @@ class LeastAsked(Generic[Value]):
 
     @property
     def nbytes(self) -> int:
-        """What is kept takes so much."""
+        """Total size of the values."""
         return self._bytes
 
     def get(self, key: Hashable) -> Value | None:
-        """The value kept for this key, not to be changed; None where there is none.
+        """The value for this key, not to be changed; None if there is none.
 
-        Raises TypeError where it cannot be a key.
+        Raises TypeError if it cannot be a key.
         """
         part = self._parts.pop(key, None)
         if part is None:
@@ -35,7 +35,7 @@ class LeastAsked(Generic[Value]):
         return part[0]
 
     def keep(self, key: Hashable, value: Value, nbytes: int) -> None:
-        """Keep a value that takes so much, and that nobody may change from now on."""
+        """Keep a value of `nbytes`, which nobody may change from now on."""
         if nbytes > self._most or key in self._parts:
             return
         self._parts[key] = value, nbytes
@@ -52,7 +52,7 @@ class LeastAsked(Generic[Value]):
 class KeptRows:
     """Arrays (M, ...) as `LeastAsked` has them.
 
-    Where most columns are zero, as those of an effect at one motor are, only the others take memory.
+    Zero columns, of which an effect at one motor has many, take no memory.
     """
 
     def __init__(self, most_bytes: int = MOST_BYTES) -> None:

@@ -1,4 +1,4 @@
-"""Columns of effects that are not linear: difference quotients of the present model's torque."""
+"""Columns of nonlinear effects: difference quotients of the present model's torque."""
 
 from collections.abc import Callable
 
@@ -15,9 +15,9 @@ def secant(
 ) -> np.ndarray:
     """The change of torque (N, n) for a parameter, over the parameter: one column (N, n, 1).
 
-    The parameter's value is `about` to DIGITS digits, so that a change is known again when it hardly moves; its size
-    is between the bounds. Where the loops cannot be closed with it, the least value of either sign is tried; where they
-    cannot be closed at all, the column is zero.
+    The parameter's value is `about` to DIGITS digits, so that a cached change serves for small moves; its size is
+    between the bounds. If the loops cannot be closed with it, the least value of either sign is tried; if they never
+    close, the column is zero.
     """
     size = min(max(abs(rounded(about)), least), most)
     for step in (-size if about < 0 else size, least, -least):
@@ -30,5 +30,5 @@ def secant(
 
 
 def rounded(value: float) -> float:
-    """A value to DIGITS digits: what was computed for it holds for all that hardly differ."""
+    """A value to DIGITS digits, so that results serve for all similar values."""
     return float(f"{value:.{DIGITS - 1}e}")

@@ -1,4 +1,4 @@
-"""Find effects by name, and where they sit."""
+"""Select effects by name and place."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -32,8 +32,8 @@ UNDETERMINED = {
 class EffectInstance:
     """An effect at one place (empty: the whole robot); `request` is how the user named it.
 
-    recording: the only one, of those `among` which the effect has a value each, to which this value belongs; empty
-    where one value holds for all.
+    recording: the one to which this value belongs, of those `among` which the effect has a value each; empty if one
+    value holds for all.
     """
 
     effect: Effect
@@ -49,7 +49,7 @@ class EffectInstance:
 
     @property
     def seat(self) -> tuple[str, str]:
-        """Its effect and joint, whichever recording its value belongs to."""
+        """Its effect and joint, whatever the recording of its value."""
         return self.effect.name, self.joint
 
     @property
@@ -63,7 +63,7 @@ class EffectInstance:
         return (self.joint or ROBOT) + (f"@{self.recording}" if self.recording else "")
 
     def share(self, log: str) -> float:
-        """The share by which its columns count in a recording: the mean of all values holds for one that has none."""
+        """Share of its columns in a recording: one without a value gets the mean of all values."""
         if not self.recording:
             return 1.0
         if log in self.among:
@@ -86,7 +86,7 @@ def with_value_each(effect: Effect, joint: str, logs: tuple[str, ...]) -> list[E
 
 
 def parameter_slices(effects: Sequence[EffectInstance]) -> list[tuple[EffectInstance, slice]]:
-    """Every effect, and where its parameters stand among those of all, one effect after the other."""
+    """Every effect, and the slice of its parameters among those of all."""
     ends = accumulate((len(instance.effect.parameters) for instance in effects), initial=0)
     return [(instance, slice(*part)) for instance, part in zip(effects, pairwise(ends), strict=True)]
 
@@ -97,7 +97,7 @@ def select_effects(
     catalogue: Mapping[str, Effect] = CATALOGUE,
     recordings: Sequence[str] = (),
 ) -> tuple[EffectInstance, ...]:
-    """Effects named as EFFECT (wherever it can sit) or EFFECT:PLACE, in the order given.
+    """Effects named as EFFECT (at all its places) or EFFECT:PLACE, in the order given.
 
     With @recording behind it an effect has a value for each of the `recordings`, the fitted ones by name.
     Raises BenchError that names an unknown effect, place or tag, an effect given twice for one place, or one that
@@ -143,14 +143,14 @@ def select_effects(
 
 
 def can_differ(effect: Effect) -> bool:
-    """Whether an effect can have a value for each recording: no shape parameter, and no length or payload, which stays
-    what it is.
+    """Whether an effect can have a value for each recording: no shape parameter, and not a length or payload, which do
+    not change.
     """
     return not effect.shape and effect.place in {"actuator", "passive", "bearing", "robot"}
 
 
 def _parts(request: str, places: Places) -> tuple[str, str, bool]:
-    """Name, place (empty: everywhere) and whether a value for each recording is asked for."""
+    """Name, place (empty: everywhere) and whether a value for each recording is requested."""
     named = request.removesuffix(TAG)
     name, _, joint = named.partition(":")
     plain = request.partition(":")[2]

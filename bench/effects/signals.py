@@ -1,4 +1,4 @@
-"""What an effect may know of a recording and of the model as it is at present."""
+"""The signals of a recording and of the present model that effects may use."""
 
 from collections.abc import Callable, Hashable, Mapping
 from dataclasses import dataclass, field
@@ -13,19 +13,18 @@ from bench.model.geometry import Geometry
 from bench.model.motion import Motion
 from bench.signals.filtering import low_pass
 
-OVERSAMPLING = 8.0  # coarse samples in one period of the highest frequency that the fit sees
-WIDER = 2.0  # cut-off of the motor torque in units of that frequency: the filter takes 0.4 % off there
+OVERSAMPLING = 8.0  # coarse samples in one period of the highest frequency in the fit
+WIDER = 2.0  # cut-off of the motor torque in units of that frequency: the filter attenuates by 0.4 % there
 
 
 @dataclass(frozen=True)
 class JointSignals:
-    """What is known of one actuated joint at every sample, each (N,), before decimation.
+    """Signals of one actuated joint at every sample, each (N,), before decimation.
 
-    time s, from the start of the recording; position, velocity, acceleration in rad or m and their rates,
-    filtered; current in drive units, as logged; gain: the drive gain, N*m or N per drive unit, as the present
-    model has it (nominal at first). `speed` is the joint's RMS speed over all fitted recordings, `rate` the
-    sampling rate in Hz, `band` the highest frequency in Hz that the fit sees; rotates: a hinge, not a slide.
-    `needs` computes `needed_torque`.
+    time s, from the start of the recording; position, velocity, acceleration in rad or m and their rates, filtered;
+    current in drive units, as logged; gain: the present model's drive gain, N*m or N per drive unit (nominal at first).
+    `speed` is the joint's RMS speed over all fitted recordings, `rate` the sampling rate in Hz, `band` the highest
+    frequency in Hz in the fit; rotates: a hinge, not a slide. `needs` computes `needed_torque`.
     """
 
     time: np.ndarray
@@ -42,10 +41,10 @@ class JointSignals:
 
     @cached_property
     def needed_torque(self) -> np.ndarray:
-        """What the present model and its effects ask of the motor (N,), N*m or N: free of the current's noise.
+        """Torque (N,), N*m or N, that the present model and its effects require of the motor, free of current noise.
 
-        Without the effects that stand between current and torque or ask for it themselves, and without what lies above
-        the fit's band.
+        Without effects between current and torque, effects that use it themselves, and frequencies above the fit's
+        band.
         """
         return self._smooth(self.needs())
 
@@ -55,7 +54,7 @@ class JointSignals:
         return self._smooth(self.gain * self.current)
 
     def follows(self, phase: np.ndarray) -> np.ndarray:
-        """Whether the samples (N,) are near enough to each other for what has this phase (N,), rad: all of a log's."""
+        """Whether samples (N,) are dense enough for a signal of this phase (N,), rad: all of a log are."""
         return np.ones(len(phase), dtype=bool)
 
     def _smooth(self, values: np.ndarray) -> np.ndarray:
@@ -64,13 +63,13 @@ class JointSignals:
 
 
 class AskedWithinError(Exception):
-    """An effect asked for the torque that the model needs while that was being added up from its effects."""
+    """An effect asked for the model's needed torque while this was being summed from its effects."""
 
 
 @dataclass(frozen=True, eq=False)
 class Changed:
-    """What is otherwise than measured: active positions, velocities and accelerations (K, n) each, gravity (3,) m/s2,
-    or the geometry; None where nothing is.
+    """Changes from the measured state: active positions, velocities and accelerations (K, n) each, gravity (3,) m/s2,
+    or the geometry; None if unchanged.
     """
 
     motion: tuple[np.ndarray, np.ndarray, np.ndarray] | None = None
@@ -84,8 +83,8 @@ UNCHANGED = Changed()
 class TorqueModel(Protocol):
     """The rigid-body torque of the present model, payload included, for every `every`-th sample.
 
-    At the measured motion, or where it is changed, K = ceil(N / every). Returns (K, n), N*m or N. Raises BenchError
-    where the loops cannot be closed.
+    At the measured or a changed motion, K = ceil(N / every). Returns (K, n), N*m or N. Raises BenchError if the loops
+    cannot be closed.
     """
 
     def __call__(self, changed: Changed = UNCHANGED, every: int = 1) -> np.ndarray: ...
@@ -93,12 +92,12 @@ class TorqueModel(Protocol):
 
 @dataclass(frozen=True)
 class JointReaction:
-    """What a joint bears across its axis by the present model, in two directions at right angles to it.
+    """Bearing force of a joint by the present model, in two directions perpendicular to its axis.
 
-    force (K, 2) N, at every so many-th sample; of_mass (K, 2) N/kg: what a mass on the joint's axis, beyond it, adds.
-    mass: kg, how much of that the force of equal bars, as heavy as the model, has in addition. by_torque: what a
-    torque or force of one that another joint without a motor needs, by name, or the joint itself, adds to it (K, 2, d),
-    d: 1 of a hinge or slide, 3 of a ball joint.
+    force (K, 2) N, at one of `every` samples; of_mass (K, 2) N/kg: by a mass on the joint's axis, beyond it. mass: kg,
+    the additional mass on the axis with equal bars as heavy as the model. by_torque: by a unit torque or force in
+    another joint without a motor, by name, or in the joint itself (K, 2, d), d: 1 of a hinge or slide, 3 of a ball
+    joint.
     """
 
     force: np.ndarray
@@ -108,15 +107,15 @@ class JointReaction:
 
 
 class ReactionModel(Protocol):
-    """What a joint without a motor bears, for every `every`-th sample. Raises BenchError for any other joint."""
+    """Bearing force of a passive joint, for every `every`-th sample. Raises BenchError for any other joint."""
 
     def __call__(self, joint: str, every: int) -> JointReaction: ...
 
 
 @dataclass(frozen=True)
 class Coarse:
-    """Every so many-th sample of a recording, enough for what is smooth: time (K,) s, interval s; of the active
-    joints position, velocity and acceleration, and the present model's rigid-body torque, (K, n) each.
+    """Thinned samples of a recording, enough for smooth signals: time (K,) s, interval s; of the active joints
+    position, velocity and acceleration, and the present model's rigid-body torque, (K, n) each.
     """
 
     time: np.ndarray
@@ -129,9 +128,9 @@ class Coarse:
 
 @dataclass(frozen=True)
 class Sparse:
-    """Signals that are every so many-th of `length` samples of a recording, from the first one on.
+    """Signals at one of `every` samples of a recording's `length`, from the first.
 
-    shares: of every joint the share of each sample, half way to its neighbours, that lies in a gap, (K,) each.
+    shares: for every joint, the part of each sample's interval that lies in a gap, (K,) each.
     """
 
     every: int
@@ -144,20 +143,19 @@ class RobotSignals:
     """One recording of a whole robot before decimation: N samples, n motors.
 
     joints: the actuated ones that move independently by name, in actuator order; redundant: the others with a motor.
-    `moved` computes `tree`. payload: the name of what it carries, None without; payload_mass kg, as declared, zero
-    where unknown; `carried` computes `payload_torque`. torque: the rigid-body torque of the present model, less what
-    redundant motors give. joint_reaction: forces in joints by it; in_joints: what its effects need (N, d) in joints
-    without a motor, by name, N*m or N; at_links: what its effects that act on links need of the motors (N, n), N*m or
-    N. An effect that depends on the model is linearised about the present one, and the
-    fit repeats until it converges. gaps: stretches of samples in which each joint does not move. offsets: of the
-    present model's encoders by joint, rad or m. log: the recording whose values hold, of effects that have a
-    value for each. lasting: rows of effects that do not depend on the present model, kept as long as the recording;
-    passing: those that do. noted: what else effects have computed of the present model. sparse: where these are not all
-    samples of the recording.
+    `moved` computes `tree`. payload: the name of what it carries, None without; payload_mass kg, as declared, zero if
+    unknown; `carried` computes `payload_torque`. torque: the rigid-body torque of the present model, less that of
+    redundant motors. joint_reaction: its forces in joints; in_joints: torques (N, d) of its effects in joints without a
+    motor, by name, N*m or N; at_links: motor torques (N, n) for its effects on links, N*m or N. An effect that depends
+    on the model is linearised about the present one, and the fit repeats until it converges. gaps: stretches of samples
+    in which each joint is at rest. offsets: of the present model's encoders by joint, rad or m. log: the recording, for
+    effects with a value for each. lasting: rows of effects that do not depend on the present model, kept as long as the
+    recording; passing: those that do. noted: other results of effects for the present model. sparse: set if these are
+    not all samples of the recording.
     """
 
     expands: ClassVar[bool] = False
-    """Whether what a search tries needs to be right to second order only, in an effect's value."""
+    """Whether candidates of a search need only be exact to second order in an effect's value."""
 
     joints: Mapping[str, JointSignals]
     geometry: Geometry
@@ -179,27 +177,27 @@ class RobotSignals:
     sparse: Sparse | None = None
 
     def forget(self) -> None:
-        """Free what effects have noted, where their rows are known: it is computed again where it is asked for."""
+        """Free what effects have noted, once their rows are known: it is computed again on demand."""
         self.noted.clear()
 
     @property
     def sparsely(self) -> "RobotSignals":
-        """As effects see it whose columns are tried often: in a search, at few samples."""
+        """For effects whose columns are often tried: in a search, at few samples."""
         return self
 
     @property
     def length(self) -> int:
-        """How many samples the recording has."""
+        """Number of samples of the recording."""
         return len(self.time) if self.sparse is None else self.sparse.length
 
     @cached_property
     def tree(self) -> Motion:
-        """The motion of all joints of the opened tree, where the encoders of the present model have their zero."""
+        """The motion of all joints of the opened tree, with the encoder zeros of the present model."""
         return self.moved()
 
     @property
     def as_measured(self) -> bool:
-        """Whether that is where the encoders say: rows that follow from it then last as long as the recording."""
+        """Whether that is the measured motion: rows from it then last as long as the recording."""
         return not any(self.offsets.values())
 
     @cached_property
@@ -234,7 +232,7 @@ class RobotSignals:
 
     @cached_property
     def every(self) -> int:
-        """How many samples apart the coarse ones lie."""
+        """Number of samples per coarse one."""
         joint = next(iter(self.joints.values()))
         return max(1, int(joint.rate / (OVERSAMPLING * joint.band)))
 
@@ -265,10 +263,10 @@ class RobotSignals:
         gravity: np.ndarray | None = None,
         geometry: Geometry | None = None,
     ) -> np.ndarray:
-        """How the present model's torque changes with its motion, gravity or geometry, (N, n), N*m or N.
+        """Change of the present model's torque with motion, gravity or geometry, (N, n), N*m or N.
 
-        shift (3, K, n): what is added to the coarse positions, velocities and accelerations. Evaluated at the
-        coarse samples. Raises BenchError where the loops cannot be closed after the change.
+        shift (3, K, n): added to the coarse positions, velocities and accelerations. Evaluated at the coarse samples.
+        Raises BenchError if the loops cannot be closed after the change.
         """
         return self.refined(self.coarse_change(shift, gravity=gravity, geometry=geometry))
 

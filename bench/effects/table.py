@@ -1,10 +1,10 @@
-"""A function by its values at some places, with straight lines between."""
+"""A function by its values at some points, linear between them."""
 
 import numpy as np
 
 
 def hat(x: np.ndarray, before: float, at: float, after: float) -> np.ndarray:
-    """The part (N,) of a table's value at `at` that holds at x (N,): 1 there, falling to 0 at its neighbours.
+    """Weight (N,) of a table's value at `at` for x (N,): 1 there, falling to 0 at its neighbours.
 
     At a table's end, where `before` or `after` is `at` itself, it stays 1 beyond.
     """

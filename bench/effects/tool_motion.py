@@ -1,4 +1,4 @@
-"""Where the tool is, and what a force there asks of the motors."""
+"""The tool's position, and the motor torques for a force there."""
 
 import numpy as np
 
@@ -8,10 +8,10 @@ from bench.model.kinematics import ancestors, end_of, end_point, frames_of, link
 
 
 def tool_motion(robot: RobotSignals) -> tuple[np.ndarray, np.ndarray]:
-    """At the coarse samples: the tool's way from home (K, 3) in m, and its Jacobian (K, 3, n).
+    """At the coarse samples: the tool's offset from home (K, 3) in m, and its Jacobian (K, 3, n).
 
-    In the world's axes. The Jacobian is by the active velocities. For a robot without a tool, the origin of its
-    free platform, or of its last body, is used.
+    In the world's axes. The Jacobian is by the active velocities. For a robot without a tool, the origin of its free
+    platform or last body is used.
     """
     geometry, tree = robot.geometry, robot.tree
     q = np.column_stack((geometry.home, tree.q[:: robot.every].T))

@@ -18,7 +18,7 @@ PREFIX = "bench_user_effects_"
 def catalogue_for(*files: Iterable[Path]) -> Mapping[str, Effect]:
     """The built-in effects and those of the user's files, by name in alphabetical order.
 
-    Raises BenchError that names a file and what is wrong with it, or two effects of the same name.
+    Raises BenchError that names a file and its fault, or two effects of the same name.
     """
     effects = dict(CATALOGUE)
     origin = dict.fromkeys(CATALOGUE, "a built-in one")
@@ -34,14 +34,14 @@ def catalogue_for(*files: Iterable[Path]) -> Mapping[str, Effect]:
 def load_effects(path: str | Path) -> dict[str, Effect]:
     """The effects that a Python file defines, by name: its subclasses of Effect or ActuatorEffect.
 
-    The file is run. Raises BenchError that names the file, and the line where it can.
+    The file is run. Raises BenchError that names the file and, if possible, the line.
     """
     path = Path(path)
     return effects_in(read_source(path), path)
 
 
 def effects_in(source: str, path: Path) -> dict[str, Effect]:
-    """The effects that the text of such a file defines, of a file that is there or is yet to be written."""
+    """The effects that the text of such a file defines, whether the file exists or not."""
     module = module_of(source, path, PREFIX)
     classes = [
         member
@@ -80,7 +80,7 @@ def _instance(kind: type[Effect], path: Path) -> Effect:
 
 
 def effect_fault(effect: Effect) -> str | None:
-    """What is wrong with the class of an effect, in words; None where nothing is."""
+    """The fault of an effect's class, in words; None if there is none."""
     name = getattr(effect, "name", None)
     parameters = getattr(effect, "parameters", ())
     if not isinstance(name, str) or not name.isidentifier():

@@ -1,9 +1,9 @@
-"""The band of the currents that a motion asks for, held against the band of the motion itself.
+"""The band of the currents that a motion requires, compared with the band of the motion.
 
-The fit opens its filters as wide as the currents need (`bench.signals.settings`), and the noise of the encoders'
-accelerations that they then let through grows with the power 5/2 of the band. A narrow peak of the current, as near a
-singular pose, therefore costs more than it tells: the errors of encoders, and of the time steps of a simulation, grow
-past the noise of the currents.
+The fit opens its filters as wide as the currents need (`bench.signals.settings`), and the encoder noise of
+accelerations that passes them grows with the power 5/2 of the band. A narrow current peak, as near a singular pose,
+therefore costs more than it is worth: the errors of encoders, and of a simulation's time steps, exceed the noise of the
+currents.
 """
 
 import numpy as np
@@ -16,7 +16,7 @@ from bench.signals.bounds import BANDS
 def current_above(
     current: np.ndarray, rate: float, trajectory: FourierTrajectory
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Currents or torques (N, n) about their mean, at a rate in Hz, in Hann's window, and what of them lies above
+    """Currents or torques (N, n) about their mean, at a rate in Hz, in Hann's window, and their part above
     `DESIGN.current_band` times the highest harmonic, (N, n) each.
     """
     whole = hann(len(current))[:, None] * (current - current.mean(axis=0))
@@ -27,9 +27,9 @@ def current_above(
 
 
 def band_shares(current: np.ndarray, rate: float, trajectory: FourierTrajectory) -> np.ndarray:
-    """How much of the RMS of each current (N, n) lies above the band, as a share of what may (n,): at most 1.
+    """RMS of each current (N, n) above the band, as a share (n,) of the allowed RMS: at most 1.
 
-    What may is what the fit lets lie above its band, `BANDS.current_loss` of the power.
+    The fit allows `BANDS.current_loss` of the power above its band.
     """
     whole, above = current_above(current, rate, trajectory)
     power = (whole**2).sum(axis=0)

@@ -22,8 +22,8 @@ from bench.scenario.trajectory import FourierTrajectory, random_trajectory
 
 @dataclass(frozen=True)
 class Movement:
-    """What a trajectory may do. span, velocity, acceleration (n,): largest distance from `center`, rad or m,
-    and largest rates; fitted: whether its recording is for identification, with `payload` or None.
+    """Limits of a trajectory. span, velocity, acceleration (n,): largest distance from `center`, rad or m, and largest
+    rates; fitted: whether its recording is for identification, with `payload` or None.
     """
 
     name: str
@@ -42,7 +42,7 @@ class Movement:
 
 @dataclass(frozen=True)
 class Designed:
-    """Trajectories by recording name, and the condition number that the fitted ones give together."""
+    """Trajectories by recording name, and the condition number of all fitted ones."""
 
     trajectories: Mapping[str, FourierTrajectory]
     condition: float
@@ -50,12 +50,12 @@ class Designed:
 
 @on_one_thread
 def design_trajectories(robot: Robot, movements: Sequence[Movement], progress: Progress = SILENT) -> Designed:
-    """Trajectories inside all limits; those of fitted recordings make the condition number small.
+    """Trajectories inside all limits; those of fitted recordings minimise the condition number.
 
-    The criterion is the condition number of the observation matrix with columns of unit length, drive gain
-    and payload columns included, for all fitted recordings together (Gautier and Khalil, "Exciting
-    trajectories for the identification of base inertial parameters of robots", 1992). Random starts, then
-    random improvements of the best; the seeds of the movements decide everything.
+    The criterion is the condition number of the observation matrix with columns of unit length, drive gain and payload
+    columns included, for all fitted recordings together (Gautier and Khalil, "Exciting trajectories for the
+    identification of base inertial parameters of robots", 1992). Random starts, then random improvements of the best;
+    results depend only on the movements' seeds.
     """
     model = build_model(robot)
     limits = limits_of(model.geometry)
@@ -117,7 +117,7 @@ def _changed(
     spread: float,
     random: np.random.Generator,
 ) -> _Tried | None:
-    """A random trajectory near another one; None where it is not feasible."""
+    """A random trajectory near another one; None if it is not feasible."""
     trajectory = within(movement, changed(before.trajectory, spread, random))
     motion = feasible_motion(model.geometry, limits, trajectory, _times(movement), near=before.motion)
     return None if motion is None else _in_band(model, movement, trajectory, motion)
@@ -140,7 +140,7 @@ def drawn(movement: Movement, random: np.random.Generator) -> FourierTrajectory:
 
 
 def changed(trajectory: FourierTrajectory, spread: float, random: np.random.Generator) -> FourierTrajectory:
-    """Every coefficient moved at random, by `spread` times the size that its harmonic has."""
+    """Every coefficient changed at random, by `spread` times the size of its harmonic."""
     size = np.sqrt((trajectory.a**2 + trajectory.b**2).mean(axis=1, keepdims=True))
     size = spread * size / np.arange(1, trajectory.harmonics + 1)
     return replace(
@@ -210,7 +210,7 @@ def _shrunk(
 def _in_band(
     model: IdentificationModel, movement: Movement, trajectory: FourierTrajectory, motion: Motion
 ) -> _Tried | None:
-    """A feasible trajectory with its rows; None where torques of bodies as guessed have peaks too narrow for a fit."""
+    """A feasible trajectory with its rows; None if torques of guessed bodies have peaks too narrow for a fit."""
     rows, torque = _rows(model, movement, motion)
     rate = (len(motion.time) - 1) / float(motion.time[-1] - motion.time[0])
     return None if np.any(band_shares(torque, rate, trajectory) > 1.0) else _Tried(trajectory, motion, rows)
@@ -230,8 +230,8 @@ def _condition(tried: Mapping[str, _Tried], movements: Sequence[Movement]) -> fl
 
 
 def _rows(model: IdentificationModel, movement: Movement, motion: Motion) -> tuple[np.ndarray, np.ndarray]:
-    """Rows (N n, c) and torques (N, n) of bodies as guessed. Columns: base parameters, drive gains, and (where it has
-    any) the payload's unknown parameters.
+    """Rows (N n, c) and torques (N, n) of guessed bodies. Columns: base parameters, drive gains, and the payload's
+    unknown parameters, if any.
     """
     geometry = model.geometry
     columns = model.base.columns

@@ -1,4 +1,4 @@
-"""What a planned movement must keep: joint ranges, and its distance from singular poses."""
+"""Limits of a planned movement: joint ranges, and the distance from singular poses."""
 
 from dataclasses import dataclass, replace
 
@@ -47,8 +47,8 @@ def limits_of(geometry: Geometry) -> Limits:
 
 
 def passive_room(geometry: Geometry) -> tuple[PassiveRange, ...]:
-    """The ranges of passive joints with a margin to their end stops, in which motions stay: a controller follows a
-    motion only nearly. Where home is within the margin, half of its distance from the end is kept.
+    """The ranges of passive joints for motions, with a margin to end stops, since a controller follows a motion only
+    approximately. If home is within the margin, half of its distance from the end is kept.
     """
     return tuple(
         _with_margin(limit, float(limit.at(geometry.home[None])[0])) for limit in passive_ranges(geometry)
@@ -76,9 +76,9 @@ def unlimited(geometry: Geometry) -> tuple[str, ...]:
 
 
 def keeps_clear(geometry: Geometry, limits: Limits, motion: Motion) -> bool:
-    """Whether a motion keeps its distance from poses in which the loops come loose, slow ones included.
+    """Whether a motion keeps its distance from singular poses, even when slow.
 
-    Where the rods of a five-bar are in line no joint need move fast, and yet the rods can turn either way.
+    When the rods of a five-bar are in line, no joint need move fast, and yet the rods can turn either way.
     """
     if not geometry.closed:
         return True
@@ -93,9 +93,9 @@ def feasible_motion(
     time: np.ndarray,
     near: Motion | None = None,
 ) -> Motion | None:
-    """The motion at the times (N,) if it keeps the limits, None otherwise.
+    """The motion at the times (N,) if it keeps the limits, else None.
 
-    near: of nearly this trajectory at the same times; a closure converges sooner from there.
+    near: of a similar trajectory at the same times, from which closures converge faster.
     """
     position, velocity, acceleration = trajectory.evaluate(time)
     if np.any(position < limits.low) or np.any(position > limits.high):

@@ -26,7 +26,7 @@ from bench.scenario.trajectory import FourierTrajectory
 def designer(
     scenario: Scenario, recordings: Sequence[RecordingTable], progress: Progress = SILENT
 ) -> dict[str, FourierTrajectory]:
-    """Trajectories for the recordings of a scenario that ask for an optimised one, by recording name."""
+    """Trajectories for the recordings of a scenario that request an optimised one, by recording name."""
     movements = tuple(_movement(scenario, recording) for recording in recordings)
     return dict(_designed(_Request(scenario.robot, _DesignKey(movements), progress)).trajectories)
 
@@ -54,7 +54,7 @@ class _DesignKey(tuple[Movement, ...]):
 
 @dataclass(frozen=True)
 class _Request:
-    """What is designed; requests of which only the progress differs are the same."""
+    """A design request; requests that differ only in progress are equal."""
 
     robot: Robot
     movements: _DesignKey

@@ -1,4 +1,4 @@
-"""What identified parameters say of the bodies' standard parameters, as linear equations; what is assumed else."""
+"""Linear equations of identified parameters for the bodies' standard parameters, and priors for the rest."""
 
 from dataclasses import dataclass
 
@@ -14,9 +14,7 @@ from bench.model.geometry import Geometry, Placement
 from bench.model.guess import guessed_parameters
 from bench.model.regressor import moved_parameters
 
-SLENDER = (
-    1e-4  # of a body's longest extent squared: a body thinner than its hundredth is taken to be that thick
-)
+SLENDER = 1e-4  # of a body's squared longest extent: a body thinner than a hundredth counts as that thick
 LOAD = "payload "  # what the names of payloads begin with, among those of bodies
 
 
@@ -54,7 +52,7 @@ def from_scaled(root: np.ndarray) -> np.ndarray:
 
 
 def about_center(parameters: np.ndarray) -> tuple[float, np.ndarray, np.ndarray]:
-    """Mass kg, centre of mass (3,) m in the frame, and inertia (3, 3) kg m2 about that centre in the frame's axes.
+    """Mass kg, centre of mass (3,) m in the frame, and inertia (3, 3) kg m2 about it in the frame's axes.
 
     A body without mass has its centre at the origin.
     """
@@ -68,7 +66,7 @@ def about_center(parameters: np.ndarray) -> tuple[float, np.ndarray, np.ndarray]
 class Prior:
     """Standard parameters (10 a joint of the geometry) and inertias of rotors (n,), kg m2 or kg.
 
-    source: where they are from, in words. guessed: bodies for which the MJCF has no mass.
+    source: of the values, in words. guessed: bodies without a mass in the MJCF.
     """
 
     parameters: np.ndarray
@@ -78,12 +76,12 @@ class Prior:
 
 
 def geometric_prior(geometry: Geometry) -> Prior:
-    """Equal bars from joint to joint; no mass is read. Their common mass is for the data to scale."""
+    """Equal bars from joint to joint; no mass is read. The data scale their common mass."""
     return Prior(guessed_parameters(geometry), np.zeros(len(geometry.active)), "bars from joint to joint")
 
 
 def cad_prior(geometry: Geometry) -> Prior:
-    """The masses of the MJCF, of welded bodies together with those that carry them; bars where it has none."""
+    """The masses of the MJCF, welded bodies merged with those that carry them; bars if it has none."""
     compiled = geometry.robot.mjcf_model()
     parameters = np.zeros(10 * len(geometry.joints))
     for body in range(1, compiled.nbody):
@@ -106,7 +104,7 @@ def cad_prior(geometry: Geometry) -> Prior:
 
 
 def scaled_to(prior: Prior, grouping: np.ndarray, base: np.ndarray, weights: np.ndarray) -> Prior:
-    """The prior with all masses times the one factor that brings it nearest to base parameters (nb,)."""
+    """The prior with all masses times the factor that brings it nearest to base parameters (nb,)."""
     weighted, wanted = weights * (grouping @ prior.parameters), weights * base
     factor = float(weighted @ wanted) / float(weighted @ weighted) if weighted.any() else 1.0
     if factor <= 0.0:
@@ -125,7 +123,7 @@ def _of_body(compiled: mujoco.MjModel, body: int, place: Placement) -> np.ndarra
 
 
 def _solid(parameters: np.ndarray) -> np.ndarray:
-    """The same body, at least a hundredth as thick as it is long: a point or a rod has no volume to compare with."""
+    """The same body, at least a hundredth as thick as long: a point or a rod has no volume for comparison."""
     matrix = pseudo_inertia(parameters)
     mass = matrix[3, 3]
     center = matrix[:3, 3] / mass
@@ -139,10 +137,10 @@ def _solid(parameters: np.ndarray) -> np.ndarray:
 
 @dataclass(frozen=True)
 class Body:
-    """A body or payload whose ten standard parameters are sought.
+    """A body or payload with ten unknown standard parameters.
 
-    prior (10,): what they are drawn towards; rows (nz, 10): what it adds to the estimated parameters for each of them;
-    held (k, 10), to (k,): equations that its declared parameters keep.
+    prior (10,): of these; rows (nz, 10): contribution of each to the estimated parameters; held (k, 10), to (k,):
+    equations of its declared parameters.
     """
 
     name: str
@@ -156,7 +154,7 @@ class Body:
 class BodyEquations:
     """estimated (nz,) = sum of body.rows @ its parameters + rotors (nz, n) @ Ia.
 
-    covariance (nz, nz); fixed (nz,): estimated parameters that are to be met exactly. rotor_prior (n,).
+    covariance (nz, nz); fixed (nz,): estimated parameters to meet exactly. rotor_prior (n,).
     """
 
     estimated: np.ndarray
@@ -169,7 +167,7 @@ class BodyEquations:
 
 
 def equations_of(identified: IdentifiedModel, use_cad: bool) -> BodyEquations:
-    """The equations of a model. use_cad: draw towards the masses of the MJCF, not towards bars."""
+    """The equations of a model. use_cad: prior from the masses of the MJCF, not from bars."""
     geometry, base = identified.model.geometry, identified.model.base
     std = np.sqrt(np.maximum(np.diag(identified.covariance), 0.0))[: len(identified.base)]
     known = std > 0.0
@@ -205,7 +203,7 @@ def equations_of(identified: IdentifiedModel, use_cad: bool) -> BodyEquations:
 
 
 def _load(identified: IdentifiedModel, declared: Payload, place: int, kept: tuple[int, ...]) -> Body:
-    """A payload: its estimated parameters stand for themselves and for those that move the robot as they do."""
+    """A payload: each estimated parameter also represents those with the same effect on the robot."""
     columns = payload_columns(declared)
     nz = len(identified.estimated)
     measured = identified.model.random_rows[1].reshape(-1, 10)

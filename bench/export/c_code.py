@@ -23,10 +23,10 @@ from bench.model.geometry import POWERS, Geometry
 from bench.model.kinematics import frames_of
 from bench.model.spin import idle_spins
 
-MOST_ITERATIONS = 8  # of Newton's method, a pose
-MOST_POSES = 512  # a call: where motors go far, poses between are closed, too
+MOST_ITERATIONS = 8  # of Newton's method, per pose
+MOST_POSES = 512  # per call: if motors go far, poses between are closed, too
 NEARLY = 1e-8  # m or rad: after a smaller correction the loops are closed to rounding
-CLOSED = 1e-9  # m or rad: what may stay open of closures that do not repeat one another
+CLOSED = 1e-9  # m or rad: residual of closures that are not redundant
 TEMPLATES = Path(__file__).with_name("c")
 KINDS = {"hinge": "HINGE", "slide": "SLIDE", "ball": "BALL", "free": "FREE"}
 
@@ -40,7 +40,7 @@ def table(values: np.ndarray | Sequence[object]) -> str:
 
 
 def passive_order(geometry: Geometry) -> tuple[int, ...]:
-    """The velocities without a motor in the order in which they are solved for: those of the legs first."""
+    """The passive velocities in the order of their elimination: those of the legs first."""
     closures = closures_of(geometry)
     _, rows = loop_rows(closures, frames_of(closures.links, np.ascontiguousarray(geometry.home[:, None])))
     passive = set(closures.passive)
@@ -48,7 +48,7 @@ def passive_order(geometry: Geometry) -> tuple[int, ...]:
 
 
 def closure_tables(geometry: Geometry) -> dict[str, str]:
-    """The values of the names in the templates of closed robots."""
+    """Values for the templates of closed robots."""
     spins, passive = idle_spins(geometry), passive_order(geometry)
     equations = closures_of(geometry).equations
     ends = [(loop.first, loop.second) for loop in geometry.loops]
@@ -178,11 +178,11 @@ def c_name(robot: str) -> str:
 
 
 def c_text(model: IdentifiedModel, payload: str | None = None) -> tuple[str, tuple[str, ...]]:
-    """The source, and what of the model is not in it. payload: name of the one that the robot carries.
+    """The source, and what it lacks of the model. payload: name of the one that the robot carries.
 
-    The bodies' tables hold base parameters at the places of the standard parameters that they are named after, all
-    others zero but those of the payload: the same torques with fewer numbers. Raises BenchError for a payload of which
-    the model does not know enough.
+    The bodies' tables have base parameters in place of the standard parameters of their name; all others are zero
+    except for the payload's: the same torques with fewer numbers. Raises BenchError for a payload that is not
+    sufficiently known.
     """
     geometry = model.model.geometry
     chosen = chosen_effects(model)
@@ -220,7 +220,7 @@ def c_text(model: IdentifiedModel, payload: str | None = None) -> tuple[str, tup
 
 
 def write_c(path: Path, model: IdentifiedModel, payload: str | None = None) -> tuple[str, ...]:
-    """Write it, whole or not at all; returns what of the model is not in it."""
+    """Write it, whole or not at all; returns what it lacks of the model."""
     text, left_out = c_text(model, payload)
     write_text_atomically(path, text)
     return left_out

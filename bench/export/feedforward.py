@@ -1,4 +1,4 @@
-"""Desired motion to currents: what a controller adds to its feedback."""
+"""Currents for a desired motion, to add to a controller's feedback."""
 
 from dataclasses import dataclass
 from functools import partial
@@ -17,7 +17,7 @@ from bench.twin.laws import Memoryless, joint_law_of
 
 @dataclass(frozen=True)
 class Chosen:
-    """The effects of a model that follow from position, velocity and acceleration of the instant, and the others."""
+    """The effects of a model that depend only on present position, velocity and acceleration, and the others."""
 
     at_motors: tuple[EffectValues, ...]
     between: tuple[EffectValues, ...]
@@ -26,7 +26,7 @@ class Chosen:
 
 
 def chosen_effects(model: IdentifiedModel) -> Chosen:
-    """Sort the effects of a model by what they need."""
+    """Sort the effects of a model by their inputs."""
     at_motors, between, in_passive, left_out = [], [], [], []
     for fitted_effect in model.effects_in():
         effect = fitted_effect.instance.effect
@@ -44,9 +44,9 @@ def chosen_effects(model: IdentifiedModel) -> Chosen:
 class Feedforward:
     """Currents for a desired motion of the driven joints, in the units and order of the robot's actuators.
 
-    Loops are closed from the pose of the call before, or from home. payload: name of the one that the robot carries,
-    none by default; BenchError where the model does not know it. left_out: effects that need more than the instant
-    (a delay, a spring in a drive, warming up), whose part of the current is missing.
+    Loops are closed from the pose of the previous call, or from home. payload: name of the one that the robot carries,
+    none by default; BenchError if the model does not know it. left_out: omitted effects that need more than the instant
+    (a delay, a spring in a drive, warm-up); their current is missing.
     """
 
     def __init__(self, model: IdentifiedModel, payload: str | None = None) -> None:
@@ -63,7 +63,7 @@ class Feedforward:
             raise BenchError(f"{len(self.joints)} values each are needed: {', '.join(self.joints)}")
         geometry = self._model.model.geometry
         motion = motion_of(geometry, np.zeros(1), *(values[None] for values in asked), near=self._before)
-        if geometry.closed:  # once more from there: the Jacobian of the closed pose itself, to rounding
+        if geometry.closed:  # once more from there, for the Jacobian of the closed pose to rounding
             motion = rates_at(geometry, motion.time, motion.q, asked[1][None], asked[2][None])
         self._before = motion
         torque = (projected_regressor(geometry, motion, self._columns) @ self._values)[0]
@@ -79,7 +79,7 @@ class Feedforward:
         return np.asarray(total / self._model.gains)
 
     def _at_motor(self, fitted_effect: EffectValues, j: int, asked: list[np.ndarray], needed: float) -> float:
-        """What an effect at motor j takes, given what the motor needs in addition to it."""
+        """Torque of an effect at motor j, given the rest of the motor's torque."""
         effect = fitted_effect.instance.effect
         if not isinstance(effect, ActuatorEffect):
             raise TypeError(effect.name)
@@ -103,7 +103,7 @@ class Feedforward:
 
 
 def _steady(fitted_effect: EffectValues) -> bool:
-    """Whether an effect at a motor follows from the instant, the same at any time."""
+    """Whether an effect at a motor depends only on the instant, not on time."""
     effect = fitted_effect.instance.effect
     law = joint_law_of(effect, fitted_effect.values, 1.0, True)
     if not isinstance(law, Memoryless):
@@ -118,7 +118,7 @@ def _steady(fitted_effect: EffectValues) -> bool:
 
 
 def _passive(geometry: Geometry, motion: Motion, fitted_effect: EffectValues) -> np.ndarray:
-    """What an effect in a joint without a motor asks of the motors (n,)."""
+    """Motor torques (n,) for an effect in a joint without a motor."""
     effect = fitted_effect.instance.effect
     if not isinstance(effect, PassiveEffect):
         raise TypeError(effect.name)

@@ -1,4 +1,4 @@
-"""A saved model with all that carrying it elsewhere needs: its robot, its effects, its covariance."""
+"""A saved model with all that an export needs: its robot, its effects, its covariance."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -39,12 +39,12 @@ class EffectValues:
 
 @dataclass(frozen=True)
 class IdentifiedModel:
-    """What was identified.
+    """Identified values.
 
-    base (nb,) base parameters; payloads: what was estimated of each, by index among its ten standard parameters
-    (nothing, where what is not declared moves no motor); declared: what the dataset declares of them; gains (n,) in
-    actuator order. covariance of [base, payloads in their order, linear parameters of effects, gains], (k, k); fixed
-    (nb + ...,): base and payload parameters that were omitted as not needed, zero and without a deviation.
+    base (nb,) base parameters; payloads: the estimates of each, by index among its ten standard parameters (empty if
+    undeclared ones move no motor); declared: the dataset's declarations; gains (n,) in actuator order. covariance of
+    [base, payloads in their order, linear parameters of effects, gains], (k, k); fixed (nb + ...,): base and payload
+    parameters omitted as unneeded, zero and without a deviation.
     """
 
     path: Path
@@ -67,7 +67,7 @@ class IdentifiedModel:
         return np.concatenate((self.base, loads))
 
     def effects_in(self, log: str = "") -> tuple[EffectValues, ...]:
-        """The effects as they are in a recording: with its values if it has some, otherwise with their mean."""
+        """The effects in a recording: with its values if it has any, otherwise with their mean."""
         merged: dict[tuple[str, str], EffectValues] = {}
         for effect in self.effects:
             share, key = effect.instance.share(log), (effect.name, effect.place)
@@ -79,7 +79,7 @@ class IdentifiedModel:
         return tuple(merged.values())
 
     def moved(self, estimated: np.ndarray) -> "IdentifiedModel":
-        """The model with other base and payload parameters (nz,), the rest as the covariance says it goes along."""
+        """The model with other base and payload parameters (nz,); the rest moves along by the covariance."""
         nz, step = len(estimated), estimated - self.estimated
         std = np.sqrt(np.maximum(np.diag(self.covariance), 0.0))
         free = np.flatnonzero(std[:nz] > 0.0)
@@ -111,7 +111,7 @@ def load_identified(
 ) -> IdentifiedModel:
     """Read a model file with its robot: the one given, or that of the dataset from which it was identified.
 
-    Raises BenchError where model and robot do not belong together.
+    Raises BenchError if model and robot do not match.
     """
     path = Path(path)
     saved = load_model(path)
@@ -136,7 +136,7 @@ def load_identified(
 
 
 def declaring(identified: IdentifiedModel, payloads: Mapping[str, Payload]) -> IdentifiedModel:
-    """The model with what a dataset declares of payloads, too."""
+    """The model with a dataset's declarations of payloads."""
     declared = {**identified.declared, **payloads}
     return replace(
         identified,
@@ -152,7 +152,7 @@ def identified_model(
     payloads: Mapping[str, Payload],
     catalogue: Mapping[str, Effect],
 ) -> IdentifiedModel:
-    """A saved model together with its robot and payloads. Raises BenchError where they do not belong together."""
+    """A saved model together with its robot and payloads. Raises BenchError if they do not match."""
     refuse_redundant(robot, "an export or replay")
     if set(robot.joints) != set(saved.model.drive_gains):
         raise BenchError(
@@ -192,7 +192,7 @@ def identified_model(
 
 
 def _payload_values(saved: SavedModel, base: Sequence[str]) -> dict[str, dict[int, float]]:
-    """Estimated parameters of payloads by payload and index, those that were omitted too, in the fit's order."""
+    """Estimated parameters of payloads by payload and index, including omitted ones, in the fit's order."""
     by_payload: dict[str, dict[int, float]] = {}
     for name in (*saved.parameters, *saved.model.left_out):
         if name not in base:
@@ -204,7 +204,7 @@ def _payload_values(saved: SavedModel, base: Sequence[str]) -> dict[str, dict[in
 def _moving_nothing(
     model: IdentificationModel, payloads: Mapping[str, Payload]
 ) -> dict[str, dict[int, float]]:
-    """Payloads whose unknown parameters move no motor, as those of a platform that does not turn: none is estimated."""
+    """Payloads whose unknown parameters move no motor, as on a platform that does not turn: none is estimated."""
     weighed = [
         name
         for name, payload in payloads.items()
@@ -246,7 +246,7 @@ def _declared(name: str, spec: PayloadSpec) -> Payload:
 
 
 def unknown_payload(model: IdentifiedModel, payload: str) -> BenchError:
-    """What is said of a payload of which the model does not know enough."""
+    """Message on a payload that the model does not know sufficiently."""
     known = ", ".join(sorted({*model.payloads, *model.declared})) or "none"
     return BenchError(
         f"{model.path}: neither the model nor its dataset knows payload {payload!r} in full ({known})"
@@ -254,9 +254,9 @@ def unknown_payload(model: IdentifiedModel, payload: str) -> BenchError:
 
 
 def payload_values(model: IdentifiedModel, payload: str) -> np.ndarray:
-    """A payload's standard parameters (10,) in the tool frame, declared and estimated; zero where none moves a motor.
+    """A payload's standard parameters (10,) in the tool frame, declared and estimated; zero for those without effect.
 
-    Raises BenchError where some of them are neither.
+    Raises BenchError if some are neither.
     """
     estimated = model.payloads.get(payload)
     declared = model.declared.get(payload)
@@ -269,9 +269,9 @@ def payload_values(model: IdentifiedModel, payload: str) -> np.ndarray:
 
 
 def carried(model: IdentifiedModel, payload: str | None = None) -> tuple[np.ndarray, np.ndarray]:
-    """Columns of the regressor (k,), standard parameters by number, and their values (k,): base, then the payload's.
+    """Columns of the regressor (k,), standard parameters by index, and their values (k,): base, then the payload's.
 
-    Raises BenchError for a payload of which the model does not know enough, and for a robot without a tool.
+    Raises BenchError for a payload that is not sufficiently known, and for a robot without a tool.
     """
     built = model.model
     if payload is None:

@@ -1,4 +1,4 @@
-"""The user's MJCF with what was identified filled in; everything else stays as it is."""
+"""The user's MJCF with identified values filled in; everything else is unchanged."""
 
 import math
 import os
@@ -38,10 +38,10 @@ class DrivenJoint:
 def set_motors(
     spec: mujoco.MjSpec, compiled: mujoco.MjModel, driven: Sequence[DrivenJoint], changed: list[str]
 ) -> list[mujoco.MjsActuator]:
-    """One motor a joint: the file's where it has one, a new one otherwise.
+    """One motor per joint: the file's if it has one, else a new one.
 
-    A torque at the joint is gain times control, less the offset. Limits of control and keyframes keep the torque that
-    they meant; a servo becomes a motor. changed: for messages. Returns the motors in the order of the joints.
+    A torque at the joint is gain times control, less the offset. Limits of control and keyframes keep their torque; a
+    servo becomes a motor. changed: for messages. Returns the motors in the order of the joints.
     """
     motors = []
     for driven_joint in driven:
@@ -113,7 +113,7 @@ def _free_name(spec: mujoco.MjSpec, joint: str) -> str:
 
 @dataclass(frozen=True)
 class Exported:
-    """text: of the MJCF; placed: which effects it holds; changed: what of the file was replaced, a line each.
+    """text: of the MJCF; placed: the effects in it; changed: replaced parts of the file, a line each.
 
     actuators: names of the motors, in the order of the robot's.
     """
@@ -127,10 +127,9 @@ class Exported:
 def mjcf_text(physical: PhysicalSet, folder: Path, payload: str | None = None, log: str = "") -> Exported:
     """Masses, inertias, armature, damping, dry friction, springs and drive gains in the robot's MJCF.
 
-    A motor's control is its current reference, in the drive's unit. folder: where the file will lie, from which it
-    finds its meshes; payload: name of the one to be fixed at the tool; log: as in `placed_effects`. Numbers that
-    are filled in have all their digits, the others the six that MuJoCo writes. Raises BenchError where MuJoCo refuses
-    the result.
+    A motor's control is its current reference, in the drive's unit. folder: of the future file, relative to which it
+    finds its meshes; payload: name of the one fixed at the tool; log: as in `placed_effects`. Filled-in numbers have
+    all digits, the others the six that MuJoCo writes. Raises BenchError if MuJoCo refuses the result.
     """
     robot = physical.model.robot
     spec, compiled = robot.mjcf_spec(), robot.mjcf_model()
@@ -168,7 +167,7 @@ def mjcf_text(physical: PhysicalSet, folder: Path, payload: str | None = None, l
 
 
 def write_mjcf(path: Path, physical: PhysicalSet, payload: str | None = None, log: str = "") -> Exported:
-    """Write it, whole or not at all, once MuJoCo has read it back from where it lies."""
+    """Write it, whole or not at all, after MuJoCo has read it back from its folder."""
     exported = mjcf_text(physical, path.resolve().parent, payload, log)
     with atomic_path(path) as partial:
         partial.write_text(exported.text, encoding="utf-8")
@@ -180,7 +179,7 @@ def write_mjcf(path: Path, physical: PhysicalSet, payload: str | None = None, lo
 
 
 def _name_all(spec: mujoco.MjSpec) -> None:
-    """The names by which `bench.model.geometry` calls bodies and joints that have none."""
+    """Names of `bench.model.geometry` for unnamed bodies and joints."""
     spec.compile()  # gives every element its number
     for body in spec.bodies:
         body.name = body.name or f"body_{body.id}"
@@ -189,7 +188,7 @@ def _name_all(spec: mujoco.MjSpec) -> None:
 
 
 def _find_files_from(spec: mujoco.MjSpec, source: Path, folder: Path) -> None:
-    """Meshes and textures stay where they are, next to the robot's file."""
+    """Meshes and textures stay next to the robot's file."""
     for kind, listed in (
         ("meshdir", (*spec.meshes, *spec.hfields, *spec.skins)),
         ("texturedir", spec.textures),
@@ -232,7 +231,7 @@ def _set_bodies(
 def _set_inertia(
     body: mujoco.MjsBody, parameters: np.ndarray, place: Placement, exact: dict[str, dict[str, str]]
 ) -> None:
-    """parameters: standard ones of a frame that has this place in the body's."""
+    """parameters: standard ones, in a frame with this pose in the body's."""
     mass, center, inertia = about_center(parameters)
     center = place.rotation @ center + (place.translation if mass else 0.0)
     inertia = place.rotation @ inertia @ place.rotation.T
@@ -282,7 +281,7 @@ def _set_joints(
 def _tell_replaced(
     joint: mujoco.MjsJoint, compiled: mujoco.MjModel, terms: JointTerms, changed: list[str]
 ) -> None:
-    """What the file says of a joint that the model does not."""
+    """What the file has of a joint and the model has not."""
     dof = int(compiled.jnt_dofadr[joint.id])
     kept = {
         "damping": (float(compiled.dof_damping[dof]), any(terms.damping)),
@@ -332,7 +331,7 @@ def _comment(physical: PhysicalSet, placed: Placed) -> str:
 
 
 def _with_all_digits(text: str, exact: Mapping[str, Mapping[str, str]]) -> str:
-    """MuJoCo's XML with these attributes in full, where it wrote them at all."""
+    """MuJoCo's XML with all digits of these attributes, if it wrote them."""
     parser = ET.XMLParser(target=ET.TreeBuilder(insert_comments=True))
     root = ET.fromstring(text, parser=parser)
     for body in root.iter("body"):

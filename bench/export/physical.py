@@ -1,12 +1,12 @@
 """Standard parameters of real bodies that reproduce the identified base parameters: two semidefinite programs.
 
-The first finds how far, in standard errors, the nearest set of bodies with positive definite pseudo-inertias lies from
-the estimate; the second, of all bodies with those base parameters, the ones nearest to a prior by the entropic
-divergence tr(P P0^-1) - log det(P P0^-1), which keeps every one of them definite. Sources: Sousa and Cortesao,
-"Physical feasibility of robot base inertial parameter identification: A linear matrix inequality approach",
-International Journal of Robotics Research 33(6), 2014; Wensing, Kim and Slotine, "Linear matrix inequalities for
-physically consistent inertial parameter identification", IEEE Robotics and Automation Letters 3(1), 2018; Lee,
-Wensing and Park, "Geometric robot dynamic identification", IEEE Transactions on Robotics 36(2), 2020.
+The first computes the distance, in standard errors, of the nearest bodies with positive definite pseudo-inertias from
+the estimate; the second, of all bodies with those base parameters, those nearest to a prior by the entropic divergence
+tr(P P0^-1) - log det(P P0^-1), which keeps all of them definite. Sources: Sousa and Cortesao, "Physical feasibility of
+robot base inertial parameter identification: A linear matrix inequality approach", International Journal of Robotics
+Research 33(6), 2014; Wensing, Kim and Slotine, "Linear matrix inequalities for physically consistent inertial parameter
+identification", IEEE Robotics and Automation Letters 3(1), 2018; Lee, Wensing and Park, "Geometric robot dynamic
+identification", IEEE Transactions on Robotics 36(2), 2020.
 """
 
 from dataclasses import dataclass, replace
@@ -30,10 +30,10 @@ EXACT = 0.01  # standard errors: nearer than this, the estimate itself belongs t
 
 @dataclass(frozen=True)
 class Contradiction:
-    """The data lie `distance` standard errors from any real bodies, where noise explains `expected`.
+    """The data are `distance` standard errors away from any real bodies; noise explains `expected`.
 
-    culprits: without the condition on which body alone the rest could be real, and the distance that would remain;
-    the one that leaves least first.
+    culprits: single bodies without whose condition the rest could be real, and the remaining distance, the smallest
+    first.
     """
 
     distance: float
@@ -54,12 +54,12 @@ class Contradiction:
 
 @dataclass(frozen=True)
 class PhysicalSet:
-    """Bodies that can exist.
+    """Physically possible bodies.
 
     bodies: standard parameters (10,) in the frame of the joint that moves each; rotors (n,): Ia, kg m2 or kg, in
     actuator order; payloads (10,) in the tool frame. distance: of their base parameters from the identified ones, in
-    standard errors, 0 where they are reproduced; model: the identified model moved there. contradiction: None where
-    noise explains the distance. prior: what they were drawn towards, in words.
+    standard errors, 0 if reproduced; model: the identified model moved there. contradiction: None if noise explains the
+    distance. prior: its source, in words.
     """
 
     bodies: dict[str, np.ndarray]
@@ -73,10 +73,10 @@ class PhysicalSet:
 
 
 def physical_set(identified: IdentifiedModel, *, use_cad: bool = True) -> PhysicalSet:
-    """The real bodies nearest to a prior of those that have the identified base parameters.
+    """Of the real bodies with the identified base parameters, those nearest to a prior.
 
-    use_cad: the prior are the masses of the MJCF, which identification itself never reads; bars of one mass without.
-    Raises BenchError where the solver fails.
+    use_cad: the prior are the masses of the MJCF, which identification never reads; else bars of equal mass. Raises
+    BenchError if the solver fails.
     """
     equations = equations_of(identified, use_cad)
     programs = Programs(equations)
@@ -110,9 +110,9 @@ def physical_set(identified: IdentifiedModel, *, use_cad: bool = True) -> Physic
 
 
 def explained_by_noise(freedom: int) -> float:
-    """How far from real bodies noise alone brings an estimate, in standard errors.
+    """Distance of an estimate from real bodies by noise alone, in standard errors.
 
-    freedom: equations that the bodies at their limit put on the estimate: what noise has to miss them by.
+    freedom: number of active conditions of the bodies on the estimate, which noise may violate.
     """
     return float(np.sqrt(exceeded_with(BY_CHANCE, max(freedom, 1))))
 
@@ -120,7 +120,7 @@ def explained_by_noise(freedom: int) -> float:
 def contradiction_of(
     equations: BodyEquations, programs: Programs, distance: float, freedom: int
 ) -> Contradiction | None:
-    """What is to be said where noise does not explain the distance of the nearest real bodies."""
+    """The contradiction, if noise does not explain the distance of the nearest real bodies."""
     expected = explained_by_noise(freedom)
     if distance <= expected:
         return None
@@ -129,11 +129,11 @@ def contradiction_of(
 
 
 def physically_consistent(result: Identification, problem: Problem) -> Identification:
-    """The answer moved to the nearest that real bodies give, in standard errors; as it is where it is one already.
+    """The answer moved to the nearest one of real bodies, in standard errors; unchanged if it is possible.
 
-    No mass of the MJCF is read. Covariance and standard errors stay those of the fit without the condition, and are
-    no larger with it. A finding tells the distance, or which body could not be real where noise does not explain it.
-    Raises BenchError where base parameters were omitted, or the solver fails or is not installed.
+    No mass of the MJCF is read. Covariance and standard errors stay those of the unconstrained fit, an upper bound. A
+    finding states the distance or, if noise does not explain it, the impossible body. Raises BenchError if base
+    parameters were omitted, or the solver fails or is not installed.
     """
     if result.left_out:
         raise BenchError("real bodies need all base parameters: identify without --essential")

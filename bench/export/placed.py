@@ -1,4 +1,4 @@
-"""Which effects a joint or an actuator of MuJoCo can hold, and which remain for `bench.twin`."""
+"""Effects that a joint or an actuator of MuJoCo can represent, and those for `bench.twin`."""
 
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field, replace
@@ -18,7 +18,7 @@ NO_PLACE = "MuJoCo's joints and actuators have no term for it"
 
 
 def tilted(gravity: np.ndarray, tilt: EffectValues) -> np.ndarray:
-    """Gravity (3,) as the tilted base feels it: Ry(-tilt_y) Rx(-tilt_x) g, see `BaseTilt`."""
+    """Gravity (3,) in the tilted base: Ry(-tilt_y) Rx(-tilt_x) g, see `BaseTilt`."""
     from scipy.spatial.transform import Rotation  # noqa: PLC0415 - slow to import, and seldom needed
 
     vertical = int(np.argmax(np.abs(gravity)))
@@ -32,9 +32,9 @@ def tilted(gravity: np.ndarray, tilt: EffectValues) -> np.ndarray:
 
 
 def still_determined(model: IdentifiedModel, gravity: np.ndarray) -> bool:
-    """Whether the base parameters give all torques under another gravity, too.
+    """Whether the base parameters also determine all torques under another gravity.
 
-    They do not where it moves masses that gravity never moved before: then the choice of bodies would decide.
+    Not if it acts on masses without gravity torque before: then the choice of bodies would matter.
     """
     geometry, base = model.model.geometry, model.model.base
     other = replace(geometry, gravity=gravity)
@@ -53,7 +53,7 @@ def still_determined(model: IdentifiedModel, gravity: np.ndarray) -> bool:
 
 @dataclass
 class JointTerms:
-    """What acts in one joint: SI at the joint. ball: a ball joint, in each coordinate of its angular velocity.
+    """Terms in one joint: SI at the joint. ball: a ball joint, in each coordinate of its angular velocity.
 
     damping: d0 + d1 |v| + d2 v2, times v; stiffness times (q - springref) pulls back.
     """
@@ -64,13 +64,13 @@ class JointTerms:
     stiffness: float = 0.0
     springref: float = 0.0
     offset: float = 0.0
-    """Torque or force that the motor has to overcome, whatever the motion."""
+    """Torque or force that the motor has to overcome in any motion."""
     ball: bool = False
 
 
 @dataclass(frozen=True)
 class NotPlaced:
-    """An effect that the file does not hold, and why."""
+    """An effect that the file lacks, and why."""
 
     effect: EffectValues
     why: str
@@ -86,9 +86,9 @@ class Placed:
 
 
 def placed_effects(physical: PhysicalSet, log: str = "") -> Placed:
-    """The effects of a model and its rotors in MuJoCo's joints, those that fit there as a whole.
+    """The effects of a model and its rotors in MuJoCo's joints, if they can represent them completely.
 
-    log: the recording whose values count where each has a separate one; their mean otherwise.
+    log: the recording whose values count if each has a separate one; else their mean.
     """
     model = physical.model
     joints = {
@@ -121,7 +121,7 @@ Rule = Callable[[Mapping[str, float], JointTerms], str]  # puts an effect into t
 
 
 def _damping(name: str, order: int) -> Rule:
-    """A value of that name, times velocity and speed to the power of the order."""
+    """A value of that name, times velocity times speed to the power `order`."""
 
     def rule(values: Mapping[str, float], terms: JointTerms) -> str:
         if values[name] < 0.0:

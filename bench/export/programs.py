@@ -1,7 +1,7 @@
 """The semidefinite programs of `bench.export.physical`, written for cvxpy and solved by Clarabel.
 
-Unknown are Q of every body, P = L Q L' with L L' the prior's pseudo-inertia, so that all of them are about one, and
-the rotors' inertias.
+Unknowns are Q of every body, P = L Q L' with L L' the prior's pseudo-inertia, so that all are about one, and the
+rotors' inertias.
 """
 
 import warnings
@@ -16,30 +16,27 @@ from scipy.linalg import block_diag
 from bench.basics.errors import BenchError
 from bench.export.bodies import BodyEquations, from_scaled, pseudo_inertia
 
-LEAST = 1e-4  # of the prior: what every body has of it at least
-MOST = 1e3  # times the prior: what it has at most, since the nearest bodies may be infinitely heavy
-AT_LIMIT = 1e-4  # of the largest multiplier of any condition: one that is smaller does not hold
-SMALLEST = (
-    1e-12  # of the largest eigenvalue of a correlation: below it a direction counts as known for certain
-)
+LEAST = 1e-4  # of the prior: minimum for every body
+MOST = 1e3  # times the prior: maximum, since the nearest bodies may be infinitely heavy
+AT_LIMIT = 1e-4  # of the largest multiplier of any condition: with a smaller one it is not active
+SMALLEST = 1e-12  # of the largest eigenvalue of a correlation: below it a direction counts as exactly known
 ROTOR = 1e-2  # weight of a rotor for which there is no prior, against a body's entries: inertia is the link's first
 SETTINGS: tuple[Mapping[str, float], ...] = (
     {},
     {"max_step_fraction": 0.9},
     {"static_regularization_constant": 1e-7},
 )
-"""Of Clarabel: as it is, with shorter steps from the limits, with equations that are further from singular."""
-VIOLATED = 1e-5  # by how much a condition may be missed: less than any body keeps of its prior
+"""Of Clarabel: default, with shorter steps from the limits, with better conditioned equations."""
+VIOLATED = 1e-5  # tolerance of a condition: less than any body keeps of its prior
 
 Reached = tuple[list[np.ndarray], np.ndarray]  # standard parameters of every body, inertias of rotors
 
 
 @dataclass(frozen=True)
 class Nearest:
-    """How far the nearest real bodies are from the estimate, in standard errors.
+    """Distance of the nearest real bodies from the estimate, in standard errors.
 
-    freedom: the number of independent conditions that hold them there. estimated (nz,): their base and payload
-    parameters.
+    freedom: the number of independent active conditions. estimated (nz,): their base and payload parameters.
     """
 
     distance: float
@@ -55,11 +52,11 @@ class Programs:
         roots = [np.linalg.cholesky(pseudo_inertia(body.prior)) for body in equations.bodies]
         self._columns = [from_scaled(root) for root in roots]  # (10, 16) each
         rotors = np.abs(equations.rotors)
-        self._moving = np.flatnonzero(rotors.any(axis=0))  # rotors that the estimate knows of
+        self._moving = np.flatnonzero(rotors.any(axis=0))  # rotors in the estimate
         self._unit = self._rotor_units()
 
     def _rotor_units(self) -> np.ndarray:
-        """What each rotor's inertia is counted in, kg m2 or kg: its prior, or what the bodies show at its motor."""
+        """Unit of each rotor's inertia, kg m2 or kg: its prior, or the bodies' inertia at its motor."""
         prior, share = self.equations.rotor_prior, np.abs(self.equations.rotors)
         size = np.abs(self.equations.estimated)
         shown = np.array([size[share[:, j] > 0.0].max(initial=0.0) for j in range(share.shape[1])])
@@ -77,14 +74,14 @@ class Programs:
 
     @cached_property
     def _map(self) -> np.ndarray:
-        """(nz, 16 bodies + rotors): the estimated parameters of the unknowns."""
+        """(nz, 16 bodies + rotors): from unknowns to estimated parameters."""
         parts = [body.rows @ m for body, m in zip(self.equations.bodies, self._columns, strict=True)]
         parts.append(self.equations.rotors[:, self._moving] * self._unit[self._moving])
         return np.hstack(parts)
 
     @cached_property
     def _held(self) -> tuple[np.ndarray, np.ndarray]:
-        """Equations of single bodies (k, unknowns) and what they give (k,), each row of unit length."""
+        """Equations of single bodies (k, unknowns) and right sides (k,), each row of unit length."""
         bodies = self.equations.bodies
         blocks = [body.held @ m for body, m in zip(bodies, self._columns, strict=True)]
         rows = np.hstack((block_diag(*blocks), np.zeros((sum(map(len, blocks)), len(self._moving)))))
@@ -108,7 +105,7 @@ class Programs:
 
     @cached_property
     def _steepness(self) -> float:
-        """The most standard errors that a unit of the unknowns is worth."""
+        """Most standard errors per unit of the unknowns."""
         return max(1.0, float(np.linalg.norm(self._whitening @ self._map, axis=1).max(initial=0.0)))
 
     def _unknowns(self) -> tuple[list[Any], Any, Any]:
@@ -142,9 +139,9 @@ class Programs:
         return Nearest(distance, min(freedom, len(known)), np.asarray(estimated))
 
     def drawn_to_prior(self, distance: float) -> Reached:
-        """Among all bodies so near to the estimate, in standard errors, those nearest to the prior.
+        """Of all bodies within `distance` standard errors of the estimate, those nearest to the prior.
 
-        distance: zero for bodies that reproduce the estimate.
+        distance: zero to reproduce the estimate.
         """
         cp = self._cvxpy
         bodies, rotors, x = self._unknowns()
@@ -169,7 +166,7 @@ class Programs:
         return self._split(x.value)
 
     def moved_onto(self, reached: Reached) -> Reached | None:
-        """The bodies moved the least way onto the estimate, to rounding; None if they are real no longer."""
+        """The bodies moved by the least distance onto the estimate, to rounding; None if no longer real."""
         parameters, rotors = reached
         bodies = self.equations.bodies
         columns = [from_scaled(np.linalg.cholesky(pseudo_inertia(parameter))) for parameter in parameters]
@@ -208,7 +205,7 @@ class Programs:
         return parameters, rotors
 
     def _solve(self, problem: Any) -> None:
-        """Solve it, more carefully where the solver fails; the solution has to keep its conditions however it was."""
+        """Solve it, with safer settings if the solver fails; any solution must keep its conditions."""
         failed = ""
         for settings in SETTINGS:
             failed = self._tried(problem, settings)
@@ -220,13 +217,11 @@ class Programs:
         )
 
     def _tried(self, problem: Any, settings: Mapping[str, float]) -> str:
-        """Why a program is not solved with these settings of the solver; empty where it is."""
+        """Why a program is not solved with these settings of the solver; "" if it is."""
         cp = self._cvxpy
         try:
             with warnings.catch_warnings():
-                warnings.simplefilter(
-                    "ignore", UserWarning
-                )  # of an inaccurate solution: it is looked at below
+                warnings.simplefilter("ignore", UserWarning)  # of an inaccurate solution: it is checked below
                 problem.solve(solver=cp.CLARABEL, **settings)
         except cp.error.SolverError as error:
             return str(error)
@@ -237,7 +232,7 @@ class Programs:
 
 
 def _pressures(dual: np.ndarray) -> tuple[np.ndarray, bool]:
-    """How hard a condition presses in its directions, and whether it is one on a matrix."""
+    """Multipliers of a condition by direction, and whether it is a matrix condition."""
     if dual.ndim == 2:
         return np.linalg.eigvalsh(0.5 * (dual + dual.T)), True
     return np.atleast_1d(dual), False

@@ -1,4 +1,4 @@
-"""The file next to an export: what the format does not hold, for `bench.twin` and for people."""
+"""The file next to an export: what the format cannot hold, for `bench.twin` and people."""
 
 from pathlib import Path
 from typing import Any
@@ -11,7 +11,7 @@ from bench.twin.file import FORMAT
 
 
 def sidecar(physical: PhysicalSet, exported: Exported) -> dict[str, Any]:
-    """Motors, effects that remain with their values and shapes, and where the bodies are from."""
+    """Motors, remaining effects with their values and shapes, and the source of the bodies."""
     model = physical.model
     return {
         "format": FORMAT,

@@ -1,4 +1,4 @@
-"""All that was identified as a plain table: CSV a row a number, YAML by kind."""
+"""Identified values as a plain table: CSV, a row per number; YAML by kind."""
 
 import csv
 import io
@@ -17,7 +17,7 @@ PLACES = ((0, 0), (0, 1), (1, 1), (0, 2), (1, 2), (2, 2))
 
 
 def table_rows(physical: PhysicalSet) -> list[dict[str, Any]]:
-    """Gains, base parameters and effects with their deviations as they were identified, then the real bodies.
+    """Gains, base parameters and effects with their deviations as identified, then the real bodies.
 
     A body's numbers have no deviation: the data do not determine them one by one. Centres of mass [m] and inertias
     about them [kg m2] are in the frame of the joint that moves the body, those of payloads in the tool frame.

@@ -15,13 +15,13 @@ from bench.export.physical import PhysicalSet
 from bench.export.placed import JointTerms, Placed, not_placed_lines, placed_effects
 from bench.model.geometry import Geometry, Joint
 
-GRAVITY = np.array([0.0, 0.0, -9.81])  # m/s2: what programs that read URDF suppose
-UNLIMITED = "1e9"  # URDF wants numbers where nothing is known
+GRAVITY = np.array([0.0, 0.0, -9.81])  # m/s2: assumed by programs that read URDF
+UNLIMITED = "1e9"  # URDF needs numbers, known or not
 
 
 @dataclass(frozen=True)
 class Urdf:
-    """text: of the file; placed: which effects were placed; not_held: what URDF has no place for, a line each."""
+    """text: of the file; placed: the effects in it; not_held: what URDF cannot hold, a line each."""
 
     text: str
     placed: Placed
@@ -109,7 +109,7 @@ def _add_joint(root: ET.Element, joint: Joint, parent: str, child: str, terms: J
 
 
 def _not_held(physical: PhysicalSet, placed: Placed) -> list[str]:
-    """What MuJoCo's joints and motors hold and those of URDF do not."""
+    """What MuJoCo's joints and motors can hold and URDF's cannot."""
     robot, geometry = physical.model.robot, physical.model.model.geometry
     lines = [
         f"drive gain of {actuator.joint} = {gain:.6g} {actuator.gain_unit}"

@@ -1,7 +1,7 @@
-"""How many rows of errors that are alike count as one.
+"""How many rows of correlated errors count as one.
 
-A motion that returns makes a model's error return with it. However often it is there, such an error does not
-average out as noise does: rows a period apart are as alike as neighbours are.
+If a motion returns, the model's error returns with it. Unlike noise, such an error does not average out over the
+periods: rows a period apart are as correlated as neighbours.
 """
 
 from collections.abc import Iterator, Sequence
@@ -14,16 +14,16 @@ from bench.identification.tolerances import TOLERANCES
 from bench.signals.returning import lagged_products
 
 Returns = Sequence[float | None]
-"""For every recording after how many rows its motion is the same again; None where it never is."""
+"""For every recording, the period of its motion in rows; None where the motion does not return."""
 
 
 def repeated_covariances(
     residual: np.ndarray, moving: np.ndarray, starts: Sequence[int], returns: Returns, covariances: np.ndarray
 ) -> np.ndarray | None:
-    """Autocovariances (L + 1,) of what one motor's residual (M,) repeats, tapered; None where it repeats nothing.
+    """Tapered autocovariances (L + 1,) of the repeating part of a motor's residual (M,); None where nothing repeats.
 
-    Products of rows whole periods and up to L rows apart: noise is not in them. moving (M,): False where the residual
-    is zero since the joint does not move. covariances (L + 1,): of the residual itself.
+    Products of rows whole periods and up to L rows apart contain no noise. moving (M,): False where the residual is
+    zero since the joint is at rest. covariances (L + 1,): of the residual itself.
     """
     lags = len(covariances) - 1
     pairs, counts = np.zeros(lags + 1), np.zeros(lags + 1)
@@ -40,7 +40,7 @@ def repeated_covariances(
 
 def repeated_score(jacobian: np.ndarray, period: float, repeated: np.ndarray) -> np.ndarray:
     """J' Sigma J (P, P) for derivatives J (M, P) of one recording, with Sigma the covariances of rows whole periods
-    apart: `repeated` (L + 1,) by how many rows they are off.
+    apart: `repeated` (L + 1,), by the remaining lag.
     """
     samples = len(jacobian)
     at = np.arange(int(np.ceil(0.5 * period)), samples)
@@ -60,10 +60,10 @@ def repeated_score(jacobian: np.ndarray, period: float, repeated: np.ndarray) ->
 
 
 def times_repeated(errors: Sequence[np.ndarray], returns: Returns, reach: int) -> float:
-    """How many rows of the errors (M, n) of all recordings count as one, beyond those next to each other.
+    """How many rows of the errors (M, n) of all recordings count as one, correlated neighbours aside.
 
-    Correlations of rows whole periods apart, summed as those of neighbours are: 1 where errors do not return with the
-    motion, and the number of its periods where they return unchanged. reach: rows over which neighbours are alike.
+    Correlations of rows whole periods apart, summed like those of neighbours: 1 if errors do not return with the
+    motion, the number of periods if they return unchanged. reach: rows over which neighbours correlate.
     """
     within = between = squares = count = pairs = 0.0
     for error, period in zip(errors, returns, strict=True):
@@ -81,10 +81,9 @@ def times_repeated(errors: Sequence[np.ndarray], returns: Returns, reach: int) -
 
 
 def _whole_periods_apart(products: np.ndarray, period: float, reach: int) -> np.ndarray:
-    """For products (M, k) by lag, the sums (reach + 1, k) of those whole periods and so many rows apart, to either
-    side.
+    """For products (M, k) by lag, their sums (reach + 1, k) at whole periods plus or minus 0 to reach rows.
 
-    Between two lags they are read off a spline: a period is no whole number of rows.
+    A spline interpolates between lags, since a period is not a whole number of rows.
     """
     last = len(products) - 1
     course = cubic_spline(np.arange(last + 1.0), products)
@@ -97,7 +96,7 @@ def _whole_periods_apart(products: np.ndarray, period: float, reach: int) -> np.
 
 
 def _recordings(starts: Sequence[int], rows: int, returns: Returns) -> Iterator[tuple[slice, float]]:
-    """The rows of every recording whose motion returns, and after how many it does."""
+    """The rows of every recording whose motion returns, and its period in rows."""
     for a, b, period in zip(starts, (*starts[1:], rows), returns, strict=True):
         if period is not None:
             yield slice(a, b), period
@@ -106,9 +105,9 @@ def _recordings(starts: Sequence[int], rows: int, returns: Returns) -> Iterator[
 def autocorrelation_time(errors: Sequence[np.ndarray], returns: Returns = ()) -> float:
     """Integrated autocorrelation time of the errors (M, n) of all recordings, in rows, at least one.
 
-    Lags are summed until the correlation is lost in its noise (Geyer 1992, initial positive pairs), and likewise
-    about whole periods of a motion that returns. returns: after how many rows it does, for every recording; none: rows
-    of different periods count as different.
+    Lags are summed until the correlation is lost in its noise (Geyer 1992, initial positive pairs), and likewise about
+    whole periods of a motion that returns. returns: the period in rows of every recording; none: rows of different
+    periods count as independent.
     """
     rows, reach = _local(errors)
     return rows * (times_repeated(errors, returns, reach) if returns else 1.0)
@@ -120,7 +119,7 @@ def repeats_of(errors: Sequence[np.ndarray], returns: Returns) -> float:
 
 
 def _local(errors: Sequence[np.ndarray]) -> tuple[float, int]:
-    """How many rows that follow each other count as one, and over how many lags they are alike."""
+    """How many consecutive rows count as one, and over how many lags they correlate."""
     length = min(len(error) for error in errors)
     lags = min(TOLERANCES.statistics.longest_memory, length // 4)
     values = np.array(

@@ -1,8 +1,8 @@
-"""Is the answer the same in half of the band? The choice of the filters is checked by its result.
+"""Is the answer the same in half of the band? The filters are checked by their effect on the estimates.
 
-Noise of positions that is not white, a jitter of the clock or rows that are repeated hide in the motion's spectrum, and
-bias an observation matrix in all of the band that was read off it. An estimate from half of the band has other errors,
-and the difference of the two shows it (Hausman, "Specification tests in econometrics", 1978).
+Coloured noise of positions, clock jitter and repeated rows hide in the motion's spectrum, and bias the observation
+matrix in the whole band that was chosen from it. An estimate from half of the band has other errors; the difference of
+the two shows the bias (Hausman, "Specification tests in econometrics", 1978).
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -27,10 +27,10 @@ Fit = Callable[[Prepared], Identification]
 
 
 def with_band_checked(prepared: Prepared, result: Identification, fitted: Fit) -> Identification:
-    """The answer with standard errors that hold by how much its values move in half of the band, beyond what noise
-    makes of it; where filters were rejected for it, all of that, and the distance from the narrowest of these.
+    """The answer with standard errors that cover how far its values move in half of the band, beyond what noise
+    explains; if wider filters were rejected, the whole distance, and that to the narrowest of these.
 
-    fitted: makes an answer of the same model in another band. The answer has the points of the curve.
+    fitted: fits the same model in another band. The answer contains the values in each band.
     """
     at_band = result if result.method == DEFAULT_METHOD else fitted(prepared)
     half = narrower(prepared)
@@ -56,7 +56,7 @@ def with_band_checked(prepared: Prepared, result: Identification, fitted: Fit) -
 
 
 def narrower(prepared: Prepared) -> Prepared | None:
-    """The same model in half of the band; None where that leaves too few samples, of a recording or of a motor."""
+    """The same model in half of the band; None if a recording or a motor then has too few samples."""
     settings = prepared.settings
     fitted = [recording for recording in prepared.dataset.recordings if recording.use == "identify"]
     shortest = min(len(recording.time) for recording in fitted)
@@ -76,7 +76,7 @@ def narrower(prepared: Prepared) -> Prepared | None:
 
 
 def _with_settings(prepared: Prepared, settings: FilterSettings) -> Prepared:
-    """The same model by other filters; shapes stay, since what a narrower band does not show would be lost in it."""
+    """The same model with other filters; shapes are kept, since a narrower band may not determine them."""
     plain = prepared.halved
     if plain is None or plain.settings != settings:
         plain = prepare(Problem(prepared.dataset, {}, (), settings, fit_gains=False))
@@ -85,13 +85,13 @@ def _with_settings(prepared: Prepared, settings: FilterSettings) -> Prepared:
 
 
 def moved(first: Identification, second: Identification) -> bool:
-    """Whether values move by more than their errors, all together, than chance would make them."""
+    """Whether all values together differ by more than their standard errors and chance explain."""
     squares = [(a.value - b.value) ** 2 / (a.std**2 + b.std**2) for a, b in in_both(first, second).values()]
     return bool(squares) and sum(squares) > exceeded_with(RULE.surprising, len(squares))
 
 
 def sharper(first: Identification, second: Identification) -> bool:
-    """Whether standard errors are clearly smaller there, in the median: then more rows say less, and hold noise."""
+    """Whether standard errors are clearly smaller in `second`, in the median: then the wider band adds noise."""
     ratios = [b.std / a.std for a, b in in_both(first, second).values()]
     return bool(ratios) and float(np.median(ratios)) < TOLERANCES.findings.half_band
 
@@ -99,7 +99,7 @@ def sharper(first: Identification, second: Identification) -> bool:
 def _apart(
     first: Identification, others: Sequence[Identification], *, all_of_it: bool
 ) -> Mapping[Unknown, float]:
-    """Standard errors that hold how far values are from others, beyond their errors or all of it, by unknown."""
+    """Standard errors by unknown that cover the distance to other values, whole or beyond their errors."""
     spreads: dict[Unknown, float] = {}
     for there in others:
         for unknown, (a, b) in in_both(first, there).items():

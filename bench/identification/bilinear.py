@@ -1,9 +1,9 @@
 """Least squares of the currents' errors from inner products: unknown torques over unknown drive gains.
 
-Every motor's rows are [columns, torque, error]: what the unknown values multiply, the torque that a solution needs that
-they are counted from, and what it leaves of the current. With values x and gains g the current's error is
-error + torque (1 / g0 - 1 / g) - columns x / g, and all that a step of Gauss and Newton needs of the rows are their
-inner products. These are as exact as the solution is near: squares of what it leaves, none of the currents themselves.
+Every motor's rows are [columns, torque, error]: the columns that the unknown values multiply, and the torque and
+current error of a reference solution from which the values are counted. With values x and gains g the current's error
+is error + torque (1 / g0 - 1 / g) - columns x / g, and a Gauss-Newton step needs only the rows' inner products. These
+are the more exact the nearer the reference is: they hold squares of its error, not of the currents.
 """
 
 from dataclasses import dataclass
@@ -27,11 +27,11 @@ def normal_equations(
     start: np.ndarray,
     fit_gains: Fitted,
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Matrix and right side of a step of Gauss and Newton: values (..., k), then gains (..., n) where any is fitted;
-    no step for those that are not.
+    """Matrix and right side of a Gauss-Newton step: values (..., k), then gains (..., n) if any is fitted; the others
+    do not move.
 
-    inner: (..., n, k + 2, k + 2) inner products; the leading axes are many problems. weights (n,): of
-    the errors; start (n,): the gains that torque and error belong to.
+    inner: (..., n, k + 2, k + 2) inner products; leading axes are separate problems. weights (n,): of the errors; start
+    (n,): the gains that torque and error belong to.
     """
     k, n = values.shape[-1], gains.shape[-1]
     share = weights**2 / gains  # of torque in the weighted squares, with another of the gains to come
@@ -57,7 +57,7 @@ def normal_equations(
 
 
 def least(normal: np.ndarray, right: np.ndarray) -> np.ndarray:
-    """Solution of normal equations, scaled to a unit diagonal; the smallest where they do not determine it."""
+    """Solution of normal equations, scaled to a unit diagonal; of minimum norm where they are singular."""
     diagonal = normal.diagonal()
     lengths = np.sqrt(np.where(diagonal > 0.0, diagonal, 1.0))
     scaled = normal / lengths[:, None] / lengths
@@ -71,7 +71,7 @@ def least(normal: np.ndarray, right: np.ndarray) -> np.ndarray:
 
 
 def independent_of(inner: np.ndarray) -> np.ndarray:
-    """Which of some columns of unit length, or none, are enough to span them all: indices, in order.
+    """Indices, in order, of columns of unit (or zero) length that span all columns.
 
     From their inner products (k, k), by Cholesky's factorisation with the largest pivot first.
     """
@@ -82,20 +82,20 @@ def independent_of(inner: np.ndarray) -> np.ndarray:
 
 
 def creeps(fall: float, last: float, unseen: float) -> bool:
-    """Whether steps lower the cost by less than `unseen` each and yet go on: along what the errors hardly tell."""
+    """Whether steps creep: each lowers the cost by less than `unseen`, in a hardly determined direction."""
     return TOLERANCES.steps.creeping * last < fall <= unseen
 
 
 def run_away(ratio: np.ndarray) -> np.ndarray:
-    """Whether a gain has run away, so that a solution is of no use; ratio (..., n): of the gains to those they are
-    counted from.
+    """Whether a gain has run away, so that a solution is useless; ratio (..., n): of the gains to those of the
+    reference.
     """
     factor = TOLERANCES.steps.runaway_factor
     return np.asarray(~((ratio > 1.0 / factor) & (ratio < factor)).all(axis=-1))
 
 
 def share_within_reach(gains: np.ndarray, by_gain: np.ndarray) -> np.ndarray:
-    """Share (...) of a step of gains (..., n), and of all else with it, that changes none by more than a factor."""
+    """Share (...) of a whole step at which no gain (..., n) changes by more than a factor."""
     most = TOLERANCES.steps.gain_factor
     change = by_gain / gains
     up, down = change.max(axis=-1) / (1.0 - 1.0 / most), -change.min(axis=-1) / (most - 1.0)
@@ -103,7 +103,7 @@ def share_within_reach(gains: np.ndarray, by_gain: np.ndarray) -> np.ndarray:
 
 
 def moved_gains(gains: np.ndarray, by_gain: np.ndarray) -> np.ndarray:
-    """Gains after a step: the errors follow their inverses in a line, so that these are what is moved."""
+    """Gains after a step, which moves their inverses, since the errors are linear in these."""
     return gains / (1.0 - by_gain / gains)
 
 
@@ -116,15 +116,15 @@ def errors_by(values: np.ndarray, gains: np.ndarray, start: np.ndarray) -> np.nd
 
 
 def squares_of(inner: np.ndarray, errors: np.ndarray) -> np.ndarray:
-    """Sum of squares (..., n) of what errors (..., n, k) combine, never below what rounding leaves of nothing."""
+    """Sum of squares (..., n) of the errors with coefficients (..., n, k), never below the rounding error."""
     combined = (inner @ errors[..., None])[..., 0]
     return np.asarray(np.maximum((errors * combined).sum(axis=-1), TINY))
 
 
 @dataclass(frozen=True)
 class Reached:
-    """Where steps have led, values (b,) and gains (n,), and why they ended there: the cost hardly falls any more, the
-    gains are far from those that they are counted from, or no part of the next step lowers the cost.
+    """Where steps ended, values (b,) and gains (n,), and why: the cost hardly falls any more, the gains are far from
+    those of the reference, or no part of the next step lowers the cost.
     """
 
     values: np.ndarray
@@ -136,8 +136,8 @@ class Reached:
 class Centred:
     """Inner products (n, b + 2, b + 2) of every motor's [columns, torque, error]; see bench.identification.bilinear.
 
-    basis (p, b): how the columns of phi are combined to nearly orthonormal ones; theta (p,) and gains (n,): the
-    solution that values (b,) are counted from.
+    basis (p, b): combines the columns of phi to nearly orthonormal ones; theta (p,) and gains (n,): the reference
+    solution, where values (b,) are zero.
     """
 
     inner: np.ndarray
@@ -163,10 +163,10 @@ class Centred:
         most_steps: int,
         unseen: float = 0.0,
     ) -> Reached | None:
-        """Steps of Gauss and Newton with step halving, until the weighted cost falls by less than a share.
+        """Gauss-Newton steps with step halving, until the relative decrease of the weighted cost is below `tolerance`.
 
-        unseen: the same, from which on it is enough that steps creep; see `creeps`.
-        None where the cost still falls after so many steps.
+        unseen: decrease below which creeping steps end, too; see `creeps`. None if the cost still falls after
+        `most_steps`.
         """
         bounds, squares, n = TOLERANCES.steps, weights**2, len(gains)
         cost, last = float(self.squares(values, gains) @ squares), np.inf
@@ -218,7 +218,7 @@ class FactorProducts:
 
 
 def products_of(factors: np.ndarray, scale: np.ndarray) -> FactorProducts:
-    """Products of factors (n, r, p + 2), with columns that are orthonormal where motors count by scale (n,)."""
+    """Products of factors (n, r, p + 2); their columns are orthonormal if motors are weighted by scale (n,)."""
     phi = factors[:, :, :-2]
     basis = _orthonormal((phi * scale[:, None, None]).reshape(-1, phi.shape[2]))
     columns = phi @ basis
@@ -226,7 +226,7 @@ def products_of(factors: np.ndarray, scale: np.ndarray) -> FactorProducts:
 
 
 def _orthonormal(rows: np.ndarray) -> np.ndarray:
-    """How columns (R, p) are combined to orthonormal ones of the same span, (p, b)."""
+    """Matrix (p, b) that makes columns (R, p) orthonormal, of the same span."""
     lengths = np.linalg.norm(rows, axis=0)
     lengths[lengths == 0.0] = 1.0
     triangle = np.asarray(np.linalg.qr(rows / lengths, mode="r"))

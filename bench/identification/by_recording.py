@@ -1,4 +1,4 @@
-"""Recordings without a value of an effect that has one for each recording."""
+"""Recordings that have no value of an effect with one value per recording."""
 
 from dataclasses import replace
 
@@ -13,9 +13,7 @@ from bench.identification.solution import Solution
 
 
 def columns_without_value(prepared: Prepared, observation: Observation) -> list[np.ndarray]:
-    """The columns, for effects that have a value for each recording but none for this one (of theta) that are one
-    effect's, each with its share of the mean.
-    """
+    """For each effect parameter with one value per recording, but none for this one: its columns of theta."""
     (log,) = {seen.recording.log for seen in prepared.measured if seen.recording.name == observation.name}
     together: dict[tuple[str, str, int], list[int]] = {}
     first = prepared.layout.effect_slice.start
@@ -27,9 +25,9 @@ def columns_without_value(prepared: Prepared, observation: Observation) -> list[
 
 
 def in_this_recording(prepared: Prepared, observation: Observation, solution: Solution) -> Solution:
-    """The solution with the values that suit a recording best where it has none.
+    """The solution, with the best-fitting values where a recording has none.
 
-    What differs from run to run is not what a recording is judged on.
+    What differs from run to run is not judged.
     """
     together = columns_without_value(prepared, observation)
     if not together:
@@ -47,7 +45,7 @@ def in_this_recording(prepared: Prepared, observation: Observation, solution: So
 
 
 def without_values_by_log(prepared: Prepared) -> list[Finding]:
-    """The recordings, and the effect with the recordings whose values are known."""
+    """Per effect, the recordings without a value and those that have one."""
     among = {instance.name: instance.among for instance in prepared.effects if instance.recording}
     findings = []
     for name, logs in among.items():

@@ -1,4 +1,4 @@
-"""Filters that are chosen from the spectra, and then by what the parameters do in half of their band."""
+"""Filters chosen from the spectra, then checked by how the parameters change in half of the band."""
 
 from collections.abc import Mapping
 from dataclasses import replace
@@ -14,15 +14,15 @@ from bench.signals.settings import FilterSettings
 
 
 def usual_friction(catalogue: Mapping[str, Effect]) -> list[str]:
-    """Effects that nearly every drive has, with its value in each run, and no shape to be searched."""
+    """Effects that nearly every drive has, with a value in each run and without shape parameters."""
     return [name for name, effect in catalogue.items() if effect.varies_by_run and not effect.shape]
 
 
 def prepare_checked(problem: Problem) -> Prepared:
-    """As `prepare`, with filters that are chosen narrower until the parameters of rigid bodies and friction no longer
-    move by more than their errors where the band is halved, nor have clearly smaller ones.
+    """As `prepare`, with the band halved until halving it no longer moves the parameters of rigid bodies and friction
+    by more than their standard errors, nor makes these clearly smaller.
 
-    Friction is in the model, since nearly every drive has it. Filters that are given, in part too, stay.
+    The model has friction, since nearly every drive has it. Filters given by the user, even in part, stay.
     """
     prepared = prepare(problem)
     if problem.filters:

@@ -1,12 +1,11 @@
-"""Closed-loop output error: what the twin under the robot's controller would command, compared with what was logged.
+"""Closed-loop output error: the current that the twin's controller would command, compared with the logged one.
 
 Gautier, Janot and Vandanjon, "A new closed-loop output error method for parameter identification of robot dynamics",
-2013 (DIDIM). Under the same law and reference a simulated twin keeps the motion of the robot whatever its parameters,
-except for an error e of the size that encoders resolve; to first order in e the errors of its positions and currents
-are linear in the parameters. Position errors reach the equations through the law: the current that it makes of
-reference and measured position is a second reading of the motors' current, without the noise of the logged one. The
-twin's motion gives the instruments: the measured one has noise in it, which would bias the estimate where the filters
-are wide.
+2013 (DIDIM). Under the same law and reference a simulated twin follows the robot's motion whatever its parameters, up
+to an error e of the encoder resolution; to first order in e, the errors of its positions and currents are linear in the
+parameters. Position errors enter through the law: the current that it computes from reference and measured position is
+a second reading of the motors' current, without the noise of the logged one. The instruments are at the twin's motion:
+noise in the measured one would bias the estimate behind wide filters.
 """
 
 from collections.abc import Sequence
@@ -46,12 +45,12 @@ def output_error(
     simulated: np.ndarray,
     joints: Sequence[str],
 ) -> Solution:
-    """Gains and parameters from two readings of each motor's current, each counted by the error that it leaves.
+    """Gains and parameters from two readings of each motor's current, each weighted by its residual.
 
-    terms (M, n, 3): what the controller's law makes of references and measured positions, row by row as in the stack.
+    terms (M, n, 3): of the controller's law, from references and measured positions, row by row as in the stack.
     simulated (M, n, p + 1): [Phi, kappa] at the motion of the twin; nominal gains (n,) stay where they are not fitted.
-    The law counts as known: gains have the scale of its gains. Raises BenchError naming a joint where it is not the law
-    that made the logged currents.
+    The law is taken as exact and sets the scale of the gains. Raises BenchError naming a joint whose logged currents
+    contradict the law.
     """
     terms = terms * stack.moving[:, :, None]
     _check_law(stack.current, terms, joints)
@@ -74,7 +73,7 @@ def output_error(
 
 
 def _check_law(logged: np.ndarray, terms: np.ndarray, joints: Sequence[str]) -> None:
-    """Compare logged currents (M, n) with the law's terms (M, n, 3): each must be in them with a factor of one."""
+    """Check that the logged currents (M, n) contain each of the law's terms (M, n, 3) with a factor of one."""
     parts = np.array_split(np.arange(len(logged)), TOLERANCES.statistics.compared_parts)
     for joint, measured, every in zip(joints, logged.T, terms.swapaxes(0, 1), strict=True):
         present = np.flatnonzero(every.any(axis=0))
@@ -98,9 +97,9 @@ def with_current(stack: Stack, current: np.ndarray) -> Stack:
 
 
 def commanded_currents(prepared: Prepared) -> np.ndarray:
-    """The terms of the law (M, n, 3), drive units: with kp, kv and ka, filtered and decimated as the rows of the fit.
+    """The law's terms with kp, kv and ka (M, n, 3), drive units, filtered and decimated as the rows of the fit.
 
-    Raises BenchError where the dataset does not tell the controller's law, or a recording not its reference.
+    Raises BenchError if the dataset lacks the controller's law, or a recording its reference.
     """
     dataset = prepared.dataset
     if dataset.controller is None:
@@ -118,10 +117,9 @@ def commanded_currents(prepared: Prepared) -> np.ndarray:
 
 
 def law_terms(law: ControlLaw, measured: Measured, joints: Sequence[str]) -> np.ndarray:
-    """What the law makes of a recording's references and positions (N, n, 3), at its rate.
+    """The law's terms (N, n, 3) from a recording's references and positions, at its rate.
 
-    It is a current, and is to lose no more of the fit's band than the logged one does, however narrow the filter of
-    the motion is.
+    As a current, it keeps as much of the fit's band as the logged one, however narrow the filter of the motion is.
     """
     recording, settings = measured.recording, measured.settings
     band = settings.band(recording.rate)
@@ -137,8 +135,8 @@ def law_terms(law: ControlLaw, measured: Measured, joints: Sequence[str]) -> np.
 def simulated_columns(prepared: Prepared) -> np.ndarray:
     """[Phi, kappa] (M, n, p + 1) at the twin's motion, the rows of all fitted recordings in the order of the stack.
 
-    The twin follows the measured positions up to twice the band of the motion, read off the spectra, whatever the
-    filters of the fit.
+    The twin follows the measured positions up to twice the motion's band, which comes from the spectra, not the fit's
+    filters.
     """
     fitted = [measurement for measurement in prepared.measured if measurement.recording.use == "identify"]
     recordings = [measurement.recording for measurement in fitted]
@@ -152,7 +150,7 @@ def simulated_columns(prepared: Prepared) -> np.ndarray:
 
 
 def followed_band(recordings: Sequence[Recording]) -> float:
-    """Up to which frequency the twin follows the recordings, Hz."""
+    """Highest frequency that the twin follows, Hz."""
     bands = signal_bands(
         [recording.position for recording in recordings],
         [recording.current for recording in recordings],

@@ -1,4 +1,4 @@
-"""How large the errors of the observation matrix's columns are: noise carried through the model."""
+"""Errors of the observation matrix's columns: noise propagated through the model."""
 
 from dataclasses import replace
 
@@ -17,9 +17,9 @@ SEED = 20120603
 def column_errors(prepared: Prepared) -> np.ndarray:
     """Expected inner products (n, p + 2, p + 2) of the errors of [phi, kappa, current], motor by motor.
 
-    The noise of positions and currents is read off the spectra above the band of the motion, taken as white.
-    As much noise once more is added to the positions, with a fixed seed; what it changes in the columns
-    replaces what the measured noise did.
+    The noise of positions and currents is read off the spectra above the band of the motion, taken as white. The same
+    amount of noise is added to the positions, with a fixed seed; the change of the columns is an estimate of their
+    error.
     """
     settings = prepared.settings
 

@@ -17,11 +17,10 @@ from bench.signals.returning import Course
 class Stack:
     """All rows of the fit: diag(v) g = Phi theta + kappa (equation 11), M samples of n motors.
 
-    Rows of a joint at standstill are zero and `moving` (M, n) is False there.
-    phi (M, n, p) torque or force for each unit of theta; kappa (M, n) torque of the known payload
-    parameters; current (M, n); starts: the first row of every recording. factors (n, r, p + 2): for every
-    motor few rows that have the same inner products as its [phi, kappa, current]. courses: the motion of
-    every recording, where it is known.
+    Rows of a joint at standstill are zero and `moving` (M, n) is False there. phi (M, n, p) torque or force for each
+    unit of theta; kappa (M, n) torque of the known payload parameters; current (M, n); starts: the first row of every
+    recording. factors (n, r, p + 2): for every motor a few rows with the same inner products as its [phi, kappa,
+    current]. courses: the motion of every recording, where known.
     """
 
     phi: np.ndarray
@@ -34,7 +33,7 @@ class Stack:
 
     @property
     def returns(self) -> tuple[float | None, ...]:
-        """For every recording, after how many rows its motion is the same again; None where it never is."""
+        """For every recording, the period of its motion in rows; None where it does not return."""
         if not self.courses:
             return (None,) * len(self.starts)
         return tuple(course.returns for course in self.courses)
@@ -48,7 +47,7 @@ class Stack:
 def stack_observations(
     observations: Sequence[Observation], layout: ParameterLayout, payloads: Mapping[str, Payload]
 ) -> Stack:
-    """Put the equations of several recordings under each other."""
+    """Stack the equations of several recordings."""
     moving = np.concatenate([observation.moving for observation in observations])
     phi = (
         np.concatenate([regressor_rows(observation, layout) for observation in observations])

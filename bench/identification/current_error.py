@@ -1,8 +1,8 @@
 """The estimator that minimises the error of the measured current itself.
 
-Each motor's modelled current is (Phi theta + kappa) / g. The noise of a current then is where it arises,
-on the left side, whatever the gains; the problem is bilinear and solved by Gauss-Newton steps, first on inner products
-of the compressed factors, counted from the starting solution, and last on the factors themselves.
+Each motor's modelled current is (Phi theta + kappa) / g. The noise of a current then stays on the left side, where it
+arises, whatever the gains. Gauss-Newton steps solve this bilinear problem, first on inner products of the compressed
+factors about the starting solution, last on the factors themselves.
 """
 
 from dataclasses import replace
@@ -19,8 +19,8 @@ from bench.identification.tolerances import TOLERANCES
 def current_error(stack: Stack, start: Solution) -> Solution:
     """Minimise sum_j w_j^2 |v_j - (Phi_j theta + kappa_j) / g_j|^2 from a starting solution.
 
-    The weights are one over each motor's current error. Gains that are not unknowns (start.gains_fitted) stay as they
-    are; where none is, the problem is linear.
+    The weights are one over each motor's current error. Gains that are not unknowns (start.gains_fitted) are held;
+    without unknown gains the problem is linear.
     """
     theta, gains, passes = start.theta, start.gains, _tolerances()
     weights = error_weights(stack, squared_errors(stack.factors, theta, gains))
@@ -36,9 +36,9 @@ def current_error(stack: Stack, start: Solution) -> Solution:
 
 
 def from_best_start(stack: Stack, start: Solution, gains: NominalGains) -> Solution:
-    """The minimum from the gains of equation 12; from the nominal ones where these explain the currents better.
+    """The minimum reached from the gains of equation 12, or from the nominal ones if these explain the currents better.
 
-    A payload that hardly shows lets the gains of equation 12 fall to zero, from where the search does not come back.
+    With a payload that hardly shows, the gains of equation 12 fall to zero, from where no search returns.
     """
     solution = current_error(stack, start)
     if not np.any(gains.fitted):
@@ -60,9 +60,9 @@ def from_products(
 ) -> Solution | None:
     """The solution with the weights (n,) of the last pass, from inner products about the start.
 
-    anew: how often they are counted anew where gains come far from the start's; where that may be, steps that lead
-    nowhere end a pass. None where steps lead further away, or nowhere, and steps on the equations themselves
-    continue. unseen: see `creeps`.
+    anew: how often they may be formed again when gains have moved far from the start's; if they may, steps without
+    progress end a pass. None if steps diverge or make no progress, so that steps on the equations must continue.
+    unseen: see `creeps`.
     """
     near = products.about(start.theta, start.gains)
     values, gains, fit_gains = np.zeros(near.basis.shape[1]), start.gains, start.gains_fitted
@@ -86,7 +86,7 @@ def from_products(
 
 
 def error_weights(stack: Stack, squares: np.ndarray) -> np.ndarray:
-    """Inverse of each motor's current error (n,), of the sums of their squares."""
+    """Inverse of each motor's RMS current error (n,), from the sums of squares."""
     return np.asarray(1.0 / np.maximum(np.sqrt(squares / len(stack.current)), current_floor(stack)))
 
 
@@ -98,7 +98,7 @@ def squared_errors(factors: np.ndarray, theta: np.ndarray, gains: np.ndarray) ->
 
 
 def log_likelihood(stack: Stack, solution: Solution) -> float:
-    """Log-likelihood of normal errors of the currents, each motor's with its deviation, except for a constant."""
+    """Log-likelihood of normal current errors with a deviation per motor, up to a constant."""
     weights = error_weights(stack, squared_errors(stack.factors, solution.theta, solution.gains))
     return float(len(stack.current) * np.log(weights).sum())
 
@@ -151,11 +151,11 @@ def minimised(
 
 
 def current_floor(stack: Stack) -> float:
-    """The smallest error that a fit in double precision can have, in drive units: no weight grows beyond it."""
+    """The smallest error of a fit in double precision, in drive units: it bounds the weights."""
     return float(1e-9 * np.sqrt((stack.current**2).mean(axis=0).max()) + np.finfo(float).tiny)
 
 
 def _tolerances() -> list[float]:
-    """Of the cost in each pass between two reweightings; the last pass converges."""
+    """Tolerance of the cost in each pass between reweightings; the last ends."""
     bounds = TOLERANCES.steps
     return [bounds.between_weights] * (bounds.reweightings - 1) + [bounds.converged]

@@ -1,4 +1,4 @@
-"""How noisy the measured currents are, read off their spectra."""
+"""Noise of the measured currents, from their spectra."""
 
 import numpy as np
 
@@ -29,9 +29,8 @@ def current_noise(
 
 
 def noise_of_series(recording: Recording, settings: FilterSettings, series: CurrentSeries) -> np.ndarray:
-    """As `current_noise` (n,), but where a motor's errors in the upper half of the band of the fit are too small for
-    it, its noise is as dense in the whole band as these errors: the currents are noisier above the band, as by the
-    hold of a controller.
+    """As `current_noise` (n,), but if a motor's errors in the upper half of the fit's band are smaller than this noise,
+    their density is taken for the whole band: the currents are noisier above the band, as by a controller's hold.
     """
     above = current_noise(recording, settings, series.sharing)
     squares, bins = squares_of_noise(series, settings)
@@ -41,8 +40,8 @@ def noise_of_series(recording: Recording, settings: FilterSettings, series: Curr
 
 
 def squares_of_noise(series: CurrentSeries, settings: FilterSettings) -> tuple[np.ndarray, int]:
-    """Sums of squares (n,) of noise that is as dense in the whole band of the fit as the errors in its upper half, and
-    how many frequencies of the spectrum these are.
+    """Sums of squares (n,) of noise with the density of the errors in the upper half of the fit's band, and the number
+    of frequencies of the spectrum there.
     """
     factor = settings.decimation
     band = noise_bandwidth(factor) * factor

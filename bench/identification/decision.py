@@ -1,4 +1,4 @@
-"""What decides in identification and diagnosis, in one place: every threshold of an answer that is no numerical bound.
+"""Every threshold that decides in identification and diagnosis, numerical bounds aside.
 
 Numerical bounds are in `bench.identification.tolerances`.
 """
@@ -11,35 +11,33 @@ from bench.basics.in_force import InForce
 
 @dataclass(frozen=True)
 class DecisionRule:
-    """What decides which effects an answer has, and how sure it is of them.
+    """The thresholds that decide which effects an answer has, and how certain they are.
 
     Evidence. prior: nats against every effect, odds of 20,000 to 1: of some 30 effects in every subset, with shapes
-    that are adapted to the data, few must pass by chance. coarsening: independent samples; where they are many, an
-    error that falls by 3 % brings 10 nats, and no more than that repeats from one log of a machine to the next.
-    undecided: nats by which another set may be less probable, where the data do not distinguish the two. even:
-    probability; an effect of the answer that is less probable only resembles what is missing. surprising: probability
-    of so strong a pattern by chance.
+    adapted to the data, few must pass by chance. coarsening: independent samples; in a long log, an error that falls by
+    3 % brings 10 nats, and smaller changes do not repeat from one log of a machine to the next. undecided: nats; sets
+    that differ by less are not distinguished by the data. even: probability; a less probable effect of the answer only
+    resembles what is missing. surprising: probability of so strong a pattern by chance.
 
     Standard errors. shows: by which a parameter must differ from zero, or a gain move. certain: by which two values
-    must differ so that no inexact model explains it. loose: relative standard error, above which a value says little.
+    must differ for no inexact model to explain it. loose: relative standard error, above which a value says little.
 
-    Noise. beyond_noise: times the noise floor; an error below holds nothing to look for. much: times what noise leaves;
-    with more, something unknown acts, and a known effect may only resemble it. inexact: share of the logarithm of error
-    over noise; where a model leaves more than noise, its form is wrong, and an effect that takes less of that away, and
-    a drive gain along, may only make up for it. law_beyond_noise: times what noise leaves; with more, a law has not the
-    right form, and effects at its motors are unsure. law_share: share of the error that a law explains; its form may
-    be wrong by as much, so that an effect at its motor that explains less is unsure.
+    Noise. beyond_noise: times the noise floor; a smaller error needs no explanation. much: times the noise; with a
+    larger error something unknown acts, and a known effect may only resemble it. inexact: share of log(error / noise);
+    a model with more error than noise has a wrong form, and an effect that moves a drive gain and removes less than
+    this share may only compensate for it. law_beyond_noise: times the noise; with a larger error a law has a wrong
+    form, and effects at its motors are uncertain. law_share: of the error that a law explains; its form may be wrong by
+    as much, so an effect at its motor that explains less is uncertain.
 
-    Shares of an error. most: of a motor's squared error; what takes more away is looked for before all else. helps: of
-    an error, that a model of another kind must take away, with values by recording or an effect in place of a law: less
-    may be another effect. dominant: times the residual, that must remain without an effect which is named though
-    something has no name. dominant_in_much: the same where `much` remains. cancels: times a motor's torque; a spring
-    that balances 80 % of a weight has four times what the motor gives; of an effect whose torque the motor has to give,
-    such as friction, `much` is too much.
+    Shares of an error. most: of a motor's squared error; whatever removes more is searched first. helps: of an error; a
+    model of another kind (values by recording, an effect in place of a law) must remove this much, since less may be
+    another effect. dominant: times the residual; without an effect that is named while something remains unnamed, the
+    error must be this large. dominant_in_much: the same if `much` remains. cancels: times a motor's torque; a spring
+    that balances 80 % of a weight has four times the motor's; for an effect whose torque the motor must supply, such as
+    friction, `much` is the bound.
 
-    Drive gains. gain_far: factor to the nominal gain, up or down; a gain beyond is not credible, since makers are
-    wrong by a tenth. gain_lost: the same, beyond which a model says nothing of the gain, and a fit starts again from
-    the nominal one.
+    Drive gains. gain_far: factor to the nominal gain, up or down; a gain beyond is not credible, since makers err by a
+    tenth. gain_lost: the same; beyond it a model does not determine the gain, and a fit restarts from the nominal one.
     """
 
     prior: float = 10.0
@@ -65,13 +63,13 @@ class DecisionRule:
 
     @property
     def material(self) -> float:
-        """Share of an error that is worth an effect where samples are many."""
+        """Share of the error that an effect must remove in a long log."""
         return 1.0 - exp(-self.prior / self.coarsening)
 
     @property
     def sure(self) -> float:
-        """Probability from which an effect is missing, as that of a value within two standard errors; between the rest
-        and this it is undecided.
+        """Probability from which an effect is missing, that of a value within two standard errors; undecided down to
+        the complement.
         """
         return erf(sqrt(2.0))
 
@@ -86,7 +84,7 @@ class DecisionRule:
         return erfc(self.shows / sqrt(2.0))
 
     def coarsening_beyond(self, excess: float) -> float:
-        """Samples that count where the logarithm of error over noise is `excess`."""
+        """The coarsening at log(error / noise) = `excess`."""
         return self.prior / (self.prior / self.coarsening + self.inexact * excess)
 
 

@@ -1,4 +1,4 @@
-"""What effects may know of a recording, and of the model as it is at present."""
+"""The signals of a recording and of the present model that effects may use."""
 
 from collections.abc import Callable, Hashable, Mapping
 from contextlib import suppress
@@ -41,8 +41,8 @@ def joint_reactions(
     """The forces in joints of one recording.
 
     base (nb,): the present base parameters; payload (10,): what is carried, in the tool frame; redundant_torques:
-    torque (N, r) of redundant motors. The base parameters represent all others with the same torques of the motors: of
-    those, a mass on a joint's axis can sit on either side of it.
+    torque (N, r) of redundant motors. The base parameters represent all standard parameters with the same motor
+    torques: a mass on a joint's axis can belong to either body.
     """
     geometry = model.geometry
     known, loads = base, np.zeros(0, dtype=int)
@@ -59,7 +59,7 @@ def joint_reactions(
             measured.held[every] = with_motors_held(geometry, tree)
         return measured.held[every]
 
-    @cache  # asked for again by every effect that is tried, with the same answer
+    @cache  # every effect that is tried asks again, with the same answer
     def joint_reaction(joint: str, every: int) -> JointReaction:
         index = geometry.joint_index(joint)
         columns = np.concatenate((model.base.columns, loads, [10 * index], extra))
@@ -69,7 +69,7 @@ def joint_reactions(
             rows = bearing_rows(bearing_of(geometry, index), moving(every), columns)
             measured.reactions.keep(key, rows)
         mass, nb = len(known), len(base)
-        first = rows[:, :, :nb] @ model.guessed  # of equal bars: how much heavier the model is, forces tell
+        first = rows[:, :, :nb] @ model.guessed  # of equal bars; the forces determine the model's mass
         square = float(np.vdot(first, first))
         heavier = float(np.vdot(first, rows[:, :, :nb] @ base)) / square if square > 0.0 else 0.0
         force = rows[:, :, :mass] @ known
@@ -93,12 +93,12 @@ def joint_reactions(
 
 @dataclass(frozen=True)
 class PresentModel:
-    """The model that effects are linearised about.
+    """The model about which effects are linearised.
 
-    gains (n,) N*m or N per drive unit; base (nb,) base parameters; payloads: all ten standard parameters of
-    each payload in the tool frame; declared: the known ones of them, the others zero; speeds (n + r,): RMS speed
-    of every joint with a motor over the fitted recordings; effects: those of the model with their parameters (p,);
-    redundant_gains (r,): of the redundant motors.
+    gains (n,) N*m or N per drive unit; base (nb,) base parameters; payloads: all ten standard parameters of each
+    payload in the tool frame; declared: the known ones, the others zero; speeds (n + r,): RMS speed of every joint with
+    a motor over the fitted recordings; effects: those of the model with their parameters (p,); redundant_gains (r,): of
+    the redundant motors.
     """
 
     gains: np.ndarray
@@ -197,9 +197,9 @@ def robot_signals(model: IdentificationModel, measured: Measured, present: Prese
 
 
 def needed_torque(seen: Callable[[], RobotSignals], present: PresentModel) -> Callable[[int], np.ndarray]:
-    """What the present model and its effects ask of a motor (index) in a recording that is `seen` so: (N,), N*m or N.
+    """Torque (N,), N*m or N, that the present model and its effects require of a motor (index) in a recording.
 
-    Added up when it is first asked for. Raises AskedWithinError where one of these effects asks for it.
+    Summed on first use. Raises AskedWithinError if one of these effects asks for it.
     """
     adding = False
 
@@ -228,7 +228,7 @@ def needed_torque(seen: Callable[[], RobotSignals], present: PresentModel) -> Ca
 
 
 def torque_at_links(seen: Callable[[], RobotSignals], present: PresentModel) -> Callable[[], np.ndarray]:
-    """What the present model's effects that act on links need of the motors (N, n), N*m or N, in a recording."""
+    """Motor torques (N, n), N*m or N, for the present model's effects that act on links, in a recording."""
 
     @cache
     def needed() -> np.ndarray:
@@ -245,7 +245,7 @@ def torque_at_links(seen: Callable[[], RobotSignals], present: PresentModel) -> 
 def _add_torque(
     total: np.ndarray, signals: RobotSignals, instance: EffectInstance, values: np.ndarray
 ) -> None:
-    """Add to `total` (N, n) what an effect with these values needs of the motors; nothing where an effect raises."""
+    """Add to `total` (N, n) the motor torques for an effect with these values; nothing if the effect raises."""
     parts = [(share, *columns_at_motors(part, signals)) for part, share in made_of(signals, instance)]
     for share, columns, motors in parts:
         total[:, motors] += columns @ (share * values)
@@ -254,10 +254,10 @@ def _add_torque(
 def torques_in_joints(
     seen: Callable[[], RobotSignals], present: PresentModel
 ) -> Callable[[], Mapping[str, np.ndarray]]:
-    """What the present model's effects need (N, d) in joints without a motor, by name, in a recording `seen` so.
+    """Torques (N, d) of the present model's effects in joints without a motor, by name, in a recording.
 
-    Where one of them asks for it, as friction does that goes by the force in its joint, it is given what was estimated
-    before: the first time nothing, then what the others and it make of that.
+    If one of them asks for these torques, as friction that depends on the joint force does, it gets the previous
+    estimate: at first zero, then the sum computed from that.
     """
     known: dict[str, np.ndarray] = {}
     asked = False
@@ -292,7 +292,7 @@ def combined_torque(
 def _redundant_signals(
     model: IdentificationModel, measured: Measured, present: PresentModel
 ) -> dict[str, JointSignals]:
-    """What is known of the joints of redundant motors; they move as the loops make them."""
+    """Signals of the joints of redundant motors; the loops determine their motion."""
     geometry, rate = model.geometry, measured.recording.rate
     by_joint: dict[str, JointSignals] = {}
     for r, actuator in enumerate(geometry.robot.redundant):
@@ -326,9 +326,9 @@ def _encoder_offsets(present: PresentModel, log: str) -> dict[str, float]:
 def _moved(
     model: IdentificationModel, measured: Measured, offsets: Mapping[str, float], seen: RobotSignals
 ) -> Motion:
-    """The motion where the encoders have these offsets; as measured where the loops cannot be closed there.
+    """The motion with these encoder offsets; as measured if the loops cannot be closed with them.
 
-    What they change is smooth, and worked out at the coarse samples.
+    The change is smooth and is computed at the coarse samples.
     """
     shift = np.array([offsets.get(joint, 0.0) for joint in model.geometry.robot.joints])
     if not shift.any():

@@ -42,10 +42,10 @@ def effect_rows(
 def _kept_or_computed(
     signals: RobotSignals, decimation: int, effects: Sequence[EffectInstance], deadline: Deadline
 ) -> Iterator[tuple[int, np.ndarray]]:
-    """The rows (M, n, k) of every effect as it is, with its index, computed only where they are not known yet.
+    """The rows (M, n, k) of every effect, with its index, computed only where not known yet.
 
-    Those that are known come first, one after the other, so that not all are held at once. In a search, those that are
-    tried with many shapes or about many models are computed at few samples.
+    Known rows come first, one effect at a time, so that not all are held at once. In a search, effects that are tried
+    with many shapes or about many models are computed at few samples.
     """
     sources = [_seen_by(signals, instance.effect) for instance in effects]
     missing: list[int] = []
@@ -102,7 +102,7 @@ def _decimated(
         interpolation = whole_interpolation(signals.gaps[motor], len(columns))
         if sparse is None:
             interpolation.put(columns, of_motor)
-        else:  # at the edges of a stretch by the share that lies in it
+        else:  # at the edges of a stretch, in proportion to the part inside
             interpolation.put_partly(columns, of_motor, sparse.shares[motor])
     if sparse is None:
         return decimate(columns, decimation)
@@ -124,16 +124,16 @@ def _keep(signals: RobotSignals, decimation: int, instance: EffectInstance, rows
 
 
 def _memory(signals: RobotSignals, instance: EffectInstance) -> KeptRows:
-    """Where an effect's rows are kept: with the recording, or only as long as the present model is the same."""
-    # which sees its motor, and no other joint move
+    """Where an effect's rows are kept: with the recording, or only while the present model is the same."""
+    # it sees the motion of its motor only
     alone = isinstance(instance.effect, ActuatorEffect) and instance.joint in signals.joints
     passing = instance.effect.depends_on_model or not (alone or signals.as_measured)
     return signals.passing if passing else signals.lasting
 
 
 def made_of(signals: RobotSignals, instance: EffectInstance) -> list[tuple[EffectInstance, float]]:
-    """The effects of whose columns an effect's are the sum, with their shares: itself, or in a search of two about its
-    nodes; of none where its value is that of another recording.
+    """The effects whose columns, times their shares, add up to an effect's: itself, or in a search two at its nodes;
+    none if its value is that of another recording.
     """
     if instance.recording:
         share = instance.share(signals.log)

@@ -1,4 +1,4 @@
-"""The torque that each effect of a model takes: sample by sample, and as RMS at each motor."""
+"""The torque of each effect of a model: sample by sample, and as RMS at each motor."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -25,12 +25,12 @@ class EffectTorques:
 
 
 def effect_torques(recordings: Sequence[CurrentSeries]) -> tuple[EffectTorques, ...]:
-    """What the motors have to supply for the effects of a model, in each recording."""
+    """Torques that the motors supply for the effects of a model, in each recording."""
     return tuple(EffectTorques(trace.name, trace.time, trace.by_effect) for trace in recordings)
 
 
 def sizes_of(model: Prepared, result: Identification, effect: str) -> dict[str, float]:
-    """RMS torque of an effect at each motor over the fitted recordings, N*m or N; nothing where it is not there."""
+    """RMS torque of an effect at each motor over the fitted recordings, N*m or N; empty if the model lacks it."""
     joints = list(model.dataset.robot.joints)
     total = None
     for instance, part in parameter_slices(model.effects):

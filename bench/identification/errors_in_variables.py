@@ -1,9 +1,9 @@
-"""Noise of the encoders that the filters let through: where it moves the answer, the answer says so.
+"""Encoder noise that passes the filters: if it moves the answer, the answer says so.
 
-Differentiated twice, the noise of a position grows with the fourth power of the frequency. In the observation matrix it
-biases every estimate that takes that matrix for exact. Whether it does is seen as Hausman does ("Specification tests in
-econometrics", 1978): by the distance to an estimate that holds with errors in the variables, too, though it is less
-exact without them. That estimate is by instrumental variables, see `bench.identification.instrumental`.
+Differentiated twice, the noise power of a position grows with the fourth power of the frequency. In the observation
+matrix it biases every estimate that takes this matrix as exact. Hausman's test ("Specification tests in econometrics",
+1978) shows the bias: the distance to an estimate that is consistent with errors in the variables, though less precise
+without them: instrumental variables, see `bench.identification.instrumental`.
 """
 
 from collections.abc import Callable
@@ -19,14 +19,14 @@ from bench.identification.tolerances import TOLERANCES
 from bench.signals.bounds import BANDS
 from bench.signals.settings import signal_bands
 
-CONSISTENT = ("iv", "oe")  # that do not take the observation matrix of the measured motion for exact
+CONSISTENT = ("iv", "oe")  # these do not take the observation matrix of the measured motion as exact
 
 Fit = Callable[[Prepared, str], Identification]
 
 
 def noise_share(prepared: Prepared) -> float:
-    """Power of the encoders' noise in the band of the fit, as a share of the acceleration's; of the joint and recording
-    with the largest.
+    """Power of the encoder noise in the fit's band, as a share of the acceleration's; the largest of all joints and
+    recordings.
     """
     recordings = [
         measurement.recording for measurement in prepared.measured if measurement.recording.use == "identify"
@@ -44,8 +44,8 @@ def noise_share(prepared: Prepared) -> float:
 def with_errors_in_variables_checked(
     prepared: Prepared, result: Identification, fitted: Fit
 ) -> Identification:
-    """The answer with standard errors that hold what instrumental variables make of the same equations, where the
-    filters let noise through; with a finding, where that moves a drive gain. fitted: makes an answer by a method.
+    """The answer, whose standard errors cover that of instrumental variables from the same equations if noise passes
+    the filters; with a finding if the two differ in a drive gain. fitted: makes an answer by a method.
     """
     if result.method in CONSISTENT or not result.gains_fitted:
         return result

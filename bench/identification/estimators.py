@@ -1,6 +1,6 @@
 """The estimators by name. Each takes the stacked equations and returns a solution.
 
-An estimator's module is imported when it runs: commands take the names from here, and their help is quick.
+An estimator's module is imported when it runs: the help of commands, which needs names only, is quick.
 """
 
 from __future__ import annotations
@@ -23,11 +23,10 @@ DEFAULT_METHOD = "current"
 
 @dataclass(frozen=True)
 class Request:
-    """What an estimator may use: the equations, the gains as they are declared, joints (n,), and what keeps
-    gains nominal.
+    """The inputs of an estimator: the equations, the declared gains, joints (n,), and what keeps gains nominal.
 
-    Computed only when asked for: the errors of the columns, [phi, kappa] (M, n, p + 1) at the motion of a twin, and the
-    terms (M, n, 3) of the controller's law.
+    Functions, since not always needed: the errors of the columns, [phi, kappa] (M, n, p + 1) at a twin's motion, and
+    the terms (M, n, 3) of the controller's law.
     """
 
     stack: Stack
@@ -104,12 +103,12 @@ ESTIMATORS: dict[str, Callable[[Request], Solution]] = {
     "wls": _wls,
     "ls": _ls,
 }
-"""In the order in which they are shown; commands and tables take their names from here."""
+"""In display order; commands and tables take the names from this."""
 NEED_SCALE = ("tls", "wtls")
 
 
 def solve(method: str, request: Request) -> Solution:
-    """Run the estimator `method`. Raises BenchError for an unknown one, or one that needs gains that are not fixed."""
+    """Run the estimator `method`. Raises BenchError if it is unknown, or needs gains that no payload fixes."""
     if method not in ESTIMATORS:
         raise BenchError(f"unknown method {method!r}; known: {', '.join(ESTIMATORS)}")
     if method in NEED_SCALE and not request.scale.complete:

@@ -27,7 +27,7 @@ from bench.signals.settings import FilterSettings, signal_bands
 def logged_velocities(
     recording: Recording, joints: Sequence[str], settings: FilterSettings
 ) -> dict[str, LoggedVelocity]:
-    """How the velocities that a recording has compare with its positions, by joint."""
+    """How logged velocities of a recording compare with its positions, by joint."""
     compared = {}
     for j, joint in enumerate(joints):
         velocity = recording.extra.get(velocity_column(joint))
@@ -40,7 +40,7 @@ def logged_velocities(
 def taken_velocities(
     recording: Recording, joints: Sequence[str], compared: Mapping[str, LoggedVelocity]
 ) -> np.ndarray | None:
-    """The logged velocities (N, n) that are taken, NaN for the other joints; None where there is none."""
+    """The logged velocities (N, n) that are used, NaN for the other joints; None if there are none."""
     taken = [joint for joint, velocity in compared.items() if velocity.taken]
     if not taken:
         return None
@@ -51,7 +51,7 @@ def taken_velocities(
 
 
 def velocity_noise(joints: Sequence[str], compared: Mapping[str, LoggedVelocity]) -> np.ndarray:
-    """Density (n,) of the noise of every velocity that is taken, unit^2/s^2/Hz; infinite for the others."""
+    """Noise density (n,) of every velocity that is used, unit^2/s^2/Hz; infinite for the others."""
     return np.array(
         [
             compared[joint].density if joint in compared and compared[joint].taken else np.inf
@@ -64,12 +64,11 @@ def velocity_noise(joints: Sequence[str], compared: Mapping[str, LoggedVelocity]
 class Measured:
     """One recording at its rate, N samples of n motors, border samples dropped.
 
-    time (N,) s; position, velocity, acceleration (N, n): rad or m and rates, filtered; current (N, n) drive
-    unit, as logged; tree: the motion of all joints of the opened tree; gaps: where joints stand still. logged: how
-    velocities that were logged compare with the positions. kept: rows of effects that need no model; perturbed:
-    observation matrices of other motions and gravities, which are the same again and again; reshaped: of other
-    geometries, of which a search tries many; reactions: of the forces in joints; held: the motion that these are in, at
-    every so many-th sample.
+    time (N,) s; position, velocity, acceleration (N, n): rad or m and rates, filtered; current (N, n) drive unit, as
+    logged; tree: the motion of all joints of the opened tree; gaps: where joints are at rest. logged: how logged
+    velocities compare with the positions. Caches. kept: rows of effects that need no model; perturbed: observation
+    matrices of other motions and gravities, which recur; reshaped: of other geometries, of which a search tries many;
+    reactions: of joint forces; held: the motion of these, by sample spacing.
     """
 
     recording: Recording
@@ -99,7 +98,7 @@ class Measured:
 
 
 def measure(model: IdentificationModel, recording: Recording, settings: FilterSettings) -> Measured:
-    """Filter and differentiate the positions, take logged velocities that are better, and close the loops.
+    """Filter and differentiate the positions, use logged velocities that are better, and close the loops.
 
     Raises BenchError that names the recording and the time of a sample that cannot be used.
     """
@@ -130,7 +129,7 @@ def measure(model: IdentificationModel, recording: Recording, settings: FilterSe
 
 
 def of_recording(name: str, error: BenchError) -> BenchError:
-    """The same error with the recording's name, and with what helps."""
+    """The same error with the recording's name and a remedy."""
     if isinstance(error, NearSingularError):
         cure = (
             "if the robot was elsewhere, check units, signs and zeros of its positions; if it was there, leave that "
@@ -143,7 +142,7 @@ def of_recording(name: str, error: BenchError) -> BenchError:
 def _closed(
     geometry: Geometry, track: tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]
 ) -> tuple[Motion, np.ndarray]:
-    """The motion of all joints, worked out where it is asked for if it is long; rates (N, k) of passive joints."""
+    """The motion of all joints, if long computed on demand; rates (N, k) of passive joints."""
     path = path_of(geometry, *track)
     numbers = len(track[0]) * (geometry.nq + geometry.nv * (2 + len(geometry.active)))
     if numbers > TOLERANCES.memory.motion_numbers:
@@ -154,8 +153,8 @@ def _closed(
 
 
 def forget_motions(measured: Sequence[Measured]) -> None:
-    """Free what long motions of all joints take, and what follows from them and effects ask for once with each model;
-    where it is asked for again, it is worked out again, the very same.
+    """Free the memory of long motions of all joints, and of what follows from them and effects use once per model; if
+    needed again, it is computed again, bit by bit the same.
     """
     for entry in measured:
         if isinstance(entry.tree, LongMotion):
@@ -171,7 +170,7 @@ def passive_rates(geometry: Geometry, tree: Motion) -> np.ndarray:
 
 
 def _passive(geometry: Geometry) -> list[int]:
-    """Those joints, as indices of the tree's velocities."""
+    """Velocity indices in the tree of these joints."""
     return [
         joint.v.start
         for joint in geometry.joints
@@ -180,10 +179,10 @@ def _passive(geometry: Geometry) -> list[int]:
 
 
 def contradicted_closures(geometry: Geometry, measured: Sequence[Measured]) -> tuple[Finding, ...]:
-    """Joints of redundant motors that were logged elsewhere than the loop closures put them, the worst recording each.
+    """Joints of redundant motors whose logged position contradicts the loop closures, each with its worst recording.
 
-    Reported where the difference, filtered as the positions are, is more than the encoders' noise and than tolerances
-    are. Joints of which a recording has no position are passed over.
+    Reported if the difference, filtered like the positions, exceeds encoder noise and tolerances. Joints without a
+    position in a recording are skipped.
     """
     findings = []
     for actuator in geometry.robot.redundant:
@@ -222,7 +221,7 @@ def _contradiction(joint: Joint, measured: Measured) -> Finding | None:
 
 
 def _noise(joint: Joint, measured: Measured, logged: np.ndarray) -> float:
-    """RMS of the noise that the filter lets through, of this encoder and, through the closures, of the others."""
+    """RMS noise that passes the filter, of this encoder and, through the closures, of the others."""
     recording = measured.recording
     positions = np.column_stack((recording.position, logged))
     density = signal_bands([positions], [recording.current], recording.rate).position_noise

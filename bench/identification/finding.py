@@ -7,7 +7,7 @@ from typing import Literal
 
 
 class Code(StrEnum):
-    """What is to be noted of an answer."""
+    """What is noted about an answer."""
 
     # the whole answer is in doubt
     GAIN_NOT_DETERMINED = auto()
@@ -25,7 +25,7 @@ class Code(StrEnum):
     LOAD_UNDECLARED = auto()
     PAYLOAD_HEAVY = auto()
     NOT_REAL = auto()
-    # what the data cannot tell
+    # what the data do not determine
     NOT_FROM_GAIN = auto()
     NOISE_LET_THROUGH = auto()
     PAYLOAD_NOT_DECLARED = auto()
@@ -48,7 +48,7 @@ class Code(StrEnum):
     BAND_UNCHECKED = auto()
     EXTRAPOLATED = auto()
     JUDGED_BEYOND = auto()
-    # what cannot be so
+    # what is impossible
     GAINS_A_THOUSAND = auto()
     GAINS_A_THOUSANDTH = auto()
     GAINS_ALIKE = auto()
@@ -74,13 +74,13 @@ class Code(StrEnum):
     SHORT = auto()
     BAD_STRETCH = auto()
     NO_VALUE_OF_ITS_OWN = auto()
-    # a sentence of a model file that an earlier version wrote
+    # a sentence in a model file of an earlier version
     TOLD = auto()
 
 
 @dataclass(frozen=True)
 class Unknown:
-    """What is estimated, or a row of a covariance. place: the joint of a gain, or where an effect sits."""
+    """An unknown, or a row of a covariance. place: the joint of a gain, or the place of an effect."""
 
     kind: Literal["parameter", "gain", "effect"]
     name: str
@@ -113,7 +113,7 @@ UNBELIEVABLE = NEGATIVE | frozenset(
         Code.GAINS_A_THOUSANDTH,
     }
 )
-"""Of an answer that is not to be believed."""
+"""Of an answer that is not credible."""
 
 CAUSES = frozenset(
     {
@@ -130,26 +130,26 @@ CAUSES = frozenset(
         Code.MOUNTED_OTHERWISE,
     }
 )
-"""Of false names: what is wrong with the data or the robot with which a diagnosis names effects."""
+"""Errors of the data or the robot that make a diagnosis name false effects."""
 
 WRONG_COLUMNS = frozenset({Code.CURRENT_REVERSED, Code.POSITION_REVERSED, Code.POSITIONS_SWAPPED})
-"""Of columns with which nothing that a diagnosis says is right."""
+"""Of columns that make every statement of a diagnosis wrong."""
 
 BY_MISSING_EFFECTS = frozenset(
     {Code.GAIN_NOT_DETERMINED, Code.GAIN_RUNAWAY, Code.GAIN_NEGATIVE, Code.PARAMETER_WITHOUT_DEVIATION}
 )
-"""Of an answer that is not to be believed, and that becomes right with the effects that the model lacks."""
+"""Of an answer that is not credible, but becomes right with the effects that the model lacks."""
 
 MEND_FIRST = UNBELIEVABLE | CAUSES | {Code.NO_MODEL_IS_BETTER, Code.GAINS_ALIKE}
-"""What is to be mended before anything else is asked of the data."""
+"""Faults to correct before anything else is done with the data."""
 
 
 def mended_first(findings: Iterable[Finding]) -> tuple[Finding, ...]:
-    """The findings in their order, those to be mended before the others."""
+    """The findings in their order, but faults to correct first."""
     return tuple(sorted(findings, key=lambda finding: finding.code not in MEND_FIRST))
 
 
 def to_mend(findings: Iterable[Finding], *, error_left: bool) -> bool:
-    """Whether something is to be mended before a diagnosis, which helps where an error is left that effects explain."""
+    """Whether to correct something before a diagnosis, which helps if effects explain a remaining error."""
     codes = {finding.code for finding in findings} & MEND_FIRST
     return bool(codes - BY_MISSING_EFFECTS if error_left else codes)

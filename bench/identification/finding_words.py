@@ -24,8 +24,8 @@ def sentence(finding: Finding) -> str:
 
 
 def _filled(template: str, finding: Finding) -> str:
-    """A template with a finding's numbers by name, its `names`, `unit` and its `symbol`, and of what it is `of`:
-    the `places`, the spoken name of the first `effect`, and values of effects as `values`.
+    """A template filled with a finding's numbers by name, its `names`, `unit` and `symbol`, and of the unknowns in
+    `of`: `places`, the spoken name of the first `effect`, and `values` of effects.
     """
     values = {
         "names": finding.names,

@@ -1,4 +1,4 @@
-"""What limits an answer: what its data cannot tell, and what cannot be so."""
+"""What limits an answer: what its data leave open, and what is impossible."""
 
 import math
 from collections.abc import Mapping, Sequence
@@ -100,7 +100,7 @@ def locked_findings(locked: Sequence[LockedJoint]) -> list[Finding]:
 
 
 def _beyond(outside: Sequence[EffectInstance]) -> list[Finding]:
-    """Effects that would be so large that they are another name for the drive gain."""
+    """Effects so large that they cannot be distinguished from the drive gain."""
     places: dict[str, list[Unknown]] = {}
     for instance in outside:
         places.setdefault(instance.name, []).append(Unknown("effect", "", instance.place, instance.name))
@@ -108,7 +108,7 @@ def _beyond(outside: Sequence[EffectInstance]) -> list[Finding]:
 
 
 def unlike(result: Identification) -> Finding | None:
-    """Whether recordings that were not fitted are modelled far worse than those that were; the worst is named."""
+    """Whether recordings that were not fitted are modelled far worse than fitted ones; names the worst."""
     for finding in result.findings:
         if finding.code == Code.CHECKED_HAS_OTHER_VALUES:
             return finding
@@ -123,7 +123,7 @@ def unlike(result: Identification) -> Finding | None:
 
 
 def with_other_values(result: Identification, effects: Sequence[str]) -> Identification:
-    """With the reason why recordings that were not fitted are modelled worse: effects that have other values there."""
+    """With the reason why held-out recordings are modelled worse: effects have other values in them."""
     findings = [
         replace(finding, code=Code.CHECKED_HAS_OTHER_VALUES, names=(finding.names[0], *effects))
         if finding.code == Code.CHECKED_UNLIKE_FITTED
@@ -134,9 +134,9 @@ def with_other_values(result: Identification, effects: Sequence[str]) -> Identif
 
 
 def runaway(result: Identification) -> Finding | None:
-    """Why an answer is not to be believed, whatever its error: a drive gain far off, or what rounding has decided.
+    """Why an answer is not credible, whatever its error: a drive gain far off, or decided by rounding.
 
-    Gains that are all off by a thousand have a unit behind them, which is asked for in place of the gain.
+    If all gains are off by a thousand, a unit is wrong; the finding then asks for the unit.
     """
     for finding in result.findings:
         if finding.code == Code.NOISE_DECIDES:
@@ -198,7 +198,7 @@ def _gain(code: Code, joint: str, gain: DriveGain) -> Finding:
 
 
 def _implausible(result: Identification) -> list[Finding]:
-    """What cannot be so: gains far off, all negative, or recordings unlike each other."""
+    """Impossible results: gains far off, all negative, or unlike recordings."""
     findings = []
     ratios = {joint: gain.value / gain.nominal for joint, gain in result.drive_gains.items()}
     thousand = a_thousand(result)
@@ -248,14 +248,14 @@ def a_thousand(result: Identification) -> Code | None:
     return None
 
 
-TURN = "1/turn"  # the unit of such a number, of hinges alone
+TURN = "1/turn"  # the unit of such a number, which only hinges have
 
 
 def periods_not_whole(result: Identification) -> list[Finding]:
-    """A finding for each effect and joint whose periods a turn are certainly no whole number; names: effect, joint.
+    """A finding for each effect and joint whose periods per turn are certainly no integer; names: effect, joint.
 
-    Poles and teeth of a motor that turns with its joint make a whole number of periods a turn, and so does an eccentric
-    encoder on the joint; what turns faster or slower, behind a gear or a belt, need not.
+    Poles and teeth of a motor that turns with its joint, or an eccentric encoder on the joint, make a whole number of
+    periods per turn; parts that turn faster or slower, behind a gear or a belt, need not.
     """
     findings = []
     for effect, places in result.effect_parameters.items():
@@ -273,7 +273,7 @@ def periods_not_whole(result: Identification) -> list[Finding]:
 
 
 def short_recordings(recordings: Sequence[Recording], settings: FilterSettings) -> list[Finding]:
-    """Where the ends that the filter disturbs are more than a twentieth of a fitted recording each."""
+    """Fitted recordings of which the filter disturbs more than a twentieth at each end."""
     settling = BANDS.settling / settings.position_cutoff
     short = {
         recording.name: float(np.ptp(recording.time))
@@ -293,11 +293,11 @@ def short_recordings(recordings: Sequence[Recording], settings: FilterSettings) 
 
 
 def gains_alike(result: Identification, payloads: Mapping[str, Payload]) -> list[Finding]:
-    """The payloads whose declared mass moves all drive gains; none where gains differ, or are near nominal.
+    """The payloads whose declared mass shifts all drive gains; none if gains differ, or are near nominal.
 
-    Every gain is proportional to that mass. Where the model leaves much of the current, a missing effect may move the
-    gains as well, and nothing is said of the mass. numbers: least and greatest gain over the nominal one, the declared
-    mass of the first payload, and the one with which the gains are nominal on average.
+    Every gain is proportional to that mass. If the model leaves much of the current, a missing effect may move the
+    gains instead, so the mass is not judged. numbers: least and greatest gain over the nominal one, the declared mass
+    of the first payload, and the mass that makes the gains nominal on average.
     """
     bounds = TOLERANCES.findings
     gains = {joint: gain for joint, gain in result.drive_gains.items() if gain.fitted and gain.determined}

@@ -1,4 +1,4 @@
-"""The columns that all models of a dataset have, orthogonalised once: those of effects are compressed with them."""
+"""The columns common to all models of a dataset, orthogonalised once; those of effects are compressed with them."""
 
 from collections.abc import Hashable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -17,8 +17,8 @@ from bench.identification.tolerances import TOLERANCES
 class FixedColumns:
     """The stack of a model without effects, and for every motor an orthonormal basis (n, M, r) of its columns.
 
-    triangles (n, r, p + 2): the columns [phi, kappa, current] in that basis. of: what they are made of. spans: see
-    `span`, by the columns.
+    triangles (n, r, p + 2): the columns [phi, kappa, current] in that basis. of: their source. spans: see `span`, by
+    the columns.
     """
 
     stack: Stack
@@ -29,7 +29,7 @@ class FixedColumns:
     spans: dict[bytes, np.ndarray] = field(default_factory=dict, repr=False)
 
     def span(self, columns: np.ndarray, rows: int) -> np.ndarray:
-        """An orthonormal basis (n, rows, b) of some of the columns (k,) in factors of so many rows for each motor."""
+        """An orthonormal basis (n, rows, b) of columns (k,) in factors with this number of rows per motor."""
         known = self.spans.get(columns.tobytes())
         if known is None:
             n, r, _ = self.triangles.shape
@@ -41,7 +41,7 @@ class FixedColumns:
 def fixed_columns(
     observations: Sequence[Observation], layout: ParameterLayout, payloads: Mapping[str, Payload]
 ) -> FixedColumns | None:
-    """The orthogonalised columns of all models; None where they are too many to be kept, or fewer rows than columns."""
+    """The orthogonalised columns of all models; None if they are too many to keep, or rows are fewer than columns."""
     stack = stack_observations(
         [replace(observation, effects=observation.effects[:, :, :0]) for observation in observations],
         replace(layout, effects=0),

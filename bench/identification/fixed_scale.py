@@ -1,8 +1,8 @@
-"""Whether payloads fix the drive gains, and what would fix those that they do not.
+"""Whether payloads fix the drive gains, and what would fix the others.
 
 Without a known load all gains, base parameters and payload parameters can grow together. A payload of known mass fixes
-that scale only where nothing unknown does the same as its known torque: of a body that turns about a fixed point the
-unknown first moments and inertia do. Decided by geometry and motion, never by noise.
+that scale only if no unknown can imitate its known torque: if the body turns about a fixed point, its unknown first
+moments and inertia can. Decided by geometry and motion, never by noise.
 """
 
 from collections.abc import Mapping, Sequence
@@ -23,7 +23,7 @@ from bench.model.model import IdentificationModel
 from bench.model.regressor import payload_transform
 
 SEED = 20120604  # of the currents of redundant motors at the random states
-# unit length, along no axis of a tool: where a body of unknown centre has it
+# unit length, along no axis of a tool: assumed direction of an unknown centre
 ASIDE = np.array([0.6, -0.48, 0.64])
 
 
@@ -41,10 +41,10 @@ class LoadedStates:
 
 @dataclass(frozen=True)
 class GainShares:
-    """shares (r + n,): of every motor's torque what its gain alone explains, redundant motors first.
+    """shares (r + n,): the part of every motor's torque that only its gain explains, redundant motors first.
 
-    columns (R, K): those of all unknowns, the gains last, for relative changes of these. Where a share is zero, the
-    gain and other unknowns can change together and leave every torque as it is.
+    columns (R, K): those of all unknowns, the gains last and for relative changes. If a share is zero, the gain and
+    other unknowns can change together without changing any torque.
     """
 
     shares: np.ndarray
@@ -52,11 +52,11 @@ class GainShares:
 
     @property
     def determined(self) -> np.ndarray:
-        """Whether each gain is, (r + n,)."""
+        """Which gains are, (r + n,)."""
         return np.asarray(self.shares > RANKS.slack)
 
     def apart(self, held: np.ndarray) -> bool:
-        """Whether the other gains are the same whatever the held ones, (r + n,) True or False, are taken to be."""
+        """Whether the other gains do not depend on the values of the held ones, (r + n,) True or False."""
         others = self.columns.shape[1] - len(held)
         free = np.append(np.ones(others, dtype=bool), ~held)
         combinations = np.linalg.lstsq(self.columns[:, free], self.columns[:, ~free])[0]
@@ -68,7 +68,7 @@ def gain_shares(
 ) -> GainShares:
     """With the gains unknown, equation 13 of these states without its last column, the known payload's torque.
 
-    Masses are guessed, and a payload weighs as much as a body of the robot: how much it weighs is no question of rank.
+    Masses are guessed, and a payload weighs as much as a body of the robot: its mass does not affect the rank.
     """
     geometry = model.geometry
     carried = dict.fromkeys(some.payload for some in states if some.payload is not None)
@@ -106,7 +106,7 @@ def gain_shares(
 def random_states(model: IdentificationModel, loaded: Sequence[str | None]) -> list[LoadedStates]:
     """The model's random states with every load; redundant motors have random currents there.
 
-    LoadedStates count alike, whatever their torques: those near a singular pose would outweigh all others.
+    States are scaled to equal torque: those near a singular pose would outweigh all others.
     """
     rigid, loads = model.random_rows
     redundant = model.random_redundant
@@ -156,17 +156,17 @@ def assumed(payload: Payload, length: float) -> Payload:
     return Payload(payload.name, mass, center, ball if payload.inertia is None else payload.inertia)
 
 
-# unit length, along no axis of a tool: where a payload fixed elsewhere is
+# unit length, along no axis of a tool: towards a payload fixed elsewhere
 AWAY = np.array([0.48, 0.64, -0.6])
 
 
 def scale_of(
     model: IdentificationModel, payloads: Mapping[str, Payload], recorded: Sequence[LoadedStates]
 ) -> Scale:
-    """What the payloads fix, at random states of the robot and at those that were recorded, one entry a recording.
+    """The gains that payloads fix, at random states of the robot and at the recorded ones, one entry per recording.
 
-    Gains that are fixed are fitted where the others, held at their nominal values, do not move them; redundant motors'
-    gains are held with all others or not at all.
+    Fixed gains are fitted if the others, held at nominal values, do not move them; redundant motors' gains are held
+    with all others or not at all.
     """
     robot = model.geometry.robot
     joints = tuple(actuator.joint for actuator in (*robot.redundant, *robot.actuators))
@@ -183,7 +183,7 @@ def scale_of(
     if all(payload.mass is None for payload in question.payloads.values()):
         return Scale(ScaleCase.MASS_UNKNOWN, names, open_, joints, remedies)
     some = determined.any() and determined[: len(robot.redundant)].all()
-    # states that leave no gain open say nothing of those that a recorded motion leaves open
+    # states that determine all gains say nothing about gains that a recorded motion leaves open
     if some and all(each.apart(~determined) for each in shares if not each.determined.all()):
         return Scale(ScaleCase.FIXED_FOR_SOME, names, open_, open_, remedies)
     return Scale(ScaleCase.NOT_FIXED, names, open_, joints, remedies)
@@ -191,7 +191,7 @@ def scale_of(
 
 @dataclass(frozen=True)
 class _Question:
-    """A robot's fitted recordings with their payloads, asked with some remedies applied to all of these."""
+    """A robot's fitted recordings and payloads, to be examined with remedies for all payloads."""
 
     model: IdentificationModel
     payloads: Mapping[str, Payload]
@@ -204,7 +204,7 @@ class _Question:
 
     @cached_property
     def elsewhere(self) -> tuple[IdentificationModel, Sequence[LoadedStates]]:
-        """The model and what was recorded, with payloads fixed the robot's length off the tool."""
+        """The model and the recorded states, with payloads a robot's length off the tool."""
         tool = self.model.geometry.tool
         if tool is None or self.model.payload is None:
             return self.model, self.recorded
@@ -218,7 +218,7 @@ class _Question:
 
     @property
     def possible(self) -> tuple[ScaleRemedy, ...]:
-        """What can be changed at all."""
+        """Remedies that apply."""
         loads = self.payloads.values()
         missing = {
             ScaleRemedy.MASS: any(payload.mass is None for payload in loads),
@@ -229,7 +229,7 @@ class _Question:
         return tuple(remedy for remedy in ScaleRemedy if missing.get(remedy, True))
 
     def asked(self, remedies: Sequence[ScaleRemedy]) -> tuple[GainShares, ...]:
-        """Shares at random states, and at the recorded ones but with another motion."""
+        """Shares at random states and, unless a remedy is motion, at recorded ones."""
         payloads = {
             name: _declared(payload, remedies, self.length) for name, payload in self.payloads.items()
         }
@@ -264,7 +264,7 @@ def _remedies(question: _Question, fixed: int) -> dict[tuple[ScaleRemedy, ...], 
 
 
 def _sensible(chosen: Sequence[ScaleRemedy], possible: Sequence[ScaleRemedy]) -> bool:
-    """Whether what is declared can be: a centre of mass needs a mass, an inertia both."""
+    """Whether declarations make sense: a centre of mass needs a mass, an inertia both."""
     every = (ScaleRemedy.MASS, ScaleRemedy.CENTER_OF_MASS, ScaleRemedy.INERTIA)
     order = [remedy for remedy in every if remedy in possible]
     declared = [remedy for remedy in order if remedy in chosen]
@@ -272,7 +272,7 @@ def _sensible(chosen: Sequence[ScaleRemedy], possible: Sequence[ScaleRemedy]) ->
 
 
 def _declared(payload: Payload, remedies: Sequence[ScaleRemedy], length: float) -> Payload:
-    """The payload with what the remedies declare of it: a ball off the tool, where nothing else is known."""
+    """The payload with what the remedies declare: a ball off the tool where nothing else is known."""
     ball = assumed(payload, length)
     return Payload(
         payload.name,

@@ -12,9 +12,9 @@ from bench.identification.tolerances import Tolerances
 
 
 def given_rule(given: Sequence[str]) -> tuple[DecisionRule, Tolerances]:
-    """The rule and the tolerances in which these are otherwise, each as NAME=VALUE or PART.NAME=VALUE.
+    """The rule and the tolerances with these changes, each NAME=VALUE or PART.NAME=VALUE.
 
-    Raises BenchError for a name that neither has, or a value that is no number.
+    Raises BenchError for an unknown name, or a value that is not a number.
     """
     rule: dict[str, Any] = asdict(DecisionRule())
     parts: dict[str, dict[str, Any]] = asdict(Tolerances())

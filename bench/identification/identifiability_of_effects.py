@@ -1,4 +1,4 @@
-"""Columns of effects that the model's parameters take up, so that no fit can tell them apart."""
+"""Columns of effects that the model's parameters absorb, so that no fit can distinguish them."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
@@ -22,12 +22,12 @@ def identifiable_columns(
     gains: NominalGains,
     span: Callable[[np.ndarray], np.ndarray] | None = None,
 ) -> np.ndarray:
-    """Indices of the columns of phi without those of effects that depend on the columns before them.
+    """Indices of the columns of phi, without effect columns that depend on the columns before them.
 
-    Those of redundant motors' gains are omitted where gains are known. With unknown gains the torque of the known
-    payload, which gives their scale, counts among the columns before: an effect that can imitate it, such as a wrong
-    mass of the only payload, would leave none. span: gives an orthonormal basis (n, r, b) of these columns (k,) of the
-    motors' factors where it is known.
+    With known gains, those of redundant motors' gains are omitted. With unknown gains, the known payload's torque,
+    which fixes the scale, counts among the columns before: an effect that imitates it, such as a wrong mass of the only
+    payload, would remove the scale. span: gives an orthonormal basis (n, r, b) of these columns (k,) of the motors'
+    factors, where known.
     """
     p, first = layout.size, layout.size - layout.effects
     kept = list(range(first if np.any(gains.fitted) else first - layout.redundant))
@@ -55,9 +55,9 @@ def identifiable_columns(
 
 
 def _all_independent(columns: np.ndarray, basis: np.ndarray, nothing: float) -> bool:
-    """Whether every column (R, e) is more than nothing, and leaves enough outside a basis (R, r) and those before it.
+    """Whether every column (R, e) exceeds `nothing`, and keeps enough outside a basis (R, r) and the columns before it.
 
-    All at once, as the diagonal of their triangular factor has what each leaves.
+    All at once: the diagonal of their triangular factor holds each remainder.
     """
     sizes = np.linalg.norm(columns, axis=0)
     if sizes.min(initial=np.inf) <= nothing:
@@ -82,11 +82,11 @@ def orthonormal(columns: np.ndarray) -> np.ndarray:
 def collinear(
     effects: Sequence[EffectInstance], covariance: np.ndarray, rows: Sequence[Unknown]
 ) -> list[Finding]:
-    """A finding for each combination of effects that are changes of the model itself, such as zeros of encoders, a tilt
-    and lengths, whose parameters are known together far better than each.
+    """A finding for each combination of effects that change the model itself (encoder zeros, a tilt, lengths) that is
+    known far better than its parameters one by one.
 
-    covariance (P, P), its rows named. The eigenvector of a small eigenvalue of the correlation between them is the
-    combination that is known; what is known of each by itself is 1 / sqrt(eigenvalue) times less.
+    covariance (P, P), its rows named. The eigenvector of a small eigenvalue of their correlation is the known
+    combination; each parameter by itself is known 1 / sqrt(eigenvalue) times less precisely.
     """
     changing = {instance.key for instance in effects if instance.effect.depends_on_model}
     indices = [
@@ -113,7 +113,7 @@ def collinear(
 def unsettled(
     effects: Sequence[EffectInstance], values: np.ndarray, std: np.ndarray
 ) -> list[tuple[int, Unknown]]:
-    """Parameters of effects, by index, that are not where the effect was linearised: the search for them did not end.
+    """Indices of effect parameters away from where their effect was linearised: their search did not converge.
 
     values, std (k,): of all parameters of all effects, one effect after the other.
     """
@@ -136,14 +136,14 @@ Solve = Callable[[Stack, np.ndarray], Solution]
 
 
 def reduced(stack: Stack, kept: np.ndarray) -> Stack:
-    """The equations with some columns of phi only, kept (k,) indices."""
+    """The equations with only columns kept (k,) of phi."""
     p = stack.phi.shape[2]
     factors = triangular_factors(stack.factors[:, :, [*kept, p, p + 1]].swapaxes(0, 1))
     return replace(stack, phi=stack.phi[:, :, kept], factors=factors)
 
 
 def essential_columns(stack: Stack, candidates: int, solve: Solve, deviations: Deviations) -> np.ndarray:
-    """Indices of the columns to keep: candidates (the first so many) are omitted one by one.
+    """Indices of the columns to keep: some of the first `candidates` are omitted one by one.
 
     The one with the largest relative deviation goes first, as long as that deviation is above 30 % and the
     error of the currents grows by less than 1 % in all (Gautier and Khalil; Khalil and Dombre 2002, 12.3).
@@ -186,7 +186,7 @@ def expanded(
 
 
 def with_zeros(values: np.ndarray, kept: np.ndarray, size: int) -> np.ndarray:
-    """Values (k,) at the indices kept (k,) of an array (size,) of zeros."""
+    """An array (size,) of zeros with values (k,) at indices kept (k,)."""
     every = np.zeros(size)
     every[kept] = values
     return every

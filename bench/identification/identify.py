@@ -42,8 +42,8 @@ def identify(
     """Identify drive gains and dynamic parameters together (Briot and Gautier 2012, equations 8 to 13).
 
     method: one of bench.identification.estimators. deviations: how standard errors are computed. essential: leave out
-    base parameters that the data do not need. A payload whose inertia no body can have is held against one that can be,
-    and the answer against what the noise that filters let through does to it, and against that in half of the band.
+    base parameters that the data do not need. A physically impossible payload is compared with a possible one, and the
+    answer with one that is robust to noise that passes the filters, and with that in half of the band.
     """
     prepared = converged(prepared)
 
@@ -78,9 +78,9 @@ def fit(
 def with_doubts_checked(
     prepared: Prepared, result: Identification, fitted: Callable[..., Identification] = fit
 ) -> Identification:
-    """The answer `result` held against payloads that can be, and against what noise in the filters' band does to it.
+    """The answer `result`, checked against physically possible payloads and for the bias by noise in the filters' band.
 
-    fitted: makes an answer of prepared equations, and by a method where one is given.
+    fitted: makes an answer from prepared equations, with a method if given.
     """
     possible = with_possible_payloads(prepared, result, fitted)
     return with_errors_in_variables_checked(prepared, possible, fitted)
@@ -88,9 +88,7 @@ def with_doubts_checked(
 
 @on_one_thread
 def fitted_currents(prepared: Prepared) -> tuple[tuple[CurrentSeries, ...], dict[str, float]]:
-    """Measured and modelled currents of every recording as `fit` has them, and drive gains by joint, without the rest
-    of its answer.
-    """
+    """Measured and modelled currents of every recording and drive gains by joint, as in the answer of `fit`."""
     solved = _solved(prepared, DEFAULT_METHOD, "autocorrelated", essential=False)
     theta = with_zeros(solved.solution.theta, solved.kept, solved.prepared.layout.size)
     solution = replace(solved.solution, theta=theta)
@@ -105,9 +103,9 @@ def fitted_currents(prepared: Prepared) -> tuple[tuple[CurrentSeries, ...], dict
 
 @dataclass(frozen=True)
 class _Solved:
-    """A model within its bounds, its equations with the columns that are kept (k,), and what solves them.
+    """A model within its bounds, its equations with the columns that are kept (k,), and their solution.
 
-    outside: effects that the data ask to be beyond their bounds.
+    outside: effects that the data push beyond their bounds.
     """
 
     prepared: Prepared

@@ -1,4 +1,4 @@
-"""Payloads whose estimated inertia no body has: what a model lacks has gone into it, and from there into the gains."""
+"""Payloads with a physically impossible inertia: the model's error has biased it, and through it the gains."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
@@ -24,7 +24,7 @@ Fit = Callable[[Prepared], Identification]
 
 @dataclass(frozen=True)
 class _Spread:
-    """The least second moment of a payload's mass about its centre, kg*m^2, and its deviation: none is below 0."""
+    """The least second moment of a payload's mass about its centre, kg*m^2, in a body >= 0; its deviation."""
 
     value: float
     std: float
@@ -35,15 +35,14 @@ class _Spread:
 
 
 def with_possible_payloads(prepared: Prepared, result: Identification, fitted: Fit) -> Identification:
-    """The answer `result` of `prepared`; where no body can have a payload's estimated inertia, the one with that
-    payload as a point at its declared centre, if its error is as small. What came out so by chance, by fewer than
-    RULE.shows of its deviations, is held against a point that is as likely: no body has it, however little the data
-    tell.
+    """The answer `result` of `prepared`; if a payload's estimated inertia is physically impossible, the answer with
+    that payload as a point at its declared centre, if its error is as small. If the violation is by chance, fewer than
+    RULE.shows deviations, the point must be as likely instead: the inertia is impossible, however imprecise.
 
-    It was not declared to be a point: deviations are those of the answer in which its inertia is free, and hold what
-    the two differ by. The second moments of a body's mass about its centre are not negative (Traversaro, Brossette,
-    Escande and Nori, "Identification of fully physical consistent inertial parameters using optimization on
-    manifolds", IROS 2016). fitted: makes an answer of prepared equations.
+    Since it was not declared as a point, deviations are those of the answer with free inertia, and cover the difference
+    of the two. The second moments of a body's mass about its centre are not negative (Traversaro, Brossette, Escande
+    and Nori, "Identification of fully physical consistent inertial parameters using optimization on manifolds", IROS
+    2016). fitted: makes an answer from prepared equations.
     """
     if not result.gains_fitted:
         return result
@@ -84,9 +83,9 @@ def with_possible_payloads(prepared: Prepared, result: Identification, fitted: F
 
 
 def _as_likely(fewer: Identification, more: Identification) -> bool:
-    """Whether an answer with fewer unknowns is as likely as one with more, every motor with a separate noise.
+    """Whether an answer with fewer unknowns is as likely as one with more, with a noise level per motor.
 
-    By Schwarz's criterion (1978), with as many rows as are independent of each other.
+    By Schwarz's criterion (1978), with the number of independent rows.
     """
     fitted, other = (
         [series for series in result.recordings if series.use == "identify"] for result in (more, fewer)
@@ -108,9 +107,9 @@ def _as_likely(fewer: Identification, more: Identification) -> bool:
 
 
 def _with_values(result: Identification, other: Identification, known: Mapping[str, float]) -> Identification:
-    """An answer with the values of another one, of which it has further parameters, known there.
+    """An answer with the values of another one, in which some parameters are known.
 
-    Its standard errors stay, or grow to what the values differ by.
+    Standard errors stay, or grow to the difference of the values.
     """
     values = {unknown: estimate.value for unknown, estimate in estimates(other).items()}
     values |= {Unknown("parameter", name): value for name, value in known.items()}
@@ -135,9 +134,7 @@ def _with_payloads(prepared: Prepared, payloads: Mapping[str, Payload]) -> Prepa
 
 
 def _least_spread(prepared: Prepared, result: Identification, name: str) -> _Spread | None:
-    """Least moment spread of a payload of which mass and centre are declared and all six moments were estimated; None
-    for others.
-    """
+    """Least second moment of a payload with declared mass and centre and six estimated moments; None for others."""
     payload, index = prepared.dataset.payloads[name], prepared.layout.payloads[name]
     if payload.mass is None or payload.center_of_mass is None or not np.array_equal(index, INERTIA):
         return None

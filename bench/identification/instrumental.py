@@ -1,9 +1,9 @@
-"""Instrumental variables: what noise has put into the observation matrix no longer biases the estimate.
+"""Instrumental variables: noise in the observation matrix no longer biases the estimate.
 
 IDIM-IV (Janot, Vandanjon and Gautier, "A generic instrumental variable approach for industrial robot identification",
-2014): the equations W x = y are solved as Z' W x = Z' y, with an observation matrix Z of the simulated model, which has
-the motion in it and not the noise of the measurements. A robot under control follows its reference whatever its
-parameters, so that a twin that is made to follow the measured motion, all its harmonics and no more, is the simulation.
+2014): W x = y is solved as Z' W x = Z' y, with an observation matrix Z of the simulated model, which contains the
+motion but not the noise of the measurements. A controlled robot follows its reference whatever its parameters; so the
+simulation is a twin that follows the measured motion with all its harmonics and no more.
 """
 
 from dataclasses import replace
@@ -29,8 +29,8 @@ def instrumental_variables(
     """Gains and parameters by two-stage least squares: the columns of equation 12, projected on the instruments.
 
     simulated (M, n, p + 1): [Phi, kappa] at the motion of the twin, row by row as in the stack. Its columns are each
-    motor's instruments; the simulated currents, combinations of them, are so too. start: for the first weights;
-    gains (n,) that are nominal there stay.
+    motor's instruments, and so are their combinations, the simulated currents. start: for the first weights; its
+    nominal gains (n,) stay.
     """
     bases = [_orthonormal(simulated[:, j] * stack.moving[:, j, None]) for j in range(len(nominal))]
     hat = projected(stack, bases)
@@ -46,7 +46,7 @@ def instrumental_variables(
 
 
 def projected(stack: Stack, bases: list[np.ndarray]) -> Stack:
-    """The equations with what the instruments say of their columns of unknowns; further columns as they are.
+    """The equations with their columns of unknowns projected on the instruments; further columns unchanged.
 
     bases: for every motor j, orthonormal columns (M, r_j).
     """

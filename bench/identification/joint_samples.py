@@ -1,4 +1,4 @@
-"""What an effect at an actuated joint may look at when it looks for its shape."""
+"""The signals that an effect at an actuated joint may use to search its shape."""
 
 import numpy as np
 
@@ -8,7 +8,7 @@ from bench.signals.decimation import decimated_indices
 
 
 def stands_still(prepared: Prepared, instance: EffectInstance) -> bool:
-    """Whether an effect sits at a motor of which no fitted row says anything: it never moves, or is excluded."""
+    """Whether an effect acts at a motor without fitted rows: it never moves, or is excluded."""
     joints = prepared.dataset.robot.joints
     if instance.joint not in joints:
         return False
@@ -19,7 +19,7 @@ def stands_still(prepared: Prepared, instance: EffectInstance) -> bool:
 def joint_samples(
     prepared: Prepared, instance: EffectInstance, lacks: np.ndarray
 ) -> tuple[JointSamples, ...]:
-    """What an effect at an actuated joint may look at when it looks for its shape; nothing for the others.
+    """The signals that an effect at an actuated joint may use to search its shape; () for others.
 
     lacks (M, n): torque that the model lacks at every motor, in the order of the stack.
     """
@@ -52,7 +52,7 @@ def joint_samples(
 
 
 def _at_redundant(prepared: Prepared, joint: str, lacks: np.ndarray) -> tuple[JointSamples, ...]:
-    """The same at a redundant motor; its error is the torque there that comes nearest to the others' errors."""
+    """The same at a redundant motor; its error is the torque there that best explains the others' errors."""
     index = prepared.model.geometry.redundant[list(prepared.signals[0].redundant).index(joint)]
     samples, start = [], 0
     travel = np.ptp(np.concatenate([seen.redundant[joint].position for seen in prepared.signals]))

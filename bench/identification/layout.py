@@ -17,8 +17,8 @@ from bench.model.regressor import PARAMETERS, UNITS
 class ParameterLayout:
     """The order of the estimated parameters: base, unknown payload parameters, redundant motors, effects.
 
-    payloads: for each payload, the indices of its parameters that the recordings can tell apart. redundant: for each
-    redundant motor, what its drive gain differs by from its nominal value; none where the gains stay nominal.
+    payloads: for each payload, the indices of its parameters that the recordings can distinguish. redundant: for each
+    redundant motor, the difference of its drive gain from the nominal value; none if gains stay nominal.
     """
 
     base: int
@@ -33,17 +33,17 @@ class ParameterLayout:
 
     @property
     def effect_slice(self) -> slice:
-        """Where the effects stand, the last of all."""
+        """Indices of the effects, the last ones."""
         return slice(self.size - self.effects, self.size)
 
     @property
     def redundant_slice(self) -> slice:
-        """Where the redundant motors stand."""
+        """Indices of redundant motors."""
         stop = self.size - self.effects
         return slice(stop - self.redundant, stop)
 
     def payload_slice(self, name: str) -> slice:
-        """Where the unknown parameters of a payload stand; BenchError if there is none of that name."""
+        """Indices of a payload's unknown parameters; BenchError if no payload has that name."""
         start = self.base
         for other, index in self.payloads.items():
             if other == name:
@@ -77,10 +77,10 @@ def regressor_rows(observation: Observation, layout: ParameterLayout) -> np.ndar
 
 
 def known_rows(observation: Observation, payloads: Mapping[str, Payload]) -> np.ndarray:
-    """What is known of the torque (M, n), N*m or N: the known payload's, and the redundant motors' nominal one.
+    """The known part of the torque (M, n), N*m or N: of the known payload, and nominal of redundant motors.
 
-    Redundant motors take J_r' diag(i_r) g_r off the others, J_r being their velocities for unit velocities of these: of
-    all torques the motion tells the powers J' tau alone. Source: Briot, Gautier and Krut, "Dynamic parameter
+    Redundant motors relieve the others of J_r' diag(i_r) g_r, J_r being their velocities for unit velocities of the
+    others: the motion determines only the powers J' tau. Source: Briot, Gautier and Krut, "Dynamic parameter
     identification of actuation redundant parallel robots: application to the DualV", AIM 2013.
     """
     return payload_rows(observation, payloads) + observation.redundant @ observation.nominal
@@ -96,11 +96,11 @@ def payload_rows(observation: Observation, payloads: Mapping[str, Payload]) -> n
 def parameter_layout(
     model: IdentificationModel, payloads: Mapping[str, Payload], loaded: Sequence[str | None], effects: int
 ) -> ParameterLayout:
-    """Leave out the unknown payload parameters that no motion of this robot can tell apart.
+    """Omit the unknown payload parameters that no motion of this robot can distinguish.
 
-    `loaded` names the payload of every fitted recording, None for one without. Decided at random noise-free
-    states, so that it never depends on data. What the known parameters do counts for the size of columns alone: an
-    unknown one stays that does the same, and then the payload fixes no drive gain.
+    `loaded` names the payload of every fitted recording, None for one without. Decided at random noise-free states, so
+    that it never depends on data. The known parameters count only for the size of columns: an unknown one with the same
+    effect is kept, and then the payload fixes no drive gain.
     """
     used = [name for name in dict.fromkeys(loaded) if name is not None]
     indices: dict[str, np.ndarray] = {}

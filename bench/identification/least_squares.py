@@ -17,7 +17,7 @@ from bench.identification.tolerances import TOLERANCES
 
 
 def least_squares(stack: Stack, gains: NominalGains) -> Solution:
-    """IDIM-LS, equation 10; with `gains.fitted` they are unknowns of equation 12 in addition to the parameters.
+    """IDIM-LS, equation 10; with `gains.fitted`, gains are unknowns besides the parameters (equation 12).
 
     The currents' noise then is in the columns of the gains and draws them towards zero; TLS and the
     current-domain estimator do not have that bias.
@@ -35,7 +35,7 @@ def weighted_least_squares(stack: Stack, gains: NominalGains) -> Solution:
 
 
 def row_weights(stack: Stack, solution: Solution) -> np.ndarray:
-    """1 / RMS of every motor's torque error, (n,); a motor without error counts as the best one with it."""
+    """1 / RMS of every motor's torque error, (n,); a motor without error gets the largest weight."""
     rms = torque_residual_rms(stack, solution.theta, solution.gains)
     scale = (
         np.linalg.norm(stack.factors[:, :, -1], axis=1) * np.abs(solution.gains) / np.sqrt(len(stack.current))
@@ -62,7 +62,7 @@ def total_least_squares(stack: Stack) -> Solution:
 
 
 def weighted_total_least_squares(stack: Stack, start: Solution, column_errors: np.ndarray) -> Solution:
-    """TLS with the errors of rows and columns taken for what they are (generalised TLS).
+    """Generalised TLS, with the sizes of the errors of rows and columns.
 
     column_errors (n, p + 2, p + 2): for every motor the expected inner products of the errors of
     [phi, kappa, current]; see bench.identification.column_errors. Rows are divided by their motor's torque error,

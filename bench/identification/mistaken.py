@@ -1,4 +1,4 @@
-"""Whether the data are what they are declared to be: units, columns and loads."""
+"""Whether units, columns and loads of the data are declared correctly."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -30,11 +30,11 @@ from bench.identification.tolerances import TOLERANCES
 def mistaken(
     problem: Problem, result: Identification, prepared: Prepared | None = None, deadline: Deadline = NEVER
 ) -> tuple[Finding, ...]:
-    """What is probably declared wrongly. With currents in unlike units, or of the wrong sign, nothing else is looked
-    for: all is off then.
+    """What is probably declared wrongly. If currents have unlike units or the wrong sign, nothing else is checked, as
+    everything is off then.
 
-    prepared: the problem's equations with the filters of the result, where they are at hand. Raises TimeUpError after
-    the deadline.
+    prepared: the problem's equations with the filters of the result, if available. Raises TimeUpError after the
+    deadline.
     """
     heavy = heavy_payloads(problem.dataset)
     units = unlike_units(result)
@@ -60,7 +60,7 @@ def mistaken(
 
 
 def heavy_payloads(dataset: Dataset) -> tuple[Finding, ...]:
-    """What is asked of payloads that are declared far heavier than the robot."""
+    """A finding for each payload that is declared far heavier than the robot."""
     return tuple(
         Finding(
             Code.PAYLOAD_HEAVY,
@@ -75,8 +75,8 @@ def heavy_payloads(dataset: Dataset) -> tuple[Finding, ...]:
 def unlike_units(result: Identification) -> list[Finding]:
     """The recordings whose currents are about a thousand times those of the others at every motor; [] where none are.
 
-    names: a recording with the small currents, then those with the large ones. What is compared is the RMS of every
-    motor's measured current, fitted or not.
+    names: a recording with small currents, then those with large ones. Compares the RMS of every motor's measured
+    current, in all recordings.
     """
     sizes = {series.name: _sizes(series) for series in result.recordings}
     known = {name: size for name, size in sizes.items() if np.isfinite(size).all()}
@@ -96,16 +96,16 @@ def unlike_units(result: Identification) -> list[Finding]:
 
 
 def _sizes(series: CurrentSeries) -> np.ndarray:
-    """Decades (n,) of the RMS of every motor's current; infinite where one has none."""
+    """Logarithm to base 10 (n,) of the RMS of every motor's current; -inf for zero."""
     rms = np.sqrt((series.measured**2).mean(axis=0))
     return np.log10(rms, out=np.full(len(rms), -np.inf), where=rms > 0.0)
 
 
 def refuse_signs(folder: Path, causes: Sequence[Finding], before: Identification) -> None:
-    """Raise BenchError for a column with the wrong sign or joint, before anything is searched.
+    """Raise BenchError for a column with the wrong sign or joint, before a search.
 
-    A negative gain of the starting model counts where that model explains the currents: otherwise an effect that is
-    missing may have made it negative.
+    A negative gain of the starting model counts if that model explains the currents: otherwise a missing effect may
+    have made it negative.
     """
     wrong = [finding for finding in causes if finding.code in WRONG_COLUMNS]
     error = before.error.identify

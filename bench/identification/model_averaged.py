@@ -1,4 +1,4 @@
-"""Standard errors that other answers to the same data ask for."""
+"""Standard errors that cover other answers to the same data."""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
@@ -14,10 +14,10 @@ from bench.identification.standard_errors import StdFrom
 
 
 def model_averaged(result: Identification, apart: Mapping[Unknown, float], by: StdFrom) -> Identification:
-    """The answer with standard errors at least as large as how far other answers are apart from it, by unknown.
+    """The answer with standard errors at least as large as the distance to other answers, by unknown.
 
-    by: what the others are. The covariance grows with them, correlations stay; an unknown without a standard error
-    has none with others.
+    by: the kind of other answers. The covariance grows at constant correlations; an unknown without a standard error
+    remains without.
     """
     before = estimates(result)
     if not any(distance > before[unknown].std for unknown, distance in apart.items()):
@@ -37,8 +37,8 @@ def model_averaged(result: Identification, apart: Mapping[Unknown, float], by: S
 def gains_model_averaged(
     result: Identification, others: Sequence[Identification], by: StdFrom = "models"
 ) -> Identification:
-    """As `model_averaged`, for the gains that were fitted, by the farthest of other answers, but those in which they
-    alone have run away.
+    """As `model_averaged`, for fitted gains, by the farthest other answer in which the gain has not run away, if it has
+    not in `result`.
     """
     apart = {
         Unknown("gain", "gain", joint): max(
@@ -56,7 +56,7 @@ def gains_model_averaged(
 
 
 def gains_spread(result: Identification, spread: Mapping[str, float]) -> Identification:
-    """As `model_averaged`, for the gains that were fitted, by further standard deviations of the joints in `spread`."""
+    """As `model_averaged`, for fitted gains, by additional standard deviations of the joints in `spread`."""
     apart = {
         Unknown("gain", "gain", joint): hypot(gain.std, spread[joint])
         for joint, gain in result.drive_gains.items()
@@ -66,7 +66,7 @@ def gains_spread(result: Identification, spread: Mapping[str, float]) -> Identif
 
 
 def gains_no_surer(result: Identification, other: Identification) -> Identification:
-    """As `model_averaged`, for the gains that were fitted, with standard errors at least those of another answer."""
+    """As `model_averaged`, for fitted gains, with standard errors at least those of another answer."""
     apart = {
         Unknown("gain", "gain", joint): other.drive_gains[joint].std
         for joint, gain in result.drive_gains.items()
@@ -95,7 +95,7 @@ E = TypeVar("E", DriveGain, Parameter, Quantity)
 
 
 def estimates(result: Identification) -> dict[Unknown, Estimate]:
-    """Every value with its standard error, those of std 0 that were given included."""
+    """Every value with its standard error, including given values, of std 0."""
     by_unknown: dict[Unknown, Estimate] = {
         Unknown("parameter", parameter.name): parameter for parameter in result.parameters
     }

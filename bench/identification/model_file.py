@@ -47,10 +47,10 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, repr=False)
 class SavedModel:
-    """A model file: the answer that it holds, without currents, and where they came from.
+    """A model file: its answer, without currents, and the source of the data.
 
-    dataset: the folder that it was identified from, where the file says so. recordings: of it, those that were fitted
-    and those that it was judged on. effect_files: Python files with the user's effects that it has.
+    dataset: the folder that it was identified from, if the file has it. recordings: those of it that were fitted or
+    judged. effect_files: Python files with the user's effects in the model.
     """
 
     path: Path
@@ -67,7 +67,7 @@ class SavedModel:
 
     @property
     def fitted(self) -> tuple[str, ...]:
-        """The recordings that were fitted, by name: of them effects may have a value each."""
+        """Names of the fitted recordings, each with a value of some effects."""
         return tuple(recording.name for recording in self.recordings if recording.use == "identify")
 
     @property
@@ -82,7 +82,7 @@ class SavedModel:
 
     @property
     def error(self) -> ErrorSummary:
-        """Relative errors by use, motor and recording, where it was identified."""
+        """Relative errors by use, motor and recording, at identification."""
         return self.model.error
 
     def to_dataframe(self) -> pd.DataFrame:
@@ -100,7 +100,7 @@ class SavedModel:
         return {parameter.name: parameter.value for parameter in self.model.parameters}
 
     def applied_to(self, dataset: Dataset, series: Sequence[CurrentSeries]) -> Identification:
-        """The answer with the currents that it gives in a dataset's recordings."""
+        """The answer with its modelled currents for a dataset's recordings."""
         return replace(
             self.model,
             robot_folder=str(dataset.robot.folder),
@@ -133,8 +133,8 @@ def save_model(
 ) -> None:
     """Write the answer as a JSON file, whole or not at all. dataset: the folder that it was identified from.
 
-    effect_files: with the effects that are in no catalogue; the model names them, where possible relative to itself. A
-    model that was loaded has both from its file, where they are not given.
+    effect_files: of effects outside the catalogue; the model names them, if possible relative to itself. For a loaded
+    model both default to those of its file.
     """
     if isinstance(result, SavedModel):
         dataset, effect_files = dataset or result.dataset, effect_files or result.effect_files
@@ -142,7 +142,7 @@ def save_model(
     answer = model_json(result, dataset, effect_files, folder, words=False)
     try:
         answer = model_json(result, dataset, effect_files, folder)
-    finally:  # what notes say is in the file as codes, too
+    finally:  # the file also has the notes as codes
         write_text_atomically(Path(path), json.dumps(answer, indent=1) + "\n")
 
 
@@ -160,7 +160,7 @@ def model_json(
     *,
     words: bool = True,
 ) -> dict[str, Any]:
-    """What a model file holds; see `save_model`. folder: of a file that it will be; words: see `to_json`."""
+    """The content of a model file; see `save_model`. folder: of the future file; words: see `to_json`."""
     model = result.model if isinstance(result, SavedModel) else result
     answer = to_json(model, result.recordings, words=words) | {"versions": versions().named()}
     if dataset is not None:
@@ -171,7 +171,7 @@ def model_json(
 
 
 def load_model(path: str | Path) -> SavedModel:
-    """Read a model file. Raises BenchError that names the file and what is wrong with it."""
+    """Read a model file. Raises BenchError that names the file and its fault."""
     path = Path(path)
     if path.is_dir():
         raise BenchError(f"{path}: a folder, not a model file that `bench identify --json` wrote")
@@ -196,7 +196,7 @@ def load_model(path: str | Path) -> SavedModel:
 
 
 def read_identification(path: Path, problem: Problem) -> Identification:
-    """A model file as the answer that it was, with the currents that it gives in a problem's recordings."""
+    """A model file as an answer, with its modelled currents for a problem's recordings."""
     saved = load_model(path)
     return saved.applied_to(problem.dataset, apply_model(problem, saved).recordings)
 
@@ -205,9 +205,8 @@ def read_identification(path: Path, problem: Problem) -> Identification:
 def apply_model(problem: Problem, saved: SavedModel) -> Comparison:
     """Model the currents of every recording of a dataset with a saved model; nothing is fitted.
 
-    Of the problem its recordings and its catalogue count: effects and filters are those of the model. Raises
-    BenchError where model and dataset do not go together: another robot, or a payload whose parameters are neither
-    declared in the dataset nor in the model.
+    Recordings and catalogue are the problem's; effects and filters are the model's. Raises BenchError if model and
+    dataset do not match: another robot, or a payload whose parameters neither the dataset nor the model has.
     """
     prepared, solution = applied(problem, saved)
     dataset = problem.dataset
@@ -228,7 +227,7 @@ def applied(problem: Problem, saved: SavedModel) -> tuple[Prepared, Solution]:
             f"{dataset.robot.name} ({', '.join(dataset.robot.driven)})"
         )
     refuse_other_locks(dataset.robot, model.locked, str(saved.path))
-    # a log of another folder is another log, whatever its name
+    # a log in another folder is another log, even of the same name
     if saved.dataset is None or saved.dataset.resolve() != dataset.folder.resolve():
         strangers = tuple(
             replace(recording, part_of=str(dataset.folder / recording.log))
@@ -251,9 +250,9 @@ def applied(problem: Problem, saved: SavedModel) -> tuple[Prepared, Solution]:
 
 
 def with_saved_effects(catalogue: Mapping[str, Effect], saved: SavedModel) -> Mapping[str, Effect]:
-    """A catalogue with the effects of the files that a model names, where it does not have them yet.
+    """A catalogue, with the effects that it lacks from the files that a model names.
 
-    Raises BenchError that names the model and a file that cannot be read.
+    Raises BenchError that names the model and an unreadable file.
     """
     if {effect.partition(":")[0].partition("@")[0] for effect in saved.model.effects} <= set(catalogue):
         return catalogue

@@ -1,4 +1,4 @@
-"""An identification as plain data and back: the one place that knows how a model file is laid out."""
+"""An identification as plain data and back: the only module that knows the layout of a model file."""
 
 import math
 from collections.abc import Sequence
@@ -36,8 +36,8 @@ def to_json(
 ) -> dict[str, Any]:
     """The answer as plain data, ready for JSON; a number that is not finite becomes null.
 
-    recordings: those that it is of, where the answer has lost their currents. words: whether with its notes as
-    sentences, in addition to what they say as codes.
+    recordings: those of an answer that no longer has their currents. words: whether to write notes as sentences, in
+    addition to their codes.
     """
 
     def quantity(quantity: Quantity) -> dict[str, Any]:
@@ -98,7 +98,7 @@ def to_json(
 def from_json(content: dict[str, Any]) -> Identification:
     """The answer that `to_json` wrote, without currents and without a robot's folder.
 
-    Raises KeyError, TypeError, ValueError or AttributeError for what it did not write.
+    Raises KeyError, TypeError, ValueError or AttributeError for other content.
     """
     return Identification(
         robot=str(content["robot"]),
@@ -158,12 +158,12 @@ def _band_point_from(content: dict[str, Any]) -> BandPoint:
 
 
 def _finding(finding: Finding) -> dict[str, Any]:
-    """As JSON; a count is written as the number that it is read back as."""
+    """As JSON; counts are written as floats, as they are read back."""
     return {**asdict(finding), "numbers": {name: float(value) for name, value in finding.numbers.items()}}
 
 
 def _findings(content: dict[str, Any]) -> tuple[Finding, ...]:
-    """The findings of the file; of a file of an earlier version its sentences."""
+    """The findings of a file; of an earlier version, its sentences."""
     if "findings" not in content:
         return tuple(Finding(Code.TOLD, (str(note),)) for note in content["notes"])
     return tuple(
@@ -189,5 +189,5 @@ def _number(value: Any) -> float:
 
 
 def _or_infinite(value: Any) -> float:
-    """A number; null is what JSON has for infinity."""
+    """A number; JSON has null for infinity."""
     return math.inf if value is None else float(value)

@@ -1,4 +1,4 @@
-"""What enters a model otherwise than linearly, all at once: derivatives, steps of Gauss and Newton, deviations."""
+"""All nonlinear parameters of a model together: derivatives, Gauss-Newton steps, deviations."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -26,10 +26,10 @@ from bench.identification.tolerances import TOLERANCES
 
 
 def stepped(prepared: Prepared, stack: Stack, solution: Solution) -> tuple[Prepared, Stack, Solution] | None:
-    """All that is not linear moved by a step of Gauss and Newton, with all linear unknowns, and solved.
+    """A Gauss-Newton step of all nonlinear parameters and linear unknowns together; the model is solved there.
 
-    stack, solution: of the model as it is, from `solved_quickly`. None where there is nothing to move, or the errors
-    become larger even by a small share of the step.
+    stack, solution: of the present model, from `solved_quickly`. None if there is nothing to move, or even a small
+    share of the step increases the errors.
     """
     shapes, columns = _shape_derivatives(prepared, solution.theta, stack.current.shape)
     bent, about = _bends(prepared, stack.current.shape, every=False)
@@ -43,7 +43,7 @@ def stepped(prepared: Prepared, stack: Stack, solution: Solution) -> tuple[Prepa
     lacks = torque_errors(stack, solution)
     reaches = [_reach(prepared, lacks, i, name) for i, name in shapes]
     free = added
-    while True:  # the others stay where they are searched no further
+    while True:  # the others stay at the end of their range
         theta = solved_with(system, np.append(kept, free), prepared.gains, solution.gains).theta
         inside = [
             not _leaves(prepared, *shape, *reach, step)
@@ -85,13 +85,13 @@ def _moved(
 
 
 def _leaves(prepared: Prepared, i: int, name: str, low: float, high: float, step: float) -> bool:
-    """Whether a shape parameter would leave its reach, at an end of which it is."""
+    """Whether a step would take a shape parameter out of its range from one end."""
     value = prepared.effects[i].effect.shape_values()[name]
     return (step < 0.0 and value <= low) or (step > 0.0 and value >= high)
 
 
 def _reach(prepared: Prepared, lacks: np.ndarray, i: int, name: str) -> tuple[float, float]:
-    """Between which values a shape parameter may lie: where it is searched, and near its present value.
+    """Range of a shape parameter: where it is searched, near its present value.
 
     lacks (M, n): torque that the model lacks.
     """
@@ -103,7 +103,7 @@ def _reach(prepared: Prepared, lacks: np.ndarray, i: int, name: str) -> tuple[fl
 
 
 def within_reach(value: float, brackets: Sequence[Bracket]) -> tuple[float, float]:
-    """From where to where a shape parameter may go: as far as it is searched, or a little where it is beyond."""
+    """Range of a shape parameter: the searched range, or a little around a value outside it."""
     low, high = min(bracket[0] for bracket in brackets), max(bracket[2] for bracket in brackets)
     if low <= value <= high:
         return low, high
@@ -115,11 +115,11 @@ def within_reach(value: float, brackets: Sequence[Bracket]) -> tuple[float, floa
 def with_shape_columns(
     prepared: Prepared, stack: Stack, solution: Solution, kept: np.ndarray
 ) -> tuple[Stack, Solution]:
-    """The system linearised in all: one more column for every continuous shape parameter, and the derivatives by
-    parameters about which an effect is linearised in place of its columns.
+    """The system linearised in all parameters: one more column for every continuous shape parameter; if an effect is
+    linearised about parameters, the derivatives by these replace its columns.
 
-    Only for deviations: the new parameters are zero, and stand after all others; errors are as they were. kept:
-    which of the layout's columns the stack has.
+    Only for deviations: the new parameters are zero and come last; errors do not change. kept: the layout's columns
+    that the stack has.
     """
     size, effects = prepared.layout.size, prepared.layout.effects
     theta = with_zeros(solution.theta, kept, size)
@@ -133,7 +133,7 @@ def with_shape_columns(
 
 
 def _linearised(stack: Stack, bent: np.ndarray, about: np.ndarray, columns: np.ndarray) -> Stack:
-    """The system with `bent` (M, n, p) added to phi, what is modelled at theta = about (p,) as it was, and further
+    """The system with `bent` (M, n, p) added to phi, the same modelled torque at theta = about (p,), and further
     columns (M, n, k).
     """
     moving = stack.moving[:, :, None]
@@ -145,10 +145,10 @@ def _linearised(stack: Stack, bent: np.ndarray, about: np.ndarray, columns: np.n
 
 
 def _bends(prepared: Prepared, rows: tuple[int, ...], *, every: bool) -> tuple[np.ndarray, np.ndarray]:
-    """How the effects' torque goes on changing with the values about which the columns are linearised.
+    """How the effects' torque depends on the values about which columns are linearised.
 
-    (M, n, E): the columns' derivatives by these values, times the values (E,), which come second; zero for effects
-    that are linear, or linearised about nothing. every: of those too that hardly bend.
+    (M, n, E): the columns' derivatives by these values, times the values (E,), which come second; zero for linear
+    effects, or those linearised about nothing. every: include effects that hardly bend.
     """
     about, bent = [np.zeros(0)], [np.zeros((*rows, 0))]
     for instance in prepared.effects:
@@ -171,7 +171,7 @@ def _bends(prepared: Prepared, rows: tuple[int, ...], *, every: bool) -> tuple[n
 def _shape_derivatives(
     prepared: Prepared, theta: np.ndarray, rows: tuple[int, ...]
 ) -> tuple[list[tuple[int, str]], np.ndarray]:
-    """Every continuous shape parameter as (which effect, name), and the torque's derivatives (M, n, k) by them.
+    """Every continuous shape parameter as (effect index, name), and the torque's derivatives (M, n, k) by them.
 
     theta: all the layout's unknowns; the effects' parameters are the last of them. rows: (M, n).
     """

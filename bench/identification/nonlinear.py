@@ -1,4 +1,4 @@
-"""Effects that are not linear: find their shape parameters, and linearise them about the model they belong to."""
+"""Nonlinear effects: search their shape parameters, and linearise them about their model."""
 
 from collections import Counter
 from collections.abc import Sequence
@@ -47,20 +47,19 @@ def present_model(prepared: Prepared, solution: Solution) -> PresentModel:
 
 
 def settles(instances: Sequence[EffectInstance]) -> bool:
-    """Whether effects have anything that is settled in rounds; until then, what is not fitted needs no columns."""
+    """Whether effects need rounds to converge; until then, recordings that are not fitted need no columns."""
     return any(instance.effect.shape or instance.effect.depends_on_model for instance in instances)
 
 
 def converged(
     prepared: Prepared, *, nearly: bool = False, added_from: int | None = None, deadline: Deadline = NEVER
 ) -> Prepared:
-    """Shape parameters searched and model-dependent columns linearised, in a few rounds; nothing to do without.
+    """Search shape parameters and linearise model-dependent columns in a few rounds, if there are any.
 
-    At first every shape is searched with the others fixed; then all move together by steps of Gauss and Newton, as long
-    as the errors become smaller by them (see newton.py), and are searched again where they do not. nearly: shapes and
-    the present model are nearly right, so that no search comes first. added_from: in a search, the first of the effects
-    that it added; these leave the places where they are out of bounds (see `staying`). Raises TimeUpError after
-    the deadline.
+    First every shape is searched with the others fixed; then all move together by Gauss-Newton steps while these lower
+    the errors (see newton.py), else they are searched again. nearly: shapes and the present model are nearly right, so
+    no search comes first. added_from: in a search, index of the first effect that it added; these leave places where
+    they are out of bounds (see `staying`). Raises TimeUpError after the deadline.
     """
     instances = prepared.effects
     if prepared.converged or not settles(instances):
@@ -82,16 +81,16 @@ def converged_from(
     most: int | None = None,
     deadline: Deadline = NEVER,
 ) -> Prepared:
-    """The effects of a converged model converged as they are seen otherwise: in place of nearby as they are, say.
+    """The effects of a converged model, converged with other signals, such as exact ones in place of nearby ones.
 
-    prepared: that sees them so; its effects are not asked for. most: rounds, by default all; after fewer a model
-    that has not settled is `provisional`. added_from: as `converged`.
+    prepared: has these signals; its effects do not count. most: rounds, by default all; a model that has not settled
+    after fewer is `provisional`. added_from: as `converged`.
     """
     return _rounds(prepared, *_begun(model), added_from, most, deadline=deadline)
 
 
 def _begun(model: Prepared) -> tuple[tuple[EffectInstance, ...], PresentModel, tuple[np.ndarray, ...]]:
-    """What a model's solution asks its effects to be linearised about, and its state."""
+    """A model's effects about its solution, the model that they see, and its state."""
     stack, solution = solved_quickly(model)
     instances = _but_bent(model.effects, _about(model, solution))
     return instances, present_model(model, solution), _state(model, stack, solution)
@@ -105,7 +104,7 @@ def _about(prepared: Prepared, solution: Solution) -> tuple[EffectInstance, ...]
 def _but_bent(
     instances: Sequence[EffectInstance], about: Sequence[EffectInstance]
 ) -> tuple[EffectInstance, ...]:
-    """Effects about where they are now, but those that bend: steps of Gauss and Newton move them."""
+    """Effects linearised about `about`, except those that bend: Gauss-Newton steps move these."""
     return tuple(x if x.effect.bends else y for x, y in zip(instances, about, strict=True))
 
 
@@ -119,9 +118,9 @@ def _rounds(
     *,
     deadline: Deadline,
 ) -> Prepared:
-    """Rounds from effects that are linearised about `present`, until the state is as it was `before`.
+    """Rounds from effects linearised about `present`, until the state no longer changes from `before`.
 
-    A model that has settled keeps the columns with which it was seen to have.
+    A settled model keeps the columns with which this was observed.
     """
     last, settled = instances, False
     for _ in range(TOLERANCES.steps.rounds if most is None else most):
@@ -159,7 +158,7 @@ def _rounds(
 
 
 def _state(prepared: Prepared, stack: Stack, solution: Solution) -> tuple[np.ndarray, ...]:
-    """What must stay as it is for a model to be converged: gains, values that are not linear, and RMS errors."""
+    """What no longer changes in a converged model: gains, nonlinear values and RMS errors."""
     curves = [
         (*effect.shape_values().values(), *(effect.about_values().values() if effect.bends else ()))
         for effect in (instance.effect for instance in prepared.effects)
@@ -168,9 +167,9 @@ def _state(prepared: Prepared, stack: Stack, solution: Solution) -> tuple[np.nda
 
 
 def _alike(now: tuple[np.ndarray, ...], before: tuple[np.ndarray, ...], rows: int) -> bool:
-    """Whether gains, and either shape parameters or what they do to the errors, are as they were a round before.
+    """Whether gains, and either shape parameters or RMS errors, are the same as a round before.
 
-    Where the errors of all so many rows together are, whatever has changed is what the data do not tell.
+    If the errors of all these rows together are, the data do not determine what has changed.
     """
     bounds = TOLERANCES.steps
     gains, shapes, errors, chance = (
@@ -188,7 +187,7 @@ def _alike(now: tuple[np.ndarray, ...], before: tuple[np.ndarray, ...], rows: in
 def _eased(
     earlier: Sequence[EffectInstance], last: Sequence[EffectInstance], searched: Sequence[EffectInstance]
 ) -> tuple[EffectInstance, ...]:
-    """The result, but halfway back to the last where it turns back from there: it would swing to and fro."""
+    """The searched values, but half of the way where they reverse direction: they would oscillate."""
     eased = []
     for instance, two, three in zip(earlier, last, searched, strict=True):
         a, b, c = (each.effect.about_values() for each in (instance, two, three))
@@ -216,10 +215,10 @@ def _shaped(prepared: Prepared, deadline: Deadline) -> Prepared:
 
 
 def beyond_bounds(prepared: Prepared) -> tuple[EffectInstance, ...]:
-    """The effects of a converged model with a parameter that its data ask to be at its bound or beyond.
+    """The effects of a converged model with a parameter that the data push to its bound or beyond.
 
-    So are those whose motor's gain runs away with them: the two grow together, or swing from one linearisation to the
-    next and never settle, so that a few more are looked at.
+    Also those whose motor's gain runs away with them: the two grow together, or oscillate between linearisations and
+    never settle, so a few more are tried.
     """
     if not any(
         np.isfinite(parameter.below) for each in prepared.effects for parameter in each.effect.parameters
@@ -238,10 +237,9 @@ def beyond_bounds(prepared: Prepared) -> tuple[EffectInstance, ...]:
 
 
 def within_bounds(prepared: Prepared) -> tuple[Prepared, tuple[EffectInstance, ...]]:
-    """A converged model, and those of its effects that stay zero, since they cannot be distinguished from the drive
-    gain.
+    """A converged model, and its effects that are set to zero, since the drive gain cannot be distinguished from them.
 
-    Where the data ask for such a size, gain and effect grow together without end. The others are converged without it.
+    With such an effect, gain and effect grow together without end. The others are converged without it.
     """
     whole = prepared = converged(prepared)
     gone: set[tuple[str, str]] = set()
@@ -258,7 +256,7 @@ def within_bounds(prepared: Prepared) -> tuple[Prepared, tuple[EffectInstance, .
 
 
 def columns_of(prepared: Prepared, instances: tuple[EffectInstance, ...]) -> np.ndarray:
-    """Where the parameters of some of a model's effects stand among its unknowns."""
+    """Indices of the parameters of some effects among a model's unknowns."""
     among = [part for instance, part in parameter_slices(prepared.effects) if instance in instances]
     indices = [k for part in among for k in range(part.start, part.stop)]
     return prepared.layout.effect_slice.start + np.array(indices, dtype=int)
@@ -270,9 +268,7 @@ def _nothing(instance: EffectInstance) -> EffectInstance:
 
 
 def out_of_bounds(prepared: Prepared, solution: Solution) -> tuple[EffectInstance, ...]:
-    """The effects that have a bound and are at it or beyond; gain and effect grow together where the data tell only
-    one of them.
-    """
+    """The effects at or beyond a bound; gain and effect grow together if the data determine only one of them."""
     robot = prepared.dataset.robot
     ratios = dict(zip(robot.joints, (solution.gains / robot.nominal_gains).tolist(), strict=True))
     outside, values = [], solution.theta[prepared.layout.effect_slice]
@@ -289,10 +285,10 @@ def out_of_bounds(prepared: Prepared, solution: Solution) -> tuple[EffectInstanc
 
 
 def staying(prepared: Prepared, solution: Solution, added_from: int) -> list[int]:
-    """Which of a model's effects (indices) stay in a search that added those from `added_from` on.
+    """Indices of a model's effects that stay in a search, which added those from `added_from` on.
 
-    One that is out of bounds never settles, and takes its motor's gain with it, so that nothing can be determined with
-    it. It leaves its place, but not the last place that it has.
+    An effect out of bounds never settles and takes its motor's gain with it, so that nothing is determined. It leaves
+    this place, unless it is its last.
     """
     outside = out_of_bounds(prepared, solution)
     remaining = Counter(instance.name for instance in prepared.effects)

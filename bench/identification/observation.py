@@ -20,12 +20,11 @@ from bench.signals.returning import Course
 class Observation:
     """One recording at the fit's rate, M samples of n motors.
 
-    time (M,) s; current (M, n) drive unit; rigid (M, n, nb), payload (M, n, 10) or None, effects (M, n, ne):
-    torque or force for each unit of the base parameters, of the payload's standard parameters in the tool
-    frame, and of the effects' parameters. redundant (M, n, r): for each unit of the redundant motors' drive gains,
-    whose nominal values are nominal (r,). position, velocity, acceleration (M, n) of the active joints.
-    moving (M, n): False where the joint does not move; such rows are neither fitted nor judged. course: the positions,
-    of which it is kept whether they return.
+    time (M,) s; current (M, n) drive unit; rigid (M, n, nb), payload (M, n, 10) or None, effects (M, n, ne): torque or
+    force for each unit of the base parameters, of the payload's standard parameters in the tool frame, and of the
+    effects' parameters. redundant (M, n, r): for each unit of the redundant motors' drive gains, whose nominal values
+    are nominal (r,). position, velocity, acceleration (M, n) of the active joints. moving (M, n): False where the joint
+    is at rest; such rows are neither fitted nor judged. course: the positions; it remembers whether they return.
     """
 
     name: str
@@ -60,7 +59,7 @@ def observe(model: IdentificationModel, measured: Measured) -> Observation:
     try:
         for part in blocks_of(samples, TOLERANCES.memory.samples):
             decimation.push(_stacked(model, measured, columns, part))
-    except BenchError as error:  # of a long log, whose loops are closed only now
+    except BenchError as error:  # of a long log, whose loops are closed on demand
         raise of_recording(recording.name, error) from None
     kept = decimation.finish()
     sizes = np.cumsum([n * p, n, n, n])
@@ -77,7 +76,7 @@ def observe(model: IdentificationModel, measured: Measured) -> Observation:
         rigid=np.ascontiguousarray(filtered[:, :, :nb]),
         payload=filtered[:, :, load] @ model.payload if loaded and model.payload is not None else None,
         effects=np.zeros((len(kept), n, 0)),
-        redundant=filtered[:, :, p - r :].copy(),  # of none a view, too, would keep all of `filtered`
+        redundant=filtered[:, :, p - r :].copy(),  # a view, even of no columns, would keep all of `filtered`
         nominal=np.array([actuator.gain for actuator in robot.redundant]),
         position=position,
         velocity=np.ascontiguousarray(velocity),
@@ -88,7 +87,7 @@ def observe(model: IdentificationModel, measured: Measured) -> Observation:
 
 
 def _stacked(model: IdentificationModel, measured: Measured, columns: np.ndarray, part: slice) -> np.ndarray:
-    """A part of a recording before decimation, interpolated: (K, n p + 4 n), columns and currents, then the motion."""
+    """Part of a recording before decimation, interpolated: (K, n p + 4 n), columns and currents, then the motion."""
     length, n = len(measured.time), measured.current.shape[1]
     seen = around(part, measured.gaps, length)
     samples = part if len(seen) == part.stop - part.start else seen
@@ -104,7 +103,7 @@ def _stacked(model: IdentificationModel, measured: Measured, columns: np.ndarray
 
 
 def all_currents(measured: Measured) -> np.ndarray:
-    """Every current as every motor's rows see it, interpolated at that motor's standstill: (M, n, n), drive units."""
+    """Every current for every motor's rows, interpolated at that motor's standstill: (M, n, n), drive units."""
     length, n = measured.current.shape
     decimation = Decimation(length, measured.settings.decimation)
     for part in blocks_of(length, TOLERANCES.memory.samples):

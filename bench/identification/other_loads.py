@@ -1,4 +1,4 @@
-"""Whether a recording carries another load than declared, or one that nobody declares."""
+"""Whether a recording carries another load than declared, or an undeclared one."""
 
 from dataclasses import replace
 
@@ -32,12 +32,11 @@ LOAD = "an undeclared load"
 def undeclared_load(
     problem: Problem, result: Identification, trial: ColumnsTrial, deadline: Deadline = NEVER
 ) -> list[Finding]:
-    """The fitted recording without a payload that an unknown payload explains, with its mass; none where none does.
+    """The fitted recording without a payload that an unknown payload explains, and its mass; empty if there is none.
 
-    Tried with the nominal gains and with dry and viscous friction, in one recording after the other. Of two recordings
-    the one is named whose load has a positive mass. With a payload of known mass in another one, that mass may be what
-    is wrong, and nothing is tried. trial: equations with the filters of the result. Raises
-    TimeUpError after the deadline.
+    Tried recording by recording, with nominal gains and dry and viscous friction. Of two recordings, the one whose load
+    has a positive mass is named. If another one has a payload of known mass, that mass may be wrong, and nothing is
+    tried. trial: equations with the filters of the result. Raises TimeUpError after the deadline.
     """
     bounds, dataset = TOLERANCES.findings, problem.dataset
     fitted = [recording for recording in dataset.recordings if recording.use == "identify"]
@@ -76,7 +75,7 @@ def _with_load(problem: Problem, result: Identification, name: str) -> tuple[flo
     prepared = rigid_equations(replace(problem, dataset=loaded, fit_gains=False), result)
     index = prepared.layout.payloads.get(LOAD, np.empty(0))
     if 0 not in index:
-        return np.inf, 0.0  # no motion of this robot shows the mass of a payload
+        return np.inf, 0.0  # no motion of this robot determines a payload's mass
     trial = ColumnsTrial(prepared)
     factors = trial.reversed_in((), ())
     theta, _ = trial.solved(factors, nominal=True)
@@ -87,14 +86,14 @@ def _with_load(problem: Problem, result: Identification, name: str) -> tuple[flo
 def other_load(
     problem: Problem, result: Identification, prepared: Prepared | None = None, deadline: Deadline = NEVER
 ) -> list[Finding]:
-    """The recording that carries another load than declared, if with that load some motor's error falls far, and no
-    other's rises; none where nothing does.
+    """The recording that carries another load than declared, if with that load some motor's error falls far and no
+    other rises; else empty.
 
     All recordings are fitted together, also those for validation, with dry and viscous friction in addition to the
-    rigid bodies; in one after the other the load is omitted, or another that the fitted recordings carry is put in.
-    Judged motor by motor, since an effect that is missing at one hides what the load does there and not at the others.
-    Where no motor's error is large in any recording, nothing is tried. prepared: the problem's equations with the
-    filters of the result. Raises TimeUpError after the deadline.
+    rigid bodies; in one after the other the load is omitted, or replaced by another of the fitted recordings. Judged
+    motor by motor, since a missing effect hides the load only at its motor. If no motor's error is large in any
+    recording, nothing is tried. prepared: the problem's equations with the filters of the result. Raises TimeUpError
+    after the deadline.
     """
     if not _large(result) or not result.gains_fitted:
         return []

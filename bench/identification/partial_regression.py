@@ -1,4 +1,4 @@
-"""What further columns would explain, without solving the whole system again (Frisch, Waugh and Lovell)."""
+"""What more columns would explain, without solving the whole system again (Frisch, Waugh and Lovell)."""
 
 from dataclasses import dataclass
 
@@ -11,8 +11,8 @@ from bench.identification.tolerances import TOLERANCES
 
 @dataclass(frozen=True)
 class RegressionProducts:
-    """Products of columns after projection on the complement of others: inner products (k, k), those with what is to be
-    explained (k,), and the lengths (k,) of the whole columns.
+    """Products of columns after projection on the complement of others: inner products (k, k), those with the residual
+    (k,), and the lengths (k,) of the whole columns.
     """
 
     inner: np.ndarray
@@ -28,7 +28,7 @@ class RegressionProducts:
     def explained(self) -> tuple[np.ndarray, float]:
         """Least-squares coefficients (k,), and the sum of squares that they explain.
 
-        A column of which nothing remains explains nothing: what rounding leaves of it would, by chance.
+        A column without remainder explains nothing: its rounding error would, by chance.
         """
         values = np.zeros(len(self.towards))
         kept = np.flatnonzero(self.remaining > TOLERANCES.rank.remainder)
@@ -44,7 +44,7 @@ class RegressionProducts:
 
 @dataclass(frozen=True)
 class PartialRegression:
-    """The linearised system of the currents' errors with all its columns taken out of everything else.
+    """The linearised system of the current errors, with its columns projected out of everything else.
 
     The unknowns are [theta, g], or theta alone where all gains are fixed. columns (n, M, f): weighted, motor by motor,
     zero where a joint does not move; basis (f, r): combines them so that they are orthonormal over all motors;
@@ -58,7 +58,7 @@ class PartialRegression:
     moving: np.ndarray
 
     def products(self, columns: np.ndarray) -> RegressionProducts:
-        """Inner products of further columns (M, n, k), weighted, without what the basis explains of them."""
+        """Inner products of further weighted columns (M, n, k), projected on the complement of the basis."""
         k = columns.shape[2]
         whole, across, towards = np.zeros((k, k)), np.zeros((len(self.basis), k)), np.zeros(k)
         for j in np.flatnonzero(np.einsum("mjk,mjk->j", columns, columns)):
@@ -85,7 +85,7 @@ class PartialRegression:
 
 
 def partial_regression(stack: Stack, solution: Solution) -> PartialRegression:
-    """Prepare the questions about a solved system, linearised about its current-domain `solution`.
+    """The regression for a solved system, linearised about its current-domain `solution`.
 
     The residual is current - (phi theta + kappa) / g. A further column of torque enters divided by -g; one that
     only scales everything, as a known payload does, is in the span of phi and the gains' columns.
@@ -121,7 +121,7 @@ def torque_errors(stack: Stack, solution: Solution) -> np.ndarray:
 
 
 def _orthonormal(factor: np.ndarray) -> np.ndarray:
-    """How columns (R, f) are combined to orthonormal ones (f, r) of the same span."""
+    """Matrix (f, r) that makes columns (R, f) orthonormal, of the same span."""
     norms = np.linalg.norm(factor, axis=0)
     norms[norms == 0.0] = 1.0
     _, singular, vectors = np.linalg.svd(factor / norms, full_matrices=False)

@@ -1,8 +1,8 @@
-"""Small changes of motion, geometry and gravity at little cost, for a search over many effects.
+"""Cheap small changes of motion, geometry and gravity, for a search over many effects.
 
-What a small change adds to the observation matrix follows the motion smoothly, whatever the model's parameters. So it
-is computed once for a dataset, at as few samples as the motion needs, of all recordings together; each model that is
-tried then costs a product with its parameters. A shift of an active joint counts to second order.
+The change of the observation matrix follows the motion smoothly and does not depend on the model's parameters. So it is
+computed once per dataset, for all recordings together, at as few samples as the motion needs; each model then costs a
+product with its parameters. A shift of an active joint counts to second order.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -30,15 +30,15 @@ from bench.model.motion import Motion, motion_near
 from bench.model.regressor import payload_transform, projected_regressor, redundant_columns
 from bench.signals.decimation import fit_band
 
-NOT_SHARED = ("passing", "noted", "sparse")  # what signals do not share, for changes that are exact
+NOT_SHARED = ("passing", "noted", "sparse")  # fields that are not shared with signals of exact changes
 
 
 class Nearby:
-    """The observation matrices of motions and geometries near those of all recordings, at few samples.
+    """Observation matrices for motions and geometries near those of all recordings, at few samples.
 
-    few: of every recording, the samples taken; part: where they stand among all (K,). Matrices (K, n, nb + 10 + r) have
-    the base parameters' columns, then those of a payload in the tool frame, zero without a tool, and of a unit torque
-    of each redundant motor. rows: of effects that need no model, of every recording as a search sees it.
+    few: samples of every recording; part: their slice of all (K,). Matrices (K, n, nb + 10 + r) have the base
+    parameters' columns, then those of a payload in the tool frame, zero without a tool, and of a unit torque of each
+    redundant motor. rows: of effects that need no model, for every recording in a search.
     """
 
     def __init__(self, model: IdentificationModel, measured: Sequence[Measured]) -> None:
@@ -61,14 +61,14 @@ class Nearby:
         self._seen: tuple[PresentModel, tuple[RobotSignals, ...]] | None = None
 
     def shifted(self, order: int, motor: int) -> SmallChange:
-        """Derivative of the matrix by one active position (order 0), velocity (1) or acceleration (2).
+        """Derivative of the matrix by an active position (order 0), velocity (1) or acceleration (2).
 
         Raises BenchError where the loops cannot be closed near the motion.
         """
         return self._differences(order, motor)[0]
 
     def bent(self, motor: int) -> SmallChange:
-        """Second derivative of the matrix by one active position. Raises BenchError as `shifted` does."""
+        """Second derivative of the matrix by an active position. Raises BenchError as `shifted` does."""
         return self._differences(0, motor)[1]
 
     def _differences(self, order: int, motor: int) -> list[SmallChange]:
@@ -102,20 +102,20 @@ class Nearby:
 
     @property
     def _may_keep_all(self) -> bool:
-        """Whether what all shifts add can be kept with as much of other changes."""
+        """Whether all shifts fit into half of the memory for changes."""
         samples, n, columns = self._base_rows.shape
         return (
             4 * n * samples * n * columns * np.dtype(KEPT).itemsize < TOLERANCES.memory.perturbation_bytes / 2
         )
 
     def signals(self, present: PresentModel, seen: Sequence[RobotSignals]) -> tuple[RobotSignals, ...]:
-        """Every recording, `seen` near the present model, as effects see it that are searched for."""
+        """The signals of every recording for effects in a search; seen: near the present model."""
         if self._seen is None or self._seen[0] is not present:
             self._seen = present, tuple(self._nearby(present, i, signals) for i, signals in enumerate(seen))
         return self._seen[1]
 
     def sparsely(self, seen: "NearbySignals") -> RobotSignals:
-        """A recording at its coarse samples: of each the last is kept, so that it goes with its model."""
+        """A recording at its coarse samples: the last is kept, as long as its model is used."""
         known = self._sparse.get(seen.index)
         if known is None or known[0] is not seen:
             known = self._sparse[seen.index] = seen, seen.at_coarse_samples()
@@ -132,7 +132,7 @@ class Nearby:
         few = self.few[index]
         redundant_torque = seen.redundant_torque[few] if seen.redundant else None
         changes = any(changes_torque(instance.effect) for instance, _ in present.effects)
-        if changes or any(seen.offsets.values()):  # what the torque needs is then smooth changes, too
+        if changes or any(seen.offsets.values()):  # the torque then needs smooth changes, too
             needed_at = needed_torque(lambda: near, present)
             given["joints"] = {
                 name: replace(joint, needs=partial(needed_at, j))
@@ -149,7 +149,7 @@ class Nearby:
         return near
 
     def turned(self, axis: int) -> SmallChange:
-        """What one m/s2 more of gravity along an axis of the world adds to the matrix."""
+        """Change of the matrix by 1 m/s2 more gravity along a world axis."""
         geometry = self._model.geometry
         key = ("gravity", axis)
         change = self._kept.get(key)
@@ -160,7 +160,7 @@ class Nearby:
         return change
 
     def changed(self, geometry: Geometry) -> SmallChange:
-        """What other lengths add to the matrix. Raises BenchError where the loops cannot be closed with them."""
+        """Change of the matrix by other lengths. Raises BenchError if the loops cannot be closed with them."""
         key = geometry_key(geometry)
         if key in self._barred:
             raise BenchError(self._barred[key])
@@ -189,9 +189,9 @@ class Nearby:
         return TOLERANCES.motion.slide if int(geometry.active[motor]) in slides else TOLERANCES.motion.turn
 
     def _moved(self, order: int, moves: Sequence[tuple[int, float]]) -> Iterator[np.ndarray | BenchError]:
-        """The matrix where one active position, velocity or acceleration is another, for each (motor, step).
+        """The matrix with one active position, velocity or acceleration shifted, for each (motor, step).
 
-        Several are worked out together, since much of what it takes is the same for few samples and for many.
+        Several are computed together, since much of the cost does not depend on the number of samples.
         """
         most = max(1, NODES.block // len(self._tree.time))
         for at in range(0, len(moves), most):
@@ -228,11 +228,11 @@ class Nearby:
 
 @dataclass(frozen=True, kw_only=True)
 class NearbySignals(RobotSignals):
-    """A recording as effects see it that are searched for: changes of the torque are small and smooth.
+    """The signals of a recording for effects in a search: changes of the torque are small and smooth.
 
-    nearby: of all recordings, of which this is the one with this index; parameters (nb + 10,): of the present model and
-    of what this recording carries; redundant_at_few (K, r): torque of redundant motors at the few samples, None without
-    any; knots: s, where these are.
+    nearby: of all recordings; index: of this one; parameters (nb + 10,): of the present model and of this recording's
+    load; redundant_at_few (K, r): torque of redundant motors at the few samples, None without any; knots: their times,
+    s.
     """
 
     expands = True
@@ -255,7 +255,7 @@ class NearbySignals(RobotSignals):
             self.sparsely.forget()
 
     def at_coarse_samples(self) -> RobotSignals:
-        """The same at the coarse samples; itself where these are all, or few."""
+        """The same at the coarse samples; itself if these are all or few."""
         every, length = self.every, len(self.time)
         if every == 1 or length < TOLERANCES.motion.sparse_samples * every:
             return self
@@ -318,7 +318,7 @@ class NearbySignals(RobotSignals):
         return self.refined(self.coarse_change(shift))
 
     def _change(self, gravity: np.ndarray | None, geometry: Geometry | None) -> np.ndarray:
-        """What another gravity or geometry adds to the torque at the few samples."""
+        """Torque change by another gravity or geometry, at the few samples."""
         if geometry is not None:
             return self._torque(self._rows(self.nearby.changed(geometry)))
         more = np.zeros(3) if gravity is None else gravity - self.geometry.gravity
@@ -342,11 +342,11 @@ class NearbySignals(RobotSignals):
         return self._smooth(self._torque(self._rows(change)), self.coarse.time)
 
     def _rows(self, change: SmallChange) -> np.ndarray:
-        """Part of this recording in a change of all recordings' rows, at the few samples."""
+        """The part for this recording in a change of all rows, at the few samples."""
         return change.rows(self.nearby.part[self.index])
 
     def _torque(self, rows: np.ndarray) -> np.ndarray:
-        """What rows of this recording mean, (K, n)."""
+        """Torque (K, n) of rows of this recording."""
         return combined_torque(rows, self.parameters, self.redundant_at_few)
 
     def _smooth(self, values: np.ndarray, time: np.ndarray) -> np.ndarray:
@@ -356,9 +356,9 @@ class NearbySignals(RobotSignals):
 
 
 def _few_samples(measured: Measured) -> np.ndarray:
-    """Samples of a recording between which its motion is smooth, first and last included.
+    """Samples of a recording between which its motion is smooth, with the first and last.
 
-    What noise adds to a small change is far smaller than itself, and need not be followed.
+    The effect of noise on a small change is far smaller than the change and is neglected.
     """
     rate, samples = measured.recording.rate, len(measured.time)
     band = fit_band(rate, measured.settings.decimation)

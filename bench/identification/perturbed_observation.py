@@ -1,6 +1,6 @@
-"""The observation matrix of a recording where its motion, gravity or geometry is another: kept, since effects ask
-for the same change again whenever the model has new parameters. Of large ones only those of another gravity are, of
-which there are few, and of other lengths: for as many motions as are asked for in turn there is no room.
+"""The observation matrix of a recording with another motion, gravity or geometry. It is kept, since effects ask for the
+same change whenever the model has new parameters. Large matrices are kept only for other gravities, which are few, and
+other lengths: there is no room for those of all motions.
 """
 
 from collections.abc import Hashable, Sequence
@@ -21,7 +21,7 @@ from bench.model.regressor import projected_regressor
 def perturbed_rows(
     model: IdentificationModel, measured: Measured, columns: np.ndarray, changed: Changed, every: int
 ) -> np.ndarray:
-    """Rows (K, n, p) of some columns of the projected regressor at every so many-th sample, N*m or N.
+    """Rows (K, n, p), N*m or N, of some columns of the projected regressor, one per `every` samples.
 
     Raises BenchError where the loops cannot be closed.
     """
@@ -45,7 +45,7 @@ def perturbed_rows(
 
 
 def change_key(changed: Changed, every: int) -> Hashable:
-    """What tells a change, at every so many-th sample, from another."""
+    """Key of a change at one per `every` samples."""
     motion, gravity, geometry = changed.motion, changed.gravity, changed.geometry
     return (
         every,
@@ -58,7 +58,7 @@ def change_key(changed: Changed, every: int) -> Hashable:
 def _turned(
     model: IdentificationModel, measured: Measured, columns: np.ndarray, gravity: np.ndarray, every: int
 ) -> np.ndarray:
-    """Rows with another gravity, of which they are a linear function: from those with one m/s2 more each way."""
+    """Rows with another gravity, in which they are linear: from those with 1 m/s2 more along each axis."""
     nominal = model.geometry.gravity
     unchanged = perturbed_rows(model, measured, columns, UNCHANGED, every)
     rows = unchanged.copy()
@@ -86,7 +86,7 @@ def _motion(
 
 
 def _same_lengths(geometry: Geometry, other: Geometry) -> bool:
-    """Whether loops close alike in both, whatever the gravity."""
+    """Whether loops close alike in both, gravity aside."""
     return _numbers(geometry)[1:] == _numbers(other)[1:]
 
 
@@ -105,7 +105,7 @@ def _numbers(geometry: Geometry) -> list[bytes]:
 
 
 def geometry_key(geometry: Geometry) -> bytes:
-    """What tells a geometry from another, gravity included."""
+    """Key of a geometry, gravity included."""
     return _digest(_numbers(geometry))
 
 
@@ -121,14 +121,14 @@ KEPT = np.float32  # small changes need no more digits
 
 @dataclass(frozen=True)
 class SmallChange:
-    """K samples of n motors and p columns each; filled (c,): which of all n p change, values (K, c): by how much."""
+    """K samples of n motors and p columns each; filled (c,): those of the n p that change, values (K, c)."""
 
     filled: np.ndarray
     values: np.ndarray
     shape: tuple[int, int]
 
     def rows(self, part: slice) -> np.ndarray:
-        """What is added at some of the samples, (P, n, p)."""
+        """The change at some of the samples, (P, n, p)."""
         values = self.values[part]
         rows = np.zeros((len(values), self.shape[0] * self.shape[1]), dtype=KEPT)
         rows[:, self.filled] = values
@@ -136,7 +136,7 @@ class SmallChange:
 
 
 def small_change(rows: np.ndarray) -> SmallChange:
-    """The small change of what is added to every column, (K, n, p)."""
+    """The small change of all columns, from rows (K, n, p)."""
     samples, n, p = rows.shape
     flat = rows.astype(KEPT, order="C").reshape(samples, n * p)
     filled = np.flatnonzero(flat.any(axis=0))

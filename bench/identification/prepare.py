@@ -35,16 +35,15 @@ from bench.signals.settings import Bands, FilterSettings, completed, signal_band
 
 @dataclass(frozen=True)
 class Prepared:
-    """A dataset made ready to be fitted: the model, the filters, and every recording as equations.
+    """A dataset prepared for a fit: the model, the filters, and every recording as equations.
 
-    measured and observations go together, one for each recording that can be used. present: the model that
-    effects are linearised about; signals: what they see of each recording. scale: which drive gains are
-    unknowns, and what keeps the others nominal. converged: whether effects that are not linear have their shape and are
-    linearised about this very model; provisional: though not to the end, as is enough in a search. nearby: where small
-    changes of the torque are taken from, in place of what effects compute exactly. contradicted: loop closures that
-    other encoders deny. bands: what the spectra of the recordings to identify from say, None where nobody has read
-    them. rejected: filters that were rejected for narrower ones, the widest first. halved: the same recordings in half
-    of the band, where they are known. kept: what models of these recordings have in common.
+    measured and observations belong together, one per usable recording. present: the model about which effects are
+    linearised; signals: their inputs from each recording. scale: which drive gains are unknowns, and what keeps the
+    others nominal. converged: whether nonlinear effects have their shape and are linearised about this very model;
+    provisional: not fully converged, which is enough in a search. nearby: source of small changes of the torque, in
+    place of exact ones. contradicted: loop closures that other encoders contradict. bands: from the spectra of the
+    recordings to identify from, None if not computed. rejected: filters rejected for narrower ones, the widest first.
+    halved: the same recordings in half of the band, if known. kept: what models of these recordings share.
     """
 
     dataset: Dataset
@@ -68,7 +67,7 @@ class Prepared:
 
     @property
     def gains(self) -> NominalGains:
-        """The drive gains as they are declared, and whether they are unknowns."""
+        """The declared drive gains, and whether they are unknowns."""
         robot = self.dataset.robot
         return NominalGains(robot.nominal_gains, self.scale.fitted(robot.joints))
 
@@ -79,13 +78,13 @@ class Prepared:
 
     @property
     def unusable(self) -> tuple[str, ...]:
-        """Recordings whose payload nothing tells of: not declared in full, and carried by none that is fitted."""
+        """Recordings whose payload is neither declared in full nor carried by a fitted recording."""
         used = {observation.name for observation in self.observations}
         return tuple(recording.name for recording in self.dataset.recordings if recording.name not in used)
 
     @property
     def logs(self) -> tuple[str, ...]:
-        """The fitted recordings, by name: of them effects may have a value each."""
+        """Names of the fitted recordings, each with a value of some effects."""
         return logs_of([entry.recording for entry in self.measured if entry.recording.use == "identify"])
 
     @property
@@ -98,10 +97,10 @@ class Prepared:
 def prepare(problem: Problem, *, fitted_only: bool = True, logs: Sequence[str] | None = None) -> Prepared:
     """Build the model and turn every recording into equations, filtered and decimated alike.
 
-    The filters and the unknown payload parameters follow from the recordings to fit, or (not `fitted_only`)
-    from all. A recording whose payload no such recording carries is excluded, unless all parameters of
-    the payload are declared. logs: those of which effects may have a value each; by default the fitted ones.
-    Raises BenchError naming what in the data or the robot cannot be used.
+    The filters and the unknown payload parameters follow from the recordings to fit, or (not `fitted_only`) from all. A
+    recording whose payload no such recording carries is excluded, unless all parameters of the payload are declared.
+    logs: those for which effects may have a value each; by default the fitted ones. Raises BenchError naming what is
+    unusable in the data or the robot.
     """
     dataset, filters = problem.dataset, problem.filters
     fitted = [recording for recording in dataset.recordings if recording.use == "identify" or not fitted_only]
@@ -154,9 +153,9 @@ def prepare(problem: Problem, *, fitted_only: bool = True, logs: Sequence[str] |
 
 
 def with_gains(prepared: Prepared, wanted: bool | None) -> Prepared:
-    """The same with drive gains as unknowns or not: as wanted, by default those that the declared payloads fix.
+    """The same with drive gains as unknowns or not; by default, those that the declared payloads fix.
 
-    Raises BenchError where they are wanted and none is fixed.
+    Raises BenchError if they are wanted and none is fixed.
     """
     if wanted is False:
         return replace(prepared, scale=NOT_WANTED)
@@ -181,7 +180,7 @@ def with_effects(
 ) -> Prepared:
     """The same recordings with the columns of these effects, linearised about another model where given.
 
-    fitted_only: recordings that are not fitted get none, where nothing is judged on them.
+    fitted_only: recordings that are not fitted get none, if nothing is judged on them.
     """
     signals = prepared.signals
     if present is None or present is prepared.present:
@@ -215,7 +214,7 @@ def with_effects(
 
 
 def with_judged(prepared: Prepared) -> Prepared:
-    """The same, where recordings that are not fitted have the effects' columns too."""
+    """The same, with the effects' columns also for recordings that are not fitted."""
     decimation, effects = prepared.settings.decimation, prepared.effects
     observations = tuple(
         observation
@@ -227,7 +226,7 @@ def with_judged(prepared: Prepared) -> Prepared:
 
 
 def seen_nearby(prepared: Prepared, nearby: Nearby) -> Prepared:
-    """The same with small changes of the torque taken from what is known nearby."""
+    """The same with small changes of the torque from `nearby`."""
     signals = nearby.signals(prepared.present, prepared.signals)
     return replace(prepared, signals=signals, nearby=nearby, converged=False, provisional=False)
 

@@ -1,4 +1,4 @@
-"""What is asked of recordings, in one value: the model to begin with, the effects that are known, filters and gains."""
+"""An identification problem as a value: recordings, starting model, known effects, filters and gains."""
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
@@ -12,13 +12,12 @@ from bench.model.geometry import read_geometry
 from bench.signals.settings import FilterSettings
 
 Filters = FilterSettings | Mapping[str, Any] | None
-"""Settings, some of them by name, or none: what is omitted is chosen from the spectra."""
+"""All settings, some by name, or none; the rest is chosen from the spectra."""
 
 
 @dataclass(frozen=True, eq=False)
 class Problem:
-    """A dataset and what is to be identified from it. `problem_of` makes it, `bench.identification.prepare` its
-    equations.
+    """A dataset and what to identify from it. `problem_of` makes it, `bench.identification.prepare` its equations.
 
     effects: of the model, as EFFECT[:PLACE][@recording]. catalogue: every effect that is known, by name. fit_gains:
     whether drive gains are unknowns; None: those that the declared payloads fix.
@@ -41,12 +40,12 @@ def problem_of(
 ) -> Problem:
     """With the built-in effects, the dataset's, and those of further Python files.
 
-    Raises BenchError that names a file and what is wrong with it, or two effects of the same name.
+    Raises BenchError that names a file and its fault, or two effects of the same name.
     """
     catalogue = catalogue_for(dataset.effect_files, map(Path, effect_files))
     return Problem(dataset, catalogue, tuple(effects), filters, fit_gains)
 
 
 def places_of(problem: Problem) -> Places:
-    """Where effects may sit in the robot of a problem and in its payloads."""
+    """Possible places of effects in a problem's robot and payloads."""
     return places_in(read_geometry(problem.dataset.robot), problem.dataset.weighed)

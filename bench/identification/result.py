@@ -37,7 +37,7 @@ class Quantity:
 
     @property
     def determined(self) -> bool:
-        """Whether the data say anything of it: its deviation is finite, and not both vast and larger than itself."""
+        """Whether the data determine it: its deviation is finite, and not both vast and larger than the value."""
         return math.isfinite(self.std) and not (
             self.std >= TOLERANCES.findings.parameter_std and self.std > abs(self.value)
         )
@@ -51,12 +51,12 @@ class DriveGain(Quantity):
 
     @property
     def determined(self) -> bool:
-        """Likewise; a gain whose standard error is larger than itself is not: it could have either sign."""
+        """Likewise; a gain smaller than its standard error is not: it could have either sign."""
         return super().determined and self.std <= abs(self.value)
 
     @property
     def fitted(self) -> bool:
-        """Whether it was an unknown, and is not its nominal value as it was given."""
+        """Whether it was an unknown, rather than held at its nominal value."""
         return self.std > 0.0
 
 
@@ -80,7 +80,7 @@ class ErrorSummary:
 
     @property
     def reported(self) -> float | None:
-        """That of recordings that were not fitted; of the fitted ones where there are no others."""
+        """The error of recordings that were not fitted; if there are none, of the fitted ones."""
         return self.identify if self.validate is None else self.validate
 
 
@@ -99,12 +99,12 @@ class BandPoint:
 
 @dataclass(frozen=True, repr=False)
 class CurrentSeries:
-    """Measured and modelled currents of one recording at the fit's rate: time (M,) s, others (M, n).
+    """Measured and modelled currents of a recording at the fit's rate: time (M,) s, others (M, n).
 
-    moving: False where a joint does not move; errors are not judged there. by_effect: the torque or force (M, n) that
-    the motors supply for each effect of the model, N*m or N, filtered like the currents; NaN where a joint does not
-    move, since such rows are interpolated, not modelled. sharing (n, r): RMS of by how much a current of a redundant
-    motor takes off the others' modelled currents.
+    moving: False where a joint is at rest; errors are not judged there. by_effect: the torque or force (M, n) that the
+    motors supply for each effect of the model, N*m or N, filtered like the currents; NaN where a joint is at rest,
+    since such rows are interpolated, not modelled. sharing (n, r): RMS by which a redundant motor's current reduces the
+    others' modelled currents.
     """
 
     name: str
@@ -132,7 +132,7 @@ class CurrentSeries:
 
 @dataclass(frozen=True)
 class ModelledRecording:
-    """Which recording a model's errors are of, without its currents."""
+    """The recording of a model's errors, without its currents."""
 
     name: str
     use: str
@@ -144,15 +144,14 @@ class Identification:
     """The answer of `identify`.
 
     gains_fitted is False where nothing fixes the scale: the gains are nominal, and all parameters scale with their
-    error. Where a payload fixes some gains only, the others are nominal, with no standard error. effect_parameters:
-    effect -> place -> parameter, the place being a joint, or joint@recording for the value of one recording. covariance
-    (P, P), its rows named by covariance_rows; those of given values and of parameters that were omitted are zero.
-    left_out: names of the base parameters without which the fit is as good, when only essential ones were asked for.
-    findings: what limits the answer.
-    std_from: what standard deviations stand for. redundant: the motors, last of the drive gains, whose currents are
-    given and not modelled, since the motion tells the sum of the powers alone. locked: joints that robot.toml holds.
-    bandwidths: the same model in other bands, where that was looked at, the widest first, this one included.
-    rule, tolerances: the thresholds and numerical bounds by which it was made.
+    error. If a payload fixes only some gains, the others are nominal, with no standard error. effect_parameters: effect
+    -> place -> parameter, the place being a joint, or joint@recording for the value of one recording. covariance (P,
+    P), its rows named by covariance_rows; those of given values and omitted parameters are zero. left_out: names of the
+    base parameters without which the fit is as good, if only essential ones were requested. findings: what limits the
+    answer. std_from: the source of standard deviations. redundant: the motors, last of the drive gains, whose currents
+    are given and not modelled, since the motion determines only the sum of the powers. locked: joints that robot.toml
+    holds. bandwidths: the same model in all bands that were tried, the widest first, with this one. rule, tolerances:
+    the thresholds and numerical bounds of the answer.
     """
 
     robot: str
@@ -223,7 +222,7 @@ class Identification:
         ]
 
     def to_dataframe(self) -> pd.DataFrame:
-        """The same as a data frame. Needs pandas."""
+        """As a data frame. Needs pandas."""
         rows = self.rows()
         return data_frame({name: [row[name] for row in rows] for name in rows[0]})
 

@@ -1,6 +1,4 @@
-"""Whether an encoder or a current has the wrong sign, or an angle and a travel are exchanged: tried where little is
-explained.
-"""
+"""Whether an encoder or a current has the wrong sign, or an angle and a travel are swapped; tried for large errors."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
@@ -23,7 +21,7 @@ from bench.identification.tolerances import TOLERANCES
 
 @dataclass(frozen=True, eq=False)
 class PositionChange:
-    """Other positions, and what they would mean. order, factors (n,): which column each joint gets, times what."""
+    """Other positions, and their meaning. order, factors (n,): the column that each joint gets, and its factor."""
 
     code: Code
     joints: tuple[str, ...]
@@ -31,7 +29,7 @@ class PositionChange:
     factors: np.ndarray
 
     def of(self, position: np.ndarray) -> np.ndarray:
-        """The positions (N, n) that this makes of those in a log."""
+        """The changed positions (N, n) of a log."""
         return np.ascontiguousarray(position[:, list(self.order)] * self.factors)
 
 
@@ -44,13 +42,13 @@ def reversed_positions(
     *,
     other: float | None = None,
 ) -> list[Finding]:
-    """The position whose sign, or the two positions whose exchange, brings the error far down; none where none do.
+    """The position whose sign change, or the two whose exchange, lowers the error far; none if none does.
 
-    Tried in all recordings, with the nominal gains and with dry and viscous friction, where the error is so large that
-    a wrong column is likely: the loops have to be closed anew for each. Positions that the loops do not follow are no
-    candidates. With a sign, that of the current may change as well: numbers say whether it does. trial: equations
-    with the filters of the result. other: the error with another sign of a current, which this must halve; where that
-    is small, nothing is tried. Raises TimeUpError after the deadline.
+    Tried in all recordings, with nominal gains and dry and viscous friction, only if the error is so large that a wrong
+    column is likely: each requires closing the loops again. Positions that the loops cannot follow are no candidates.
+    The sign of the current may change with that of the position: numbers say whether. trial: equations with the filters
+    of the result. other: the error with another sign of a current, which this must halve; if it is small, nothing is
+    tried. Raises TimeUpError after the deadline.
     """
     bounds, robot = TOLERANCES.findings, problem.dataset.robot
     before = _error(trial)
@@ -85,7 +83,7 @@ def reversed_positions(
 
 
 def _error(trial: ColumnsTrial, *motors: int) -> float:
-    """With the nominal gains, and other signs of the currents of some motors."""
+    """The error with nominal gains, for any signs of the motors' currents."""
     return trial.error(trial.reversed_in(tuple(trial.parts), motors), nominal=True)
 
 
@@ -99,7 +97,7 @@ def changes(robot: Robot) -> Iterator[PositionChange]:
         yield PositionChange(Code.POSITION_REVERSED, (joint,), tuple(motors), signs)
     for a, b in combinations(motors, 2):
         if turns[a] == turns[b]:
-            continue  # those of like motors are tried by their currents
+            continue  # swaps of like motors are tried with their currents
         order = list(motors)
         order[a], order[b] = b, a
         for scale in (
@@ -119,11 +117,11 @@ _Reversal = tuple[tuple[str, ...], tuple[int, ...]]
 def reversed_currents(
     result: Identification, trial: ColumnsTrial, deadline: Deadline = NEVER
 ) -> list[Finding]:
-    """The currents whose sign, changed, brings the error far down; none where none do.
+    """The currents whose sign change lowers the error far; none if none does.
 
-    Tried with the nominal gains, since fitted ones would only change their own sign, and with dry and viscous friction
-    in addition to the rigid bodies: one motor in all fitted recordings or in one, or all motors. trial: equations
-    with the filters of the result. Raises TimeUpError after the deadline.
+    Tried with nominal gains, since fitted ones would only change their sign, and with dry and viscous friction in
+    addition to the rigid bodies: one motor in all fitted recordings or in one, or all motors. trial: equations with the
+    filters of the result. Raises TimeUpError after the deadline.
     """
     bounds = TOLERANCES.findings
 

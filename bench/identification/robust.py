@@ -1,10 +1,10 @@
-"""The estimator for currents with bad seconds: errors of the currents follow Student's distribution, not Gauss's.
+"""Estimator for currents with bad intervals: their errors follow Student's distribution, not Gauss's.
 
-A row far from the model then counts little: it is weighted by (nu + 1) / (nu + r^2), r its error over the scale of its
-motor. Scale and degrees of freedom nu of every motor are estimated with the parameters by maximum likelihood, so that
-clean data are fitted as by least squares (nu grows) and little is lost. Iteratively reweighted least squares: Lange,
-Little and Taylor, "Robust statistical modeling using the t distribution", 1989; nu as by Liu and Rubin, "ML estimation
-of the t distribution using EM and its extensions, ECM and ECME", 1995.
+A row far from the model then has a small weight, (nu + 1) / (nu + r^2), r its error over the scale of its motor. Scale
+and degrees of freedom nu of every motor are estimated with the parameters by maximum likelihood, so that clean data are
+fitted as by least squares (nu grows) at little loss. Iteratively reweighted least squares: Lange, Little and Taylor,
+"Robust statistical modeling using the t distribution", 1989; nu as by Liu and Rubin, "ML estimation of the t
+distribution using EM and its extensions, ECM and ECME", 1995.
 """
 
 from collections.abc import Sequence
@@ -38,9 +38,9 @@ class _Fit:
 def robust_error(stack: Stack, start: Solution, nominal: np.ndarray) -> Solution:
     """Maximum likelihood of currents v_j = (Phi_j theta + kappa_j) / g_j + s_j t, t of Student's distribution.
 
-    It is sought from the answer of least squares, `start`, and from nominal gains (n,), since bad seconds can throw
-    the former far off; the likelier answer is taken. Gains that are not unknowns (start.gains_fitted) stay as they
-    are. Effects that are not linear keep the shape that least squares gives them.
+    Searched from the least-squares answer, `start`, and from nominal gains (n,), since bad intervals can distort the
+    former; the likelier answer is taken. Gains that are not unknowns (start.gains_fitted) are held. Nonlinear effects
+    keep the shape of least squares.
     """
     solution = current_error(stack, start)
     theta, gains = solution.theta, solution.gains
@@ -76,7 +76,7 @@ def robust_error(stack: Stack, start: Solution, nominal: np.ndarray) -> Solution
 def _likeliest(
     stack: Stack, theta: np.ndarray, gains: np.ndarray, fit_gains: Fitted, most: int | None = None
 ) -> _Fit:
-    """The nearest maximum of the likelihood, as far as so many rounds lead, by default all."""
+    """The nearest maximum of the likelihood, after at most `most` rounds, by default all."""
     moving, floor = stack.moving, current_floor(stack)
     error = _error(stack, theta, gains)
     scale = np.maximum(_typical(error, moving), floor)
@@ -105,13 +105,13 @@ def scaled_theta(stack: Stack, gains: np.ndarray) -> np.ndarray:
 
 
 def weighted_rows(stack: Stack, root: np.ndarray) -> Stack:
-    """The equations with every row of every motor multiplied by a factor, root (M, n)."""
+    """The equations with every motor's rows multiplied by factors `root` (M, n)."""
     phi, kappa, current = stack.phi * root[:, :, None], stack.kappa * root, stack.current * root
     return replace(stack, phi=phi, kappa=kappa, current=current, factors=compress(phi, kappa, current))
 
 
 def degrees_of_freedom(error: np.ndarray) -> tuple[float, float]:
-    """Student's nu of errors (M,) over their scale by maximum likelihood, and minus the mean logarithm of it."""
+    """Student's nu of errors (M,) over their scale by maximum likelihood, and minus its mean log-likelihood."""
     squares = error**2
 
     def minus_likelihood(logarithm: float) -> float:
@@ -131,7 +131,7 @@ def _error(stack: Stack, theta: np.ndarray, gains: np.ndarray) -> np.ndarray:
 
 
 def _typical(error: np.ndarray, moving: np.ndarray) -> np.ndarray:
-    """Scale (n,) that bad rows do not change: the median of the errors' sizes, as a standard deviation of noise."""
+    """Scale (n,) that bad rows do not affect: the median absolute error, as a standard deviation of noise."""
     return np.array(
         [
             1.4826 * np.median(np.abs(entry[seen])) if seen.any() else 0.0
@@ -148,10 +148,9 @@ def _weights(error: np.ndarray, freedom: np.ndarray) -> np.ndarray:
 def bad_stretches(
     observations: Sequence[Observation], row_weights: np.ndarray, joints: Sequence[str]
 ) -> list[Finding]:
-    """A finding for each stretch of a recording in which a motor's current counts little, in the order of the logs.
+    """A finding for each stretch of a recording in which a motor's current has little weight, in log order.
 
-    row_weights (M, n): what every row of all recordings counts, 1 where it fits. Rows of a joint at standstill are no
-    finding.
+    row_weights (M, n): of every row of all recordings, 1 where it fits. Rows of a joint at standstill are no finding.
     """
     bounds = TOLERANCES.findings
     findings: list[tuple[int, Finding]] = []

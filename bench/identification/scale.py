@@ -1,4 +1,4 @@
-"""Which drive gains the payloads of the fitted recordings fix: the answer as a value."""
+"""Which drive gains the payloads of the fitted recordings fix, as a value."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 
 class ScaleCase(StrEnum):
-    """What the fitted recordings say about the drive gains."""
+    """What the fitted recordings determine of the gains."""
 
     NOT_WANTED = auto()
     NO_PAYLOAD = auto()
@@ -25,7 +25,7 @@ class ScaleCase(StrEnum):
 
 
 class ScaleRemedy(StrEnum):
-    """What would fix gains: to declare more of the payload, to fix it elsewhere, to record otherwise."""
+    """What would fix gains: declaring more of the payload, mounting it elsewhere, other recordings."""
 
     MASS = auto()
     CENTER_OF_MASS = auto()
@@ -39,7 +39,7 @@ class ScaleRemedy(StrEnum):
 class Scale:
     """Which drive gains are unknowns of the fit.
 
-    payloads: what the fitted recordings carry; open: joints whose gains these do not fix; held: joints whose gains stay
+    payloads: of the fitted recordings; open: joints whose gains these do not fix; held: joints whose gains stay
     nominal. remedies: the fewest changes that fix the most gains, and how many of `open` each fixes.
     """
 

@@ -32,7 +32,7 @@ DONE = {
 
 
 def scale_findings(scale: Scale) -> list[Finding]:
-    """What keeps drive gains nominal, of the payloads `names` and the gains `of`; none where all are fixed.
+    """What keeps drive gains nominal, with payloads `names` and gains `of`; none if all are fixed.
 
     numbers: how many of these gains each remedy would fix, remedies that go together joined by "+".
     """
@@ -62,7 +62,7 @@ def reason(finding: Finding) -> str:
 
 
 def cure(finding: Finding) -> str:
-    """What would fix them, as sentences; "" where nothing is to be mended."""
+    """What would fix them, as sentences; "" if nothing needs a remedy."""
     if finding.code is Code.GAINS_NOT_WANTED:
         return ""
     if finding.code is Code.GAINS_NOMINAL:

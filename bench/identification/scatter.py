@@ -1,8 +1,8 @@
 """The scatter of an estimate between parts of the recordings: stretches of time, or states of a joint.
 
-What a model lacks depends on the state, so that its errors are alike wherever a joint comes back to the same position
-with the same velocity, however much later. Estimates from clusters of rows scatter by such errors as they are
-(Liang and Zeger, "Longitudinal data analysis using generalized linear models", Biometrika 73, 1986).
+A model error depends on the state, so it repeats whenever a joint returns to the same position with the same velocity,
+however much later. The scatter of estimates between clusters of rows includes such errors (Liang and Zeger,
+"Longitudinal data analysis using generalized linear models", Biometrika 73, 1986).
 """
 
 from collections.abc import Iterator, Sequence
@@ -20,7 +20,7 @@ from bench.signals.returning import Course
 
 @dataclass(frozen=True)
 class Block:
-    """What one part of a recording says: normal equations J'J (P, P) and J'e (P,) of its rows."""
+    """Part of a recording: normal equations J'J (P, P) and J'e (P,) of its rows."""
 
     normal: np.ndarray
     score: np.ndarray
@@ -30,14 +30,14 @@ class Block:
 
 
 def block_of(jacobian: np.ndarray, error: np.ndarray) -> Block:
-    """Of rows (K, P) of derivatives and the errors (K,)."""
+    """From derivatives (K, P) and errors (K,) of rows."""
     return Block(jacobian.T @ jacobian, jacobian.T @ error)
 
 
 @dataclass(frozen=True)
 class Scatter:
-    """covariance (P, P) of an estimate from its scatter between blocks; freedom: how many independent squares
-    noise would make of it; blocks: how many say something of the same unknown.
+    """covariance (P, P) of an estimate from its scatter between blocks; freedom: its independent squares if errors are
+    noise; blocks: number that inform on the same unknown.
     """
 
     covariance: np.ndarray
@@ -46,11 +46,11 @@ class Scatter:
 
     @property
     def stated(self) -> np.ndarray:
-        """The covariance so that 1.96 standard errors hold 95 % as those of few blocks do: by Student's t."""
+        """The covariance, enlarged by Student's t for few blocks: 1.96 standard errors contain 95 %."""
         return np.asarray(self.covariance * (stdtrit(self.blocks - 1, 0.975) / WITHIN_95) ** 2)
 
     def beyond(self, noise: np.ndarray) -> bool:
-        """Whether the estimate scatters more than errors of this covariance (P, P) make it, all unknowns together."""
+        """Whether the scatter of all unknowns together exceeds that of noise of this covariance (P, P)."""
         values, vectors = np.linalg.eigh(noise)
         seen = values > TOLERANCES.rank.products * values[-1]
         turned = vectors[:, seen].T @ self.covariance @ vectors[:, seen]
@@ -69,7 +69,7 @@ def blocks_in(starts: tuple[int, ...], rows: int) -> Iterator[slice]:
 def state_cells(courses: Sequence[Course]) -> tuple[np.ndarray, np.ndarray]:
     """For every row of the recordings and every joint the number of its cell of position, and of velocity: (M, n) each.
 
-    Cells are bounded by quantiles, so that each has as many rows.
+    Quantiles bound the cells, so that each has as many rows.
     """
     position = np.concatenate([course.position for course in courses])
     velocity = np.concatenate([np.gradient(course.position, axis=0) for course in courses])
@@ -86,12 +86,11 @@ def _cells(signals: np.ndarray) -> np.ndarray:
 
 
 def block_scatter(blocks: Sequence[Block], motors: int = 1) -> Scatter | None:
-    """The scatter of the estimate between blocks, each of one of so many motors, or of all; None where there are too
-    few of them.
+    """The scatter of the estimate between blocks, each of one of `motors` motors, or of all; None if they are too few.
 
-    With J'J = sum of all blocks = (R R')^-1, what a block b says moves the estimate by R z_b, where
-    z_b = (1 - R' J_b' J_b R)^(-1/2) R' J_b' e_b: the root makes up for what the fit has taken of the block's error,
-    so that the sum of squares is right on average where the errors are noise (Bell and McCaffrey 2002).
+    With J'J = sum of all blocks = (R R')^-1, a block b moves the estimate by R z_b, where z_b = (1 - R' J_b' J_b
+    R)^(-1/2) R' J_b' e_b: the root compensates for the part of the block's error that the fit absorbs, so that the sum
+    of squares is right on average if errors are noise (Bell and McCaffrey 2002).
     """
     if len(blocks) < motors * TOLERANCES.statistics.fewest_blocks:
         return None

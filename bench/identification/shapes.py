@@ -1,4 +1,4 @@
-"""The shape in which an effect explains most of what a model leaves."""
+"""The shape in which an effect explains most of a model's error."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
@@ -18,11 +18,11 @@ from bench.identification.tolerances import TOLERANCES
 
 
 def best_shape(prepared: Prepared, instance: EffectInstance, partial: PartialRegression) -> EffectInstance:
-    """The instance with the shape values that explain most of what remains.
+    """The instance with the shape values that explain most of the error.
 
-    Every combination of discrete values is tried, and with each the other parameters, one after the other; all of it
-    from every start of the effect, if the first explains a share that is worth an effect. At a motor that does not move
-    the shape stays as it is: nothing there depends on it.
+    For every combination of discrete values, the other parameters are searched one after the other, from every start of
+    the effect if the first explains a share that is worth an effect. At a motor at rest the shape stays, since nothing
+    depends on it.
     """
     if stands_still(prepared, instance):
         return instance
@@ -56,9 +56,9 @@ def _searched(
     samples: tuple[JointSamples, ...],
     partial: PartialRegression,
 ) -> tuple[EffectInstance, float]:
-    """One shape parameter at its best value, and minus the squares that are explained with it.
+    """One shape parameter at its best value, and minus the squares explained with it.
 
-    The present value competes, so that what the effect explains never becomes less.
+    The present value competes, so that the effect never explains less.
     """
 
     def columns(values: Sequence[float]) -> np.ndarray:
@@ -94,7 +94,7 @@ def _searched(
 def _between_nodes(
     columns: Callable[[Sequence[float]], np.ndarray], bracket: Bracket, partial: PartialRegression
 ) -> Callable[[float], float]:
-    """Minus the squares that are explained with a value, of columns interpolated between a bracket's Chebyshev points.
+    """Minus the squares explained with a value, from columns interpolated between a bracket's Chebyshev points.
 
     Interpolated by the polynomial through them (Berrut and Trefethen, "Barycentric Lagrange interpolation", SIAM
     Review 46(3), 2004), of the value or of its logarithm.

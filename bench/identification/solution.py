@@ -1,4 +1,4 @@
-"""What every estimator returns, and the torque equations that they share."""
+"""The result of an estimator, and the torque equations that all share."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -14,14 +14,14 @@ Fitted = bool | np.ndarray
 
 @dataclass(frozen=True, eq=False)
 class NominalGains:
-    """Drive gains (n,) as they are declared; fitted: whether they are unknowns, or taken as they are."""
+    """Declared drive gains (n,); fitted: whether they are unknowns, or held."""
 
     values: np.ndarray
     fitted: Fitted
 
     @property
     def held(self) -> np.ndarray | None:
-        """The gains that are taken as they are, (n,) with NaN for unknowns; None where all are unknowns."""
+        """The held gains, (n,) with NaN for unknowns; None if all are unknowns."""
         if np.all(self.fitted):
             return None
         return np.where(self.fitted, np.nan, self.values)
@@ -32,22 +32,21 @@ class NominalGains:
         return np.broadcast_to(self.fitted, self.values.shape)
 
     def with_fitted(self, fitted_gains: np.ndarray) -> np.ndarray:
-        """The gains (n,) as they are declared, those that are unknowns as they were estimated: (n,), or () for none."""
+        """The gains (n,): estimated for unknowns, else declared; estimates are (n,), or () for none."""
         return np.where(self.fitted, fitted_gains, self.values) if np.any(self.fitted) else self.values
 
 
 @dataclass(frozen=True)
 class Solution:
-    """theta (p,) and drive gains (n,) with what their deviations need.
+    """theta (p,) and drive gains (n,), with inputs for their deviations.
 
-    weights (n,): what a motor's equation was multiplied by; 1 / (unit of its residual). domain: the
-    residual's unit, "torque" (diag(v) g - Phi theta - kappa) or "current" (that divided by -g).
+    weights (n,): factor of a motor's equation; 1 / (unit of its residual). domain: the residual's unit, "torque"
+    (diag(v) g - Phi theta - kappa) or "current" (that divided by -g).
 
-    transform: how the estimator made its equations from those that it was given, where it did not take them as they
-    are. dispersion (n,): by what a motor's error in them counts for more in what moves the estimate than in its
-    derivatives (1 for least squares). instruments: what replaces these equations where the estimate's
-    derivatives are taken, for instrumental variables. row_weights (M, n): what each row counts, 1 where it fits, for a
-    robust estimate.
+    transform: how the estimator changed the given equations, if it did. dispersion (n,): factor of a motor's error in
+    the estimating equations relative to their derivatives (1 for least squares). instruments: for instrumental
+    variables, the equations for the estimate's derivatives, in place of these. row_weights (M, n): weight of each row,
+    1 where it fits, for a robust estimate.
     """
 
     theta: np.ndarray
@@ -64,9 +63,8 @@ class Solution:
 def torque_system(factors: np.ndarray, gains: np.ndarray | None) -> tuple[np.ndarray, np.ndarray]:
     """Rows A and right side b of A x = b in torque, from compressed factors (n, r, p + 2).
 
-    With gains (n,): x = theta, b = diag(v) g - kappa. With None: x = [theta, g], b = kappa
-    (equation 12, the gains among the unknowns). With NaN for some: likewise, where the columns of the others are zero
-    and b = kappa - diag(v) g has them.
+    With gains (n,): x = theta, b = diag(v) g - kappa. With None: x = [theta, g], b = kappa (equation 12, the gains
+    among the unknowns). With NaN for some: likewise, but the others have zero columns and are in b = kappa - diag(v) g.
     """
     n, r, size = factors.shape
     p = size - 2
@@ -82,7 +80,7 @@ def torque_system(factors: np.ndarray, gains: np.ndarray | None) -> tuple[np.nda
 
 
 def solved_gains(factors: np.ndarray, solved: np.ndarray, nominal: np.ndarray) -> np.ndarray:
-    """Drive gains (n,) that were solved for; the nominal one of a motor without rows, of which nothing tells it.
+    """Solved drive gains (n,); the nominal one for a motor without rows, which does not determine it.
 
     factors (n, r, p + 2): the currents last.
     """
@@ -103,7 +101,7 @@ def torque_residual_rms(stack: Stack, theta: np.ndarray, gains: np.ndarray) -> n
 
 
 def scaled_lstsq(rows: np.ndarray, right: np.ndarray) -> np.ndarray:
-    """Least squares with every column scaled to unit length, so that units do not decide the rank."""
+    """Least squares with every column scaled to unit length, so that units do not affect the rank."""
     norms = np.linalg.norm(rows, axis=0)
     norms[norms == 0.0] = 1.0
     solution = lstsq(rows / norms, right, cond=1e-13, lapack_driver="gelsy", check_finite=False)[0]

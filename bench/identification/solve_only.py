@@ -1,7 +1,7 @@
-"""Prepared equations solved without deviations, and columns of effects that they do not have.
+"""Solve prepared equations without deviations; columns of effects that they lack.
 
-A search looks at thousands of models: every motor's compressed factors are multiplied once, in a basis in which they
-are nearly orthonormal. Each start, each reweighting and each step then takes sums of these products alone.
+A search solves thousands of models: every motor's compressed factors are multiplied once, in a basis in which they are
+nearly orthonormal. Each start, reweighting and step then needs only sums of these products.
 """
 
 from collections.abc import Mapping, Sequence
@@ -34,7 +34,7 @@ FIXED = "fixed columns"
 
 
 def solved_quickly(prepared: Prepared) -> tuple[Stack, Solution]:
-    """The current-domain solution of prepared equations, without deviations; zero for what is absorbed."""
+    """The current-domain solution of prepared equations, without deviations; zero for absorbed effects."""
     stack = _stacked(prepared)
     kept = identifiable(prepared, stack)
     return stack, solved_with(stack, kept, prepared.gains, prepared.present.gains)
@@ -54,7 +54,7 @@ def identifiable(prepared: Prepared, stack: Stack) -> np.ndarray:
 
 
 def _stacked(prepared: Prepared) -> Stack:
-    """The equations of a model; what all models of these recordings have is orthogonalised once."""
+    """The equations of a model; columns common to all models are orthogonalised once."""
     parts = prepared.fitted, prepared.layout, prepared.dataset.payloads
     if not prepared.layout.effects:
         return stack_observations(*parts)
@@ -65,9 +65,9 @@ def _stacked(prepared: Prepared) -> Stack:
 
 
 def solved_with(stack: Stack, kept: np.ndarray, gains: NominalGains, near: np.ndarray) -> Solution:
-    """The current-domain solution with some columns of phi only, kept (k,); zero for the others.
+    """The current-domain solution with only columns kept (k,) of phi; zero for the others.
 
-    near (n,): gains to start from, of a model much like this one.
+    near (n,): gains to start from, of a similar model.
     """
     size = stack.phi.shape[2]
     smaller = stack if len(kept) == size else reduced(stack, kept)
@@ -108,11 +108,11 @@ def candidate_columns(prepared: Prepared, effects: Sequence[EffectInstance]) -> 
 
 
 def solved_from_products(stack: Stack, gains: NominalGains, near: np.ndarray) -> Solution:
-    """The current-domain solution, nearer to the best one than any deviation; near (n,): gains of a model much like it.
+    """The current-domain solution, to far less than any deviation; near (n,): gains of a similar model.
 
-    It starts from weighted least squares with the gains among the unknowns, or held near, whichever leaves less. Where
-    a gain runs away from its nominal value, beyond all that products are exact enough for, steps on the factors
-    themselves go another way.
+    It starts from weighted least squares with the gains among the unknowns, or held at `near`, whichever leaves less.
+    If a gain runs so far from its nominal value that products are too inexact, steps on the factors themselves
+    continue.
     """
     near = gains.with_fitted(near)
     solution = _minimum(stack, gains, near)
@@ -130,7 +130,7 @@ def _minimum(stack: Stack, gains: NominalGains, near: np.ndarray) -> Solution | 
     starts = []
     if np.any(gains.fitted):
         about, values = _held(products, gains.values, lengths)
-        about = products.about(about.theta_at(values), gains.values)  # from where products are exact enough
+        about = products.about(about.theta_at(values), gains.values)  # where products are exact enough
         values, first = _weighted(about, lengths, fit_gains=gains.fitted)
         if not run_away(first / gains.values):
             starts.append((about.theta_at(values), first))
@@ -154,7 +154,7 @@ def _minimum(stack: Stack, gains: NominalGains, near: np.ndarray) -> Solution | 
 
 
 def _on_factors(stack: Stack, gains: NominalGains, near: np.ndarray) -> Solution:
-    """The same by steps on the factors themselves; from nominal gains where they leave less than the other starts."""
+    """The same by steps on the factors themselves; from nominal gains if these leave less than the other starts."""
 
     def held(at: np.ndarray) -> Solution:
         return replace(
@@ -171,18 +171,18 @@ def _on_factors(stack: Stack, gains: NominalGains, near: np.ndarray) -> Solution
 
 
 def _missed(squares: np.ndarray) -> float:
-    """How large the motors' current errors are, of their squares (n,), as a likelihood sees them."""
+    """Size of the motors' current errors in the likelihood, from their squares (n,)."""
     return float(np.log(np.maximum(squares, TINY)).sum())
 
 
 def _held(products: FactorProducts, gains: np.ndarray, lengths: np.ndarray) -> tuple[Centred, np.ndarray]:
-    """The same with the gains (n,) held: the system about no parameters, and the values (b,)."""
+    """The same with held gains (n,): the system about zero parameters, and the values (b,)."""
     about = products.about(np.zeros(len(products.basis)), gains)
     return about, _weighted(about, lengths, fit_gains=False)[0]
 
 
 def _weighted(about: Centred, lengths: np.ndarray, *, fit_gains: Fitted) -> tuple[np.ndarray, np.ndarray]:
-    """Values (b,) and gains (n,) of weighted least squares of the torques' errors; see `weighted_least_squares`.
+    """Values (b,) and gains (n,) by weighted least squares of torque errors; see `weighted_least_squares`.
 
     lengths (n,): of the currents.
     """

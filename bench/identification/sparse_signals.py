@@ -1,4 +1,4 @@
-"""A recording at the few samples that the fit's band needs, for columns that only a search tries."""
+"""A recording at the few samples that the fit's band needs, for columns used only in a search."""
 
 from dataclasses import dataclass
 from functools import cached_property
@@ -11,7 +11,7 @@ from bench.identification.standstill import Gaps
 
 @dataclass(frozen=True)
 class SparseJoint(JointSignals):
-    """A joint at every so many-th sample; torques are smoothed before, at all of them. whole: the joint there."""
+    """A joint at one of `every` samples; torques are smoothed before, at all samples. whole: the joint there."""
 
     whole: JointSignals
     every: int
@@ -27,12 +27,12 @@ class SparseJoint(JointSignals):
         return self.whole.motor_torque[:: self.every]
 
     def follows(self, phase: np.ndarray) -> np.ndarray:
-        """See `JointSignals`: less than half a period from one of the few samples to the next."""
+        """See `JointSignals`: the few samples are less than half a period apart."""
         return np.asarray(np.abs(np.gradient(phase)) < np.pi)
 
 
 def sparse_joint(whole: JointSignals, every: int) -> SparseJoint:
-    """The joint at every so many-th sample."""
+    """The joint at one of `every` samples."""
     some = slice(None, None, every)
     return SparseJoint(
         time=whole.time[some],
@@ -52,8 +52,8 @@ def sparse_joint(whole: JointSignals, every: int) -> SparseJoint:
 
 
 def sparse_gaps(gaps: Gaps, every: int, length: int) -> tuple[Gaps, tuple[np.ndarray, ...]]:
-    """Stretches of the few samples in which joints stand still, those at their edges included; and shares (K,) of every
-    joint: how much of what each of the few represents, half way to its neighbours, lies in a stretch.
+    """Stretches of few samples in which joints are at rest, including the edges; shares (K,) for every joint: the part
+    of each sample's interval, half of the way to its neighbours, that lies in a stretch.
     """
     sparse, shares = [], []
     count = -(-length // every)

@@ -1,8 +1,8 @@
-"""Covariance of an estimate, with errors that are alike from one sample to the next.
+"""Covariance of an estimate with correlated errors.
 
-What a model lacks makes errors that return with the motion. Their autocovariance says little of what they do to an
-estimate, since they are alike for as long as the motion is. What each part of the recordings does to it by itself
-holds whatever they are.
+Model errors return with the motion. Their autocovariance says little about their influence on an estimate, since they
+correlate as long as the motion does. The scatter of the estimate between parts of the recordings is valid for any kind
+of error.
 """
 
 from dataclasses import dataclass
@@ -28,9 +28,10 @@ from bench.signals.returning import lagged_products
 
 Deviations = Literal["autocorrelated", "serial", "independent"]
 StdFrom = Literal["noise", "blocks", "periods", "models", "instruments", "payload", "bandwidth"]
-"""What standard errors stand for: the error as a noise, the scatter of the estimate between parts of the recordings,
-the error as one that returns with the motion, the spread over models that explain the data as well, the distance from
-instrumental variables, that from a payload that can be, or that from the estimate in another band."""
+"""Source of standard errors: the error as noise, the scatter of the estimate between parts of the recordings, the error
+as one that returns with the motion, the spread over models that explain the data as well, the distance from
+instrumental variables, from a physically possible payload, or from the estimate in another band.
+"""
 
 
 @dataclass(frozen=True)
@@ -38,8 +39,8 @@ class Uncertainty:
     """covariance (p + n, p + n) of [theta, g] (gains zero where fixed); rank and condition of the system of so
     many unknowns.
 
-    condition: of the weighted Jacobian, columns as they are; scaled_condition: with columns of unit length. std_from:
-    the error as a noise, or what each part of the recordings does to the estimate.
+    condition: of the weighted Jacobian with unscaled columns; scaled_condition: with columns of unit length. std_from:
+    the error as noise, or the scatter between parts of the recordings.
     """
 
     covariance: np.ndarray
@@ -51,7 +52,7 @@ class Uncertainty:
 
 
 def residual_series(stack: Stack, solution: Solution) -> np.ndarray:
-    """The error (M, n) that the estimator made small, in torque or current units."""
+    """The error (M, n) that the estimator minimised, in torque or current units."""
     modelled = stack.phi @ solution.theta + stack.kappa
     if solution.domain == "torque":
         return np.asarray(stack.current * solution.gains - modelled)
@@ -77,16 +78,16 @@ def jacobian_series(stack: Stack, solution: Solution) -> np.ndarray:
 def uncertainty(stack: Stack, solution: Solution, deviations: Deviations) -> Uncertainty:
     """Standard deviations of the estimate from its residual.
 
-    "autocorrelated": the residual's autocovariance, of every motor and within every recording, is carried
-    through the linearised estimator (Newey and West 1987, with Bartlett's window), so that neighbouring
-    samples do not count as independent, nor do those between which the motion returns and the error with it (see
-    `repeated_covariances`). "independent": the field's customary formula (Gautier 1997), with
-    the deviation of the residual about its mean; too optimistic where errors are coloured. Unknowns that change
-    nothing, such as the damping of a drive without a compliance, are omitted, with variances of zero.
+    "autocorrelated": the residual's autocovariance, of every motor and within every recording, is propagated through
+    the linearised estimator (Newey and West 1987, with Bartlett's window), so that neighbouring samples do not count as
+    independent, nor do samples a period apart if errors return with the motion (see `repeated_covariances`).
+    "independent": the field's customary formula (Gautier 1997), with the deviation of the residual about its mean; too
+    optimistic for coloured errors. Unknowns without influence, such as the damping of a drive without a compliance, are
+    omitted, with variances of zero.
 
-    Where the estimate scatters more between parts of the recordings than an autocorrelated noise makes it, the model's
-    error is at work, and the deviations are those of that scatter, wherever they are larger. "serial": parts in time
-    alone, not in positions or velocities.
+    If the estimate scatters more between parts of the recordings than autocorrelated noise explains, the model is
+    wrong, and the deviations are those of the scatter wherever these are larger. "serial": parts in time only, not in
+    positions or velocities.
     """
     if solution.transform is not None:
         stack = solution.transform(stack)
@@ -136,11 +137,11 @@ def uncertainty(stack: Stack, solution: Solution, deviations: Deviations) -> Unc
 
 
 def _small_sample(taken: float, remaining: float, size: int) -> float:
-    """By how much a covariance from the residual of a fit of `size` unknowns is too small.
+    """Factor by which a covariance from the residual of a fit of `size` unknowns is too small.
 
-    taken, remaining: squares of the error that the fit takes up, tr(H Sigma) by the covariance that is corrected, and
-    that remain. Errors that are alike count as size * remaining / taken independent ones; the factor is that of so few,
-    so that 1.96 standard errors hold 95 % by Student's t.
+    taken, remaining: squares of the error that the fit absorbs, tr(H Sigma) by the covariance to correct, and that
+    remain. Correlated errors count as size * remaining / taken independent ones; the factor is for this number, so that
+    1.96 standard errors contain 95 % by Student's t.
     """
     if not taken:
         return 1.0
@@ -149,7 +150,7 @@ def _small_sample(taken: float, remaining: float, size: int) -> float:
 
 
 def _enlarged(covariance: np.ndarray, other: np.ndarray) -> np.ndarray:
-    """A covariance (P, P) with the deviations of another where these are larger, and its correlations."""
+    """A covariance (P, P) with its correlations and the deviations of another where these are larger."""
     stds, larger = (np.sqrt(np.maximum(np.diag(values), 0.0)) for values in (covariance, other))
     times = np.maximum(larger / np.where(stds > 0.0, stds, np.inf), 1.0)
     return covariance * np.outer(times, times)
@@ -187,8 +188,8 @@ def _scatters(
     *,
     with_states: bool,
 ) -> list[Scatter | None]:
-    """How the estimate scatters between stretches of time, and if asked for between positions and between velocities of
-    a motor's joint; for the unknowns seen, each divided by its length.
+    """Scatter of the estimate between stretches of time and, on request, between positions and between velocities of a
+    motor's joint; for the unknowns seen, each divided by its length.
     """
     stretches = list(blocks_in(stack.starts, len(residual)))
     in_time = [Block(np.zeros((len(seen),) * 2), np.zeros(len(seen))) for _ in stretches]
@@ -237,8 +238,8 @@ def _score(
 def _covariances(residual: np.ndarray, moving: np.ndarray, starts: tuple[int, ...]) -> np.ndarray:
     """Tapered autocovariances (L + 1,) of one motor's residual (M,), zero where not moving, over all recordings.
 
-    Lags beyond those of the low-pass are taken as long as the errors are still alike there: a longer window than needed
-    would see the lack of error at the few frequencies of the movement, which the fit takes up.
+    Lags beyond those of the low-pass count while errors still correlate: a longer window would include the lack of
+    error at the few frequencies of the motion, which the fit absorbs.
     """
     ends = (*starts[1:], len(residual))
     shortest = min(b - a for a, b in zip(starts, ends, strict=True))
@@ -258,7 +259,7 @@ def _covariances(residual: np.ndarray, moving: np.ndarray, starts: tuple[int, ..
 def _autocorrelated(jacobian: np.ndarray, covariances: np.ndarray) -> np.ndarray:
     """J' Sigma J (P, P) for derivatives J (M, P) and a stationary residual with these autocovariances.
 
-    Sigma J goes by blocks of rows: the same band of Sigma times the rows in its reach.
+    Sigma J is formed by blocks of rows: the same band of Sigma times rows in reach.
     """
     samples, size = jacobian.shape
     lags = len(covariances) - 1

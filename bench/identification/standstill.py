@@ -1,11 +1,10 @@
-"""Where a joint does not move, friction takes any value up to its limit, and no sliding law holds. In a joint without a
-motor it then loads all motors.
+"""While a joint is at rest, friction takes any value up to its limit, and no sliding law holds. In a joint without a
+motor it loads all motors.
 
-What is logged there says nothing, and yet the low-pass of the fit spreads it over the rows around. So the
-equations of a joint at standstill are replaced, before that filter, by the straight line between the equations
-just before and just after: columns and current alike, which keeps every linear model true. It goes through the means of
-the samples on either side, those in the middle of a side weighing most (a Hann window); it is level where there is one
-side only.
+Such rows carry no information, but the fit's low-pass spreads them over their neighbours. So before that filter the
+equations of a joint at rest are replaced by the straight line between the equations just before and just after, in
+columns and current alike, which keeps every linear model true. The line goes through the means of the samples on either
+side, weighted by a Hann window; with one side only it is level.
 """
 
 from collections.abc import Sequence
@@ -20,11 +19,11 @@ from bench.signals.decimation import decimate
 
 @dataclass(frozen=True)
 class StandstillInterpolation:
-    """The lines over the stretches of one joint.
+    """Lines over the stretches of one joint.
 
-    inside (K,): rows that are replaced; near (L,): rows on either side, side after side, with their
-    weights (L,), which add up to one in each side; starts: where in these a side begins. before, after (K,): between
-    which sides a row lies, and `share` (K,) of the way.
+    inside (K,): rows that are replaced; near (L,): rows on either side, side after side, with their weights (L,), which
+    add up to one in each side; starts: where in these each side begins. before, after (K,): the sides of a row, and
+    `share` (K,) of the way between them.
     """
 
     inside: np.ndarray
@@ -40,12 +39,12 @@ class StandstillInterpolation:
         return self._between(rows[self.near])
 
     def put(self, rows: np.ndarray, columns: np.ndarray) -> None:
-        """Put it there, in some columns (indices) of the rows (N, p)."""
+        """Put it into some columns (indices) of the rows (N, p)."""
         if len(self.inside):
             rows[self.inside[:, None], columns] = self._between(rows[self.near[:, None], columns])
 
     def put_partly(self, rows: np.ndarray, columns: np.ndarray, share: np.ndarray) -> None:
-        """The same by the `share` (N,) that it has of each row."""
+        """The same, weighted by `share` (N,) in each row."""
         if len(self.inside):
             inside = rows[self.inside[:, None], columns]
             lines = self._between(rows[self.near[:, None], columns])
@@ -73,7 +72,7 @@ def within(stretches: np.ndarray, part: slice) -> slice:
 def sides(
     chosen: slice, stretches: np.ndarray, length: int
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-    """For the chosen stretches, start and stop, and where their surroundings begin before and end after, (k,) each."""
+    """Start and stop of the chosen stretches, and where their surroundings begin and end, (k,) each."""
     start, stop, margin = stretches[chosen].T
     last = stretches[chosen.start - 1, 1] if chosen.start else 0
     before = np.maximum(start - margin, np.concatenate(([last], stop))[: len(stop)])
@@ -81,7 +80,7 @@ def sides(
 
 
 def ranges(start: np.ndarray, stop: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """All samples of stretches from start (k,) to before stop (k,), one after the other, and whose they are."""
+    """All samples of stretches from start (k,) to before stop (k,), and the stretch of each."""
     length = np.maximum(stop - start, 0)
     of = np.repeat(np.arange(len(length)), length)
     return np.arange(len(of)) + (start - np.cumsum(length) + length)[of], of
@@ -90,8 +89,8 @@ def ranges(start: np.ndarray, stop: np.ndarray) -> tuple[np.ndarray, np.ndarray]
 def interpolation_over(
     stretches: np.ndarray, samples: np.ndarray, length: int, part: slice
 ) -> StandstillInterpolation:
-    """The lines over a joint's stretches (k, 3) in a part of a recording of so many samples, for its rows at the
-    samples (K,), in order; these hold the part's stretches and their surroundings.
+    """The lines over a joint's stretches (k, 3) in a part of a recording of `length` samples, for its rows at the
+    samples (K,), in order; these hold its stretches and their surroundings.
     """
     start, stop, before, after = sides(within(stretches, part), stretches, length)
     first, last = np.concatenate((before, stop)), np.concatenate((start, after))
@@ -123,7 +122,7 @@ def interpolation_over(
 
 
 def whole_interpolation(stretches: np.ndarray, length: int) -> StandstillInterpolation:
-    """The lines over a joint's stretches (k, 3) in all so many samples of a recording."""
+    """The lines over a joint's stretches (k, 3) in all samples of a recording."""
     return _whole_interpolation(stretches.tobytes(), length)
 
 
@@ -134,20 +133,20 @@ def _whole_interpolation(stretches: bytes, length: int) -> StandstillInterpolati
 
 
 Gaps = tuple[np.ndarray, ...]
-"""For each joint, the stretches (k, 3) of samples in which it does not move or reverses: the first, one past the
-last, and how many on either side tell of its surroundings."""
+"""For each joint, stretches (k, 3) of samples in which it is at rest or reverses: the first, one past the last, and the
+number on either side that represent the surroundings.
+"""
 
 
 def standstills(
     position: np.ndarray, velocity: np.ndarray, passive: np.ndarray, rate: float, cutoff: float
 ) -> Gaps:
-    """Stretches in which joints stand still, set off or reverse, before decimation.
+    """Stretches in which joints are at rest, start or reverse, before decimation.
 
-    position, velocity (N, n), rad or m and their rates; passive (N, k): velocities of joints without a motor;
-    rate Hz; cutoff of the position filter, Hz. A joint does not move where it is slower than 1 % of its RMS speed;
-    reversals count however swift, and so does the first way of a joint that starts from rest. A joint without a
-    motor counts, for all motors, only where it stays slow: there it sticks. Stretches reach as far as the position
-    filter spreads a jump.
+    position, velocity (N, n), rad or m and their rates; passive (N, k): velocities of joints without a motor; rate Hz;
+    cutoff of the position filter, Hz. A joint is at rest if slower than 1 % of its RMS speed; reversals count however
+    fast, and so does the first part of a motion from rest. A joint without a motor counts, for all motors, only if it
+    stays slow, which means that it sticks. Stretches extend as far as the position filter spreads a jump.
     """
     reach = int(np.ceil(TOLERANCES.motion.smeared * rate / cutoff))
     stuck = _stuck(passive, TOLERANCES.motion.stuck * reach)
@@ -177,7 +176,7 @@ def interpolated(rows: np.ndarray, gaps: Sequence[np.ndarray]) -> np.ndarray:
 
 
 def around(part: slice, gaps: Gaps, length: int) -> np.ndarray:
-    """The samples (K,), of so many, that `interpolated_part` needs for a part of them, in order."""
+    """The samples (K,) of all `length` that `interpolated_part` needs for a part, in order."""
     outside = [np.empty(0, dtype=int)]
     for stretches in gaps:
         start, stop, before, after = sides(within(stretches, part), stretches, length)
@@ -195,7 +194,7 @@ def around(part: slice, gaps: Gaps, length: int) -> np.ndarray:
 def interpolated_part(
     rows: np.ndarray, samples: np.ndarray, part: slice, gaps: Gaps, length: int
 ) -> np.ndarray:
-    """The rows of a part as `interpolated` gives them, from those at the samples (K,) that it needs; changes these."""
+    """The rows of a part, as from `interpolated`, computed from those at the samples (K,), in place."""
     for j, stretches in enumerate(gaps):
         interpolation = interpolation_over(stretches, samples, length, part)
         rows[interpolation.inside, j] = interpolation.lines(rows[:, j].reshape(len(rows), -1)).reshape(
@@ -211,7 +210,7 @@ def no_gaps(joints: int) -> Gaps:
 
 
 def moving_rows(gaps: Gaps, samples: int, decimation: int) -> np.ndarray:
-    """Which decimated rows of which joints come from motion except for a small part, (M, n) True or False."""
+    """Which decimated rows of each joint come from motion except for a small part, (M, n) True or False."""
     inside = np.zeros((samples, len(gaps)))
     for j, stretches in enumerate(gaps):
         for start, stop, _ in stretches:
@@ -220,7 +219,7 @@ def moving_rows(gaps: Gaps, samples: int, decimation: int) -> np.ndarray:
 
 
 def _stuck(velocity: np.ndarray, shortest: float) -> np.ndarray:
-    """Whether any joint (of k) is slow for at least so many samples on end, (N,)."""
+    """Whether any joint is slow for at least `shortest` samples on end, (N,)."""
     stuck = np.zeros(len(velocity), dtype=bool)
     for v in np.ascontiguousarray(velocity.T):
         first, last = _runs(np.abs(v) <= TOLERANCES.motion.slow * np.sqrt(v @ v / len(v)))
@@ -236,7 +235,7 @@ def _runs(slow: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _stretches(slow: np.ndarray, reach: int, margin: int) -> np.ndarray:
-    """Runs of True (N,), each longer by `reach` at both ends; those with hardly a sample between them are one.
+    """Runs of True (N,), extended by `reach` at both ends; runs with hardly a sample between are merged.
 
     margin: samples on either side from which the line is taken.
     """

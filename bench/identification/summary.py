@@ -39,7 +39,7 @@ def summarise(
     outside: Sequence[EffectInstance] = (),
 ) -> Identification:
     """The answer. spread: covariance of [theta, gains, shape parameters]; kept: columns not omitted; outside: effects
-    that the data ask to be beyond their bounds.
+    that the data push beyond their bounds.
     """
     robot, layout, base = prepared.dataset.robot, prepared.layout, prepared.model.base
     series = tuple(modelled_series(prepared, observation, solution) for observation in prepared.observations)
@@ -112,7 +112,7 @@ def summarise(
 
 
 def _repeated_rows(prepared: Prepared) -> list[Finding]:
-    """The logs with rows that repeat the one before."""
+    """Logs with rows that repeat the previous one."""
     held = {
         seen.recording.log: seen.recording.held for seen in prepared.measured if seen.recording.held > 0.0
     }
@@ -178,7 +178,7 @@ def _sharing(prepared: Prepared, name: str, solution: Solution) -> np.ndarray | 
 
 
 def _rows(prepared: Prepared, parameters: Sequence[str]) -> tuple[Unknown, ...]:
-    """What the covariance's rows are of, in the order of [theta, gains, shape parameters]."""
+    """Unknowns of the covariance's rows, in order: [theta, gains, shape parameters]."""
     linear = [
         Unknown("effect", parameter.name, instance.place, instance.name)
         for instance in prepared.effects

@@ -1,4 +1,4 @@
-"""Whether two motors' columns of a log were taken for each other: tried where the model explains little."""
+"""Whether two motors' columns of a log were swapped: tried if the model explains little."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
@@ -53,7 +53,7 @@ def least_squares(factors: np.ndarray, known: NominalGains) -> tuple[np.ndarray,
 
 
 def rigid_equations(problem: Problem, result: Identification) -> Prepared:
-    """What a problem asks for, without effects and with the filters of a result."""
+    """A problem's equations, without effects and with the filters of a result."""
     return prepare(replace(problem, effects=(), filters=result.settings))
 
 
@@ -65,13 +65,13 @@ def swapped_columns(
     deadline: Deadline = NEVER,
     trial: "ColumnsTrial | None" = None,
 ) -> list[Finding]:
-    """The two motors whose columns, exchanged, bring the error down most; none where none do.
+    """The two motors whose columns, when exchanged, lower the error most; none if none do.
 
     Tried one pair at a time, in all fitted recordings and in each of them, with the filters of the result, and with dry
-    and viscous friction in addition to the rigid bodies, so that it does not hide the swap. The error must fall far
-    below that of the result and below what friction alone makes of it. Where the error of the result is small, nothing
-    is tried. prepared: the problem's equations with these filters, and trial: with all currents, where they are at
-    hand. Raises TimeUpError after the deadline.
+    and viscous friction in addition to the rigid bodies, so that friction does not hide the swap. The error must fall
+    far below that of the result and below that with friction only. If the error of the result is small, nothing is
+    tried. prepared: the problem's equations with these filters, and trial: with all currents, if available. Raises
+    TimeUpError after the deadline.
     """
     error = result.error.identify
     joints = list(result.joints)
@@ -104,10 +104,10 @@ def _swaps(names: tuple[str, ...], motors: int) -> Iterator[tuple[tuple[str, ...
 
 
 class ColumnsTrial:
-    """The equations of all fitted recordings with every motor's current for every motor's rows, and friction.
+    """The equations of all fitted recordings with all currents in every motor's rows, and friction.
 
     parts: for each recording triangular factors (n, r, p + 1 + n) of [phi, kappa, all currents], formed once: an
-    exchange only picks other ones of the currents. Currents are interpolated where the motor of the rows does not move.
+    exchange only selects other currents. Currents are interpolated where the motor of the rows is at rest.
     """
 
     def __init__(self, prepared: Prepared) -> None:
@@ -153,7 +153,7 @@ class ColumnsTrial:
         return least_squares(factors, replace(self.gains, fitted=False) if nominal else self.gains)
 
     def error(self, factors: np.ndarray, *, least: bool = False, nominal: bool = False) -> float:
-        """Relative error of the currents by least squares in torque; or the least that there can be, from there.
+        """Relative error of the currents by least squares in torque, or `least`: its minimum, from there.
 
         nominal: with the nominal gains.
         """

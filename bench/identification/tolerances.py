@@ -125,7 +125,7 @@ class StatisticsBounds:
     leverage: float = 1.0  # largest that a fitted row can have; a larger one extrapolates
     bins: int = 12  # of a variable in which errors are averaged
     shuffles: int = 400  # of the errors, for the variation between bins by chance
-    shuffled_rows: int = 12  # rows that stay together, since neighbouring errors are alike
+    shuffled_rows: int = 12  # rows that stay together, since neighbouring errors correlate
     follows: float = 1.0  # strength of time as a variable where errors only follow each other
     # share of these blocks: impacts where they have most of the squared error; of noise they have a sixth
     impacts: float = 0.05
@@ -139,7 +139,7 @@ class StatisticsBounds:
 class MotionBounds:
     """Standstill, filters and what the motion of a recording shows."""
 
-    slow: float = 0.01  # share of the RMS speed: a slower joint stands still
+    slow: float = 0.01  # share of the RMS speed: a slower joint is at rest
     slow_start: float = 0.3  # share of the RMS speed: with a slower first sample a joint starts from rest
     first_way: float = 0.03  # share of the travel: before it, friction depends on how the joint came to rest
     # cut-off periods over which the position filter spreads a jump of acceleration, either way
@@ -148,7 +148,7 @@ class MotionBounds:
     surroundings: float = 4.0
     stuck: float = 0.5  # share of the spread that a joint without a motor has to be slow, to count as stuck
     still_rows: float = 0.2  # share of a decimated row from standstill, above which it is excluded
-    # share of a velocity's power inside the band of the motion; the rest is noise or negligible
+    # share of a velocity's power in the band of the motion; the rest is noise or negligible
     band_power: float = 0.999
     samples_in_period: float = 10.0  # of the highest frequency of the motion
     # times the band of the motion that the twin follows; an instrument may lack the rest
@@ -163,7 +163,7 @@ class MotionBounds:
 
 @dataclass(frozen=True)
 class MemoryBounds:
-    """What is computed together or kept, and rows that are enough for a choice."""
+    """Sizes of joint computations and caches, and rows that suffice for a choice."""
 
     compressed_rows: int = 65_536  # rows that are compressed together
     samples: int = 5_120  # for which columns are formed together: they stay in the cache of the processor
@@ -248,7 +248,7 @@ class LawBounds:
 
 @dataclass(frozen=True)
 class FindingBounds:
-    """From when an answer says that data, units, columns or names are in doubt."""
+    """Bounds above which an answer doubts data, units, columns or names."""
 
     far_gain: float = 0.5  # share of the nominal gain: makers state gains within a tenth
     # factor to the nominal gain: a unit or a load is wrong, and laws are not sought
@@ -257,7 +257,7 @@ class FindingBounds:
     # factor to the nominal gains, by which all are off: a payload's mass is wrong, since makers are not so alike
     common_gain: float = 1.3
     near_thousand: float = 3.0  # factor to a thousand or a thousandth of the nominal gain: a unit is wrong
-    thousand: float = 3.0  # decades between the currents of recordings in unlike units
+    thousand: float = 3.0  # decades between the currents of recordings with unlike units
     # from these, a factor of five: loads and speeds change the currents of all motors by less
     near_decades: float = 0.7
     explained: float = 0.5  # relative error: with a larger one a model does not explain the current
@@ -289,7 +289,7 @@ class FindingBounds:
     disturbed: float = 0.05  # share of a recording at either end: more is not dropped without a request
     omitted_growth: float = 1.01  # growth of the error at which the essential parameters are reached
     bad_weight: float = 0.1  # weight of a row, below which it does not fit
-    bad_rows: int = 5  # fewest of a stretch that does not fit
+    bad_rows: int = 5  # fewest in a stretch that does not fit
     bridged_rows: int = 3  # between two such stretches that count as one
     # times the noise floor: with a larger error the names of effects may be wrong
     remaining_noise: float = 10.0

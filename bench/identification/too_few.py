@@ -15,9 +15,9 @@ from bench.identification.tolerances import TOLERANCES
 
 
 def refuse_too_few_equations(prepared: Prepared, moving: np.ndarray, unknowns: int) -> None:
-    """Raise BenchError where the rows (M, n) that come from motion are fewer than two for each unknown.
+    """Raise BenchError if fewer than two rows (M, n) per unknown come from motion.
 
-    It says which joints stand still; else how long such motions have to be, or how fast to be logged.
+    It names joints at rest; else how long such motions, or how high their log rate, must be.
     """
     equations, needed = int(moving.sum()), TOLERANCES.statistics.equations * unknowns
     if equations >= needed:
@@ -31,7 +31,7 @@ def refuse_too_few_equations(prepared: Prepared, moving: np.ndarray, unknowns: i
 
 
 def _standing_still(prepared: Prepared) -> str:
-    """Which joints stand still in all fitted logs; "" where all move."""
+    """Joints at rest in all fitted logs; "" if all move."""
     logs = _fitted(prepared)
     joints = prepared.dataset.robot.joints
     still = [joint for j, joint in enumerate(joints) if all(only_noise(log.position[:, j]) for log in logs)]
@@ -45,7 +45,7 @@ def _standing_still(prepared: Prepared) -> str:
 
 
 def _too_little(prepared: Prepared, moving: np.ndarray, needed: int) -> str:
-    """How long or how fast sampled logs of such a motion have to be."""
+    """Required duration or log rate of such a motion."""
     logs = _fitted(prepared)
     seconds, rate = sum(float(np.ptp(log.time)) for log in logs), logs[0].rate
     more = needed / max(int(moving.sum()), 1)

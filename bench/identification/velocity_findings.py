@@ -1,4 +1,4 @@
-"""What velocities that a controller logged say: that they are taken, that they are others, that the time is wrong."""
+"""Findings on logged velocities: that they are used, that they are not rates of positions, that time is wrong."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -20,7 +20,7 @@ Compared = Sequence[tuple[Recording, Mapping[str, LoggedVelocity]]]
 
 @dataclass(frozen=True)
 class _Unlike:
-    """A velocity that is not the rate of its position; unit: in which it seems to be, "" for none."""
+    """A velocity that is not the rate of its position; unit: its apparent unit, "" for none."""
 
     recording: str
     joint: str
@@ -29,7 +29,7 @@ class _Unlike:
 
 
 def velocity_findings(robot: Robot, compared: Compared) -> list[Finding]:
-    """Which velocities are taken as logged, which are not the rate of their position, and which contradict the time."""
+    """Which logged velocities are used, which are not the rate of their position, and which contradict the time."""
     taken = [
         (joint, velocity) for _, every in compared for joint, velocity in every.items() if velocity.taken
     ]
@@ -62,9 +62,9 @@ def velocity_findings(robot: Robot, compared: Compared) -> list[Finding]:
 
 
 def time_factor(robot: Robot, compared: Mapping[str, LoggedVelocity]) -> float | None:
-    """By how much longer a log took than its time says, where the velocities of all joints that show it agree on that.
+    """Factor by which a log took longer than its time column says, if the velocities of all joints that show it agree.
 
-    None where one joint alone says so, whose velocity may be in another unit, or where units explain the factor.
+    None if only one joint shows it, whose velocity may be in another unit, or if units explain the factor.
     """
     clear = {joint: velocity for joint, velocity in compared.items() if velocity.other < RULE.loose}
     usable = all(velocity.scale > 0.0 and not velocity.agrees for velocity in clear.values())
@@ -83,7 +83,7 @@ def _unlike(robot: Robot, recording: Recording, every: Mapping[str, LoggedVeloci
 
 
 def _unit(robot: Robot, joint: str, velocity: LoggedVelocity) -> str:
-    """The unit in which a velocity is the rate of its position; "" where none is, or where it is in SI."""
+    """The unit in which a velocity is the rate of its position; "" for SI, or if there is none."""
     if velocity.other >= RULE.loose:
         return ""
     gain_unit = next(motor.gain_unit for motor in robot.motors if motor.joint == joint)

@@ -1,6 +1,6 @@
-"""Numbers that are only known to lie near a value: a middle and a radius, for all samples at once.
+"""Numbers known only to lie in an interval: a middle and a radius, for all samples at once.
 
-What is worked out of balls holds for every choice of numbers in them (midpoint-radius interval arithmetic, Rump,
+A result of balls contains that of every choice of numbers in them (midpoint-radius interval arithmetic, Rump,
 "Verification methods: rigorous results using floating-point arithmetic", Acta Numerica 19, 2010). Rounding is part of
 the radius. They take the place of the arrays of bench.model.scalars, so that the model's kinematics serve for them.
 """
@@ -14,7 +14,7 @@ from numpy.lib.mixins import NDArrayOperatorsMixin
 
 from bench.model.scalars import Scalar
 
-ROUNDING = 2.0**-50  # of a result: more than an operation on floats is off by
+ROUNDING = 2.0**-50  # of a result: exceeds the error of an operation on floats
 
 
 @dataclass(frozen=True, eq=False)
@@ -25,7 +25,7 @@ class Ball(NDArrayOperatorsMixin):
     radius: np.ndarray
 
     def __array_ufunc__(self, ufunc: np.ufunc, method: str, *inputs: Any, **_: Any) -> Any:
-        """What the arithmetic of `scalars` and numpy's functions call; their `out` is not needed: balls are new."""
+        """Called by the arithmetic of `scalars` and numpy's functions; `out` is ignored: balls are new."""
         law = _LAWS.get(ufunc)
         if law is None or method != "__call__":
             return NotImplemented
@@ -70,7 +70,7 @@ _LAWS: dict[np.ufunc, Callable[..., Ball]] = {
 
 
 def balls(middle: np.ndarray, radius: np.ndarray) -> list[Scalar]:
-    """Rows (k, N) as scalars: what is zero at all samples folds away."""
+    """Rows (k, N) as scalars: rows of zeros fold away."""
     return [
         0.0 if not (row.any() or size.any()) else Ball(row, size)  # type: ignore[misc]
         for row, size in zip(np.ascontiguousarray(middle), np.ascontiguousarray(radius), strict=True)

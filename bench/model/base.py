@@ -1,7 +1,7 @@
-"""Base parameters: the fewest parameters from which the model can be calculated (equation 7).
+"""Base parameters: the smallest set of parameters that determines the model (equation 7).
 
-Found numerically by a QR factorisation of the regressor at random noise-free states (Gautier 1991, "Numerical
-calculation of the base inertial parameters of robots").
+Determined by a QR factorisation of the regressor at random noise-free states (Gautier 1991, "Numerical calculation of
+the base inertial parameters of robots").
 """
 
 from dataclasses import dataclass
@@ -29,7 +29,7 @@ class UndecidedRankError(BenchError):
 @dataclass(frozen=True)
 class IndependentColumns:
     """kept (b,): indices of the independent columns. dependence (b, p): matrix = matrix[:, kept] @ dependence.
-    neglected: the largest share of the matrix that counts as slack of a drawing; 0 where all else is rounding.
+    neglected: the largest share of the matrix that counts as slack of a drawing; 0 if the rest is rounding.
     """
 
     kept: np.ndarray
@@ -38,12 +38,12 @@ class IndependentColumns:
 
 
 def independent_columns(rows: np.ndarray, least: int = 0) -> IndependentColumns:
-    """Which columns of rows (r, p) are independent of those before them, at least so many, and how the others follow.
+    """Columns of rows (r, p) that are independent of those before them, at least `least`, and how the others follow.
 
-    Every row counts alike, whatever its size: rows near a singular pose are a million times larger. The rank is where
-    the singular values, columns of unit length, fall by a gap to less than the slack; a column counts as zero after
-    such a gap of the columns' sizes: a planar robot is drawn a little out of its plane, and the parameters of that
-    slack are none. Raises UndecidedRankError where no gap decides.
+    Rows are scaled to equal length: rows near a singular pose are a million times larger. With columns of unit length,
+    the rank is where the singular values fall by a gap to less than the slack; likewise a column counts as zero after
+    such a gap of the columns' sizes: a planar robot is drawn slightly out of its plane, and this slack gives no
+    parameters. Raises UndecidedRankError if no gap decides.
     """
     rows = _rows_alike(rows)
     norms = np.linalg.norm(rows, axis=0)
@@ -73,9 +73,9 @@ def independent_columns(rows: np.ndarray, least: int = 0) -> IndependentColumns:
 
 
 def _first_independent(columns: np.ndarray, least: float) -> list[int]:
-    """The numbers of the first r columns (r, p) that are independent of those before them; r is their rank.
+    """Indices of the first r columns (r, p) that are independent of those before them; r is their rank.
 
-    A column of which less than `least` is independent counts only where there are not enough others.
+    A column with an independent part below `least` counts only if there are not enough others.
     """
     while True:
         kept: list[int] = []
@@ -94,14 +94,14 @@ def _first_independent(columns: np.ndarray, least: float) -> list[int]:
 
 
 def _rows_alike(rows: np.ndarray) -> np.ndarray:
-    """Rows (r, p) of unit length, columns of any unit counted alike."""
+    """Rows (r, p) of unit length, columns of any unit count alike."""
     norms = np.linalg.norm(rows, axis=0)
     sizes = np.linalg.norm(rows / np.where(norms > 0.0, norms, 1.0), axis=1)
     return np.asarray(rows / np.where(sizes > 0.0, sizes, 1.0)[:, None])
 
 
 def _rank(values: np.ndarray, least: int = 0) -> int:
-    """How many of the descending values (k,) come before the first gap to less than the slack, at least so many."""
+    """Number of descending values (k,) before the first gap to less than the slack, at least `least`."""
     below = values[1:] < RANKS.slack * values[:1]
     gaps = np.flatnonzero(below & (values[:-1] > RANKS.gap * values[1:])) + 1
     gaps = gaps[gaps >= least]
@@ -118,7 +118,7 @@ class BaseParameters:
     columns (nb,): the columns of `projected_regressor` that remain, those of rotors last. grouping (nb, p_all) and
     rotors (nb, n): base parameters from all standard parameters of the tree and from the inertias of the motors'
     rotors, chi = grouping @ chi_st + rotors @ Ia. names, units, descriptions: nb each. neglected: largest share of the
-    regressor that is taken for the slack of a drawing, 0 where all that is smaller is rounding.
+    regressor that counts as slack of a drawing, 0 if all smaller shares are rounding.
     """
 
     columns: np.ndarray
@@ -134,9 +134,9 @@ class BaseParameters:
 def base_parameters(geometry: Geometry) -> BaseParameters:
     """The base parameters of a robot; geometry alone decides them.
 
-    Of dependent columns the first stay: free bodies (platforms) come first, then bodies from the base
-    outwards, then the rotors, of which those remain that no body's inertia can represent. The rank is at the first gap
-    of the singular values that two sets of states have. Raises BenchError, naming the bodies, where there is none.
+    Of dependent columns the first stay: free bodies (platforms) come first, then bodies from the base outwards, then
+    the rotors, of which those remain that no body's inertia can represent. The rank is at the first gap of the singular
+    values that two sets of states share. Raises BenchError, naming the bodies, if there is none.
     """
     free = [i for i, joint in enumerate(geometry.joints) if joint.kind == "free"]
     bodies = np.concatenate([*(np.arange(10 * i, 10 * i + 10) for i in free), body_columns(geometry)])
@@ -170,7 +170,7 @@ def base_parameters(geometry: Geometry) -> BaseParameters:
 def _independent_at(
     geometry: Geometry, candidates: np.ndarray, names: list[tuple[str, str]], seed: int, least: int = 0
 ) -> IndependentColumns:
-    """`independent_columns` of the candidates at random states, at least so many. Raises BenchError where these do not
+    """`independent_columns` of the candidates at random states, at least `least`. Raises BenchError if these do not
     decide.
     """
     count = max(40, 3 * len(candidates) // len(geometry.active))

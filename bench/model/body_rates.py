@@ -5,10 +5,10 @@ joint frame's origin, less gravity, follow from those of the joint before it; so
 of one motor gives. Source of the recursion: W. Khalil and E. Dombre, "Modeling, Identification and Control of
 Robots", 2002, chapter 9.
 
-A rod with ball joints at both ends is free to spin about its line (`bench.model.spin`). Where its balls have friction
-or armature and the rod itself next to no inertia about that line, these decide the spin: it is the one for which the
-angular velocities in its balls are the smallest, their squares added. That is exact for equal viscous friction and for
-equal armature in all balls of the tree that hold the rod, one or two; balls that close a loop have neither.
+A rod with ball joints at both ends is free to spin about its line (`bench.model.spin`). If its balls have friction or
+armature, and the rod has almost no inertia about that line, these determine the spin: it minimises the sum of squares
+of the angular velocities in its balls. This is exact for equal viscous friction and for equal armature in all balls of
+the tree that hold the rod, one or two; balls that close a loop have neither.
 """
 
 from collections.abc import Sequence
@@ -144,7 +144,7 @@ class JointRates:
 
 
 def joint_rates(geometry: Geometry, motion: Motion, joint: int) -> JointRates:
-    """The rates of a joint (index), rods spinning as their balls make them."""
+    """The rates of a joint (index), with the spin of rods."""
     columns = geometry.joints[joint].v
     velocity, acceleration, jacobian = motion.v[:, columns], motion.a[:, columns], motion.jacobian[:, columns]
     spins = idle_spins(geometry) if geometry.joints[joint].kind == "ball" else ()
@@ -154,7 +154,7 @@ def joint_rates(geometry: Geometry, motion: Motion, joint: int) -> JointRates:
         members = _members(geometry, motion, spin)
         rate, growth = (_along(geometry, members, rates[:, :, None]) for rates in (motion.v, motion.a))
         axis = members[joint]
-        # the frame of a rod that spins otherwise turns otherwise; the frame behind its other end does not
+        # the spin turns the frame of the rod, but not the frame behind its other end
         bend = np.cross(axis, velocity) if joint == spin.joint else np.cross(velocity, axis)
         velocity = velocity - rate * axis
         acceleration = acceleration - growth * axis + rate * bend
@@ -173,7 +173,7 @@ def _members(geometry: Geometry, motion: Motion, spin: Spin) -> dict[int, np.nda
 
 
 def _along(geometry: Geometry, members: dict[int, np.ndarray], rates: np.ndarray) -> np.ndarray:
-    """The spin (N, k) in rates (N, nv, k): less it, the squares of those of the balls are the smallest."""
+    """The spin (N, k) to subtract from rates (N, nv, k), so that the balls' squares are smallest."""
     along = [
         np.einsum("kd,kdn->kn", axis, rates[:, geometry.joints[ball].v]) for ball, axis in members.items()
     ]

@@ -7,17 +7,17 @@ from dataclasses import dataclass
 class ClosingBounds:
     """Newton's method for loop closures; m or rad, unless stated."""
 
-    closed: float = 1e-6  # correction, after a smaller one of which the loops are closed to rounding
-    closed_rates: float = 1e-10  # the same where the Jacobian and rates are taken
+    closed: float = 1e-6  # correction: after a smaller one, the loops are closed to rounding
+    closed_rates: float = 1e-10  # the same, before the Jacobian and rates are computed
     closed_nearby: float = 1e-9  # the same at a pose near home
     nearly: float = 1e-3  # the same, after which the error is about its square
     assembled: float = 1e-6  # gap at home, above which the description is wrong
-    slack: float = 1e-5  # by which closures that repeat each other may disagree; least squares are taken
-    open: float = 100.0  # times a correction: a larger gap is not closed by it, and has no solution
-    correction: float = 0.05  # that is the largest after a prediction or an interpolation
+    slack: float = 1e-5  # by which redundant closures may disagree; solved by least squares
+    open: float = 100.0  # times a correction: it does not close a larger gap, which has no solution
+    correction: float = 0.05  # largest one after a prediction or an interpolation
     step: float = 0.3  # of any joint, the largest
     turn: float = 0.2  # change of the amplification over a step
-    share: float = 2.0**-12  # of the way to a target: with a smaller step it is out of reach
+    share: float = 2.0**-12  # of the way to a target: if steps are smaller, it is out of reach
     amplification: float = 200.0  # rad/rad, m/rad ...: passive for active speed; singular beyond
     followed: int = 5  # corrections of one pose
     interpolated: int = 6  # corrections of interpolated poses
@@ -32,7 +32,7 @@ class NodeBounds:
     travel: float = 0.3
     middle_travel: float = 0.1  # the same between the nodes of the middle level
     stride: int = 16  # samples between the nodes of the middle level
-    block: int = 5120  # samples together, at most: more keep Python's share small, fewer stay in the cache
+    block: int = 5120  # samples together, at most: more reduce Python's overhead, fewer stay in the cache
     few: float = 0.4  # share of samples that are corrected once more, separately
 
 
@@ -59,8 +59,8 @@ class BasisBounds:
 class PoseBounds:
     """Random poses at which ranks are determined."""
 
-    states: int = 60  # at which it is determined what recordings can show
-    reaction_states: int = 3  # at which it is determined what the closures fix
+    states: int = 60  # at which identifiability is determined
+    reaction_states: int = 3  # at which the influence of closures is determined
     # share of the poses, those nearest to a singularity, that is omitted: they cost digits
     near_singular: float = 0.25
     # times that of home, which counts as one at least: the search does not continue beyond
@@ -78,12 +78,12 @@ class BodyBounds:
     shortest: float = 0.05  # m, of a body
     on_line: float = 1e-4  # share of the distance of two joints by which a third point may be off their line
     point: float = 1e-9  # m: nearer points are one
-    tidy: float = 1e-15  # distance of a constant that is meant to be 0, 1 or -1
+    tidy: float = 1e-15  # distance of a constant from an intended 0, 1 or -1
 
 
 @dataclass(frozen=True)
 class KeptBounds:
-    """What is computed together or kept."""
+    """Sizes of blocks and caches."""
 
     geometries: int = 16  # whose constants, base parameters, spins and models are kept
     joints: int = 64  # whose geometry with a free bearing is kept

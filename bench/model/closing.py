@@ -14,7 +14,7 @@ from bench.model.scalars import Rows, Scalar, dot, minus, plus
 
 @dataclass(frozen=True)
 class LoopEquations:
-    """The equations of the loops at a pose: frames, rows by the motors' velocities, and by the passive ones reduced."""
+    """The loop equations at a pose: frames, rows by the motors' velocities, and reduced rows by the passive ones."""
 
     frames: Frames
     rows: list[Row]
@@ -27,7 +27,7 @@ class LoopEquations:
 
 
 class Closing:
-    """Closes a block of samples: `correct` as often as is needed, `amplify` and `rates` at the last pose of these."""
+    """Closes a block of samples: `correct` as often as needed, then `amplify` and `rates` at the last pose."""
 
     def __init__(self, geometry: Geometry) -> None:
         self._closures = closures_of(geometry)
@@ -36,7 +36,7 @@ class Closing:
 
     def correct(self, q: np.ndarray) -> tuple[Sequence[Scalar], dict[int, Scalar]]:
         """Residual of every row, and the correction by passive velocity, at poses q (nq, N)."""
-        self.__dict__.pop("_linear", None)  # two poses' equations are never there at once
+        self.__dict__.pop("_linear", None)  # never holds two poses' equations at once
         self._linear, residual, correction = _correction(self._closures, q)
         return residual, correction
 
@@ -63,7 +63,7 @@ def _correction(closures: Closures, q: Rows) -> tuple[LoopEquations, list[Scalar
 
 
 def _columns_of(rows: Sequence[Row], columns: Sequence[int]) -> list[Row]:
-    """The rows with these columns alone."""
+    """The rows with only these columns."""
     wanted = set(columns)
     return [{column: value for column, value in row.items() if column in wanted} for row in rows]
 

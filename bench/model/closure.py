@@ -71,7 +71,7 @@ class Gear:
 
 @dataclass(frozen=True)
 class Idle:
-    """A rod that does not spin about `axis`, in the frame of the last of the links that move it (root first)."""
+    """A rod without spin about `axis`, in the frame of the last link that moves it (root first)."""
 
     axis: Vector
     links: tuple[Link, ...]
@@ -98,7 +98,7 @@ class Closures:
 
 @lru_cache(maxsize=MEMORY.geometries)
 def closures_of(geometry: Geometry) -> Closures:
-    """What the closures need of the geometry, as constants; worked out once for each of the geometries in use."""
+    """Constants of the geometry for the closures; computed once for each geometry in use."""
     spins = idle_spins(geometry)
     chains = {
         anchor.joint: ancestors(geometry, anchor.joint)
@@ -170,7 +170,7 @@ def loop_rows(closures: Closures, frames: Frames) -> tuple[list[Scalar], list[Ro
 
 
 def _combined(side: tuple[tuple[int, int, float], ...], values: Rows, which: int) -> Scalar:
-    """Sum of factor times value, taken by the places in q (which 0) or in v (which 1)."""
+    """Sum of factor times value, at the indices in q (which 0) or in v (which 1)."""
     total: Scalar = 0.0
     for place in side:
         total = plus_product(total, place[2], values[int(place[which])])
@@ -250,13 +250,13 @@ def loop_bias(closures: Closures, frames: Frames, v: list[Scalar]) -> list[Scala
 
 
 def loop_residual(geometry: Geometry, q: np.ndarray) -> np.ndarray:
-    """What keeps every loop from being closed at q (nq, N): (m, N) [m, rad]."""
+    """Closure error of every loop at q (nq, N): (m, N) [m, rad]."""
     closures = closures_of(geometry)
     return dense(loop_rows(closures, frames_of(closures.links, q))[0], q.shape[1])
 
 
 def loop_jacobian(geometry: Geometry, q: np.ndarray, columns: np.ndarray | None = None) -> np.ndarray:
-    """Derivative of the residual by the tree velocities at q (nq, N): (m, nv, N); columns: by some of these alone."""
+    """Derivative of the residual by the tree velocities at q (nq, N): (m, nv, N); columns: only by these."""
     closures = closures_of(geometry)
     rows = loop_rows(closures, frames_of(closures.links, q))[1]
     wanted = np.arange(closures.nv) if columns is None else columns

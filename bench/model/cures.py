@@ -1,4 +1,4 @@
-"""What to change where motors and closures do not determine how a robot moves, as a value and in words."""
+"""What to change if motors and closures do not determine the robot's motion, as a value and in words."""
 
 from __future__ import annotations
 
@@ -32,11 +32,10 @@ class CureCode(StrEnum):
 
 @dataclass(frozen=True)
 class Cure:
-    """names: of a body to be fixed or removed, of joints to be locked, of welds; positions: of the joints at home, rad
-    or m.
+    """names: of a body to fix or remove, of joints to lock, of welds; positions: of the joints at home, rad or m.
 
-    others: joints that could be locked in place of these; stops: some that are at their end stops at home and would do,
-    where all that are to be locked have springs.
+    others: joints that could be locked instead; stops: joints at their end stops at home that would suffice, if all
+    joints to lock have springs.
     """
 
     code: CureCode
@@ -66,7 +65,7 @@ def floating_base(geometry: Geometry) -> Cure | None:
 
 
 def what_to_do(geometry: Geometry, loose: Sequence[str], jacobian: np.ndarray, rank: int) -> Cure:
-    """The cure where these joints can move while the motors are held; jacobian and rank as in `joints_to_lock`."""
+    """The cure if these joints can move while the motors are held; jacobian and rank as in `joints_to_lock`."""
     object_of_scene = _untied(geometry, loose)
     if object_of_scene is not None:
         return Cure(CureCode.REMOVE_BODY, (object_of_scene,))
@@ -74,7 +73,7 @@ def what_to_do(geometry: Geometry, loose: Sequence[str], jacobian: np.ndarray, r
 
 
 def _untied(geometry: Geometry, loose: Sequence[str]) -> str | None:
-    """A body with one of these joints, a free one, that nothing ties to what a motor moves: an object of the scene."""
+    """A body with one of these joints, a free one, without connection to any motor: an object of the scene."""
     joints = geometry.joints
     group = [_root(joints, index) for index in range(len(joints))]
     ties = [(loop.first.joint, loop.second.joint) for loop in geometry.loops]
@@ -90,10 +89,10 @@ def _untied(geometry: Geometry, loose: Sequence[str]) -> str | None:
 
 
 def joints_to_lock(geometry: Geometry, jacobian: np.ndarray, rank: int) -> Cure | None:
-    """Hinges and slides without a motor with which, once locked, nothing moves while the motors are held.
+    """Hinges and slides without a motor to lock, so that nothing moves while the motors are held.
 
     jacobian (m, p): of the closures by the passive velocities, and its rank. Joints with a spring come first: a leaf
-    spring or flexure. None where only balls or free joints could be held.
+    spring or flexure. None if only balls or free joints could be held.
     """
     _, _, motions = np.linalg.svd(jacobian, full_matrices=True)
     motions = motions[rank:]
@@ -125,7 +124,7 @@ def joints_to_lock(geometry: Geometry, jacobian: np.ndarray, rank: int) -> Cure 
 
 
 def _sufficient(moving: Mapping[str, np.ndarray], names: Sequence[str], motions: int) -> list[str]:
-    """The first of the joints, by name, that stop as many motions; none where all of them do not."""
+    """The first joints, by name, that stop all motions; empty if even all of them do not."""
     chosen: list[str] = []
     for name in dict.fromkeys(names):
         of_chosen = np.array([moving[joint] for joint in (*chosen, name)])
@@ -144,10 +143,9 @@ def _at_stop(geometry: Geometry, joint: Joint) -> bool:
 
 
 def welds_as_connects(geometry: Geometry, open_by: np.ndarray, closed: float) -> Cure | None:
-    """The welds to be made connects where a weld is closed at home except for its orientation, and takes motors'
-    freedom.
+    """The welds to make connects, if a weld is closed at home except for its orientation and blocks motors.
 
-    open_by (m,): residual of the closures, m and rad; closed: by how much one may be open.
+    open_by (m,): residual of the closures, m and rad; closed: bound for a closed one.
     """
     row, turned = 0, False
     for loop in geometry.loops:
@@ -180,13 +178,13 @@ def joints_in_words(joints: Sequence[Joint]) -> str:
 
 
 def no_motor_in_words(count: int) -> str:
-    """That so many joints are not determined, as the end of a sentence on them."""
+    """End of a sentence on `count` joints: that they are not determined."""
     has, them = ("has", "it") if count == 1 else ("have", "them")
     return f"{has} no motor, and no loop closure determines {them}"
 
 
 def cure_in_words(cure: Cure | None) -> str:
-    """What follows the fault; nothing where there is no cure."""
+    """Continues the fault; "" without a cure."""
     if cure is None:
         return ""
     if cure.code == CureCode.CONNECT:

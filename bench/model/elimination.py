@@ -1,9 +1,9 @@
 """Solve the loop closures for the passive joints, leg by leg, for all samples at once.
 
-The rows are the equations of the loops, the columns the passive velocities. Householder reflections remove
-one column after the other, those first that fewest equations know (the joints of a leg), the platform's last:
-what is zero by the mechanism's structure stays out of it. Reflections need no pivoting and serve more
-equations than unknowns too (a planar loop in space repeats itself): the solution is that of least squares.
+The rows are the equations of the loops, the columns the passive velocities. Householder reflections eliminate one
+column after the other, first those in the fewest equations (the joints of a leg), the platform's last: structural zeros
+are never computed. Reflections need no pivoting and also solve more equations than unknowns (a planar loop in space is
+redundant), by least squares.
 """
 
 from collections.abc import Sequence
@@ -13,12 +13,12 @@ import numpy as np
 
 from bench.model.scalars import Scalar, dot, minus, minus_product, plus_product, times
 
-Row = dict[int, Scalar]  # by column; what is absent is zero
+Row = dict[int, Scalar]  # by column; absent entries are zero
 
 
 @dataclass(frozen=True)
 class _Reflection:
-    """I - scale w w' on the named rows, where w is 1 on the first and `tail` on the others."""
+    """I - scale w w' on the named rows; w is 1 on the first and `tail` on the others."""
 
     rows: tuple[int, ...]
     tail: tuple[Scalar, ...]
@@ -70,7 +70,7 @@ class Elimination:
 
 
 def elimination_order(rows: Sequence[Row]) -> tuple[int, ...]:
-    """The columns, those first that fewest rows know."""
+    """The columns, first those in the fewest rows."""
     count: dict[int, int] = {}
     for row in rows:
         for column in row:
@@ -81,8 +81,8 @@ def elimination_order(rows: Sequence[Row]) -> tuple[int, ...]:
 def eliminate(rows: Sequence[Row]) -> Elimination:
     """Reduce the equations.
 
-    A column that the others determine leaves infinite or NaN unknowns at the samples concerned; a column
-    with no remaining equation raises numpy.linalg.LinAlgError.
+    A dependent column gives infinite or NaN unknowns at the samples concerned; a column with no remaining equation
+    raises numpy.linalg.LinAlgError.
     """
     remaining = {i: dict(row) for i, row in enumerate(rows)}
     columns = elimination_order(rows)
@@ -107,7 +107,7 @@ def eliminate(rows: Sequence[Row]) -> Elimination:
 
 
 def _reflection(rows: list[int], entries: list[Scalar]) -> tuple[_Reflection | None, Scalar]:
-    """The reflection that leaves only the first of the entries, and what it leaves there."""
+    """The reflection that zeroes all entries but the first, and the value there."""
     if len(rows) == 1:
         return None, entries[0]
     head, rest = entries[0], entries[1:]

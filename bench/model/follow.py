@@ -20,7 +20,7 @@ AXES = np.eye(3)
 
 
 def build_tree(geometry: Geometry) -> pin.Model:
-    """Every leg a tree, the platform a free body, no inertia: only kinematics are asked of it.
+    """Every leg a tree, the platform a free body, no inertia: used for kinematics only.
 
     Joint i of the geometry is joint i + 1 of the model, with the same slices of q and v.
     """
@@ -142,7 +142,7 @@ def make_follower(geometry: Geometry) -> Follower:
 
 
 def home_pose(follower: Follower) -> Pose:
-    """The pose from which everything is followed. Raises BenchError where home is not assembled."""
+    """The pose from which all others are followed. Raises BenchError if home is not assembled."""
     pose = close(follower, follower.geometry.home)
     if pose is None:
         raise BenchError(
@@ -152,9 +152,9 @@ def home_pose(follower: Follower) -> Pose:
 
 
 def close(follower: Follower, q: np.ndarray, enough: float = CLOSURE.closed) -> Pose | None:
-    """The closed pose near q (nq,) with the active joints held; None where Newton would go far or fail.
+    """The closed pose near q (nq,) with the active joints held; None if Newton goes far or fails.
 
-    Newton ends with the first correction smaller than `enough`, which is still made.
+    Newton ends after the first correction smaller than `enough`.
     """
     active, passive = follower.geometry.active, follower.passive
     step = np.zeros(follower.model.nv)
@@ -183,7 +183,7 @@ def close(follower: Follower, q: np.ndarray, enough: float = CLOSURE.closed) -> 
 
 
 def _largest(values: np.ndarray) -> float:
-    """Largest size of any of the values, 0 without any; NaN where one is."""
+    """Largest absolute value, 0 without any; NaN if one is."""
     return max(values.max(), -values.min()) if values.size else 0.0
 
 
@@ -216,11 +216,11 @@ def advance(
 
 
 def _turned(before: Pose, after: Pose, part: np.ndarray) -> float:
-    """How much the amplification has changed over a step of the active joints, times that step [m or rad].
+    """Change of the amplification over a step of the active joints, times that step [m or rad].
 
-    On a smooth way that is about twice the correction. It is far more where the step has leapt over a
-    singular pose into another assembly mode: the amplification then has the other sign across the step's
-    direction, and the correction may have been small.
+    On a smooth path it is about twice the correction. It is far more if the step has jumped over a singular pose into
+    another assembly mode: the amplification then has the other sign along the step, although the correction may have
+    been small.
     """
     change = np.abs(after.amplification - before.amplification) @ np.abs(part)
     return float(change.max(initial=0.0))

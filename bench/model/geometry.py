@@ -49,10 +49,10 @@ class Placement:
 class Joint:
     """One joint of the opened tree.
 
-    The joint frame has the orientation of its body and its origin on the joint; `placement` is this frame
-    in the frame of the joint `parent` (-1: the world) at zero joint position. `body` names the body that
-    the joint carries, None where a further joint of the same body follows or only a rotor turns. `offset` is the
-    MuJoCo joint position at which the model's position is zero; `limits` are in the file's coordinate, rad or m.
+    The joint frame has the orientation of its body and its origin on the joint; `placement` is this frame in the frame
+    of the joint `parent` (-1: the world) at zero joint position. `body` names the body that the joint carries, None if
+    another joint of this body follows or only a rotor turns. `offset` is the MuJoCo joint position at which the model's
+    position is zero; `limits` are in the file's coordinate, rad or m.
     """
 
     name: str
@@ -69,7 +69,7 @@ class Joint:
 
 @dataclass(frozen=True)
 class Anchor:
-    """A point fixed to joint frame `joint` (-1: the world), with the orientation that a weld holds."""
+    """A point fixed to joint frame `joint` (-1: the world), with the orientation for a weld."""
 
     joint: int
     placement: Placement
@@ -92,7 +92,7 @@ class Loop:
 
 @dataclass(frozen=True)
 class Coupling:
-    """A gear, a belt, a differential: the joints keep sum of first = p(sum of second), one equation.
+    """A gear, a belt, a differential: one equation, sum of first = p(sum of second).
 
     first, second: (joint, factor) of hinges and slides, whose positions count from `Joint.offset`; polynomial: the
     coefficients of p, that of the lowest power first [rad or m for rad or m].
@@ -104,10 +104,10 @@ class Coupling:
     polynomial: tuple[float, ...]
 
 
-# distinguished by identity, so that what follows from one can be kept for it
+# compared by identity, so that results can be cached by geometry
 @dataclass(frozen=True, eq=False)
 class Geometry:
-    """All that identification knows of a robot besides its measurements.
+    """All that identification knows of a robot except for measurements.
 
     `home` is the assembled pose (nq,) in Pinocchio's coordinates (quaternions x y z w); `active` are the
     velocity indices (n,) of the actuated joints that move independently, in actuator order, `redundant` those (r,) of
@@ -138,7 +138,7 @@ class Geometry:
 
     @property
     def closed(self) -> bool:
-        """Whether anything but motors determines how joints move: loops or couplings."""
+        """Whether loops or couplings determine the motion of joints."""
         return bool(self.loops or self.couplings)
 
     @cached_property

@@ -1,4 +1,4 @@
-"""A rough guess of standard parameters from geometry alone: what torques a planned movement will ask for."""
+"""A rough guess of standard parameters from geometry alone, for the torques of a planned motion."""
 
 import numpy as np
 
@@ -7,10 +7,10 @@ from bench.model.geometry import Geometry
 
 
 def guessed_parameters(geometry: Geometry) -> np.ndarray:
-    """Standard parameters (10 * joints,) of equal bars that reach from each joint to what it carries.
+    """Standard parameters (10 * joints,) of equal bars from each joint to what it carries.
 
-    A body's bar ends at the mean of the joints and loop anchors that are fixed to it; where nothing is fixed
-    off its joint, the bar is short and along the joint frame's x axis.
+    A body's bar ends at the mean of the joints and loop anchors that are fixed to it; if none is away from its joint,
+    the bar is short and along the joint frame's x axis.
     """
     parameters = np.zeros(10 * len(geometry.joints))
     for index, _ in geometry.bodies:

@@ -34,9 +34,9 @@ IDENTITY: Matrix = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
 
 @dataclass(frozen=True)
 class Link:
-    """What kinematics needs of a joint, as constants; `square` is K K with K x = axis cross x.
+    """A joint's constants for kinematics; `square` is K K with K x = axis cross x.
 
-    aligned: whether the joint frame has its parent's orientation where the joint is at zero.
+    aligned: whether the joint frame at zero has its parent's orientation.
     """
 
     index: int
@@ -55,7 +55,7 @@ class Link:
 
 @dataclass(frozen=True)
 class End:
-    """An anchor of a loop: the joint that carries it (-1: the world), and its place in that joint's frame."""
+    """An anchor of a loop: the joint that carries it (-1: the world), and its pose in that joint's frame."""
 
     joint: int
     rotation: Matrix
@@ -184,7 +184,7 @@ def end_rotation(frames: Frames, end: End) -> Matrix:
 
 
 def link_columns(link: Link, frames: Frames, point: Vector) -> list[tuple[int, Vector, Vector]]:
-    """What the joint's velocities do to a point that it moves: (velocity index, linear, angular) each."""
+    """Jacobian columns of a joint for a point that it moves: (velocity index, linear, angular) each."""
     if link.kind == "slide":
         return [(link.v, frames.axis[link.index], ZERO)]
     arm = subtract(point, frames.origin[link.index])
@@ -201,7 +201,7 @@ def link_columns(link: Link, frames: Frames, point: Vector) -> list[tuple[int, V
 
 @dataclass(frozen=True)
 class Rates:
-    """Angular velocity, and the accelerations that remain when all joint accelerations are zero."""
+    """Angular velocity, and the accelerations at zero joint accelerations."""
 
     angular: dict[int, Vector]
     angular_bias: dict[int, Vector]
@@ -252,7 +252,7 @@ def carried(angular: Vector, angular_acceleration: Vector, arm: Vector) -> Vecto
 
 
 def end_bias(rates: Rates, frames: Frames, end: End) -> Vector:
-    """Acceleration of an anchor when all joint accelerations are zero."""
+    """Acceleration of an anchor at zero joint accelerations."""
     if end.joint < 0:
         return ZERO
     arm = turned(frames.rotation[end.joint], end.translation)

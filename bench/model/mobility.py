@@ -1,4 +1,4 @@
-"""Do the loop closures determine every passive joint, and no motor? A robot else is refused by name."""
+"""Checks that the loop closures determine every passive joint, and no motor; else refuses by name."""
 
 import numpy as np
 
@@ -19,7 +19,7 @@ SINGULAR_HOME = "home is a singular pose"
 def check_assembled(geometry: Geometry) -> None:
     """Raise BenchError naming the loop or coupling that is open by more than 1e-6 m or rad in the home pose.
 
-    Where there are more equations than joints to close them, what least squares leave may be up to `CLOSURE.slack`.
+    With more equations than joints to close them, the least-squares residual may be up to `CLOSURE.slack`.
     """
     if not geometry.closed:
         return
@@ -55,11 +55,10 @@ def _unit(geometry: Geometry, coupling: Coupling) -> str:
 
 
 def check_mobility(geometry: Geometry) -> None:
-    """Raise BenchError unless motors and closures together determine how the robot moves, and only just.
+    """Raise BenchError unless motors and closures together determine the robot's motion, without excess.
 
-    The rank of the closures' Jacobian by the passive joints must be their number, and the motors must add
-    nothing to it. Home may be a special pose, so that a pose near it decides; home itself must not be
-    singular.
+    The rank of the closures' Jacobian by the passive joints must be their number, and the motors must not increase it.
+    Home may be a special pose, so a pose near it decides; home itself must not be singular.
     """
     loose = loose_joints(geometry, geometry.home)
     if not loose and not geometry.closed:
@@ -111,12 +110,12 @@ def loose_joints(geometry: Geometry, q: np.ndarray) -> tuple[str, ...]:
 
 
 def scaled_jacobian(geometry: Geometry, q: np.ndarray) -> np.ndarray:
-    """Jacobian (m, nv) of the closures at the pose q (nq,), without dimension: see `scaled_jacobians`."""
+    """Dimensionless Jacobian (m, nv) of the closures at the pose q (nq,): see `scaled_jacobians`."""
     return np.asarray(scaled_jacobians(geometry, q[None])[0])
 
 
 def scaled_jacobians(geometry: Geometry, q: np.ndarray) -> np.ndarray:
-    """Jacobians (N, m, nv) of the closures at q (N, nq), without dimension: all lengths over the robot's length.
+    """Dimensionless Jacobians (N, m, nv) of the closures at q (N, nq): all lengths over the robot's length.
 
     The row of a coupling has a largest entry of one.
     """
@@ -133,7 +132,7 @@ def scaled_jacobians(geometry: Geometry, q: np.ndarray) -> np.ndarray:
 
 def smallest_singular_values(geometry: Geometry, q: np.ndarray) -> np.ndarray:
     """The smallest singular values (N,) of the scaled loop Jacobian by the passive joints at q (N, nq). Zero: some
-    joint is not held.
+    joint is loose.
     """
     return _smallest(scaled_jacobians(geometry, q)[:, :, geometry.passive])
 
@@ -157,8 +156,8 @@ def conditioning(geometry: Geometry, q: np.ndarray) -> float:
 
 
 def least_held(geometry: Geometry, q: np.ndarray, count: int) -> tuple[np.ndarray, np.ndarray]:
-    """Among the poses q (N, nq), the numbers (count,), in order, of those where the determinant by the passive joints
-    is smallest, and their `smallest_singular_values`.
+    """Indices (count,), in order, of the poses q (N, nq) with the smallest determinant by the passive joints, and their
+    `smallest_singular_values`.
     """
     passive = scaled_jacobians(geometry, q)[:, :, geometry.passive]
     square = passive
@@ -184,7 +183,7 @@ def _rank(matrix: np.ndarray) -> int:
 
 
 def _bound_motors(geometry: Geometry, jacobian: np.ndarray) -> tuple[str, ...]:
-    """Motors that the closures relate to one another: what no passive motion makes up for."""
+    """Motors that the closures couple to one another, whatever the passive joints do."""
     passive, active = jacobian[:, geometry.passive], jacobian[:, geometry.active]
     uncontrolled = active - passive @ np.linalg.lstsq(passive, active, rcond=RANKS.dependent)[0]
     sizes = np.abs(uncontrolled).max(axis=0)
@@ -196,7 +195,7 @@ def _bound_motors(geometry: Geometry, jacobian: np.ndarray) -> tuple[str, ...]:
 
 
 def _closed_nearby(geometry: Geometry) -> np.ndarray | None:
-    """A closed pose (nq,), a random step from home along all that the closures let move; None: not found."""
+    """A closed pose (nq,), a random step from home along the motions that the closures allow, or None."""
     random = np.random.default_rng(SEED)
     scales = column_scales(geometry)
     jacobian = scaled_jacobian(geometry, geometry.home)

@@ -1,4 +1,4 @@
-"""The identification model of a robot: everything that depends on its geometry alone, computed once."""
+"""The identification model of a robot: everything that depends only on its geometry, computed once."""
 
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
@@ -15,12 +15,12 @@ from bench.model.mobility import check_assembled, check_mobility
 from bench.model.regressor import payload_transform, projected_regressor, redundant_columns
 from bench.model.states import random_motion
 
-SEED = 20120602  # of the states at which it is decided what recordings can tell at all
+SEED = 20120602  # of the states at which identifiability is decided
 
 
 @dataclass(frozen=True)
 class IdentificationModel:
-    """Geometry and base parameters; `payload` (10, 10) takes payload parameters to the body at the tool."""
+    """Geometry and base parameters; `payload` (10, 10) transforms payload parameters to the tool's body."""
 
     geometry: Geometry
     base: BaseParameters
@@ -35,7 +35,7 @@ class IdentificationModel:
 
     @cached_property
     def guessed(self) -> np.ndarray:
-        """Base parameters (nb,) of bars from joint to joint: what torques are like before a fit has better ones."""
+        """Base parameters (nb,) of bars from joint to joint, for torques before a fit has better ones."""
         guessed = self.base.grouping @ guessed_parameters(self.geometry)
         guessed.setflags(write=False)
         return np.asarray(guessed)
@@ -44,8 +44,7 @@ class IdentificationModel:
     def random_rows(self) -> tuple[np.ndarray, np.ndarray]:
         """Torque for each base parameter (s, n, nb) and each payload parameter (s, n, 10) at s random states.
 
-        Noise-free, and always the same ones: what is decided there never depends on data. Raises BenchError
-        without a tool.
+        Noise-free and always the same, so decisions there never depend on data. Raises BenchError without a tool.
         """
         columns = np.concatenate((self.base.columns, self.payload_columns))
         rows = self._at_random(columns)
@@ -54,7 +53,7 @@ class IdentificationModel:
 
     @cached_property
     def random_redundant(self) -> np.ndarray:
-        """What a unit torque of each redundant motor takes off the others (s, n, r), at the same states."""
+        """By how much a unit torque of each redundant motor relieves the others (s, n, r), likewise."""
         return self._at_random(redundant_columns(self.geometry))
 
     def _at_random(self, columns: np.ndarray) -> np.ndarray:
@@ -64,9 +63,9 @@ class IdentificationModel:
 
 
 def build_model(robot: Robot) -> IdentificationModel:
-    """Read the geometry, check home and that the loops determine every passive joint, find the base parameters.
+    """Read the geometry, check home and mobility, determine the base parameters.
 
-    A model is built once and kept while the files in the robot's folder stay as they are.
+    A model is built once and kept while the files in the robot's folder do not change.
     """
     return _built(robot, _files(robot))
 

@@ -41,9 +41,9 @@ class Motion:
 
 
 class LongMotion(Motion):
-    """A motion that is too long to be kept for good: it is known at few samples, and worked out where it is asked for.
+    """A motion too long to be kept: it is stored at few samples, and computed on demand.
 
-    Asked for as a whole, it is worked out as a whole and kept until it is forgotten. whole: where it is known already.
+    On demand for all samples it is computed and kept until `forget`. whole: the motion, if known already.
     """
 
     def __init__(self, path: "Path", whole: Motion | None = None) -> None:
@@ -52,7 +52,7 @@ class LongMotion(Motion):
             self.__dict__["_whole"] = whole
 
     def forget(self) -> None:
-        """Keep no more than it takes to work the motion out again, the very same."""
+        """Keep only what is needed to compute the very same motion again."""
         self.__dict__.pop("_whole", None)
 
     def at(self, samples: Samples) -> Motion:
@@ -101,18 +101,18 @@ def motion_of(
     """Close all loops along a trajectory of the active joints, each (N, n), positions as logged.
 
     The closures are followed continuously from the home pose: a few nodes one after the other, then about every
-    `NODES.stride`-th sample from their interpolation (or one after the other, where that is too far off), then all
-    samples from theirs. Loops are closed to rounding; the Jacobian is taken at most `CLOSURE.closed_rates` away from
-    the closed pose, and rates have its relative error. near: the motion of nearly this trajectory or geometry at the
-    same samples, from which the closures are tried at once. most: a loop Jacobian with a larger entry is not wanted.
-    Raises BenchError that names the time of a sample which is out of reach or singular.
+    `NODES.stride`-th sample from their interpolation (or one after the other, if it is too far off), then all samples
+    from theirs. Loops are closed to rounding; the Jacobian is computed at most `CLOSURE.closed_rates` away from the
+    closed pose, and rates have its relative error. near: the motion of nearly this trajectory or geometry at the same
+    samples, tried first as a start. most: bound for the entries of the loop Jacobian. Raises BenchError that names the
+    time of a sample which is out of reach or singular.
     """
     if near is not None and geometry.closed:
         track = Track(time, position, velocity, acceleration, geometry.active_offset)
         try:
             return _solved(geometry, closures_of(geometry), track, _guess_near(geometry, near, track))
         except BenchError:
-            pass  # too far: all the way from home
+            pass  # too far: follow from home
     return path_of(geometry, time, position, velocity, acceleration, most).motion(slice(None))
 
 
@@ -134,9 +134,9 @@ def path_of(
 
 
 def _middle_level(geometry: Geometry, closures: Closures, track: Track, most: float) -> Motion:
-    """The motion at the nodes of the middle level, from few followed ones; where what lies between those is bent too
-    much to be interpolated, all of them are followed. Where nodes would be most of the samples, every sample is one.
-    Raises BenchError naming the time of one that cannot be closed.
+    """The motion at the nodes of the middle level, from few followed ones; if the motion between these is too curved
+    for interpolation, all nodes are followed. If nodes would be most of the samples, every sample is one. Raises
+    BenchError naming the time of one that cannot be closed.
     """
     travel = travel_of(geometry, track.logged)
     nodes = nodes_along(travel, NODES.travel, len(track.time))
@@ -151,14 +151,14 @@ def _middle_level(geometry: Geometry, closures: Closures, track: Track, most: fl
         return _solved(
             geometry, closures, finer, lambda block: guess(finer.time[block], finer.position(block)), enough
         )
-    except BenchError:  # too far between, as where passive joints turn fast for a slide's travel; or singular
+    except BenchError:  # too far apart, as when passive joints turn fast for a slide's travel; or singular
         reached = followed(geometry, track, nodes).T
         return _solved(geometry, closures, finer, lambda block: reached[:, block], enough)
 
 
 @dataclass(frozen=True)
 class Path:
-    """A trajectory (N samples) whose closures are nearly known: from them follows the motion at any samples.
+    """A trajectory (N samples) with nearly closed poses, from which the motion at any samples follows.
 
     guess: nearly closed poses (nq, K) for the times (K,) and the positions (K, n) of the active joints. nodes: the
     motion at few samples, between which it interpolates; None without loops.
@@ -173,7 +173,7 @@ class Path:
     def rates(self, joints: Sequence[int]) -> np.ndarray:
         """Velocities (N, k) of some tree coordinates (indices) at all samples, without closing the loops there.
 
-        Their Jacobian is interpolated between the nodes, which are close to each other compared with its curvature.
+        Their Jacobian is interpolated between the nodes, which are close relative to its curvature.
         """
         time, velocity = self.track.time, self.track.velocity
         joint_rates = np.empty((len(time), len(joints)))
@@ -189,7 +189,7 @@ class Path:
         return joint_rates
 
     def motion(self, samples: Samples) -> Motion:
-        """The motion at these samples. Raises BenchError where the loops cannot be closed."""
+        """The motion at these samples. Raises BenchError if the loops cannot be closed."""
         if self.nodes is not None and len(self.nodes.time) == len(self.track.time):
             return self.nodes.at(samples)
         track = self.track.at(samples)
@@ -204,10 +204,10 @@ class Path:
 def motion_near(
     geometry: Geometry, near: Motion, position: np.ndarray, velocity: np.ndarray, acceleration: np.ndarray
 ) -> Motion:
-    """The motion at samples that need not follow each other, from `near` where it is nearly the same.
+    """The motion at samples that need not be consecutive, from the similar motion `near`.
 
-    Active positions, velocities and accelerations are (N, n) each. Raises BenchError where the closures cannot be found
-    from there.
+    Active positions, velocities and accelerations are (N, n) each. Raises BenchError if the loops cannot be closed from
+    there.
     """
     track = Track(near.time, position, velocity, acceleration, geometry.active_offset)
     return _solved(geometry, closures_of(geometry), track, _guess_near(geometry, near, track))
@@ -225,7 +225,7 @@ def rates_at(
 def at_speeds(
     geometry: Geometry, motion: Motion, velocities: Sequence[np.ndarray], acceleration: np.ndarray
 ) -> list[Motion]:
-    """A motion at other active velocities, (N, n) each, and the active accelerations (N, n): its poses stay."""
+    """A motion with the same poses at other active velocities, (N, n) each, and active accelerations (N, n)."""
     closing = Closing(geometry)
     closing.correct(np.ascontiguousarray(motion.q.T))
     closing.amplify()
@@ -269,7 +269,7 @@ def _solve_block(
     block: slice,
     motion: Motion,
 ) -> np.ndarray:
-    """Write the motion at a block of samples; see `_closed` for those that are left open (indices in the block)."""
+    """Write the motion at a block of samples; returns open ones (indices in the block), see `_closed`."""
     time = track.time[block]
     pose = np.ascontiguousarray(guess(block))
     pose[geometry.active_configuration] = track.position(block).T
@@ -289,7 +289,7 @@ def _solve_block(
 
 
 def joined(motions: Sequence[Motion]) -> Motion:
-    """Motions behind one another."""
+    """Motions concatenated."""
     return Motion(
         np.concatenate([motion.time for motion in motions]),
         np.concatenate([motion.q for motion in motions]),
@@ -300,7 +300,7 @@ def joined(motions: Sequence[Motion]) -> Motion:
 
 
 def blocks_of(samples: int, most: int) -> list[slice]:
-    """The samples in as few blocks of nearly the same length as can be, each of at most so many."""
+    """The samples in as few blocks of nearly equal length as possible, each of at most `most`."""
     count = -(-samples // most)
     return [slice(samples * k // count, samples * (k + 1) // count) for k in range(count)]
 
@@ -343,7 +343,7 @@ def _check(geometry: Geometry, time: np.ndarray, amplification: list[dict[int, S
 
 
 def _between(geometry: Geometry, nodes: Motion) -> Callable[[np.ndarray, np.ndarray], np.ndarray]:
-    """Poses between nodes: their interpolation, moved by what it is off at the active joints."""
+    """Poses between nodes: their interpolation, corrected by its error at the active joints."""
     if len(nodes.time) == 1:
         return lambda time, _: np.repeat(nodes.q.T, len(time), axis=1)
     first, second = configuration_rates(geometry, nodes.q.T, nodes.v.T, nodes.a.T)
@@ -360,7 +360,7 @@ def _between(geometry: Geometry, nodes: Motion) -> Callable[[np.ndarray, np.ndar
 
 
 def _guess_near(geometry: Geometry, near: Motion, track: Track) -> _Guess:
-    """Poses of another motion at the same samples, moved by what they are off at the active joints."""
+    """Poses of another motion at the same samples, corrected by their error at the active joints."""
 
     def guess(block: slice) -> np.ndarray:
         q = np.ascontiguousarray(near.q[block].T)

@@ -13,14 +13,14 @@ Samples = slice | np.ndarray
 
 
 class NearSingularError(BenchError):
-    """At some time the loop closures do not determine the passive joints, or nearly so."""
+    """At some time the loop closures do not, or hardly, determine the passive joints."""
 
 
 @dataclass(frozen=True)
 class Track:
-    """What is given: time (N,); of the active joints position as logged, velocity and acceleration, (N, n) each.
+    """The input: time (N,); of the active joints position as logged, velocity and acceleration, (N, n) each.
 
-    offset (n,): what is logged where the model's joints are at zero.
+    offset (n,): logged positions at the model's zero.
     """
 
     time: np.ndarray
@@ -34,7 +34,7 @@ class Track:
         return np.asarray(self.logged[samples] - self.offset)
 
     def at(self, samples: Samples) -> "Track":
-        """What is given of some of the samples."""
+        """The input at some of the samples."""
         return Track(
             self.time[samples],
             self.logged[samples],
@@ -45,9 +45,9 @@ class Track:
 
 
 def robot_length(geometry: Geometry) -> float:
-    """The largest distance within a link, or from the middle of the base [m]: what a slide's travel is compared with.
+    """The largest distance within a link, or from the middle of the base [m], as a unit for a slide's travel.
 
-    Where the base is mounted makes no difference.
+    Independent of where the base is mounted.
     """
     places = [(joint.parent, joint.placement.translation) for joint in geometry.joints]
     places += [
@@ -62,10 +62,10 @@ def robot_length(geometry: Geometry) -> float:
 
 
 def travel_of(geometry: Geometry, active: np.ndarray) -> np.ndarray:
-    """How far the active joints (N, n) have travelled at every sample: (N,), the length of their common path, in rad or
-    robot lengths.
+    """Travel of the active joints (N, n) up to every sample: (N,), the length of their common path, in rad or robot
+    lengths.
 
-    Behind a gear, the travel of what the motor drives.
+    With a gear, the travel of the driven joint.
     """
     slides = {joint.v.start for joint in geometry.joints if joint.kind == "slide"}
     scale = [1.0 / robot_length(geometry) if int(i) in slides else 1.0 for i in geometry.active]
@@ -75,8 +75,8 @@ def travel_of(geometry: Geometry, active: np.ndarray) -> np.ndarray:
 
 
 def nodes_along(travel: np.ndarray, furthest: float, stride: int) -> np.ndarray:
-    """Samples, first and last included, at most `stride` apart, the travel between them at most `furthest` where
-    sampling is that fine.
+    """Samples, with first and last, at most `stride` apart and with at most `furthest` travel between them, if sampling
+    allows.
     """
     count = int(np.ceil(travel[-1] / furthest)) + 1
     last = len(travel) - 1
@@ -85,8 +85,8 @@ def nodes_along(travel: np.ndarray, furthest: float, stride: int) -> np.ndarray:
 
 
 def followed(geometry: Geometry, track: Track, nodes: np.ndarray, most: float = np.inf) -> np.ndarray:
-    """Nearly closed poses (M, nq) at the nodes (sample indices), each reached from the one before. Raises BenchError
-    where they cannot be closed, or passive joints certainly move more than `most` times as fast as the motors.
+    """Nearly closed poses (M, nq) at the nodes (sample indices), each reached from the one before. Raises BenchError if
+    they cannot be closed, or passive joints certainly move more than `most` times as fast as the motors.
     """
     follower = make_follower(geometry)
     pose = home_pose(follower)
@@ -106,7 +106,7 @@ def followed(geometry: Geometry, track: Track, nodes: np.ndarray, most: float = 
 
 
 def _followed_closely(follower: Follower, pose: Pose, track: Track, samples: range) -> Pose:
-    """The pose at the last of the samples, along all of them: where the straight way to it is barred."""
+    """The pose at the last of the samples, reached along all of them when the straight path fails."""
     for sample in samples:
         pose, share = advance(follower, pose, track.position(sample))
         if share < 1.0:

@@ -1,8 +1,7 @@
-"""The ranges of joints without a motor, where the MJCF has some.
+"""The ranges of joints without a motor, if the MJCF has any.
 
-A hinge or slide has a range of its position; a ball joint one of the angle, 0 to pi, by which it is turned from the
-reference orientation about any axis, of which the MJCF gives the largest. Turned on by an angle, a ball joint's angle
-changes by no more than that.
+A hinge or slide has a range of its position; a ball joint has a largest angle (0 to pi) of rotation from the reference
+orientation, about any axis. A further rotation changes a ball joint's angle by no more than its angle.
 """
 
 from dataclasses import dataclass
@@ -14,9 +13,9 @@ from bench.model.geometry import Geometry
 
 @dataclass(frozen=True)
 class PassiveRange:
-    """low, high: between which the joint stays, rad or m, by configurations, in which a hinge or slide is zero at its
-    reference; low is -inf for a ball joint. configuration, displacement: where it is among the positions and the
-    velocities of the tree. offset: added by MuJoCo.
+    """low, high: bounds, rad or m, in the tree's coordinates, in which a hinge or slide is zero at its reference; low
+    is -inf for a ball joint. configuration, displacement: its indices among the positions and the velocities of the
+    tree. offset: added by MuJoCo.
     """
 
     joint: str
@@ -27,7 +26,7 @@ class PassiveRange:
     offset: float = 0.0
 
     def at(self, q: np.ndarray) -> np.ndarray:
-        """Where in its range the joint is, (K,), at configurations (K, nq): its position, or a ball joint's angle."""
+        """The joint's position, or a ball joint's angle, (K,), at configurations (K, nq)."""
         coordinates = q[:, self.configuration]
         if coordinates.shape[1] == 1:
             return np.asarray(coordinates[:, 0])
@@ -37,7 +36,7 @@ class PassiveRange:
 
 
 def passive_ranges(geometry: Geometry) -> tuple[PassiveRange, ...]:
-    """Those of hinges, slides and ball joints that no motor of the robot's joints moves."""
+    """Those of hinges, slides and ball joints without a motor."""
     passive = set(geometry.passive.tolist())
     ranges = []
     for joint in geometry.joints:

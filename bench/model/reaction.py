@@ -1,8 +1,8 @@
-"""The force that a joint without a motor carries at right angles to its axis, in terms of the inertial parameters.
+"""The force in a joint without a motor, perpendicular to its axis, as a function of the inertial parameters.
 
-A joint that could also slide across its axis would need a force to keep it from doing so: the one that its bearing
-gives. So it is the projected row of two more motors, slides across the axis that stand still, and no multiplier of a
-closure is to be solved for (virtual work; Briot and Khalil, "Dynamics of Parallel Robots", 2015, chapter 8).
+If the joint could also slide perpendicular to its axis, the force to prevent this would be that of its bearing. So the
+bearing force is the projected row of two more motors: slides across the axis, at rest. No multiplier of a closure is
+solved for (virtual work; Briot and Khalil, "Dynamics of Parallel Robots", 2015, chapter 8).
 """
 
 from dataclasses import dataclass, replace
@@ -20,7 +20,7 @@ from bench.model.motion import Motion
 from bench.model.regressor import projected_regressor
 from bench.model.states import random_motion
 
-SEED = 20120603  # of the poses at which it is determined what the closures fix
+SEED = 20120603  # of the poses at which the closures' influence is determined
 ACROSS = 2  # directions at right angles to an axis
 
 
@@ -28,8 +28,8 @@ ACROSS = 2  # directions at right angles to an axis
 class Bearing:
     """A robot in which one joint can slide across its axis, too.
 
-    geometry: with two slides before the joint, whose index among the joints was `joint`, as its only motors besides
-    redundant ones; held: velocity indices of what the closures determine; first: velocity index of the first slide.
+    geometry: with two slides before the joint, of former index `joint`, as its only motors except redundant ones; held:
+    velocity indices that the closures determine; first: velocity index of the first slide.
     """
 
     geometry: Geometry
@@ -94,10 +94,10 @@ def bearing_of(geometry: Geometry, joint: int) -> Bearing:
 
 @dataclass(frozen=True, eq=False)
 class HeldMotion:
-    """A motion (N samples), and how its joints without a motor follow where something else moves and motors are held.
+    """A motion (N samples), and how its passive joints follow another displacement while motors are held.
 
-    inverse (N, k, m): of the derivative of m closures by the velocities of k such joints, in the sense of least
-    squares; None where no loop is closed.
+    inverse (N, k, m): pseudo-inverse of the derivative of m closures by the velocities of k such joints; None without
+    loops.
     """
 
     geometry: Geometry
@@ -106,7 +106,7 @@ class HeldMotion:
 
 
 def with_motors_held(geometry: Geometry, motion: Motion) -> HeldMotion:
-    """The motion with what all of its bearings have in common."""
+    """The motion with what all of its bearings share."""
     if not geometry.closed:
         return HeldMotion(geometry, motion, None)
     closures = _closures(geometry, motion.q, geometry.passive)
@@ -129,9 +129,7 @@ def bearing_motion(bearing: Bearing, held: HeldMotion) -> Motion:
 
 
 def _not_followed(bearing: Bearing, held: HeldMotion) -> np.ndarray:
-    """How much of a slide's speed the closures do not let happen, whatever else moves, (N,), as a share of what it
-    does to them.
-    """
+    """Share (N,) of the closure violation by a slide's speed that no other joint can compensate."""
     closures = _closures(bearing.geometry, _with_slides(bearing, held.motion.q))
     opened = closures[:, :, bearing.first : bearing.first + ACROSS]
     residual = opened - closures[:, :, bearing.held] @ (held.inverse @ opened)
@@ -158,7 +156,7 @@ def bearing_rows(bearing: Bearing, held: HeldMotion, columns: np.ndarray) -> np.
 
 
 def bearing_torques(bearing: Bearing, held: HeldMotion, other: int) -> np.ndarray:
-    """Force (N, 2, d), N, along both slides for a torque or force of one that a joint without a motor (index) needs.
+    """Force (N, 2, d), N, along both slides for a unit torque or force in a joint without a motor (index).
 
     d: 1 of a hinge or slide, 3 of a ball joint.
     """
@@ -168,9 +166,9 @@ def bearing_torques(bearing: Bearing, held: HeldMotion, other: int) -> np.ndarra
 
 @lru_cache(maxsize=MEMORY.joints)
 def mass_on_axis(geometry: Geometry, joint: int) -> tuple[float, float]:
-    """What base parameters leave open of the force in a joint (index), where all bodies are equal bars: a mass on its
-    axis, kg, that the motors cannot tell from one on its other side. And what that does not account for either, of the
-    force at random states.
+    """Part of the force in a joint (index) that base parameters do not determine, with equal bars as bodies: a mass on
+    its axis, kg, which the motors cannot assign to one of its two bodies; and the unexplained share of the force at
+    random states.
     """
     standard, base = guessed_parameters(geometry), base_parameters(geometry)
     bearing, states = bearing_of(geometry, joint), _states(geometry)
@@ -185,8 +183,8 @@ def mass_on_axis(geometry: Geometry, joint: int) -> tuple[float, float]:
 
 @lru_cache(maxsize=MEMORY.joints)
 def undetermined_by(geometry: Geometry, joint: int) -> Literal["", "closures", "masses"]:
-    """What keeps the force in a joint (index) from following from motion and torques: closures that repeat one
-    another, so that they could share it in any way; or masses, but one on its axis, that no motor tells apart.
+    """Why motion and torques do not determine the force in a joint (index): redundant closures, which could share it in
+    any way; or masses, except one on its axis, that no motor can distinguish.
     """
     bearing = bearing_of(geometry, joint)
     if geometry.closed:
@@ -232,7 +230,7 @@ def _places(velocities: np.ndarray, first: int) -> np.ndarray:
 
 def _columns(bearing: Bearing, motors: int, columns: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Columns of `projected_regressor` in the robot with slides, of bodies, rotors and redundant motors' torques; and
-    which of them a joint can bear: not the rotors of the motors (so many) that are held.
+    which of them a joint can bear: not the rotors of the `motors` held motors.
     """
     joints = len(bearing.geometry.joints)
     bodies = 10 * (joints - ACROSS)

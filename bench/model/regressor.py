@@ -77,7 +77,7 @@ _Entries = tuple[tuple[int, tuple[tuple[int, int], ...]], ...]  # by joint: plac
 def _block(
     geometry: Geometry, entries: _Entries, q: Rows, rates: list[Scalar]
 ) -> Iterator[tuple[int, int, Scalar]]:
-    """Motor, place and value of every entry, for the rates v, a and those of each motor's unit speed (nv each)."""
+    """Motor, index and value of every entry, for the rates v, a and those of each motor's unit speed (nv each)."""
     links = _links(geometry, tuple(joint for joint, _ in entries))
     v, a, *motors = (rates[k : k + geometry.nv] for k in range(0, len(rates), geometry.nv))
     moving = body_rates(links, constant_vector(geometry.gravity), q, v, a, motors)
@@ -93,7 +93,7 @@ def _links(geometry: Geometry, joints: tuple[int, ...]) -> tuple[Link, ...]:
 
 
 def _scalars(values: np.ndarray) -> list[Scalar]:
-    """Rows (k, N) as scalars: floats where all samples are zero or all are one."""
+    """Rows (k, N) as scalars: floats if all samples are zero or all are one."""
     rows = np.ascontiguousarray(values)
     low, high = rows.min(axis=1), rows.max(axis=1)
     return [
@@ -103,7 +103,7 @@ def _scalars(values: np.ndarray) -> list[Scalar]:
 
 
 def _of_body(rates: BodyRates, entries: Sequence[tuple[int, int]]) -> Iterator[tuple[int, int, Scalar]]:
-    """Motor, place and value of the entries (place among the columns, parameter) of one body.
+    """Motor, index and value of the entries (column index, parameter) of one body.
 
     With mass m, first moments c and inertia I about the frame: force m a + w' x c + w x (w x c), moment
     I w' + w x I w + c x a.
@@ -145,13 +145,13 @@ def body_columns(geometry: Geometry) -> np.ndarray:
 def rotor_columns(geometry: Geometry) -> np.ndarray:
     """The columns (n + r,) of all motors' rotors: Ia, inertia of rotor and gear seen at the joint, times q''.
 
-    A rotor turns with its motor and moves with no body; its weight belongs to the body that carries it.
+    A rotor turns with its motor, not with a body; its weight belongs to the body that carries it.
     """
     return 10 * len(geometry.joints) + np.arange(len(geometry.active) + len(geometry.redundant))
 
 
 def redundant_columns(geometry: Geometry) -> np.ndarray:
-    """The columns (r,) of the redundant motors: what a torque or force of one there takes off the others."""
+    """The columns (r,) of the redundant motors: by how much a unit torque or force relieves the others."""
     return rotor_columns(geometry)[-1] + 1 + np.arange(len(geometry.redundant))
 
 
@@ -176,7 +176,7 @@ def payload_transform(anchor: Anchor) -> np.ndarray:
 
 
 def moved_parameters(parameters: np.ndarray, rotation: np.ndarray, translation: np.ndarray) -> np.ndarray:
-    """Standard parameters (10,) of a frame, in that where it has this rotation and translation [m]."""
+    """Standard parameters (10,) of a frame, in one where it has this rotation and translation [m]."""
     mass, moment = parameters[0], rotation @ parameters[1:4]
     xx, xy, yy, xz, yz, zz = parameters[4:]
     inertia = rotation @ np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]) @ rotation.T

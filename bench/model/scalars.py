@@ -1,8 +1,8 @@
-"""Arithmetic on scalars: floats where all samples have the same, arrays (N,) where they differ.
+"""Arithmetic on scalars: floats if all samples are equal, arrays (N,) if they differ.
 
-What is zero or one by the robot's build - an axis along z, a planar mechanism, a leg that another leg's motor
-does not move - is a float and folds away (0 x = 0, 1 x = x, 0 + x = x): structure costs no time and needs no
-bookkeeping. Arrays are never changed once they are returned, so that results may share them.
+A structural zero or one (an axis along z, a planar mechanism, a leg that another leg's motor does not move) is a float
+and folds away (0 x = 0, 1 x = x, 0 + x = x): structure costs no time and needs no bookkeeping. Arrays are never changed
+once they are returned, so that results may share them.
 """
 
 from collections.abc import Iterable
@@ -18,7 +18,7 @@ Matrix = tuple[Vector, Vector, Vector]  # by columns: the directions of a frame'
 
 
 def constants(values: Iterable[float]) -> tuple[float, ...]:
-    """Constants as floats, free of the rounding that keeps a zero or a one from being seen as such."""
+    """Constants as floats, with zeros and ones freed of rounding."""
     return tuple(_tidy(float(value)) for value in values)
 
 
@@ -67,7 +67,7 @@ def minus(a: Scalar, b: Scalar) -> Scalar:
 
 
 def plus_product(c: Scalar, a: Scalar, b: Scalar) -> Scalar:
-    """c + a b, in the memory of the product where that is new."""
+    """c + a b, in the memory of the product if that is new."""
     product = times(a, b)
     if isinstance(product, float):
         return plus(c, product)
@@ -79,7 +79,7 @@ def plus_product(c: Scalar, a: Scalar, b: Scalar) -> Scalar:
 
 
 def minus_product(c: Scalar, a: Scalar, b: Scalar) -> Scalar:
-    """c - a b, in the memory of the product where that is new."""
+    """c - a b, in the memory of the product if that is new."""
     product = times(a, b)
     if isinstance(product, float):
         return minus(c, product)

@@ -1,9 +1,8 @@
-"""Rods that spin about the line through their joints, and nothing else: ball joints at both ends, each a
-joint of the tree or a loop closure.
+"""Rods with ball joints at both ends, each in the tree or a loop closure, which may spin about their line.
 
-No loop closure holds such a spin and no motor drives it. With the mass on that line and no friction in the joints
-nothing turns the rod about it either, so that its absolute angular velocity along the line stays as it is: none.
-With friction or armature in the ball joints these drive the spin, see `bench.model.body_rates`.
+No loop closure holds such a spin and no motor drives it. With the mass on the line and frictionless joints, no torque
+acts about it, so the absolute angular velocity along the line stays zero. Friction or armature in the ball joints
+drives the spin, see `bench.model.body_rates`.
 """
 
 from dataclasses import dataclass
@@ -17,9 +16,9 @@ from bench.model.geometry import Geometry, Joint
 
 @dataclass(frozen=True)
 class Spin:
-    """What joint `joint` (a ball or free joint) carries has no angular velocity along `axis` (3,), in its frame.
+    """The body on `joint` (a ball or free joint) has no angular velocity along `axis` (3,), in its frame.
 
-    ends: the ball joints of the tree at its other end, each with that axis (3,) as the ball sees it before it turns.
+    ends: the ball joints of the tree at its other end, each with that axis (3,) in its frame before it turns.
     """
 
     joint: int
@@ -42,8 +41,8 @@ def idle_spins(geometry: Geometry) -> tuple[Spin, ...]:
 
 @dataclass(frozen=True)
 class _Carried:
-    """What moves with a joint: by joint, itself included, its pose (4, 4) in the joint's frame with all slides at zero
-    and the axes of these slides there, None behind a joint that turns; and by ball joint that ends it, what carries it.
+    """What moves with a joint: by joint, including itself, its pose (4, 4) in the joint's frame with all slides at zero
+    and the axes of these slides, None behind a hinge or ball; and the carrier of each ball joint at its ends.
     """
 
     places: dict[int, tuple[np.ndarray, list[np.ndarray]] | None]
@@ -54,14 +53,14 @@ def _ends(geometry: Geometry, axis: np.ndarray, carried: _Carried) -> tuple[tupl
     ends = []
     for ball, holder in carried.ends.items():
         place = carried.places[holder]
-        if place is not None:  # as on every line
+        if place is not None:  # always, on a line
             turned = place[0][:3, :3] @ geometry.joints[ball].placement.rotation
             ends.append((ball, turned.T @ axis))
     return tuple(ends)
 
 
 def _line(geometry: Geometry, joint: Joint, carried: _Carried) -> np.ndarray | None:
-    """The line (3,) about which all that a joint carries can turn, every loop closed; None where there is none."""
+    """The line (3,) about which all that a joint carries can turn with closed loops; None if there is none."""
     if geometry.tool is not None and geometry.tool.joint in carried.places:
         return None
     holders = [(end, geometry.joints[ball].placement.translation) for ball, end in carried.ends.items()]

@@ -1,4 +1,4 @@
-"""Random noise-free states of a robot: closed poses inside the joint limits, and how they move."""
+"""Random noise-free states of a robot: closed poses inside the joint limits, and their rates."""
 
 import numpy as np
 
@@ -13,9 +13,8 @@ def random_motion(geometry: Geometry, count: int, seed: int) -> Motion:
     """`count` states with active positions spread over the reachable part of the joint ranges.
 
     Every pose is reached from the last one along the closures, so all lie in home's assembly mode. More are reached
-    than returned: those nearest to a singularity are omitted.
-    Active velocities and accelerations are normal, of unit variance (times 5 for accelerations); behind a gear those
-    of what the motor drives.
+    than returned: those nearest to a singularity are omitted. Active velocities and accelerations are normal, of unit
+    variance (times 5 for accelerations); with a gear, those of the driven joint.
     """
     random = np.random.default_rng(seed)
     low, high = active_ranges(geometry)

@@ -1,4 +1,4 @@
-"""What an MJCF may hold and the model cannot represent: refused by name."""
+"""MJCF elements that the model cannot represent: refused by name."""
 
 from collections.abc import Iterator
 
@@ -30,7 +30,7 @@ SWITCHES = {
 
 
 def unsupported_features(compiled: mujoco.MjModel) -> Iterator[str]:
-    """What would bend the answer unseen, one line each: switches, equalities, mocap bodies, flexes, tendons."""
+    """What would bias the answer, one line each: switches, equalities, mocap bodies, flexes, tendons."""
     for flag, what in SWITCHES.items():
         if compiled.opt.disableflags & flag:
             yield f'<flag {what}="disable"/>: the model always counts on {what}; remove it'
@@ -62,7 +62,7 @@ def unsupported_features(compiled: mujoco.MjModel) -> Iterator[str]:
 
 
 def _coupling_tendons(compiled: mujoco.MjModel) -> Iterator[str]:
-    """Tendons that act on joints by a spring, damper, friction, rotor or range, those with the same ones together."""
+    """Tendons that act on joints by a spring, damper, friction, rotor or range, grouped by these."""
     alike: dict[tuple[str, ...], list[str]] = {}
     for tendon in range(compiled.ntendon):
         acting = tuple(
@@ -83,7 +83,7 @@ def _coupling_tendons(compiled: mujoco.MjModel) -> Iterator[str]:
 
 
 def _held_bodies(compiled: mujoco.MjModel) -> set[int]:
-    """Bodies that an equality which is switched on holds."""
+    """Bodies held by an active equality."""
     bodies: set[int] = set()
     for index in range(compiled.neq):
         if compiled.eq_active0[index] and int(compiled.eq_type[index]) in CLOSURES:
@@ -127,7 +127,7 @@ def _equalities(compiled: mujoco.MjModel) -> Iterator[str]:
 
 
 def is_fixed(compiled: mujoco.MjModel, tendon: int) -> bool:
-    """Whether a tendon is a linear combination of joint positions, no cable in space."""
+    """Whether a tendon combines joint positions linearly, not a cable in space."""
     first = int(compiled.tendon_adr[tendon])
     wraps = compiled.wrap_type[first : first + int(compiled.tendon_num[tendon])]
     return bool((wraps == int(mujoco.mjtWrap.mjWRAP_JOINT)).all())

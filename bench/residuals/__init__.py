@@ -1,1 +1,1 @@
-"""Where a model fails: the error of its currents by motor, against all that it may depend on, in words."""
+"""Where a model fails: its current error by motor, against all possible variables, in words."""

@@ -21,7 +21,7 @@ from bench.residuals.words import (
 def where_json(where: WhereItFails, *, words: bool = True) -> dict[str, Any]:
     """Noise floor, findings and warm-up of every motor, and all of it in sentences; shares lie between 0 and 1.
 
-    Opposing errors are in the drive's unit, every finding with a `text`. words: whether with these and the sentences.
+    Opposing errors are in the drive's unit; every finding has a `text`. words: whether to write texts and sentences.
     """
 
     def text(sentence: Callable[..., str], *of: Any) -> str:

@@ -1,4 +1,4 @@
-"""How alike neighbouring errors are: their autocorrelation, and how many rows count as one."""
+"""Autocorrelation of errors, and how many rows count as one."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -14,7 +14,7 @@ from bench.residuals.motor import MotorSeries
 class Autocorrelation:
     """lag (L,) s; value (L,), one at lag zero; band: 95 % of the values lie within ± band by chance.
 
-    integrated_time: the integrated autocorrelation time in rows; so many rows count as one independent one.
+    integrated_time: the integrated autocorrelation time, the number of rows that count as one.
     """
 
     lag: np.ndarray
@@ -35,10 +35,10 @@ def autocorrelation(series: Sequence[MotorSeries]) -> Autocorrelation:
 
 
 def correlations(rows: Sequence[np.ndarray], values: Sequence[np.ndarray]) -> np.ndarray:
-    """Correlation of values with those some rows later, for 0, 1, 2 ... rows (at most 61,).
+    """Correlation of values at lags of 0, 1, 2 ... rows (at most 61,).
 
-    rows: the number of each value among evenly spaced rows, rising, some missing. The mean counts as error; each lag's
-    products are divided by the powers of the values in them, so that no correlation is above one.
+    rows: index of each value among evenly spaced rows, rising, some missing. The mean counts as error; each lag's
+    products are divided by the power of their values, so that no correlation exceeds one.
     """
     lags = max(min(TOLERANCES.statistics.longest_memory, min(len(column) for column in rows) // 4), 1)
     sums, powers = np.zeros(lags + 1), np.zeros((2, lags + 1))
@@ -74,6 +74,6 @@ def integrated_autocorrelation_time(correlation: np.ndarray) -> float:
 
 
 def independent_rows(series: Sequence[MotorSeries], values: Sequence[np.ndarray]) -> float:
-    """How many of the rows count as independent, for one value a row."""
+    """Number of independent rows, for one value per row."""
     count = sum(len(value) for value in values)
     return count / integrated_autocorrelation_time(correlations([trace.row for trace in series], values))

@@ -1,11 +1,11 @@
-"""From when a pattern of the errors is named. What decides in diagnosis, too, is a field of the decision rule."""
+"""Thresholds for naming patterns of errors. Those that also decide in diagnosis are in the decision rule."""
 
 from dataclasses import dataclass
 
 
 @dataclass(frozen=True)
 class NamingBounds:
-    """What is strong enough to be named; shares of the squared error, unless stated."""
+    """Least strength to be named; shares of the squared error, unless stated."""
 
     chance: float = 1e-6  # probability of so strong a line or dependence by chance
     regions_nats: float = 14.0  # against chance for all regions together: odds of a million to one
@@ -18,9 +18,9 @@ class NamingBounds:
     line: float = 0.15  # of a line
     # share of the error's: a line so strong in the current itself comes from the motion
     line_of_motion: float = 0.25
-    drift: float = 0.2  # of the RMS error: a smaller change is not named
+    drift: float = 0.2  # of the RMS error: smaller changes are not named
     drift_deviations: float = 6.0  # standard errors by which two means must differ
-    unasked: float = 3.0  # times the noise: reported where nobody asked for errors
+    unasked: float = 3.0  # times the noise: reported without request
 
 
 @dataclass(frozen=True)

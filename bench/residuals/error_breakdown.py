@@ -1,4 +1,4 @@
-"""One motor's errors and all variables that they may depend on: what every chart of them shows, whatever draws it."""
+"""One motor's errors and the variables that they may depend on: the content of every chart of them, in any medium."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -30,7 +30,7 @@ class Branch:
 
 @dataclass(frozen=True)
 class RecordingError:
-    """RMS of the error, and of the current's noise, over RMS of the measured current, in one recording."""
+    """RMS of the error and of the current noise over that of the measured current, in one recording."""
 
     recording: str
     payload: str | None
@@ -40,7 +40,7 @@ class RecordingError:
 
 @dataclass(frozen=True)
 class RegionShares:
-    """Of a part of the motion: its share of the squared error, and of the time."""
+    """The share of a part of the motion in the squared error and in time."""
 
     region: str
     error: float
@@ -69,7 +69,7 @@ class ErrorBreakdown:
 
     @property
     def axes(self) -> Mapping[Variable, tuple[str, str]]:
-        """What the error is drawn against: the quantity in words, and its unit."""
+        """Variables against which the error is drawn, in words, with units."""
         return {
             "time": ("time from the start of the recording", "s"),
             "position": ("position", self.unit),
@@ -79,7 +79,7 @@ class ErrorBreakdown:
         }
 
     def against(self, variable: Variable, bins: int) -> tuple[Branch, ...]:
-        """Against a variable, in bins with equally many rows, apart for either direction."""
+        """Against a variable, in bins with equally many rows, by direction."""
         x = np.concatenate([values_of(trace, variable) for trace in self.series])
         forwards = np.concatenate([trace.forwards for trace in self.series])
         return tuple(
@@ -89,7 +89,7 @@ class ErrorBreakdown:
 
     @cached_property
     def around_reversals(self) -> tuple[Branch, ...]:
-        """Before and after a change of direction, apart for what the direction is afterwards; x in s."""
+        """Before and after a change of direction, by the direction afterwards; x in s."""
         rate = self.series[0].rate or 1.0
         rows = np.concatenate([trace.to_reversal for trace in self.series])
         # a row before a reversal to forwards moves backwards
@@ -118,7 +118,7 @@ class ErrorBreakdown:
 
     @cached_property
     def opposing(self) -> tuple[tuple[str, Opposing], ...]:
-        """The mean error that opposes the motion, early and late and by payload, where there is one."""
+        """The mean error that opposes the motion, early and late and by payload, if any."""
         parts = [*over_warm_up(self.series), *by_load(self.series)]
         names = ["first third", "last third", *(opposing.part for opposing in parts[2:])]
         return tuple(
@@ -127,7 +127,7 @@ class ErrorBreakdown:
 
     @cached_property
     def shares(self) -> tuple[RegionShares, ...]:
-        """Where the squared error lies, by parts of the motion."""
+        """Shares of the squared error, by parts of the motion."""
         candidates = [
             region for region in regions(self.series, self.unit, self.current) if region.where.of_motion
         ]
@@ -145,11 +145,11 @@ class ErrorBreakdown:
 
     @cached_property
     def autocorrelation(self) -> Autocorrelation:
-        """Of the errors, and what chance gives."""
+        """Of errors, with the band of chance."""
         return autocorrelation(self.series)
 
     def noise_alone(self, x: np.ndarray) -> np.ndarray:
-        """The density that the errors would have if they were the current's noise, per drive unit."""
+        """The density of errors that are current noise only, per drive unit."""
         return np.asarray(np.exp(-0.5 * (x / self.noise) ** 2) / (self.noise * np.sqrt(2.0 * np.pi)))
 
 

@@ -1,4 +1,4 @@
-"""Which effects leave errors like those at a motor: candidates, between which a diagnosis decides."""
+"""Effects that leave errors like those at a motor: candidates for a diagnosis to decide between."""
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
@@ -21,7 +21,7 @@ QUESTION: Mapping[Seen, int] = {
     "current": 5,
     "acceleration": 6,
 }
-"""Which question of the key of the atlas asks for it."""
+"""The question of the atlas's key that asks for it."""
 LOOKS: Mapping[str, Seen] = {
     "direction": "opposes",
     "velocity": "velocity",
@@ -38,7 +38,7 @@ CHANGES: Mapping[str, Seen] = {"warm-up": "fades", "load": "load"}
 
 @dataclass(frozen=True)
 class LookAlike:
-    """Effects that the model lacks and that leave such an error; the plainest law first."""
+    """Effects that the model lacks and that leave such an error, the simplest law first."""
 
     seen: Seen
     effects: tuple[str, ...]
@@ -64,7 +64,7 @@ def look_alikes(
     """Effects by the findings at a motor, those with most of the error first.
 
     possible: effects that have a place in the robot. has: those of the model, as EFFECT or EFFECT:PLACE. An effect is
-    named for the first look that it has.
+    named for its first matching look.
     """
     there = {
         name
@@ -88,7 +88,7 @@ def look_alikes(
 
 
 def _plainness(effect: Effect, possible: Mapping[str, Effect]) -> tuple[bool, int, int, str]:
-    """What sorts laws: at the motor itself, with few parameters, special cases of others, by name."""
+    """Sorts laws: at the motor itself, with few parameters, special cases of others, by name."""
     within = sum(effect.name in other.contains for other in possible.values())
     return effect.place != "actuator", len(effect.parameters) + len(effect.shape), -within, effect.name
 
@@ -99,7 +99,7 @@ def _looks(
     lines: Iterable[SpectralLine],
     changes: Iterable[Change],
 ) -> list[Seen]:
-    """The findings in the order of the atlas: changes first, since they say most; then by the share of the error."""
+    """The findings in the order of the atlas: changes first, as most informative; then by the share of the error."""
     shares: list[tuple[float, Seen]] = [
         (dependence.error_share, LOOKS[dependence.variable]) for dependence in dependences
     ]

@@ -1,4 +1,4 @@
-"""Measured and modelled current of one motor in one recording, ready to be looked at."""
+"""Measured and modelled current of one motor in one recording, for examination."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -18,11 +18,11 @@ from bench.signals.settings import FilterSettings
 class MotorSeries:
     """The rows of one recording in which one motor moves, M of them, at the fit's rate.
 
-    time s from the start of the recording; measured, modelled: current in the drive's unit; position,
-    velocity, acceleration: rad or m and their rates, each (M,). row (M,): number of each among all rows, so
-    that gaps, where the joint does not move, are known. to_reversal (M,): rows to the nearest reversal, signed;
-    reversal, after_standstill (M,): whether a row lies next to one. noise: RMS of the current's noise in the
-    band of the fit, drive unit. rate: rows per second; band: the highest frequency that the fit sees, Hz.
+    time s from the start of the recording; measured, modelled: current in the drive's unit; position, velocity,
+    acceleration: rad or m and their rates, each (M,). row (M,): index among all rows, which shows the gaps while the
+    joint is at rest. to_reversal (M,): rows to the nearest reversal, signed; reversal, after_standstill (M,): whether a
+    row is next to one. noise: RMS of the current noise in the band of the fit, drive unit. rate: rows per second; band:
+    the highest frequency in the fit, Hz.
     """
 
     joint: str
@@ -52,7 +52,7 @@ class MotorSeries:
 
     @property
     def forwards(self) -> np.ndarray:
-        """Where the joint moves in its positive direction (M,)."""
+        """If the joint moves in its positive direction (M,)."""
         return self.velocity > 0
 
     @property
@@ -63,7 +63,7 @@ class MotorSeries:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Compared:
-    """All motors in all recordings. units: of current, position by joint, such as ("A", "rad")."""
+    """All motors in all recordings. units: of current, position by joint, as in ("A", "rad")."""
 
     robot: str
     joints: tuple[str, ...]
@@ -84,7 +84,7 @@ class Compared:
 def compared(
     robot: Robot, recordings: Sequence[Recording], series: Sequence[CurrentSeries], settings: FilterSettings
 ) -> Compared:
-    """Take measured and modelled currents apart by motor.
+    """Split measured and modelled currents by motor.
 
     recordings: as logged, for their noise; settings: the filters that the series went through.
     """
@@ -142,7 +142,7 @@ def _motor(series: CurrentSeries, j: int, joint: str, noise: float, band: float)
 
 
 def _standstill(moving: np.ndarray) -> np.ndarray:
-    """Rows of stretches in which the joint does not move for longer than a reversal takes."""
+    """Rows of stretches in which the joint is at rest for longer than a reversal."""
     edges = np.flatnonzero(np.diff(np.concatenate(([False], ~moving, [False])).astype(int)))
     stretches = [
         np.arange(a, b) for a, b in zip(edges[::2], edges[1::2], strict=True) if b - a > ERROR_GRID.swift
@@ -151,7 +151,7 @@ def _standstill(moving: np.ndarray) -> np.ndarray:
 
 
 def _reversals(velocity: np.ndarray, moving: np.ndarray) -> np.ndarray:
-    """Where the joint reverses, as row numbers with a fraction of one; it may stand still for a few rows."""
+    """Fractional row indices at which the joint reverses; it may rest for a few rows."""
     row = np.flatnonzero(moving)
     before, after = row[:-1], row[1:]
     turned = (velocity[before] * velocity[after] < 0) & (after - before <= ERROR_GRID.swift + 1)

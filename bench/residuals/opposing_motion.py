@@ -15,7 +15,7 @@ from bench.residuals.motor import MotorSeries
 class Opposing:
     """Mean of error times sign of velocity with its deviation, drive unit, and the relative error, of one motor.
 
-    Positive: the motor needs more current to move than the model says, whatever the direction.
+    Positive: the motor needs more current than the model in both directions.
     """
 
     joint: str
@@ -27,7 +27,7 @@ class Opposing:
 
 @dataclass(frozen=True)
 class Change:
-    """Two parts whose opposing error differs far beyond chance. between: start and end, or two loads."""
+    """Two parts whose opposing errors differ far beyond chance. between: start and end, or two loads."""
 
     between: Literal["warm-up", "load"]
     first: Opposing
@@ -86,6 +86,6 @@ def _opposing(series: Sequence[MotorSeries], rows: Sequence[np.ndarray], part: s
 
 
 def _without_trend(values: np.ndarray) -> np.ndarray:
-    """Values (N,) less the straight line through them: a steady change is no scatter of the mean."""
+    """Values (N,) less a fitted line: a steady change is not scatter of the mean."""
     at = np.linspace(-1.0, 1.0, len(values))
     return np.asarray(values - values.mean() - at * (at @ values) / (at @ at))

@@ -1,4 +1,4 @@
-"""The error's spectrum over time and over position: what repeats."""
+"""The error's spectrum over time and over position."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -32,7 +32,7 @@ class PositionSpectrum:
 
 @dataclass(frozen=True)
 class SpectralLine:
-    """What repeats. frequency: cycles per rad, m or s; amplitude: drive unit.
+    """A line. frequency: cycles per rad, m or s; amplitude: drive unit.
 
     resolution: half a cycle in the travelled range or in the recording, within which the frequency is known.
     """
@@ -46,7 +46,7 @@ class SpectralLine:
 
 
 def time_spectrum(series: Sequence[MotorSeries]) -> Spectrum:
-    """Welch's spectrum of one motor's error, averaged over its recordings; zero where it does not move."""
+    """Welch's spectrum of one motor's error, averaged over its recordings; errors are zero at rest."""
     length = min(ERROR_GRID.segment, *(int(trace.row[-1] - trace.row[0]) + 1 for trace in series))
     densities, weights = [], []
     for trace in series:
@@ -60,7 +60,7 @@ def time_spectrum(series: Sequence[MotorSeries]) -> Spectrum:
 
 
 def position_spectrum(series: Sequence[MotorSeries]) -> PositionSpectrum:
-    """Amplitude of the best sinusoid over position, for every wave number that motion and filters let be seen."""
+    """Amplitude of the best sinusoid over position, for every wave number that motion and filters can show."""
     position = np.concatenate([trace.position for trace in series])
     error = np.concatenate([trace.error for trace in series])
     speed = float(np.sqrt(np.mean(np.concatenate([trace.velocity for trace in series]) ** 2)))
@@ -71,7 +71,7 @@ def position_spectrum(series: Sequence[MotorSeries]) -> PositionSpectrum:
 
 
 def lines(series: Sequence[MotorSeries]) -> list[SpectralLine]:
-    """Lines that stand out of one motor's error far beyond chance, at most one over position and one over time."""
+    """Lines in one motor's error far beyond chance, at most one over position and one over time."""
     count = independent_rows(series, [trace.error for trace in series])
     spectral = []
     over_position = position_spectrum(series)
@@ -118,7 +118,7 @@ def _time_line(series: Sequence[MotorSeries], independent: float) -> SpectralLin
 
 
 def _about(frequency: float, extent: float) -> np.ndarray:
-    """Frequencies as near to one of the grid as its neighbours."""
+    """Frequencies between the neighbours of one on the grid."""
     return np.asarray(
         frequency + np.linspace(-1.0, 1.0, ERROR_GRID.finer) / (ERROR_GRID.oversampling * extent)
     )
@@ -172,7 +172,7 @@ def _sinusoids(x: np.ndarray, values: np.ndarray, frequencies: np.ndarray) -> tu
 def _strongest(
     frequency: np.ndarray, share: np.ndarray, least: float, independent: float, freedom: int
 ) -> int | None:
-    """The strongest line of at least some frequency, if it is beyond chance and worth a word."""
+    """The strongest line from frequency `least` on, if beyond chance and large enough."""
     allowed = np.where(frequency >= least, share, 0.0)
     best = int(np.argmax(allowed))
     if allowed[best] < NAMING.line:

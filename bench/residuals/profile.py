@@ -1,4 +1,4 @@
-"""The error against what it may depend on: means and spread in bins, and how much of it follows."""
+"""The error against its possible variables: means and spread in bins, and the explained share."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -44,10 +44,10 @@ class Profile:
 
 @dataclass(frozen=True)
 class Dependence:
-    """The share of a motor's squared error that a variable's bin means account for.
+    """The share of a motor's squared error that a variable's bin means explain.
 
-    low, high: the smallest and the largest bin mean, drive unit; low_at, high_at: where. of_rest: a share of what
-    remains when the variables named before are subtracted.
+    low, high: the smallest and the largest bin mean, drive unit; low_at, high_at: where. of_rest: whether a share of
+    the residual without the variables named before.
     """
 
     joint: str
@@ -61,9 +61,9 @@ class Dependence:
 
 
 def values_of(series: MotorSeries, variable: Variable) -> np.ndarray:
-    """One value a row (M,): time s, position rad or m and rates, current, ±1 for the direction, or one.
+    """One value per row (M,): time s, position rad or m and rates, current, ±1 for the direction, or one.
 
-    The current is the modelled one: the measured one contains the error itself.
+    The current is the modelled one: the measured one contains the error.
     """
     if variable == "constant":
         return np.ones(len(series.time))
@@ -99,9 +99,9 @@ def binned(values: np.ndarray, errors: np.ndarray, edges: np.ndarray) -> Profile
 
 
 def dependences(series: Sequence[MotorSeries]) -> list[Dependence]:
-    """The variables that a motor's error follows far beyond chance, the strongest first.
+    """The variables on which a motor's error depends far beyond chance, the strongest first.
 
-    The next is looked for in the residual when the bin means by the one before are subtracted.
+    The next is searched in the residual without the bin means of the previous one.
     """
     errors = np.concatenate([trace.error for trace in series])
     whole = errors
@@ -123,7 +123,7 @@ def dependences(series: Sequence[MotorSeries]) -> list[Dependence]:
 def _dependence(
     series: Sequence[MotorSeries], variable: Variable, errors: np.ndarray, named: Sequence[Dependence]
 ) -> tuple[Dependence, np.ndarray, float]:
-    """What follows a variable, the residual without it (N,), and how probable that is by chance."""
+    """Dependence on a variable, the residual without it (N,), and its probability by chance."""
     values = np.concatenate([values_of(trace, variable) for trace in series])
     bins = profile(values, errors)
     size = len(bins.mean)

@@ -12,7 +12,7 @@ from bench.residuals.motor import MotorSeries
 
 
 class RegionKind(StrEnum):
-    """What a region is a part of the motion by; `bench.residuals.words` has the words."""
+    """The variable that defines a region; `bench.residuals.words` has the words."""
 
     REVERSALS = "reversals"
     STANDSTILL = "standstill"
@@ -36,7 +36,7 @@ class RegionKind(StrEnum):
 
 @dataclass(frozen=True)
 class RegionPlace:
-    """A part of the motion, by what: bounds of what it goes by, in `unit`; subject: the payload or the recording."""
+    """A part of the motion by a variable, its bounds in `unit`; subject: the payload or the recording."""
 
     part: RegionKind
     bounds: tuple[float, ...] = ()
@@ -50,7 +50,7 @@ class RegionPlace:
 
     @property
     def of_motion(self) -> bool:
-        """Whether it is a part of the motion itself, not all that has one payload, or one recording."""
+        """Whether it is a part of the motion, rather than of all data by payload or recording."""
         return self.part not in (RegionKind.UNLOADED, RegionKind.PAYLOAD, RegionKind.RECORDING)
 
 
@@ -144,8 +144,8 @@ def _by_recording(series: Sequence[MotorSeries]) -> list[Region]:
 class Concentration:
     """A share of a motor's squared error in a share of its time.
 
-    evidence: nats against an error that is spread evenly. of_rest: shares are of the residual outside the
-    regions named before.
+    evidence: nats against an evenly spread error. of_rest: whether shares are of the residual outside the regions named
+    before.
     """
 
     joint: str
@@ -157,9 +157,9 @@ class Concentration:
 
 
 def concentrations(series: Sequence[MotorSeries], candidates: Sequence[Region]) -> list[Concentration]:
-    """The regions that hold far more of one motor's squared error than of its time, the most telling first.
+    """The regions with far more of one motor's squared error than of its time, the most significant first.
 
-    A second one is looked for outside the first, since many regions overlap.
+    A second one is searched outside the first, since many regions overlap.
     """
     squares = [trace.error**2 for trace in series]
     remaining = [np.ones(len(square), dtype=bool) for square in squares]
@@ -216,10 +216,9 @@ def _concentration(
 
 
 def _divergence(error_share: float, time_share: float) -> float:
-    """How far the squared error is from an even spread: Kullback and Leibler's divergence, nats; zero below it.
+    """Kullback-Leibler divergence, nats, of the squared error from an even spread; zero below it.
 
-    So large a share or larger comes about by chance with a probability of at most exp(-n divergence) for n
-    independent squares (Chernoff).
+    For n independent squares, such a large share has a probability of at most exp(-n divergence) by chance (Chernoff).
     """
     if not 0.0 < time_share < 1.0 or error_share <= time_share:
         return 0.0
@@ -232,10 +231,10 @@ def _divergence(error_share: float, time_share: float) -> float:
 def _independent_squares(
     series: Sequence[MotorSeries], squares: Sequence[np.ndarray], remaining: Sequence[np.ndarray]
 ) -> float:
-    """Effective number of remaining independent squares: of blocks as long as their autocorrelation time, weighed by
-    their size.
+    """Effective number of remaining independent squares: of blocks as long as their autocorrelation time, weighted by
+    size.
 
-    The squares of normal errors are correlated by the square of the errors' correlation.
+    Squares of normal errors have the squared correlation of the errors.
     """
     alike = correlations([trace.row for trace in series], [trace.error for trace in series]) ** 2
     length = max(int(np.ceil(2.0 * alike.sum() - 1.0)), 1)

@@ -1,4 +1,4 @@
-"""Everything about where a model fails, motor by motor."""
+"""All findings on where a model fails, motor by motor."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -16,12 +16,12 @@ from bench.residuals.regions import Concentration, concentrations, regions
 
 @dataclass(frozen=True)
 class MotorErrors:
-    """Where one motor's error is.
+    """Findings on one motor's error.
 
     units: of current and position, as in ("A", "rad"). error, noise: relative to the measured current, all recordings
-    together; by_recording: both of each, by name. autocorrelation_time: s over which errors are alike. above_noise:
-    whether there is anything except noise; concentrations, dependences, lines and changes are empty where not. alike:
-    effects that leave such errors.
+    together; by_recording: both of each, by name. autocorrelation_time: s over which errors correlate. above_noise:
+    whether there is more than noise; else concentrations, dependences, lines and changes are empty. alike: effects that
+    leave such errors.
     """
 
     joint: str
@@ -51,9 +51,9 @@ class WhereItFails:
 def errors_by_motor(
     what: Compared, possible: Mapping[str, Effect] | None = None, has: Sequence[str] = ()
 ) -> WhereItFails:
-    """Look for where the errors of every motor are concentrated, and what they follow.
+    """Examine where the errors of every motor are concentrated, and on what they depend.
 
-    possible: effects that have a place in the robot, to be named where they leave such errors. has: those of the model.
+    possible: effects that have a place in the robot, named if they leave such errors. has: those of the model.
     """
     motors = [_of_motor(what, joint, possible or {}, has) for joint in what.joints if what.of(joint)]
     return WhereItFails(what.robot, tuple(motors))

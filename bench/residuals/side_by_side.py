@@ -1,4 +1,4 @@
-"""Several models applied to the same recordings, and what is different between them."""
+"""Several models applied to the same recordings, and their differences."""
 
 import math
 from collections.abc import Sequence
@@ -18,7 +18,7 @@ from bench.identification.result import Identification, Quantity
 
 @dataclass(frozen=True)
 class ComparedModel:
-    """A model with the currents that it gives in these recordings. name: what tells its file from the others."""
+    """A model with its currents for these recordings. name: distinguishes its file from the others."""
 
     name: str
     model: Identification
@@ -26,7 +26,7 @@ class ComparedModel:
 
 @dataclass(frozen=True)
 class SideBySide:
-    """Models, in the order in which they were given; what changed is compared with the first."""
+    """Models, in the given order; changes are relative to the first."""
 
     robot: str
     models: tuple[ComparedModel, ...]
@@ -35,7 +35,7 @@ class SideBySide:
 def side_by_side(problem: Problem, files: Sequence[Path]) -> SideBySide:
     """Apply saved models to a dataset's recordings; nothing is fitted.
 
-    Raises BenchError for a file that is given twice, and where a model and the dataset do not go together.
+    Raises BenchError for a file that is given twice, or if a model and the dataset do not match.
     """
     for file in files:
         if sum(file.resolve() == other.resolve() for other in files) > 1:
@@ -48,7 +48,7 @@ def side_by_side(problem: Problem, files: Sequence[Path]) -> SideBySide:
 
 
 def distinct_names(files: Sequence[Path]) -> list[str]:
-    """Names of files with their folders, as far up as tells them apart: 1-compare/model.json, 2-compare/model.json."""
+    """Names of files with as many folders as distinguish them: 1-compare/model.json, 2-compare/model.json."""
     for parts in range(2, max(len(file.parts) for file in files)):
         names = [Path(*file.parts[-parts:]).as_posix() for file in files]
         if len(set(names)) == len(names):
@@ -57,16 +57,16 @@ def distinct_names(files: Sequence[Path]) -> list[str]:
 
 
 def interval(quantity: Quantity) -> tuple[float, float] | None:
-    """The 95 % interval of a value; None for one that was given, or has no deviation."""
+    """The 95 % interval of a value; None for a given value, or one without deviation."""
     if not (0.0 < quantity.std < math.inf):
         return None
     return quantity.value - WITHIN_95 * quantity.std, quantity.value + WITHIN_95 * quantity.std
 
 
 def moved_parameters(first: Identification, other: Identification) -> list[str]:
-    """Names of the base parameters that both have and that lie clearly apart, the farthest first.
+    """Names of the common base parameters with clearly different values, the largest difference first.
 
-    The distance is in the larger of the two deviations: models of the same recordings share their noise.
+    The unit is the larger of the two deviations: models of the same recordings share their noise.
     """
     before = {parameter.name: parameter for parameter in first.parameters}
     moved = []

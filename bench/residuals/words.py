@@ -1,4 +1,4 @@
-"""RegionPlace a model fails, in sentences."""
+"""Where a model fails, in sentences."""
 
 import math
 
@@ -32,7 +32,7 @@ def where_sentences(where: WhereItFails) -> list[str]:
 
 
 def overlapping(where: WhereItFails) -> str:
-    """How two shares of one motor's error go together; "" where no motor has two."""
+    """How two shares of one motor's error overlap; "" if no motor has two."""
     for motor in where.motors:
         patterns = (*motor.concentrations, *motor.dependences, *motor.lines)
         if sum(not getattr(finding, "of_rest", False) for finding in patterns) > 1:
@@ -41,7 +41,7 @@ def overlapping(where: WhereItFails) -> str:
 
 
 def whole_sentences(motor: MotorErrors) -> list[str]:
-    """How large one motor's error is and what it follows, as sentences with a capital letter and a full stop."""
+    """The size and the variables of one motor's error, as sentences with a capital letter and a full stop."""
     return [_whole(motor.joint, line) for line in (level_sentence(motor), *_followed(motor))]
 
 
@@ -56,7 +56,7 @@ def _whole(joint: str, line: str) -> str:
 
 
 def level_sentence(motor: MotorErrors) -> str:
-    """How large a motor's error is relative to the noise of its current."""
+    """Size of a motor's error relative to the noise of its current."""
     size = f"{motor_words(motor.joint)}: error {in_percent(motor.error)}"
     noise = f"the noise of the current ({in_percent(motor.noise)})"
     if not motor.above_noise:
@@ -118,7 +118,7 @@ REGIONS: dict[RegionKind, str] = {
 
 
 def region_words(where: RegionPlace) -> str:
-    """RegionPlace in the motion, as in "at low speed (below 0.3 rad/s)"."""
+    """Where in the motion, as in "at low speed (below 0.3 rad/s)"."""
     if where.part is RegionKind.PAYLOAD:
         return f"with payload {where.subject}"
     if where.part is RegionKind.RECORDING:
@@ -141,7 +141,7 @@ def concentration_words(concentration: Concentration) -> str:
 
 
 def dependence_words(dependence: Dependence, units: tuple[str, str]) -> str:
-    """How much of the error follows a variable, and from what to what."""
+    """The share of the error that follows a variable, and its range."""
     current, position = units
     share = _percent(dependence.error_share)
     rest = "remaining " if dependence.of_rest else ""
@@ -172,7 +172,7 @@ def dependence_words(dependence: Dependence, units: tuple[str, str]) -> str:
 
 
 def line_words(line: SpectralLine, units: tuple[str, str]) -> str:
-    """What repeats, and how often."""
+    """A line and its period."""
     share = _percent(line.error_share)
     size = f"with an amplitude of {line.amplitude:.2g} {units[0]}"
     if line.over == "time":
@@ -211,7 +211,7 @@ KEEP = "keeps the model"
 
 
 def beyond_noise(what: Compared) -> bool:
-    """Whether errors remain that noise does not account for."""
+    """Whether errors remain that noise does not explain."""
     errors = [
         (relative_error_of(what.of(joint)) or 0.0, relative_noise(what.of(joint))) for joint in what.joints
     ]

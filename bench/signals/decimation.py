@@ -1,4 +1,4 @@
-"""Parallel filtering: the same decimation for every column of a linear model.
+"""Parallel filtering: the same decimation for all columns of a linear model.
 
 The identification model is y = W chi. Filtering y and every column of W by the same linear filter keeps
 chi; so a low-pass that removes the noise above the band of the motion, and dropping the samples that are
@@ -6,14 +6,13 @@ then redundant, cost nothing. Source: M. Gautier, "Dynamic identification of rob
 ICRA 1997; W. Khalil and E. Dombre, "Modeling, Identification and Control of Robots", 2002, chapter 12.
 The filter is the one of MATLAB's `decimate`, with which the EMPS results were published.
 
-Filter and decimation go block by block. A filter with state s takes a block of samples x to outputs T x + O s and to
-the state F x + P s. So does its run backward over those outputs, and both together: all that is between x and the few
-samples that are kept are constant matrices, which take many blocks at once. Only the states are carried from block to
-block. The numbers are those of the run sample by sample, except for rounding.
+Filter and decimation work block by block. A filter with state s maps a block of samples x to outputs T x + O s and to
+the state F x + P s. So does its backward run over those outputs, and both together: constant matrices map x to the few
+samples that are kept, for many blocks at once. Only the states are carried from block to block. The results equal those
+of a run sample by sample, except for rounding.
 
-Columns that are known at every so many-th sample only, and smooth between these, are filtered by the gain at every
-frequency. What the filter lets pass is known from few samples as well, as long as these follow each other several times
-faster than those that it keeps.
+Smooth columns that are known only at thinned samples are filtered by the gain at every frequency. Few samples determine
+the pass band, too, if their rate is several times that of the kept samples.
 """
 
 from dataclasses import dataclass
@@ -43,11 +42,11 @@ FloatArray = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class _Blocks:
-    """Matrices of one block of L samples whose every `factor`-th is kept, the first one included.
+    """Matrices of one block of L samples of which every `factor`-th is kept, starting with the first.
 
-    carry (s, s): both states over a block; taken (2 s + kept, L): what the samples give to the state of the run
-    forward, to that of the run backward and to the kept outputs; turned (s, s): the backward state for the forward
-    one; ahead, behind (kept, s): kept outputs for the forward and the backward state.
+    carry (s, s): both states over a block; taken (2 s + kept, L): from the samples to the states of the forward and the
+    backward run and to the kept outputs; turned (s, s): from the forward to the backward state; ahead, behind (kept,
+    s): from the forward and the backward state to kept outputs.
     """
 
     length: int
@@ -59,20 +58,20 @@ class _Blocks:
 
 
 def block_length(factor: int) -> int:
-    """Samples of a block, a multiple of the factor; 0 where running block by block does not pay."""
+    """Samples of a block, a multiple of the factor; 0 if blocks do not save time."""
     kept = min(max(-(-BLOCKS.length // factor), 1), BLOCKS.kept)
     return kept * factor if kept * factor <= BLOCKS.longest else 0
 
 
 class RunningFilter:
-    """Forward and backward over samples that come in parts, keeping every so many-th; see `kept_samples`.
+    """Forward and backward run over samples that come in parts, with decimation; see `kept_samples`.
 
-    Only what the run backward needs of each block stays: its states and kept outputs, not its samples.
+    Of each block only the states and kept outputs stay for the backward run, not its samples.
     """
 
     def __init__(self, sections: FloatArray, order: int, factor: int, first: int) -> None:
         self._sections, self._factor, self._extension = sections, factor, 3 * order
-        # The run forward begins at rest on the very first sample: more of that one change nothing.
+        # The forward run begins at rest on the very first sample: repeating that one changes nothing.
         self._front = -(self._extension + first) % factor
         self._start = (self._front + self._extension + first) // factor
         self._first = first
@@ -93,7 +92,7 @@ class RunningFilter:
         waiting = np.concatenate(self._waiting) if len(self._waiting) > 1 else x
         if not self._begun:
             waiting = self._begin(waiting)
-        # The last samples are needed whole, to extend the end; those of a block that is not full wait.
+        # The last samples are kept, to extend the end; those of an incomplete block wait.
         self._waiting = [waiting[self._run(waiting, len(waiting) - self._extension - 1) :].copy()]
 
     def finish(self) -> FloatArray:
@@ -129,7 +128,7 @@ class RunningFilter:
         return extended
 
     def _run(self, x: FloatArray, most: int) -> int:
-        """Run forward over whole blocks of at most so many samples, and return how many these were."""
+        """Run forward over whole blocks of at most `most` samples, and return their total."""
         length, columns = block_length(self._factor), x.shape[1]
         count = most // length if length else 0
         if count <= 0:
@@ -144,7 +143,7 @@ class RunningFilter:
 
 
 def kept_samples(sections: FloatArray, x: FloatArray, order: int, factor: int, first: int) -> FloatArray:
-    """What `forward_backward` gives at every so many-th sample of x (N, ...), from a first one below `factor` on.
+    """Result of `forward_backward` at every `factor`-th sample of x (N, ...), from index `first` < `factor`.
 
     sections: shape (n_sections, 6). x: more than 3 * order samples, shape (N, ...). order: of the filter, which sets
     the length of the extension at the ends. factor: one sample in this many is kept. first: index of the first sample
@@ -198,7 +197,7 @@ def decimate(x: FloatArray, factor: int) -> FloatArray:
 
 
 class Decimation:
-    """`decimate` for samples that come in parts: none of them stays but what is kept."""
+    """`decimate` for samples that come in parts: only kept ones are stored."""
 
     def __init__(self, length: int, factor: int) -> None:
         """length: of all parts together. Raises BenchError as `decimate`."""
@@ -230,13 +229,13 @@ def decimated_indices(length: int, factor: int) -> NDArray[np.intp]:
 
 
 def fit_band(rate: float, factor: int) -> float:
-    """Return the highest frequency [Hz] that `decimate` lets pass, for a sampling rate [Hz] before it."""
+    """Return the highest frequency [Hz] that passes `decimate`, for a sampling rate [Hz] before it."""
     return rate / 2 if factor == 1 else DECIMATING.band * rate / 2 / factor
 
 
 @lru_cache(maxsize=64)
 def noise_bandwidth(factor: int) -> float:
-    """Return the share of the variance of white noise that `decimate` lets pass.
+    """Return the share of the variance of white noise that passes `decimate`.
 
     It is the integral of the squared gain over all frequencies, close to 0.8 / factor.
     """
@@ -255,11 +254,11 @@ def sections_of(factor: int) -> FloatArray:
 
 @dataclass(frozen=True)
 class _Plan:
-    """How columns of K samples are filtered: as `size` samples that repeat.
+    """How columns of K samples are filtered: as a period of `size` samples.
 
-    front (b, t), back (b, t): the samples before the first and after the last sample, from the first t and the last t;
-    behind both it stays as it is. forward, backward: gains at the frequencies of both passes; kept: how many samples of
-    twice the rate of those that are kept come out of the second, and the first `count` of every other are those.
+    front (b, t), back (b, t): extrapolate before the first and after the last sample, from the first t and the last t;
+    constant beyond. forward, backward: gains at the frequencies of both passes; kept: number of output samples of the
+    second pass, at twice the rate of the kept ones; every other, the first `count`, is kept.
     """
 
     size: int
@@ -272,7 +271,7 @@ class _Plan:
 
 
 def decimate_sparse(x: FloatArray, every: int, length: int, factor: int) -> FloatArray:
-    """What `decimate` gives of so many samples, of which x (K, C) has every so many-th from the first one on.
+    """The result of `decimate` for `length` samples, of which x (K, C) has one per `every`, from the first.
 
     factor: more than twice `every`; x has at least 3 * order / every + neighbours samples. Returns (M, C).
     """
@@ -296,7 +295,7 @@ def _decimated(plan: _Plan, columns: FloatArray) -> FloatArray:
 
 
 def _closed(columns: FloatArray, size: int) -> FloatArray:
-    """Columns (C, K), and after them a way from the last to the first value: level, smooth, level; (C, size)."""
+    """Columns (C, K), then a transition from the last to the first value: level, smooth, level; (C, size)."""
     more = size - columns.shape[1]
     share = 0.5 - 0.5 * np.cos(np.pi * np.linspace(-1.0, 2.0, more).clip(0.0, 1.0))
     last = columns[:, -1:]
@@ -330,7 +329,7 @@ def _plan(every: int, length: int, factor: int) -> _Plan:
 
 
 def _between(places: FloatArray, nodes: int) -> FloatArray:
-    """Weights (b, t) of samples 0 to t - 1 at places (b,) between or outside them: the cubic through the nearest."""
+    """Weights (b, t) of samples 0 to t - 1 at points (b,) between or outside them: cubic through the nearest."""
     weights = np.zeros((len(places), nodes))
     for row, place in zip(weights, places, strict=True):
         first = max(int(np.floor(place)) - 1, 0)

@@ -42,7 +42,7 @@ def _digital(poles: NDArray[np.complex128], gain: float, cutoff: float) -> Float
     """
     scaled = poles * np.tan(0.5 * np.pi * cutoff)
     scaled = scaled[scaled.imag > -1e-12]
-    share = scaled / (scaled - 1.0)  # (1 - pole) / 2, which the pole itself, near one, has no longer
+    share = scaled / (scaled - 1.0)  # (1 - pole) / 2, which rounding would lose in a pole near one
     upper = (1.0 + scaled) / (1.0 - scaled)
     sections = np.zeros((len(upper), 6))
     for section, k in zip(sections, np.argsort(np.abs(upper)), strict=True):
@@ -58,7 +58,7 @@ def _digital(poles: NDArray[np.complex128], gain: float, cutoff: float) -> Float
 
 
 def at_rest(sections: FloatArray) -> FloatArray:
-    """States (n_sections, 2) of sections that have seen ones for ever."""
+    """States (n_sections, 2) of sections settled on an input of one."""
     states, value = np.empty((len(sections), 2)), 1.0
     for state, (b0, b1, b2, _, a1, a2) in zip(states, sections, strict=True):
         after = value * (b0 + b1 + b2) / (1.0 + a1 + a2)
@@ -69,17 +69,17 @@ def at_rest(sections: FloatArray) -> FloatArray:
 
 
 def response(sections: FloatArray, angle: FloatArray) -> NDArray[np.complex128]:
-    """Complex gain at angles (N,), rad a sample."""
+    """Complex gain at angles (N,), rad/sample."""
     back = np.exp(-1j * np.asarray(angle))
     powers = np.stack((np.ones_like(back), back, back * back))
     return np.asarray(np.prod((sections[:, :3] @ powers) / (sections[:, 3:] @ powers), axis=0))
 
 
 def filtered(sections: FloatArray, x: FloatArray, states: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """What sections make of samples x (N, ...) from states (n_sections, 2, ...): outputs and last states.
+    """Samples x (N, ...) filtered by sections from states (n_sections, 2, ...): outputs and last states.
 
-    Many samples are run block by block: a block's outputs and last states are constant matrices times its samples
-    and first states, so that only the states are carried along one by one.
+    Many samples are processed block by block: a block's outputs and last states are constant matrices times its samples
+    and first states, so only states are carried sequentially.
     """
     columns = x.reshape(len(x), states[0, 0].size)
     state = states.reshape(2 * len(sections), states[0, 0].size)
@@ -107,7 +107,7 @@ def filtered(sections: FloatArray, x: FloatArray, states: FloatArray) -> tuple[F
 def carried(carry: FloatArray, state: FloatArray, given: FloatArray) -> tuple[FloatArray, FloatArray]:
     """States (B, s, K) at which blocks begin, and the last one's end, from what each block adds (B, s, K).
 
-    Several blocks at a time, by one product: what every block adds to the states of all behind it.
+    Several blocks at a time, by one product: what every block adds to the later states.
     """
     blocks, size, columns = given.shape
     states = np.empty((blocks, size, columns))
@@ -130,7 +130,7 @@ def carried(carry: FloatArray, state: FloatArray, given: FloatArray) -> tuple[Fl
 
 @lru_cache(maxsize=64)
 def _over_blocks(key: bytes, size: int) -> tuple[FloatArray, FloatArray]:
-    """What the state before some blocks (T s, s), and what these add (T s, T s), make of the states behind each."""
+    """Maps the state before some blocks (T s, s), and their additions (T s, T s), to the states after each."""
     carry = np.frombuffer(key).reshape(size, size).astype(np.longdouble)
     powers = [np.eye(size, dtype=np.longdouble)]
     for _ in range(BLOCKS.sections):
@@ -158,9 +158,9 @@ def one_by_one(sections: FloatArray, columns: FloatArray, state: FloatArray) -> 
 
 @dataclass(frozen=True)
 class _Block:
-    """Of L samples, s states: filtered (L, L), initial (L, s) give outputs; fed (s, L), carry (s, s) last states.
+    """Of L samples, s states: filtered (L, L), initial (L, s) give outputs; fed (s, L), carry (s, s) give last states.
 
-    powers (L, s, s): what is carried over fewer samples.
+    powers (L, s, s): carry over fewer samples.
     """
 
     filtered: FloatArray
@@ -185,7 +185,7 @@ def _block(key: bytes) -> _Block:
 
 
 def low_pass(x: FloatArray, rate: float, cutoff: float, order: int = 4) -> FloatArray:
-    """Return x without what lies above the cut-off, with no phase shift.
+    """Return x without frequencies above the cut-off, in phase.
 
     A Butterworth filter runs forward and then backward along axis 0, so its gain is squared:
     1 / (1 + (tan(pi f / rate) / tan(pi cutoff / rate))^(2 order)), one half at the cut-off. Both ends are
@@ -214,8 +214,8 @@ def low_pass_gain(frequency: FloatArray, rate: float, cutoff: float, order: int 
 def forward_backward(sections: FloatArray, x: FloatArray, order: int, what: str) -> FloatArray:
     """Run second-order sections forward and backward along axis 0, ends extended by 3 * order samples.
 
-    Second-order sections and not one ratio of polynomials: at a cut-off of a twelfth of the rate the two
-    already differ by 2e-8, and the polynomials lose more the lower the cut-off is.
+    Second-order sections are more accurate than one ratio of polynomials: at a cut-off of a twelfth of the rate, the
+    two already differ by 2e-8, and more at lower cut-offs.
 
     sections: shape (n_sections, 6). x: samples, shape (N, ...). order: order of the filter, which sets the length of
     the extension. what: name of the caller for the message. Raises BenchError: the record has no more than 3 * order
@@ -231,20 +231,20 @@ def forward_backward(sections: FloatArray, x: FloatArray, order: int, what: str)
 
 
 def check_length(x: FloatArray, order: int, what: str) -> None:
-    """Raise BenchError where a record (N, ...) is too short for the extension of a filter of this order."""
+    """Raise BenchError if a record (N, ...) is too short for the extension of a filter of this order."""
     if len(x) <= 3 * order:
         raise too_short(len(x), order, what)
 
 
 def too_short(length: int, order: int, what: str) -> BenchError:
-    """What is said of a record of so many samples."""
+    """Message for a record of `length` samples."""
     return BenchError(f"{what}: {length} samples are too few, it needs more than {3 * order}")
 
 
 def extended_start(x: FloatArray, length: int, held: int = 0) -> FloatArray:
-    """Return x, shape (N, ...), with so many samples more before it, reflected through the first one.
+    """Return x, shape (N, ...), with `length` more samples before it, reflected through the first one.
 
-    held: how many more samples stand before all of them, equal to the first of them.
+    held: number of further samples before these, equal to the first of them.
     """
     start = held + length
     extended = np.empty((start + len(x), *x.shape[1:]))
@@ -255,7 +255,7 @@ def extended_start(x: FloatArray, length: int, held: int = 0) -> FloatArray:
 
 
 def extended_end(x: FloatArray, length: int) -> FloatArray:
-    """Return x, shape (N, ...), with so many samples more after it, reflected through the last one."""
+    """Return x, shape (N, ...), with `length` samples more after it, reflected in the last one."""
     extended = np.empty((len(x) + length, *x.shape[1:]))
     extended[: len(x)] = x
     np.subtract(2 * x[-1], x[-2 : -length - 2 : -1], out=extended[len(x) :])
@@ -270,5 +270,5 @@ def _butterworth(order: int, cutoff: float) -> FloatArray:
 
 @lru_cache(maxsize=64)
 def resting_states(sections: bytes) -> FloatArray:
-    """States (n_sections, 2) of second-order sections that have seen ones for ever."""
+    """States (n_sections, 2) of second-order sections settled on an input of one."""
     return at_rest(np.frombuffer(sections).reshape(-1, 6))

@@ -1,7 +1,7 @@
-"""From measured positions to positions, velocities and accelerations for the model, and to the fit's rows.
+"""Measured positions to positions, velocities and accelerations for the model, and to rows of the fit.
 
-Differentiated once, noise of density s on a velocity has the power (2 pi)^2 s f^3 / 3 in the acceleration up to f;
-differentiated twice, that on a position has (2 pi)^4 s f^5 / 5.
+Noise of density s on a velocity, differentiated once, has the power (2 pi)^2 s f^3 / 3 in the acceleration up to f; on
+a position, differentiated twice, (2 pi)^4 s f^5 / 5.
 """
 
 from dataclasses import dataclass
@@ -40,7 +40,7 @@ def estimate_motion(
     called band-pass differentiation.
 
     position: measured, shape (N, n). rate: sampling rate [Hz]. settings: their border is dropped, so M = N - border[0]
-    - border[1]. logged: velocities that are taken in place of differentiated positions, shape (N, n); NaN for none.
+    - border[1]. logged: velocities used in place of differentiated positions, shape (N, n); NaN for none.
     """
     filtered = low_pass(position, rate, settings.position_cutoff, settings.filter_order)
     velocity = central_difference(filtered, 1 / rate, settings.difference_order)
@@ -52,7 +52,7 @@ def estimate_motion(
 
 
 def trim(x: FloatArray, settings: FilterSettings) -> FloatArray:
-    """Return x, shape (N, ...), without its border samples: what belongs to a `Motion`, such as currents.
+    """Return x, shape (N, ...), such as currents, without border samples, as a `FilteredMotion`.
 
     Raises BenchError: nothing remains.
     """
@@ -64,11 +64,11 @@ def trim(x: FloatArray, settings: FilterSettings) -> FloatArray:
 
 @dataclass(frozen=True)
 class LoggedVelocity:
-    """How one joint's logged velocity compares with its differentiated position, up to the position cut-off.
+    """Comparison of one joint's logged velocity with its differentiated position, up to the position cut-off.
 
-    scale: by which it is larger; delay: by which it is later, s; off: RMS difference over the RMS velocity, noise
-    aside; other: RMS of what scale and delay do not explain over the RMS of the logged velocity, noise aside; density:
-    of its noise [unit^2/Hz]; louder: power of this noise in the acceleration over that of the position's.
+    scale: factor by which it is larger; delay, s; off: RMS difference over the RMS velocity, noise aside; other: RMS
+    not explained by scale and delay, over the RMS of the logged velocity, noise aside; density: of its noise
+    [unit^2/Hz]; louder: power of this noise in the acceleration over that of the position's.
     """
 
     scale: float
@@ -80,12 +80,12 @@ class LoggedVelocity:
 
     @property
     def agrees(self) -> bool:
-        """Whether it is the rate of the position, as far as noise lets it be seen."""
+        """Whether it is the rate of the position, up to noise."""
         return self.off <= LOGGED.agrees
 
     @property
     def taken(self) -> bool:
-        """Whether it is taken in place of the differentiated position: it agrees, and has clearly less noise."""
+        """Whether it replaces the differentiated position: it agrees, and has clearly less noise."""
         return self.agrees and self.louder < LOGGED.quieter
 
 
@@ -122,6 +122,6 @@ def compared_velocity(
 
 
 def _density(signal: FloatArray, rate: float) -> float:
-    """Of the white noise of a signal (N,) [unit^2/Hz]."""
+    """White noise density of signal (N,) [unit^2/Hz]."""
     channel = signal[:, None]
     return float(max(noise_density(channel, rate)[0], quantisation_density(channel, rate)[0]))

@@ -1,4 +1,4 @@
-"""Motion that returns: after how many samples positions are the same again."""
+"""Motion that returns: the period in samples of positions."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
@@ -15,7 +15,7 @@ FloatArray = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class Course:
-    """A motion's positions (M, n), of which it is worked out once after how many samples they return."""
+    """A motion's positions (M, n); their period in samples is computed once."""
 
     position: FloatArray
 
@@ -26,7 +26,7 @@ class Course:
 
 
 def rows_until_return(position: FloatArray) -> float | None:
-    """The shortest lag, in samples and parts of one, after which positions (M, n) are mostly the same; None if none."""
+    """The shortest lag, in fractional samples, after which positions (M, n) are mostly the same; None if none."""
     spread = position.std(axis=0)
     turning = spread > 0.0
     if not turning.any() or len(position) <= RETURNING.samples:
@@ -39,7 +39,7 @@ def rows_until_return(position: FloatArray) -> float | None:
     inner = by_row[1:-1]
     least = 1 + np.flatnonzero((inner <= by_row[:-2]) & (inner <= by_row[2:]) & (inner < RETURNING.near))
     for i in (1 + least[least > gone[0]]).tolist():
-        # as far as a part of a sample can take it
+        # as far as a fraction of a sample can change it
         pace = np.abs(np.diff(scaled[i - 1 :], axis=0)).max(axis=1)
         off = np.abs(scaled[i:] - scaled[: len(scaled) - i]).max(axis=1)
         if np.mean(off <= RETURNING.same + pace) <= RETURNING.mostly:
@@ -55,14 +55,14 @@ def rows_until_return(position: FloatArray) -> float | None:
 
 
 def same_again(position: FloatArray, lag: float) -> NDArray[np.bool_]:
-    """Whether the positions (M, n) so many samples later are the same, for all samples (K,) that have a later one."""
+    """Whether the positions (M, n) are the same after `lag` samples, for all samples (K,) with such a later one."""
     spread = position.std(axis=0)
     (apart,) = _apart(position / np.where(spread > 0.0, spread, np.inf), [lag])
     return np.asarray(apart <= RETURNING.same)
 
 
 def _apart(scaled: FloatArray, lags: Sequence[float]) -> Iterator[FloatArray]:
-    """How far signals (M, n) are off at worst so many samples later, (K,), for every lag."""
+    """Largest distance (K,) of signals (M, n) from themselves after each of the lags."""
     rows = np.arange(len(scaled), dtype=float)
     course = cubic_spline(rows, scaled)
     for lag in lags:
@@ -71,7 +71,7 @@ def _apart(scaled: FloatArray, lags: Sequence[float]) -> Iterator[FloatArray]:
 
 
 def shifted_apart(signals: FloatArray) -> FloatArray:
-    """RMS distance (M, n) of signals (M, n) from themselves, shifted by 0 to M - 1 samples, through their spectrum."""
+    """RMS distance (M, n) of signals (M, n) from themselves, shifted by 0 to M - 1 samples, from their spectrum."""
     signals = signals - signals.mean(axis=0)
     rows = len(signals)
     products = lagged_products(signals)

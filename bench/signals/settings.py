@@ -25,13 +25,13 @@ FloatArray = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class FilterSettings:
-    """Settings of the filters that lead from measured positions and currents to the rows of the fit.
+    """Settings of the filters from measured positions and currents to the rows of the fit.
 
-    position_cutoff: cut-off of the low-pass on positions [Hz]. decimation: one sample in this many is kept, after its
+    position_cutoff: cut-off of the low-pass on positions [Hz]. decimation: one sample in this many is kept, after a
     low-pass. filter_order: order of one pass of the position filter. difference_order: order of the central
     differences: 2, 4, 6 or 8. border: samples dropped at the start and at the end after differentiation, before
-    decimation. keep_standstill: whether rows of a joint that does not move are fitted and judged; there friction takes
-    any value up to its limit.
+    decimation. keep_standstill: whether rows of a joint at rest are fitted and judged; friction takes any value up to
+    its limit there.
     """
 
     position_cutoff: float
@@ -56,16 +56,16 @@ class FilterSettings:
             raise BenchError(f"filter settings: border {self.border} must be two numbers, 0 or more")
 
     def band(self, rate: float) -> float:
-        """Return the highest frequency [Hz] that the fit sees, at a sampling rate [Hz]."""
+        """Return the highest frequency [Hz] in the fit, at a sampling rate [Hz]."""
         return fit_band(rate, self.decimation)
 
 
 @dataclass(frozen=True)
 class Bands:
-    """What the spectra of all recordings say, frequencies in Hz.
+    """Bands from the spectra of all recordings, frequencies in Hz.
 
-    current: above it lies less than a thousandth of the power of every current, noise aside. motion: above it lies less
-    than a hundredth of the power of every acceleration. fit_limit: below it, noise is at most 1e-5 of the power of
+    current: less than a thousandth of the power of every current is above it, noise aside. motion: less than a
+    hundredth of the power of every acceleration is above it. fit_limit: below it, noise is at most 1e-5 of the power of
     every acceleration. filter_limit: the same for 1e-3. position_noise: density of the white noise of each position,
     shape (n,) [unit^2/Hz]. current_noise: density of the white noise of each current, shape (n,) [unit^2/Hz].
     """
@@ -87,8 +87,8 @@ def signal_bands(
     """Read the bands of signals and noise off the spectra of all recordings.
 
     positions: one array of shape (N, n) for each recording [rad or m]. currents: likewise [drive unit]. rate: sampling
-    rate [Hz]. velocity_noise: of each recording, the density of the noise of every velocity that was logged and is
-    taken [unit^2/s^2/Hz], shape (n,), infinite for the others.
+    rate [Hz]. velocity_noise: of each recording, the noise density of every logged velocity that is used
+    [unit^2/s^2/Hz], shape (n,), infinite for the others.
     """
     if not positions or len(positions) != len(currents):
         raise BenchError(f"filter settings: {len(positions)} positions, {len(currents)} currents: want pairs")
@@ -135,17 +135,16 @@ def choose_settings(
 ) -> FilterSettings:
     """Choose the filters from the spectra of all recordings.
 
-    The fit's band holds the currents except for a thousandth of their power (where Coulomb friction leaves a
-    long tail: at most fifteen times the band of the motion) and gives at least 800 rows. It ends earlier
-    where the noise of the positions, differentiated twice, would bias the fit (an acceleration whose noise
-    is a share e of its power lowers a least-squares inertia by about e), but not before the motion does.
-    The position cut-off is 5 times the band, or down to 3.2 times where noise asks for it; at the edge of
-    the band the filter then takes off less than 1e-4. Source of the rule of five: M. Gautier, "Dynamic
-    identification of robots with power model", ICRA 1997.
+    The fit's band holds the currents except for a thousandth of their power (where Coulomb friction leaves a long tail:
+    at most fifteen times the band of the motion) and gives at least 800 rows. It ends earlier where the noise of the
+    positions, differentiated twice, would bias the fit (an acceleration whose noise is a share e of its power lowers a
+    least-squares inertia by about e), but not before the motion does. The position cut-off is 5 times the band, or down
+    to 3.2 times if noise requires it; the attenuation at the edge of the band is then below 1e-4. Source of the rule of
+    five: M. Gautier, "Dynamic identification of robots with power model", ICRA 1997.
 
     positions: one array of shape (N, n) for each recording [rad or m]. currents: likewise [drive unit]. rate: sampling
-    rate [Hz]. bands: what `signal_bands` says of the same recordings, where that is known already. Raises BenchError:
-    recordings not in pairs, or one of fewer than 100 samples.
+    rate [Hz]. bands: from `signal_bands` for the same recordings, if known already. Raises BenchError: recordings not
+    in pairs, or one of fewer than 100 samples.
     """
     if bands is None:
         bands = signal_bands(positions, currents, rate)
@@ -170,8 +169,8 @@ def completed(
     rate: float,
     bands: Bands | None = None,
 ) -> FilterSettings:
-    """Settings of which some are given by name; the others are chosen as in `choose_settings`, and the border is that
-    which the cut-off needs, also one that is given.
+    """Settings of which some are given by name; the others are chosen as in `choose_settings`. The border is that which
+    the cut-off, given or chosen, needs.
     """
     settings = replace(choose_settings(positions, currents, rate, bands), **given)
     if "position_cutoff" not in given or "border" in given:
@@ -181,7 +180,7 @@ def completed(
 
 
 def settled_border(cutoff: float, rate: float, samples: int) -> int:
-    """Samples at an end until the low-pass on positions has forgotten it, at most a fifth of the shortest log."""
+    """Samples until the low-pass on positions has settled from an end, at most a fifth of the shortest log."""
     return min(int(np.ceil(BANDS.settling * rate / cutoff)) + 8, int(BANDS.border * samples))
 
 

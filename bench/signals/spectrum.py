@@ -1,4 +1,4 @@
-"""Power spectra of measured signals: where the signal ends and what the noise is.
+"""Power spectra of measured signals: the end of the signal, and the noise.
 
 Source of the averaged periodogram: P. D. Welch, "The use of fast Fourier transform for the estimation of
 power spectra", IEEE Trans. Audio Electroacoustics 15, 1967.
@@ -17,7 +17,7 @@ FloatArray = NDArray[np.float64]
 
 
 def _high_pass() -> FloatArray:
-    """Below 0.26 of half the rate 118 dB down, with a second difference against large slow motions."""
+    """118 dB down below 0.26 of half the rate, with a second difference against large slow motions."""
     place = np.arange(SPECTRA.taps) - SPECTRA.taps // 2
     ideal = np.sinc(place) - 0.5 * np.sinc(0.5 * place)
     taps = ideal * np.kaiser(SPECTRA.taps, SPECTRA.taper)
@@ -40,9 +40,9 @@ def power_spectrum(x: FloatArray, rate: float) -> tuple[FloatArray, FloatArray]:
 
 
 def hann_spectrum(x: FloatArray, rate: float, length: int, *, centred: bool) -> tuple[FloatArray, FloatArray]:
-    """The same of one signal x (N,), from Hann's windows of so many samples that overlap by half: (F,) both.
+    """The same of one signal x (N,), from Hann windows of `length` samples that overlap by half: (F,) both.
 
-    centred: whether each segment's mean is taken away first.
+    centred: whether each segment's mean is subtracted first.
     """
     window = np.hanning(length + 1)[:-1]
     frequency, density = _averaged(x[:, None], rate, window, length - length // 2, centred=centred)
@@ -78,10 +78,9 @@ def _window(length: int) -> FloatArray:
 def noise_density(x: FloatArray, rate: float) -> FloatArray:
     """Return the density [unit^2/Hz] of the white noise on each channel, shape (n,).
 
-    A short high-pass keeps the upper half of the spectrum, where noise is alone except for sudden steps,
-    such as Coulomb friction at a reversal. Those stand out in time, so samples beyond four standard
-    deviations are omitted with their neighbours, again and again until no more go. A spectrum could not
-    tell their tail from noise.
+    A short high-pass keeps the upper half of the spectrum, which is only noise except for sudden steps, such as Coulomb
+    friction at a reversal. Those are prominent in time, so samples beyond four standard deviations are omitted with
+    their neighbours, until none remains. A spectrum could not distinguish their tail from noise.
 
     x: samples at a uniform rate, shape (N, n). rate: sampling rate [Hz].
     """
@@ -113,9 +112,9 @@ def _clipped_power(x: FloatArray) -> float:
 def noise_floor(x: FloatArray, rate: float, band: float) -> FloatArray:
     """Return the RMS of the measurement noise below a frequency, for each channel, shape (n,).
 
-    The noise is taken as white: its density is read in the upper half of the spectrum and carried down. Noise
-    that is not white (a controller that amplifies encoder noise into the current, drift) is not seen.
-    For what remains after decimation by a factor, band is noise_bandwidth(factor) * rate / 2.
+    The noise is taken as white: its density in the upper half of the spectrum is extended downwards. Coloured noise (a
+    controller that amplifies encoder noise into the current, drift) is not detected. After decimation by a factor, band
+    is noise_bandwidth(factor) * rate / 2.
 
     x: samples, shape (N, n), any unit. rate: sampling rate [Hz]. band: upper end of the band [Hz], at most rate / 2.
     """
@@ -151,10 +150,10 @@ def signal_density(density: FloatArray, floor: FloatArray) -> FloatArray:
 
 
 def leading_signal_density(density: FloatArray, floor: FloatArray) -> FloatArray:
-    """Return `signal_density` up to where the signal first sinks into the noise, and zero above.
+    """Return `signal_density` up to where the signal first falls into the noise, and zero above.
 
-    It has sunk when the width of a window's main lobe holds nothing above three times the floor. For
-    positions on the way to accelerations: the fourth power of the frequency would make much of a chance peak.
+    That is where the width of a window's main lobe has nothing above three times the floor. For accelerations from
+    positions: the fourth power of frequency would amplify a chance peak.
     """
     loud = density > SPECTRA.outlier * floor
     ahead = sliding_window_view(np.pad(loud, ((0, SPECTRA.lobe - 1), (0, 0))), SPECTRA.lobe, axis=0).any(
@@ -168,7 +167,7 @@ def band_edge(frequency: FloatArray, density: FloatArray, loss: float) -> float:
     """Return the lowest frequency [Hz] above which no channel has more than a share `loss` of its power.
 
     frequency: uniform from 0, shape (F,) [Hz]. density: power densities of the signal alone, shape (F, n); channels
-    without power are passed over. loss: between 0 and 1.
+    without power are skipped. loss: between 0 and 1.
     """
     below = np.cumsum(density, axis=0)
     total = below[-1]
@@ -182,12 +181,11 @@ def band_edge(frequency: FloatArray, density: FloatArray, loss: float) -> float:
 def noise_from(frequency: FloatArray, position: FloatArray) -> FloatArray:
     """Return the frequency [Hz] from which on a position's spectrum is noise that is not white, shape (n,).
 
-    A motion's acceleration fades with the frequency; that of noise rises, since it is differentiated twice. So the
-    noise begins where the acceleration is least, if it has faded to a hundredth by there and rises again; or, where a
-    controller's jitter keeps it level up to the end of the spectrum, over two octaves at least, from where on it is
-    so, faded to a thirtieth; infinite where neither is so. What friction and cogging torques move is level for a
-    while only. What counts is the largest density within an octave, as a repeated motion has lines with nothing
-    between them.
+    A motion's acceleration fades with the frequency; that of noise rises, since it is differentiated twice. So noise
+    begins at the least acceleration, if this has faded to a hundredth and rises again. Or a controller's jitter keeps
+    it level up to the end of the spectrum, over at least two octaves: then noise begins there, if it has faded to a
+    thirtieth. Else infinite. Friction and cogging torques give level spectra only for a while. The largest density
+    within an octave counts, as a repeated motion has separate lines.
 
     frequency: uniform from 0, shape (F,) [Hz]. position: power densities without white noise, shape (F, n) [unit^2/Hz].
     """
@@ -214,7 +212,7 @@ def noise_from(frequency: FloatArray, position: FloatArray) -> FloatArray:
 
 
 def largest_within_octaves(values: FloatArray, first: int, last: int) -> FloatArray:
-    """max(values[i : 2 * i + 1]) for i from first to last, of which 2 * last is a place: of two windows that overlap,
+    """max(values[i : 2 * i + 1]) for i from first to last; 2 * last must be an index. From two overlapping windows,
     each of a power of two of values.
     """
     starts = np.arange(first, last + 1)
@@ -233,8 +231,8 @@ def largest_within_octaves(values: FloatArray, first: int, last: int) -> FloatAr
 
 
 def _level_from(octaves: FloatArray, first: int) -> int | None:
-    """From which frequency (index) on an acceleration that has faded stays level up to the end; octaves (K,): its
-    largest value within an octave from each frequency on, `first` the lowest.
+    """The frequency (index) from which a faded acceleration stays level up to the end; octaves (K,): its largest value
+    within an octave from each frequency, the lowest at `first`.
     """
     index = first + np.arange(len(octaves))
     least = np.minimum.accumulate(octaves[::-1])[::-1]

@@ -1,1 +1,1 @@
-"""Laws that no catalogue has, found from what a model leaves."""
+"""Laws outside the catalogue, from a model's residual."""

@@ -1,4 +1,4 @@
-"""Factors of which laws are products: powers, waves, decays, steps, and what is remembered."""
+"""Factors of laws: powers, waves, decays, steps, and first-order lags (memories)."""
 
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
@@ -16,7 +16,7 @@ from bench.identification.tolerances import TOLERANCES
 
 @dataclass(frozen=True)
 class Number:
-    """A number of a factor that may be adapted to the data, from low to high; unit: as of an effect's parameter."""
+    """An adaptable constant of a factor, from low to high; unit: as of an effect's parameter."""
 
     name: str
     value: float
@@ -27,31 +27,31 @@ class Number:
 
 @dataclass(frozen=True)
 class Factor(ABC):
-    """A function of one or two variables, without a unit except that of its powers.
+    """A function of one or two variables, without a unit but that of its powers.
 
-    `formula` and `code` have the same parts: two for a wave, whose phase is free, as many as knots for a table, else
-    one. numbers: those that may be adapted; names: how they are called where the factor is written as code.
+    `formula` and `code` have the same parts: two for a wave, whose phase is free, one per knot for a table, else one.
+    numbers: the adaptable ones; names: theirs in code of the factor.
     """
 
     @property
     def parts(self) -> int:
-        """How many coefficients it takes."""
+        """Number of its coefficients."""
         return 1
 
     @property
     @abstractmethod
     def variables(self) -> tuple[Variable, ...]:
-        """What it looks at."""
+        """Its variables."""
 
     @property
     def number(self) -> Number | None:
-        """What may be adapted to the data."""
+        """The constant that can adapt."""
         return None
 
     @property
     @abstractmethod
     def role(self) -> Role:
-        """How a law goes by its variables."""
+        """How a law uses its variables."""
 
     @abstractmethod
     def values(self, seen: Seen) -> np.ndarray:
@@ -127,7 +127,7 @@ class Power(OfOne):
 
 
 def _power(x: str, number: str, exponent: float | None, odd: bool, prefix: str) -> str:
-    """|x|^number, odd or not, in the shortest way; exponent: None where it is free."""
+    """|x|^number, odd or not, in the shortest form; exponent: None if it is free."""
     if exponent == 0.0:
         return f"{prefix}sign({x})"
     if exponent == 1.0:
@@ -144,7 +144,7 @@ def _power(x: str, number: str, exponent: float | None, odd: bool, prefix: str) 
 class Wave(OfOne):
     """cos(w x) and sin(w x): a wave whose phase is free. x: a position or the time; w: `rate`, rad a unit of x.
 
-    reach: how far the rate may be adapted, where it is free. about_mean: with its mean as the first part.
+    reach: range of the rate, if free. about_mean: with its mean as the first part.
     """
 
     rate: float
@@ -191,7 +191,7 @@ class Wave(OfOne):
 
 @dataclass(frozen=True)
 class Timed(Factor):
-    """What has a time constant, s, that may be adapted."""
+    """A factor with an adaptable time constant, s."""
 
     duration: float
 
@@ -206,7 +206,7 @@ class Timed(Factor):
 
 @dataclass(frozen=True)
 class Decay(Timed):
-    """exp(-t/T): what fades from the start of a recording."""
+    """exp(-t/T) from the start of a recording."""
 
     @property
     def variables(self) -> tuple[Variable, ...]:
@@ -228,7 +228,7 @@ class Decay(Timed):
 
 @dataclass(frozen=True)
 class Step(OfOne):
-    """1 where x is larger than a threshold, else 0. x: a position or the time; reach: how far it may be adapted."""
+    """1 where x exceeds a threshold, else 0. x: a position or the time; reach: range of the threshold."""
 
     threshold: float
     reach: float
@@ -257,7 +257,7 @@ class Step(OfOne):
 
 @dataclass(frozen=True)
 class Memory(Timed):
-    """z with dz/dt = (x - z)/T, zero at the start: x as a first-order lag remembers it. x: a product of powers."""
+    """z with dz/dt = (x - z)/T, zero at the start: a first-order lag of x. x: a product of powers."""
 
     powers: tuple[Power, ...]
 
@@ -296,7 +296,7 @@ def unit_of(factors: tuple[Factor, ...], place: Place) -> str:
 
 @dataclass(frozen=True)
 class PiecewiseLinear(OfOne):
-    """f(x) by its values at knots, with straight lines between; constant beyond the first and the last."""
+    """f(x) by its values at knots, linear between them, constant beyond the first and the last."""
 
     knots: tuple[float, ...]
 
@@ -330,7 +330,7 @@ class PiecewiseLinear(OfOne):
 def table_over(
     variable: Variable, values: np.ndarray, knots: int, among: Sequence[float] = ()
 ) -> PiecewiseLinear:
-    """With as many values of a variable (M,) between any two of its knots; `among` are knots, too."""
+    """Knots with equally many values of a variable (M,) between them; `among` are knots, too."""
     places = np.quantile(values, np.linspace(0.01, 0.99, knots))
     apart = 0.3 * float(np.ptp(places)) / knots
     nodes = sorted(among)

@@ -1,4 +1,4 @@
-"""Diagnosis with the effects of a catalogue and, where these leave something, with laws that are in none."""
+"""Diagnosis with the effects of a catalogue and, if these leave an error, with laws outside it."""
 
 from dataclasses import replace
 
@@ -22,14 +22,14 @@ from bench.identification.problem import Problem
 def find_missing_effects(
     problem: Problem, *, discover: bool | None = None, progress: Progress = SILENT, deadline: Deadline = NEVER
 ) -> Diagnosis:
-    """Physical effects that the model lacks, and laws that no catalogue has, judged on recordings not fitted.
+    """Physical effects that the model lacks, and laws outside the catalogue, judged on recordings not fitted.
 
-    discover: whether to look for laws, by default where the effects leave something. progress: informed how far the
-    search is. deadline: after which the best answer so far is given, and says what was not looked at. Raises
-    BenchError naming what in dataset or robot cannot be used.
+    discover: whether to search laws, by default if the effects leave an error. progress: receives the state of the
+    search. deadline: after it the best answer so far is returned, and says what was not searched. Raises BenchError
+    naming what is unusable in dataset or robot.
 
-    Columns that are probably swapped and loads that are probably others are reported. Unless that is asked for, no law
-    is looked for with them, nor with a drive gain that is ten times off. A current of the wrong sign is refused.
+    Probably swapped columns and probably wrong loads are reported. With these, or with a drive gain that is ten times
+    off, laws are searched only on request. A current of the wrong sign is refused.
     """
     case = split_and_fitted(problem, progress, deadline)
     progress.phase("looking for swapped columns and loads")
@@ -50,9 +50,9 @@ def find_missing_effects(
 
 
 def _diagnosis(case: SplitProblem, discover: bool | None, believed: bool, progress: Progress) -> Diagnosis:
-    """The diagnosis; believed: whether nothing speaks against how the data are declared.
+    """The diagnosis; believed: whether the data agree with their declaration.
 
-    After the deadline the last answer that came to its end is given.
+    After the deadline the last complete answer is returned.
     """
     finding = search_catalogue(case, progress)
     plain = answered(case, finding, progress)
@@ -72,7 +72,7 @@ def _diagnosis(case: SplitProblem, discover: bool | None, believed: bool, progre
 def _no_worse_than_usual(
     case: SplitProblem, first: AnswerWithLaws, best: AnswerWithLaws, progress: Progress
 ) -> AnswerWithLaws:
-    """The answer where it is no worse than the usual friction; else one that is, without laws."""
+    """The answer if no worse than the usual friction; else one that is not, without laws."""
     if not something_remains(best.diagnosis.unexplained):
         return best
     progress.phase("comparing with the usual friction")
@@ -84,12 +84,12 @@ def _no_worse_than_usual(
     if better is None:
         return first
     diagnosis = answered(case, better, progress)
-    # friction that is not proven makes no gain surer
+    # unproven friction must not reduce standard errors of gains
     after = gains_no_surer(diagnosis.after, best.diagnosis.after) if better.usual else diagnosis.after
     return AnswerWithLaws(better, (), replace(diagnosis, after=after))
 
 
 def _without_laws(diagnosis: Diagnosis, discover: bool | None) -> Diagnosis:
-    """An answer that says that laws were not looked for, or not to the end, unless none were to be."""
+    """An answer that says that the search for laws is incomplete, unless none was requested."""
     missed = () if discover is False else (Unfinished.LAWS,)
     return replace(diagnosis, unfinished=(*diagnosis.unfinished, *missed))

@@ -1,4 +1,4 @@
-"""The laws that are tried: carriers times modulators, with memory, in a fixed order."""
+"""The candidate laws: carriers times modulators, with memory, in a fixed order."""
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
@@ -17,12 +17,11 @@ T, TOOL, OTHERS = Variable("time"), Variable("tool_speed"), Variable("others_loa
 
 @dataclass(frozen=True)
 class Scope:
-    """What there is for laws to look at, at all motors alike.
+    """The inputs of laws, the same at all motors.
 
-    others: how many other motors; several: whether their loads can be added up; tool: whether there is one. duration s,
-    of the longest recording. lowest, highest: positions, rad or m; rates: of waves over the position, rad a unit;
-    pulses: of waves over the time, rad/s. shortest s: between samples. of_time: whether a law may change with the time
-    alone.
+    others: number of other motors; several: whether their loads can be added; tool: whether there is one. duration s,
+    of the longest recording. lowest, highest: positions, rad or m; rates: of waves over the position, rad per unit;
+    pulses: of waves over time, rad/s. shortest s: between samples. of_time: whether a law may depend on time alone.
     """
 
     others: int
@@ -38,7 +37,7 @@ class Scope:
 
 
 def grammar(scope: Scope) -> list[Term]:
-    """Every term that is tried, each once."""
+    """Every candidate term, each once."""
     speed = [*_powers(V, TOLERANCES.laws.exponents, (1.0, 2.0)), Power(V, 0.0)]
     inertial = [*_powers(A, (1.0, 2.0), (0.5, 1.0, 1.5, 2.0)), Power(A, 0.0)]
     load = [*_powers(LOAD, (0.5, 1.0, 1.5, 2.0), (0.5, 1.0, 1.5, 2.0)), Power(LOAD, 0.0)]
@@ -86,7 +85,7 @@ def _steps(x: Variable, low: float, high: float) -> list[Factor]:
 
 
 def _of_another(ahead: int) -> list[Factor]:
-    """Factors of the motor so many places further."""
+    """Factors of the motor `ahead` places further."""
     q, v, a, load = (Variable(variable.kind, ahead) for variable in (Q, V, A, LOAD))
     powers = [Power(v, 0.0), Power(v), Power(v, 2.0), *(Power(x, 1.0, odd=False) for x in (v, a, load))]
     return [
@@ -100,7 +99,7 @@ def _of_another(ahead: int) -> list[Factor]:
 
 
 def _remembered(scope: Scope) -> list[Term]:
-    """What is remembered by itself, and friction that follows it."""
+    """Memories by themselves, and friction that follows them."""
     signed: list[tuple[Power, ...]] = [
         (Power(V, 0.0),),
         (Power(V),),
@@ -155,11 +154,11 @@ NAMED: dict[str, tuple[Term, ...]] = {
     "torque_ripple": (Term((Power(LOAD), _WAVE)),),
     "viscous_friction": (SPEED,),
 }
-"""Effects of the catalogue that are terms of the grammar, or sums of them, whatever their numbers."""
+"""Effects of the catalogue that are terms of the grammar, or sums of them, for any constants."""
 
 _BY_STRUCTURE = {term.structure: name for name, terms in NAMED.items() for term in terms}
 
 
 def name_of(term: Term) -> str | None:
-    """The effect of the catalogue of which a term is a case; None where it has no name."""
+    """The effect of the catalogue of which a term is a case; None if it has no name."""
     return _BY_STRUCTURE.get(term.structure)

@@ -1,4 +1,4 @@
-"""Laws that were discovered, as effects and as files of them."""
+"""Discovered laws, as effects and as their files."""
 
 from collections.abc import Iterable
 from dataclasses import replace
@@ -11,7 +11,7 @@ from bench.effects.user_file import effects_in
 
 
 def write_laws(diagnosis: Diagnosis, folder: Path) -> Diagnosis:
-    """Write the file of every law into a folder; the diagnosis with their names."""
+    """Write the file of every law into a folder; the diagnosis with file names."""
     for law, source in {
         discovered_law.law: discovered_law.source for discovered_law in diagnosis.discovered
     }.items():

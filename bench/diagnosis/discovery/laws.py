@@ -1,4 +1,4 @@
-"""Terms that were identified, as laws: one effect for all motors at which the same terms show."""
+"""Identified terms as laws: one effect for all motors with the same terms."""
 
 import re
 from collections.abc import Collection, Mapping, Sequence
@@ -19,7 +19,7 @@ from bench.identification.identify import fit
 
 @dataclass(frozen=True)
 class Law:
-    """Terms that make one effect at some motors; instances: with their numbers there; source: its file."""
+    """Terms that form one effect at some motors; instances: with the constants there; source: its file."""
 
     name: str
     terms: tuple[Term, ...]
@@ -28,7 +28,7 @@ class Law:
     source: str
 
     def at(self, numbers: Mapping[str, float]) -> list[Term]:
-        """The terms of the law with these numbers, by label."""
+        """The law's terms with these constants, by label."""
         return [
             term.with_numbers([numbers[label] for label in labels])
             for term, labels in zip(self.terms, labelled(self.terms)[1], strict=True)
@@ -36,7 +36,7 @@ class Law:
 
 
 def laws_of(base_model: BaseModel, refined: Refined, taken: Collection[str]) -> list[Law]:
-    """Laws of a converged model's terms, each at the motors where it shows; taken: names that they cannot have."""
+    """Laws of a converged model's terms, each at the motors where it acts; taken: names already in use."""
     result, terms, places = fit(refined.model), refined.terms, places_of(base_model.start)
     shown: dict[int, list[Term]] = {}
     for place in places:

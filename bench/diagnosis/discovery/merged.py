@@ -1,4 +1,4 @@
-"""One power of the velocity in place of several functions of it that only together come near it."""
+"""One power of the velocity in place of several functions of it that approximate it together."""
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -23,7 +23,7 @@ NAME = "power"
 
 @dataclass(frozen=True)
 class Part:
-    """An effect of the catalogue at a place, or one term of a law there, by itself."""
+    """An effect of the catalogue, or one term of a law, at a place."""
 
     instance: EffectInstance
     term: Term | None = None
@@ -35,14 +35,14 @@ class Part:
 
     @property
     def of_velocity(self) -> bool:
-        """Whether it is friction by its motor's velocity alone."""
+        """Whether it is friction by its motor's velocity only."""
         if self.term is None:
             return self.instance.effect.of_velocity
         return all(isinstance(factor, Power) and factor.variable == V for factor in self.term.factors)
 
     @property
     def unknowns(self) -> int:
-        """Count of its numbers; the exponents of a law are among them, whether they were chosen or adapted."""
+        """Number of its unknowns; includes a law's exponents, chosen or adapted."""
         effect = self.instance.effect
         factors = () if self.term is None else self.term.factors
         chosen = [each for each in factors if isinstance(each, Power) and each.exponent and not each.free]
@@ -50,7 +50,7 @@ class Part:
 
 
 def parts_of(instances: Iterable[EffectInstance], laws: Sequence[Law]) -> list[Part]:
-    """Effects as they are, and every law as its terms with the numbers that it has there."""
+    """Effects, and every law as its terms with their constants at each place."""
     by_name = {law.name: law for law in laws}
     parts = []
     for instance in instances:
@@ -77,11 +77,11 @@ def _terms(law: Law, instance: EffectInstance) -> list[Part]:
 def merged(
     finding: SearchResult, laws: Sequence[Law], catalogue: Mapping[str, Effect], judge: Judge, *, much: bool
 ) -> Iterator[Refined]:
-    """The identified model with a power of the velocity for some of its functions of the velocity at some motors,
-    wherever that has fewer unknowns and leaves as little, or as many and leaves clearly less.
+    """Models with a power of the velocity in place of some functions of the velocity at some motors, which have fewer
+    unknowns and as small an error, or as many and a clearly smaller one.
 
-    laws: among the identified effects. catalogue: with their special cases. much: whether more remains
-    than noise, so that a model with as many unknowns can leave clearly less.
+    laws: among the identified effects. catalogue: with their special cases. much: whether more than noise remains, so
+    that a model with as many unknowns can be clearly better.
     """
     base_model = finding.base_model
     parts = parts_of(added_effects(base_model, finding.model), laws)
@@ -108,8 +108,8 @@ def merged(
 
 
 def together(parts: Sequence[Part]) -> list[list[Part]]:
-    """Functions of the velocity in whose place one may stand: where there are several, at the motors that have the same
-    ones, and at each of these alone; the most unknowns first.
+    """Groups of functions of the velocity that one could replace: several per motor, at all motors with the same ones
+    and at each of these alone; the most unknowns first.
     """
     sits: dict[str, list[Part]] = {}
     for part in parts:
@@ -127,8 +127,8 @@ def together(parts: Sequence[Part]) -> list[list[Part]]:
 def _with_power(
     base_model: BaseModel, full_model: Prepared, stay: Sequence[Part], places: Sequence[Place], judge: Judge
 ) -> Refined:
-    """What stays of the identified model, and a power of the velocity at some places, converged from the exponent that
-    does best with it as it is.
+    """The parts `stay` of the identified model and a power of the velocity at some places, converged from the best of
+    the initial exponents.
     """
     terms = {part.name: part.term for part in stay if part.term is not None}
     begun = []
@@ -142,8 +142,8 @@ def _with_power(
 
 
 def fewer(alike: Sequence[Part], law_unknowns: int, catalogue: Mapping[str, Effect]) -> list[list[Part]]:
-    """What may stay with a law of `law_unknowns` unknowns, so that unknowns are saved: some of the effects that were
-    identified, each as it is or as a special case of it that was not selected.
+    """Sets of parts that may stay with a law of `law_unknowns` unknowns, so that unknowns are saved: identified
+    effects, unchanged or as a special case that was not selected.
     """
     effects = [part for part in alike if part.term is None]
     present = {part.name for part in effects}

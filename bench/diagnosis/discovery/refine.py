@@ -1,4 +1,4 @@
-"""Identified terms with an exponent or a frequency set free, where that does better or makes others superfluous."""
+"""Identified terms with a free exponent or frequency, if that is better or makes others superfluous."""
 
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -24,7 +24,7 @@ from bench.identification.tolerances import TOLERANCES
 @dataclass(frozen=True)
 class Refined:
     """A converged model, its terms of the grammar by their effect's name, and its weight: see `Samples.log_posterior`;
-    held_out: sum of squares where nothing was fitted.
+    held_out: sum of squares on held-out data.
     """
 
     model: Prepared
@@ -33,13 +33,13 @@ class Refined:
     held_out: float = 0.0
 
     def size(self, base_model: BaseModel) -> int:
-        """How many effects it has beyond those of the starting model."""
+        """Number of its effects beyond those of the starting model."""
         return len(added_names(base_model, self.model))
 
 
 @dataclass(frozen=True)
 class Judge:
-    """How models are weighed: samples that count, and nats that a term of the grammar must bring beyond an effect."""
+    """Weights of models: samples that count, and nats that a term of the grammar must bring beyond an effect."""
 
     samples: Samples
     price: float
@@ -54,7 +54,7 @@ class Judge:
 
 
 def instances_of(name: str, screened: Screened, places: Sequence[Place]) -> tuple[EffectInstance, ...]:
-    """A term at every motor, with its numbers there."""
+    """A term at every motor, with constants there."""
     return tuple(
         at_joint(law_effect(name, [at_place(screened, place)], place)[0], place.name) for place in places
     )
@@ -62,7 +62,7 @@ def instances_of(name: str, screened: Screened, places: Sequence[Place]) -> tupl
 
 @dataclass(frozen=True)
 class _Variant:
-    """A model that is tried: converged as it is known nearby, and a function that gives it converged as it is."""
+    """A candidate model converged with nearby columns, and a function that converges it with exact ones."""
 
     looked_at: Refined
     exactly: Callable[[], Prepared]
@@ -71,14 +71,13 @@ class _Variant:
 def refined(
     base_model: BaseModel, model: Prepared, terms: Mapping[str, Term], places: Sequence[Place], judge: Judge
 ) -> Refined:
-    """The best of the identified model and those with one number more to be adapted, or with a wave at another
-    harmonic.
+    """The best of the identified model and those with one more free constant, or with a wave at another harmonic.
 
-    They have fewer other effects or as many; those without an effect that is not needed come first.
+    They have no more effects; those without an unneeded effect come first.
 
-    Each is judged on recordings that were not fitted, first as it is known nearby, against the identified model as
-    that is known there; what does well is then converged as it is. `LawBounds.models` of them are tried, those with
-    all or none of the other effects first. Raises TimeUpError after the deadline.
+    Each is judged on recordings that were not fitted, first with nearby columns, as is the identified model; good ones
+    are then converged with exact columns. `LawBounds.models` of them are tried, those with all or none of the other
+    effects first. Raises TimeUpError after the deadline.
     """
     best = judge.refined(model, terms)
     looked_at = judge.refined(base_model.again_nearby(model), terms)
@@ -101,7 +100,7 @@ def refined(
 def _converged_if_better(
     base_model: BaseModel, variant: _Variant, looked_at: Refined, best: Refined, judge: Judge
 ) -> Refined | None:
-    """A model that is tried, converged as it is; None where the best is as good. looked_at: see `_promises`."""
+    """A candidate, converged with exact columns; None if the best is as good. looked_at: see `_promises`."""
     if variant.looked_at.size(base_model) > best.size(base_model) or not _promises(
         base_model, variant, looked_at, best, judge
     ):
@@ -113,10 +112,10 @@ def _converged_if_better(
 def _promises(
     base_model: BaseModel, variant: _Variant, looked_at: Refined, best: Refined, judge: Judge
 ) -> bool:
-    """Whether a model may be better than the best: by what it leaves nearby, then as it is with the values estimated
-    there.
+    """Whether a model may be better than the best: by its error with nearby columns, then with exact ones at the same
+    values.
 
-    looked_at: the best as it is known nearby.
+    looked_at: the best with nearby columns.
     """
     near, nats = variant.looked_at, TOLERANCES.laws.nearby * RULE.prior
     if near.weight < looked_at.weight - nats:
@@ -128,7 +127,7 @@ def _promises(
 
 
 def _fewer(base_model: BaseModel, refinement: Refined, judge: Judge) -> Iterator[_Variant]:
-    """The model without one of its effects, where a term remains."""
+    """The model without one of its effects, if a term remains."""
     names = added_names(base_model, refinement.model)
     for name in sorted(names):
         terms = {key: term for key, term in refinement.terms.items() if key != name}
@@ -140,9 +139,9 @@ def _fewer(base_model: BaseModel, refinement: Refined, judge: Judge) -> Iterator
 def _tried(
     base_model: BaseModel, refinement: Refined, places: Sequence[Place], judge: Judge
 ) -> Iterator[_Variant]:
-    """Models with a number of one term set free, with all other effects, none of them, and all but one.
+    """Models with one free constant in a term, with all other effects, none of them, and all but one.
 
-    refinement: the model that they start from, converged as it is known nearby.
+    refinement: their starting model, converged with nearby columns.
     """
     wholes = []
 
@@ -187,9 +186,9 @@ def _tried(
 
 
 def _with_a_mean(term: Term, names: Collection[str]) -> Iterator[tuple[Term, str]]:
-    """A wave of the load together with its mean, where that is identified by its name, at this and other harmonics.
+    """A wave of the load together with its mean, if this was identified by name, at this and other harmonics.
 
-    Each is a part of the load of the other, which only one law of both can tell.
+    Each is part of the load of the other, which only one law of both can represent.
     """
     for harmonic in (term, *at_other_harmonics(term)):
         joined = about_its_mean(harmonic)
@@ -202,9 +201,9 @@ def _with_a_mean(term: Term, names: Collection[str]) -> Iterator[tuple[Term, str
 
 
 def _slower(new: Refined) -> bool:
-    """Whether a wave's rate has run below the range that it is free in, at the motor where that law is largest.
+    """Whether a wave's rate is below its range, at the motor where the law is largest.
 
-    So slow a wave is a straight line over the travel, and imitates something else.
+    Such a slow wave is a straight line over the travel and imitates something else.
     """
     values = solved_quickly(new.model)[1].theta[new.model.layout.effect_slice]
     largest: dict[str, tuple[float, EffectInstance]] = {}
@@ -227,9 +226,9 @@ def _slower(new: Refined) -> bool:
 def _without(
     base_model: BaseModel, whole: Prepared, kept: Collection[str], refinement: Refined, judge: Judge
 ) -> Prepared | None:
-    """A converged model without some of its effects; None where that explains far less, the others as they are.
+    """A converged model without some of its effects; None if it explains far less with the others unchanged.
 
-    As the whole: as it is known nearby, or as it is.
+    Columns are those of the whole: nearby or exact.
     """
     remaining = [instance for instance in added_effects(base_model, whole) if instance.name in kept]
     fewer = with_effects(whole, (*whole.effects[: len(base_model.start.effects)], *remaining))

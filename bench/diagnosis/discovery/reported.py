@@ -1,4 +1,4 @@
-"""Laws in an answer: their records, and what they do to the names of the catalogue."""
+"""Laws in an answer: their records, and their effect on the catalogue's verdicts."""
 
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
@@ -29,7 +29,7 @@ from bench.identification.result import ErrorSummary
 def with_discovered(
     finding: SearchResult, laws: Sequence[Law], tried: Sequence[Law], diagnosis: Diagnosis
 ) -> Diagnosis:
-    """The laws as what was discovered, and the catalogue's names as what is missing. tried: laws that competed."""
+    """The diagnosis with laws as discovered and catalogue effects as missing. tried: laws that competed."""
     names = {law.name: () for law in tried} | {
         law.name: tuple(place.name for place in law.places if _stays_at(finding, law, place)) for law in laws
     }
@@ -49,15 +49,15 @@ def with_discovered(
 
 
 def _stays_at(finding: SearchResult, law: Law, place: Place) -> bool:
-    """Whether a law that stays has stayed at a place: it goes from those where it is nothing."""
+    """Whether a law stays at a place: it leaves places where it is zero."""
     return place.name in finding.after.effect_parameters[law.name]
 
 
 def _without(verdict: EffectVerdict, laws: Mapping[str, Sequence[str]]) -> EffectVerdict:
-    """A verdict that names effects of the catalogue alone. laws: by name the motors at which they stay.
+    """A verdict that names only effects of the catalogue. laws: by name, the motors at which they stay.
 
-    Indistinguishable is what has an alternative of the catalogue. An effect that does as well as laws alone resembles
-    what they say; an identified one for which nothing but a law could stand is as sure as it is without that.
+    An effect is indistinguishable only from others of the catalogue. An effect that is as good as laws only resembles
+    these; an identified one whose only alternative is a law is as certain as without it.
     """
     others = tuple(name for name in verdict.alternatives if name not in laws)
     if others or not verdict.alternatives:
@@ -70,7 +70,7 @@ def _without(verdict: EffectVerdict, laws: Mapping[str, Sequence[str]]) -> Effec
 
 
 def discovered_at(finding: SearchResult, law: Law, i: int) -> Discovered:
-    """A law at the i-th of its places, with its values, its errors, and what comes nearest to it."""
+    """A law at the i-th of its places, with its values, its errors, and the nearest effect."""
     place = law.places[i]
     values = finding.after.effect_parameters[law.name][place.name]
     linear = [parameter.name for parameter in law.instances[0].effect.parameters]
@@ -110,7 +110,7 @@ def _looks_at(term: Term, place: Place) -> tuple[LooksAt, ...]:
 
 
 def _nearest(finding: SearchResult, law: str, without: float | None) -> tuple[str, float] | None:
-    """The effect of the catalogue that does best in the place of a law, and the error with it."""
+    """The effect of the catalogue that best replaces a law, and its error."""
     system, proposals = finding.last.system, finding.last.proposals
     chosen = finding.last.selection.selected.fit.chosen
     others = tuple(i for i in chosen if proposals[i].name != law)
@@ -131,12 +131,12 @@ def _nearest(finding: SearchResult, law: str, without: float | None) -> tuple[st
 def doubted(
     finding: SearchResult, laws: Sequence[Law], ranking: Sequence[EffectVerdict], remaining: Unexplained
 ) -> tuple[EffectVerdict, ...]:
-    """The ranking with small effects at the motors of laws as what resembles something: they are not sure; nor are
-    others there where clearly more remains than noise: the law is not what is there, then.
+    """The ranking in which small effects at the motors of laws only resemble something; if clearly more than noise
+    remains, all effects there do, since the law is then wrong.
 
-    A law out of a finite grammar is near to what is there, seldom the same: what a second effect at its motor takes
-    away, if that is less than RULE.law_share of what the law does, says little of the name. Both are errors on
-    recordings that were not fitted, of models without the one and the other.
+    A law from a finite grammar approximates the truth: if a second effect at its motor removes less than RULE.law_share
+    of what the law removes, its name is uncertain. Both are errors on recordings that were not fitted, of models
+    without the one and without the other.
     """
     inexact = remaining.error > RULE.law_beyond_noise * hypot(remaining.noise_floor, remaining.encoders)
     places = {place.name for law in laws for place in law.places}
@@ -156,7 +156,7 @@ def _doubted(why: Reason) -> Reason:
 
 
 def _small(finding: SearchResult, effect: str, laws: Collection[str]) -> bool:
-    """Whether an effect explains little compared with the laws."""
+    """Whether an effect explains little relative to the laws."""
     all_names = frozenset(finding.names)
     without_effect, by_laws = (
         _taken_away(finding, finding.fits(all_names.difference(out)).step) for out in ([effect], laws)
@@ -165,7 +165,7 @@ def _small(finding: SearchResult, effect: str, laws: Collection[str]) -> bool:
 
 
 def _taken_away(finding: SearchResult, without: LadderStep) -> float:
-    """How much the squared error of a model exceeds that of the identified one."""
+    """Excess of a model's squared error over that of the identified one."""
     return _error(without) ** 2 - _error(finding.after.error) ** 2
 
 
@@ -174,10 +174,10 @@ def _error(summary: LadderStep | ErrorSummary) -> float:
 
 
 def stood_for(this_round: Round, laws: Sequence[str], barred: Collection[str]) -> dict[str, int]:
-    """Laws of the best set for which another proposal (index) does as well or better, by the law's name.
+    """Laws of the best set, by name, and a proposal (index) that does as well or better.
 
-    As sign(load) is a constant offset where the load does not change its sign. Effects have less to earn than laws, so
-    that the evidence for the set with the effect is at least as large where both explain the same.
+    For example, sign(load) is a constant offset if the load keeps its sign. Effects need less evidence than laws, so if
+    both explain the same, the set with the effect is at least as probable.
     """
     system, proposals, selection = this_round.system, this_round.proposals, this_round.selection
     chosen, total = selection.selected.fit.chosen, selection.selected.total

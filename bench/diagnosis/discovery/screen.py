@@ -1,4 +1,4 @@
-"""How much of what a model leaves every term of the grammar would explain, at the fit's rate."""
+"""How much of a model's residual every term of the grammar would explain, at the fit's rate."""
 
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
@@ -16,7 +16,7 @@ from bench.identification.tolerances import TOLERANCES
 
 @dataclass(frozen=True)
 class Screened:
-    """A term, with its numbers at each motor, and the share of the residual, in squares, that it explains."""
+    """A term, with its constants at each motor, and the share of the squared residual that it explains."""
 
     term: Term
     numbers: Mapping[int, tuple[float, ...]]
@@ -26,7 +26,7 @@ class Screened:
 class Known:
     """Columns of some terms at one motor in few rows, computed once; those of others, each time.
 
-    groups: which of the terms are looked at together.
+    groups: terms that are computed together.
     """
 
     def __init__(self, seen: Seen, rows: np.ndarray, terms: Sequence[Term]) -> None:
@@ -54,7 +54,7 @@ class Known:
         return matrix.reshape(len(matrix), -1)
 
     def parts_of(self, group: int) -> int:
-        """How many parts each term of a group has."""
+        """Number of parts of each term in a group."""
         return self._terms[self.groups[group][0]].parts
 
     def columns_of(self, group: int) -> np.ndarray:
@@ -68,7 +68,7 @@ class Known:
 
 
 def _groups(terms: Sequence[Term]) -> list[list[int]]:
-    """Which terms are looked at together: not too many at a time, of as many parts each."""
+    """Terms that are computed together: not too many, all with as many parts."""
     groups = []
     for parts in sorted({term.parts for term in terms}):
         chosen = [i for i, term in enumerate(terms) if term.parts == parts]
@@ -78,10 +78,10 @@ def _groups(terms: Sequence[Term]) -> list[list[int]]:
 
 
 class Residual:
-    """What a model and some terms leave at all motors, in few rows, and their columns there, orthonormal.
+    """Residual of a model and some terms at all motors, in few rows, and their columns there, orthonormal.
 
-    basis (M, r), error (M,), weights (M,) motor by motor: the weights take torque to errors, and are
-    zero at standstill. fewer: the residual without the last columns of the basis.
+    basis (M, r), error (M,), weights (M,) motor by motor: the weights convert torque to errors, zero at standstill.
+    fewer: the residual without the last columns of the basis.
     """
 
     def __init__(
@@ -97,7 +97,7 @@ class Residual:
 
     @property
     def motors(self) -> int:
-        """How many there are."""
+        """Their number."""
         return len(self.error)
 
     @property
@@ -146,9 +146,7 @@ class Residual:
 
     @cached_property
     def products(self) -> "list[Products]":
-        """Products of the known terms in their groups; only the new columns are compared with the residual without
-        them.
-        """
+        """Products of the known terms in their groups; updates those of the residual without the new columns."""
         every = range(self.motors)
         all_products = []
         for k in range(len(self.known[0].groups)):
@@ -160,18 +158,18 @@ class Residual:
         return all_products
 
     def _joined(self, before: "Residual", products: "Products", columns: Sequence[np.ndarray]) -> "Products":
-        """Products with columns (M, T p) of some terms at every motor, from those where less is taken away."""
+        """Products with columns (M, T p) of some terms at every motor, from those of the smaller basis."""
         new = [values[:, before.basis[j].shape[1] :] for j, values in enumerate(self.basis)]
         along = [(values * self.weights[j][:, None]).T @ columns[j] for j, values in enumerate(new)]
         count = len(products.normal)
-        within = np.concatenate(  # of no new columns, too
+        within = np.concatenate(  # also without new columns
             [entry.reshape(len(entry), count, entry.shape[1] // count) for entry in along], axis=2
         )
         taken = sum(values.T @ before.error[j] for j, values in enumerate(new))
         return products.without(within, np.asarray(taken))
 
     def fitted(self, term: Term) -> dict[int, tuple[float, ...]]:
-        """Numbers of a term at every motor, each in turn where it explains most there."""
+        """Constants of a term at every motor, each in turn where it explains most."""
         return {j: self._numbers(term, j) for j in range(self.motors)} if term.numbers else {}
 
     def _numbers(self, term: Term, motor: int) -> tuple[float, ...]:
@@ -192,7 +190,7 @@ class Residual:
         return tuple(other.value for other in term.numbers)
 
     def _products(self, columns: Sequence[np.ndarray], motors: Sequence[int], parts: int) -> "Products":
-        """Products of columns (M, T p) of terms of so many parts at some motors."""
+        """Products of columns (M, T p) of terms of `parts` parts at some motors."""
         inner, across, towards, whole = [], [], [], []
         for j, column in zip(motors, columns, strict=True):
             rows = column * self.weights[j][:, None]
@@ -217,7 +215,7 @@ class Products:
     """Products of some terms: for each, inner products (T, q, q) of its columns, those with the residual (T, q),
     lengths (T, q).
 
-    All but the lengths without what the model and other terms take away. q: the parts of a term at all motors.
+    Except for lengths, after projecting out the model and other terms. q: the parts of a term at all motors.
     """
 
     normal: np.ndarray
@@ -225,7 +223,7 @@ class Products:
     lengths: np.ndarray
 
     def without(self, within: np.ndarray, taken: np.ndarray) -> "Products":
-        """The same with more orthonormal columns taken away: their products (r, T, q), with the residual (r,)."""
+        """The same without more orthonormal columns: their products (r, T, q), with the residual (r,)."""
         normal = self.normal - np.einsum("rti,rtk->tik", within, within, optimize=True)
         return Products(normal, self.right - np.einsum("r,rti->ti", taken, within), self.lengths)
 
@@ -248,10 +246,10 @@ def residual_without(
     without: Sequence[int] = (),
     values: Sequence[float] = (),
 ) -> Residual:
-    """What a solved model leaves of its currents in these rows of every motor, without some of its columns.
+    """The residual of a solved model's currents in these rows of every motor, without some of its columns.
 
-    without: their places among the model's; values: their coefficients. All are linearised about the same solution,
-    that of the whole model, so that the residual without a part of it can be compared.
+    without: their indices among the model's; values: their coefficients. All are linearised about the same solution,
+    that of the whole model, so that residuals without parts of it are comparable.
     """
     motors, out = range(len(regression.columns)), list(without)
     kept = np.concatenate([np.delete(regression.columns[j][rows], out, axis=1) for j in motors])
@@ -272,16 +270,16 @@ def _orthonormal(columns: np.ndarray) -> np.ndarray:
 
 
 def few_rows(samples: int) -> np.ndarray:
-    """The rows of each motor that are looked at."""
+    """The rows of each motor that are used."""
     return np.arange(0, samples, -(-samples // TOLERANCES.memory.screened_rows))
 
 
 def screened(
     residual: Residual, terms: Sequence[Term], most: int, but: Collection[object] = frozenset()
 ) -> list[Screened]:
-    """The known terms that explain most, each structure once, with their numbers adapted at every motor.
+    """The known terms that explain most, each structure once, with constants adapted at every motor.
 
-    but: structures that are not wanted.
+    but: excluded structures.
     """
     explained = residual.explained()
     rounded = np.round(explained / residual.squares, TOLERANCES.rank.digits)
@@ -290,7 +288,7 @@ def screened(
     for i in sorted(range(len(terms)), key=lambda i: (-rounded[i], terms[i].strangeness)):
         structure = terms[i].structure
         if structure in but or structure in best or rounded[i] in taken:
-            continue  # what explains as much to so many digits is the same in these data
+            continue  # terms that explain equally much to these digits are the same in these data
         best[structure] = i
         taken.add(rounded[i])
         if len(best) == most:
@@ -302,6 +300,6 @@ def screened(
 
 
 def at_place(candidate: Screened, place: Place) -> Term:
-    """The term with the numbers that it has at a motor."""
+    """The term with its constants at a motor."""
     numbers = candidate.numbers.get(place.index)
     return candidate.term if numbers is None else candidate.term.with_numbers(numbers)

@@ -1,4 +1,4 @@
-"""From what a diagnosis leaves unexplained to laws: terms of a grammar compete with the effects of the catalogue."""
+"""Laws for what a diagnosis leaves unexplained: terms of a grammar compete with the catalogue."""
 
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -41,9 +41,9 @@ class Laws:
 def search_laws(
     base_model: BaseModel, last: Round, barred: Collection[str], progress: Progress = SILENT
 ) -> tuple[Laws, Refined] | None:
-    """Terms that do better than the catalogue alone, next to its effects or in place of them; None where none does.
+    """Terms that improve on the catalogue, with its effects or in place of them; None if there are none.
 
-    Rounds end where the converged model is no better than the last one. last: of a search among the effects of the
+    Rounds end when the converged model is no better than the last one. last: of a search among the effects of the
     catalogue, with its converged model; barred: names that may not be selected. Raises TimeUpError after the deadline.
     """
     last = replace(last, model=base_model.exactly(last.model))
@@ -76,7 +76,7 @@ def search_laws(
 def _round(
     base_model: BaseModel, laws: Laws, barred: Collection[str], states: Sequence[State], count: int
 ) -> Laws:
-    """The best set of identified effects and new terms, about the identified model; of so many that were tried."""
+    """The best set of identified effects and new terms, about the identified model; count: of terms tried."""
     this_round = laws.last
     places = places_of(base_model.start)
     terms = dict(laws.selected)
@@ -140,9 +140,7 @@ def _states(base_model: BaseModel, laws: Laws) -> tuple[list[State], int]:
 
 
 def _columns_of(model: Prepared, given_count: int) -> tuple[dict[str, list[int]], dict[str, int]]:
-    """For every effect beyond the first `given_count` ones: its columns among the model's, and how many unknowns it
-    has.
-    """
+    """For every effect after the first `given_count`: its columns among the model's, and its number of unknowns."""
     columns: dict[str, list[int]] = {}
     unknowns: dict[str, int] = {}
     first = model.layout.effect_slice.start

@@ -1,4 +1,4 @@
-"""What laws see of the fitted recordings at the fit's rate, and what there is for them to look at."""
+"""The signals of the fitted recordings for laws, at the fit's rate, and their scope."""
 
 from collections.abc import Sequence
 from itertools import pairwise
@@ -18,14 +18,14 @@ from bench.signals.decimation import decimated_indices
 
 
 def places_of(prepared: Prepared) -> tuple[Place, ...]:
-    """The motors at which laws may sit."""
+    """The motors at which laws may act."""
     joints = prepared.signals[0].joints
     names, rotates = tuple(joints), tuple(signals.rotates for signals in joints.values())
     return tuple(Place(names, rotates, i) for i in range(len(names)))
 
 
 def seen_at(prepared: Prepared, place: Place) -> Seen:
-    """What a law at a motor sees of the fitted recordings."""
+    """Signals of fitted recordings for a law at a motor."""
     robots = _fitted(prepared)
     step = prepared.settings.decimation
     samples = [decimated_indices(len(signals.time), step) for signals in robots]
@@ -55,7 +55,7 @@ def seen_at(prepared: Prepared, place: Place) -> Seen:
 
 
 def scope_of(prepared: Prepared, regression: PartialRegression, places: Sequence[Place]) -> Scope:
-    """What there is for laws to look at."""
+    """The scope of laws."""
     fitted = prepared.fitted
     positions = np.concatenate([observation.position for observation in fitted])
     slides = [j for j, place in enumerate(places) if not place.rotates[place.index]]
@@ -79,12 +79,12 @@ def scope_of(prepared: Prepared, regression: PartialRegression, places: Sequence
 
 
 def are_several(place: Place) -> bool:
-    """Whether a motor has several others, all of one kind, so that their loads can be added up."""
+    """Whether a motor has several others, all of one kind, so that their loads can be added."""
     return len(place.motors) > 2 and len(set(place.rotates)) == 1
 
 
 def has_tool(prepared: Prepared) -> bool:
-    """Whether the robot says where its tool is."""
+    """Whether the robot has a tool frame."""
     return prepared.model.geometry.tool is not None
 
 
@@ -97,7 +97,7 @@ def _fitted(prepared: Prepared) -> list[RobotSignals]:
 
 
 def _pulses(regression: PartialRegression, lengths: Sequence[int], interval: float) -> tuple[float, ...]:
-    """Frequencies, rad/s, that stand out of the errors of all recordings together, motor by motor."""
+    """Prominent frequencies, rad/s, of the errors of all recordings together, motor by motor."""
     size = TOLERANCES.laws.pulse_steps * max(lengths)
     parts = np.split(regression.remainder, np.cumsum(lengths)[:-1])
     power = sum(np.abs(np.fft.rfft(part, n=size, axis=0)) ** 2 for part in parts)

@@ -1,4 +1,4 @@
-"""What no formula fits, as measured: at each motor a smooth function of what it varies with most."""
+"""Residuals without a formula, as measured: at each motor a smooth function of variables."""
 
 import re
 from collections.abc import Collection, Sequence
@@ -26,10 +26,9 @@ VALIDITY = "What was measured, not a law: valid where the data were, and constan
 
 
 def tabled_laws(finding: SearchResult, taken: Collection[str]) -> list[Law]:
-    """A law without a formula for every motor at which much of what the identified model leaves follows such a
-    function.
+    """A law without a formula for every motor at which such a function explains much of the residual.
 
-    taken: names that laws cannot have.
+    taken: names already in use.
     """
     model = finding.model
     stack, solution = solved_quickly(model)
@@ -49,7 +48,7 @@ def tabled_laws(finding: SearchResult, taken: Collection[str]) -> list[Law]:
 
 
 def _terms(model: Prepared, place: Place, seen: Seen) -> list[Term]:
-    """A function of each thing by itself, one that turns with the direction of motion, and one that grows with it."""
+    """For each variable, a function, one that reverses with the direction of motion, and one times the speed."""
     of_motor = [Q, V, A, Variable("load"), T]
     others = [Variable(kind, ahead) for ahead in range(1, len(place.motors)) for kind in OF_OTHERS]
     tool = [TOOL] if has_tool(model) else []
@@ -66,7 +65,7 @@ def _terms(model: Prepared, place: Place, seen: Seen) -> list[Term]:
 
 
 def _chosen(residual: Residual, motor: int, terms: Sequence[Term]) -> list[Term]:
-    """One term after the other, as long as it is worth its unknowns."""
+    """One term after the other, while it is worth its unknowns."""
     chosen: list[Term] = []
     price = RULE.prior + float(np.log(len(terms)))
     for _ in range(TOLERANCES.laws.functions):
@@ -80,14 +79,14 @@ def _chosen(residual: Residual, motor: int, terms: Sequence[Term]) -> list[Term]
 
 
 def _worth(residual: Residual, motor: int, term: Term, price: float) -> float:
-    """Nats by which a term at a motor does better than its unknowns cost."""
+    """Nats that a term at a motor gains beyond the cost of its unknowns."""
     explained = residual.explained_at(term, motor)
     gained = -0.5 * residual.rows * np.log(max(1.0 - explained / residual.squares, 1e-12))
     return float(gained - 0.5 * np.log(residual.rows) * term.parts - price)
 
 
 def _overlaps(term: Term, chosen: Sequence[Term]) -> bool:
-    """Whether two functions have the same carrier, and so a constant or a friction that belongs to both."""
+    """Whether two functions have the same carrier, and so share a constant or a friction."""
     return any(taken.factors[:-1] == term.factors[:-1] for taken in chosen)
 
 

@@ -26,7 +26,7 @@ def law_effect(name: str, terms: Sequence[Term], place: Place, validity: str = "
 
 
 def law_source(name: str, terms: Sequence[Term], place: Place, validity: str = "") -> str:
-    """The file of an effect that is the sum of terms; place: a motor at which it sits; validity: where it holds."""
+    """The file of an effect that is the sum of terms; place: a motor at which it acts; validity: its range."""
     code_place = _nameless(place)
     numbers, names = labelled(terms)
     variables = sorted({variable for term in terms for variable in term.variables})
@@ -82,7 +82,7 @@ def law_source(name: str, terms: Sequence[Term], place: Place, validity: str = "
 
 
 def labelled(terms: Sequence[Term]) -> tuple[dict[str, Number], list[list[str]]]:
-    """The numbers of all terms by a name that each has alone, and these names term by term."""
+    """The constants of all terms by unique names, and these names term by term."""
     taken: dict[str, Number] = {}
     names: list[list[str]] = []
     for term in terms:
@@ -97,7 +97,7 @@ def labelled(terms: Sequence[Term]) -> tuple[dict[str, Number], list[list[str]]]
 
 
 def _nameless(place: Place) -> Place:
-    """The motors by their position after the law's motor, so that it can sit at any of them."""
+    """The motors by their position after the law's motor, so that it can act at any."""
     count = len(place.motors)
     ahead = ["own", *("other" if count == 2 else f"other{k}" for k in range(1, count))]
     motors = tuple(ahead[(i - place.index) % count] for i in range(count))
@@ -105,7 +105,7 @@ def _nameless(place: Place) -> Place:
 
 
 def _law(term: Term, place: Place, names: Sequence[str]) -> tuple[str, ...]:
-    """The term's parts with the names of its numbers, without numpy."""
+    """The term's parts with the names of constants, without numpy."""
     return tuple(
         code.replace("np.", "").replace("heaviside", "step").replace(", joint.rate", "")
         for code in term.codes(place, names)
@@ -127,7 +127,7 @@ def _imports(terms: Sequence[Term], variables: Sequence[Variable]) -> list[str]:
 
 
 def _wrapped(name: str, text: str) -> list[str]:
-    """A class attribute of so much text."""
+    """A class attribute with long text."""
     lines = wrap(text, TOLERANCES.report.width - 12, break_long_words=False, drop_whitespace=False)
     return [
         f"    {name} = (",
@@ -194,7 +194,7 @@ def _torque(variables: Sequence[Variable], columns: Sequence[str]) -> list[str]:
 
 
 def _columns(variables: Sequence[Variable], columns: Sequence[str], place: Place) -> list[str]:
-    """The `columns` method of a law that looks at other motors or at the tool."""
+    """The `columns` method of a law that uses other motors or the tool."""
     replaced = [column.replace("joint.rate", "own.rate") for column in columns]
     lines = [
         "    def columns(self, robot, joint):",
@@ -223,7 +223,7 @@ def _columns(variables: Sequence[Variable], columns: Sequence[str], place: Place
     replaced = [name.replace("tool_speed", "speed") for name in replaced]
     stacked = _stacked(replaced, "robot")
     made = [f"        columns[:, here] = {stacked[0]}", *stacked[1:]]
-    if Variable("load") in variables:  # of which the law itself is a part
+    if Variable("load") in variables:  # includes the law itself
         values = ", ".join(f"self.c{i + 1}" for i in range(len(columns)))
         lines += [
             "",

@@ -1,4 +1,4 @@
-"""Small sets of terms that explain much of what a model leaves, kept side by side (a beam)."""
+"""Beam search: small sets of terms that explain much of a model's residual."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -15,8 +15,8 @@ from bench.identification.tolerances import TOLERANCES
 
 @dataclass(frozen=True)
 class State:
-    """Terms added to a model with some effects, what they leave, and half the logarithm of the squares that remain,
-    with a charge for each unknown, `charged` for those of the effects.
+    """Terms added to a model with some effects, their residual, and half the logarithm of its squares plus a charge for
+    each unknown, `charged` for those of the effects.
     """
 
     effects: tuple[str, ...]
@@ -32,12 +32,10 @@ def best_states(
     basics: Sequence[Term],
     deadline: Deadline = NEVER,
 ) -> list[State]:
-    """Sets of terms, up to `LawBounds.depth`, added to models with these effects, which leave so much with so many
-    unknowns.
+    """Sets of up to `LawBounds.depth` terms, added to models with these residuals and numbers of unknowns.
 
-    The best of each size, then the second best, and so on; as long as more terms are worth what they cost.
-    basics: terms with which others may show; each model is tried with them as well. Raises TimeUpError after the
-    deadline.
+    The best of each size, then the second best, and so on, while more terms are worth their cost. basics: terms that
+    may reveal others; each model is also tried with these. Raises TimeUpError after the deadline.
     """
     price = RULE.prior + float(np.log(len(terms)))
     levels: list[list[State]] = []

@@ -13,41 +13,41 @@ from bench.identification.tolerances import TOLERANCES
 
 @dataclass(frozen=True)
 class Term:
-    """A product of factors, of which one at most has several parts; without any, a constant."""
+    """A product of factors, at most one of several parts; without factors, a constant."""
 
     factors: tuple[Factor, ...]
 
     @property
     def parts(self) -> int:
-        """How many coefficients it has: two where a wave's phase is free."""
+        """Number of coefficients: two if a wave's phase is free."""
         return max((factor.parts for factor in self.factors), default=1)
 
     @cached_property
     def variables(self) -> tuple[Variable, ...]:
-        """What it looks at, each once, in order."""
+        """Its variables, each once, in order."""
         return tuple(sorted({each for factor in self.factors for each in factor.variables}))
 
     @property
     def numbers(self) -> tuple[Number, ...]:
-        """What may be adapted to the data, of its factors in order."""
+        """Adaptable constants of its factors in order."""
         return tuple(number for factor in self.factors if (number := factor.number) is not None)
 
     @cached_property
     def structure(self) -> tuple[object, ...]:
-        """The same for terms that differ in the values of their numbers alone."""
+        """The same for terms that differ only in values of their constants."""
         return tuple(sorted((_structure(factor) for factor in self.factors), key=repr))
 
     @cached_property
     def strangeness(self) -> int:
-        """How far it is from what one expects: one factor that changes its sign with the direction, and few factors.
+        """Distance from the usual: one factor that changes its sign with the direction, and few factors.
 
-        Friction opposes the motion, whatever its size follows; an inertia or a gain goes with one variable.
+        Friction opposes the motion, whatever its size depends on; an inertia or a gain has one variable.
         """
         odd = sum(factor.odd for factor in self.factors if isinstance(factor, Power))
         return 10 * abs(odd - 1) + len(self.factors)
 
     def with_numbers(self, values: Sequence[float]) -> "Term":
-        """The same with other numbers, in the order of `numbers`."""
+        """The term with other constants, ordered as `numbers`."""
         remaining = list(values)
         return Term(
             tuple(
@@ -74,7 +74,7 @@ class Term:
         return tuple(_product([each[min(k, len(each) - 1)] for each in written]) for k in range(self.parts))
 
     def part(self, k: int) -> "Term":
-        """The term whose coefficient the k-th is: a wave's mean goes by nothing that the wave goes by."""
+        """The term of the k-th coefficient: a wave's mean does not have the wave's variable."""
         mean = [
             factor for factor in self.factors if isinstance(factor, Wave) and factor.about_mean and k == 0
         ]
@@ -98,9 +98,9 @@ def _structure(factor: Factor) -> tuple[object, ...]:
 
 
 def at_other_harmonics(term: Term) -> tuple[Term, ...]:
-    """The term with a fixed wave over a turn at a third, half and double its number of periods, where that is whole.
+    """The term with a fixed wave over a turn at a third, half and double its number of periods, if whole.
 
-    Over a narrow range they are much alike, and which is chosen first depends on the other terms.
+    Over a narrow range these are similar, and which is chosen first depends on other terms.
     """
     return tuple(
         Term((*term.factors[:i], replace(factor, rate=ratio * factor.rate), *term.factors[i + 1 :]))
@@ -121,7 +121,7 @@ def about_its_mean(term: Term) -> tuple[Term, Term] | None:
 
 
 def freed(term: Term) -> tuple[Term, ...]:
-    """The term with one of its fixed exponents or frequencies free to be adapted, for each of them."""
+    """For each fixed exponent or frequency, the term with this one free."""
     variants = []
     for i, factor in enumerate(term.factors):
         if isinstance(factor, Power) and not factor.free and factor.exponent:

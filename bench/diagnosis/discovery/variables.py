@@ -1,5 +1,5 @@
-"""What a law may look at: a motor's motion and load, those of other motors, the load of all others together, the
-tool's speed, and the clock.
+"""The variables of laws: a motor's motion and load, those of other motors, the load of all others together, the tool's
+speed, and the time.
 """
 
 from collections.abc import Mapping, Sequence
@@ -11,7 +11,7 @@ import numpy as np
 from bench.basics.joint_units import joint_units
 
 Unit = Mapping[str, float]
-"""Powers by symbol: `{effort}` and `{angle}` of the motor at which the law sits, or units such as s."""
+"""Powers by symbol: `{effort}` and `{angle}` of the law's motor, or units such as s."""
 
 
 def times(*units: Unit, power: float = 1.0) -> dict[str, float]:
@@ -68,14 +68,14 @@ UNITS: dict[Kind, Unit] = {
 
 @dataclass(frozen=True, order=True)
 class Variable:
-    """One of these; ahead: of the motor so many places further in the robot's order, 0: of the law's motor."""
+    """A variable; ahead: of the motor that many places further in the robot's order, 0: of the law's motor."""
 
     kind: Kind
     ahead: int = 0
 
     @property
     def depends_on_model(self) -> bool:
-        """Whether another model would have other values of it."""
+        """Whether its values depend on the model."""
         return self.kind in ("load", "others_load")
 
     def motor(self, place: "Place") -> str:
@@ -88,7 +88,7 @@ class Variable:
         return f"{name}_{self.motor(place)}" if self.ahead else name
 
     def unit(self, place: "Place") -> Unit:
-        """In symbols of the law's motor, or in plain units where another motor is of another kind."""
+        """In symbols of the law's motor, or in plain units for a motor of another kind."""
         exponents = UNITS[self.kind]
         rotates = place.rotates[(place.index + self.ahead) % len(place.motors)]
         if rotates == place.rotates[place.index]:
@@ -100,7 +100,7 @@ class Variable:
 
 @dataclass(frozen=True)
 class Place:
-    """The motor at which a law sits, among all motors of the robot."""
+    """The motor at which a law acts, among all motors of the robot."""
 
     motors: tuple[str, ...]
     rotates: tuple[bool, ...]
@@ -114,7 +114,7 @@ class Place:
 
 @dataclass(frozen=True)
 class Seen:
-    """What a law at one motor sees, M samples of all recordings one after the other.
+    """Signals for a law at a motor, M samples of all recordings one after the other.
 
     values (M,) by variable; parts: the recordings; interval s between samples.
     """

@@ -1,4 +1,4 @@
-"""Answers with laws that are in no catalogue: single terms, one law for several frictions, tables."""
+"""Answers with laws outside the catalogue: single terms, one law for several frictions, tables."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
@@ -31,7 +31,7 @@ from bench.identification.tolerances import TOLERANCES
 
 @dataclass(frozen=True)
 class AnswerWithLaws:
-    """The identified effects and laws, and the messages about them. tried: laws that competed, those identified too."""
+    """The identified effects and laws, and their diagnosis. tried: laws that competed, including these."""
 
     finding: SearchResult
     laws: tuple[Law, ...]
@@ -42,7 +42,7 @@ class AnswerWithLaws:
 def with_more(
     case: SplitProblem, plain: AnswerWithLaws, discover: bool | None, believed: bool, progress: Progress
 ) -> Iterator[AnswerWithLaws]:
-    """Answers that are better, one after the other: with laws, with one for several, with tables."""
+    """Better and better answers: with laws, with one for several, with tables."""
     finding, answer = plain.finding, plain
     gains = plain.diagnosis.after.drive_gains.values()
     factor = TOLERANCES.findings.unit_of_gain
@@ -66,16 +66,16 @@ def with_more(
 
 
 def _never(finding: SearchResult) -> dict[str, Reason]:
-    """Effects that may not be named with a law either: what is not needed, or improbable, without one may be needed
-    with it.
+    """Effects that remain barred with a law: effects that are not needed, or improbable, without one may be needed with
+    it.
     """
     passing = (Because.NOT_NEEDED, Because.GAINS_LITTLE)
     return {name: why for name, why in finding.barred.items() if why.because not in passing}
 
 
 def _never_with_laws(finding: SearchResult, named: Sequence[EffectInstance]) -> dict[str, Reason]:
-    """The same with laws that were identified with named effects: their special cases may be selected where their sign
-    was impossible at some motors alone, for what drove there may have been the law.
+    """The same with laws that were identified with named effects: special cases of these with an impossible sign at
+    only some motors may be selected, since the law may have caused the sign.
     """
     specials = {special for instance in named for special in instance.effect.contains}
     return {
@@ -86,7 +86,7 @@ def _never_with_laws(finding: SearchResult, named: Sequence[EffectInstance]) -> 
 
 
 def something_remains(unexplained: Unexplained) -> bool:
-    """Whether there is enough beyond the noise to look for laws in."""
+    """Whether the error beyond noise suffices to search laws."""
     return unexplained.significant or unexplained.error > RULE.beyond_noise * hypot(
         unexplained.noise_floor, unexplained.encoders
     )
@@ -100,10 +100,9 @@ def _with_laws(
     progress: Progress,
     prior: float | None = None,
 ) -> AnswerWithLaws:
-    """The answer with the laws that were identified, converged and judged with all effects; without, if they do not
-    stay.
+    """The answer with the identified laws, converged and judged with all effects; without laws, if they do not stay.
 
-    prior: of the laws, by default that of the terms they were selected with.
+    prior: of the laws, by default that of their terms.
     """
     base_model, last = plain.finding.base_model, searched.last
     laws = laws_of(base_model, refined, case.problem.catalogue)
@@ -136,9 +135,7 @@ def _with_laws(
     staying = tuple(law for law in laws if law.name in finding.names)
     if not (staying or called):
         return plain
-    needed = (
-        RULE.sure_odds if staying else 0.0
-    )  # what the catalogue holds is preferred to a law that is not sure
+    needed = RULE.sure_odds if staying else 0.0  # the catalogue is preferred to an uncertain law
     if finding.odds_over(plain.finding, plain.diagnosis.unexplained.excess) <= needed:
         return plain
     diagnosis = with_discovered(finding, staying, laws, answered(case, finding, progress))
@@ -146,7 +143,7 @@ def _with_laws(
 
 
 def _with_one_for_several(case: SplitProblem, plain: AnswerWithLaws, progress: Progress) -> AnswerWithLaws:
-    """The answer with one law for several frictions, where that has fewer unknowns and leaves as little."""
+    """The answer with one law for several frictions, if it has fewer unknowns and as small an error."""
     progress.phase("trying one law for several frictions")
     finding, unexplained = plain.finding, plain.diagnosis.unexplained
     much = (1.0 - RULE.material) * unexplained.error > hypot(unexplained.noise_floor, unexplained.encoders)
@@ -161,11 +158,11 @@ def _with_one_for_several(case: SplitProblem, plain: AnswerWithLaws, progress: P
 
 
 def _with_tables(case: SplitProblem, plain: AnswerWithLaws, progress: Progress) -> AnswerWithLaws:
-    """The answer with functions as they were measured, where much remains that no formula fits.
+    """The answer with measured functions, if much remains that no formula fits.
 
-    They compete only with the identified model: what the effects of the catalogue are worth has been judged before, and
-    where more than noise remains with them, too, they must explain a share of it. A table is no law: the gains'
-    standard errors hold what they are without it, where they have not run away there.
+    They compete only with the identified model, since the catalogue has been judged before; if more than noise remains
+    with them, they must explain a share of the error. A table is no law: standard errors of gains cover the gains
+    without it, unless those have run away.
     """
     finding, unexplained = plain.finding, plain.diagnosis.unexplained
     if not unexplained.significant:
@@ -198,7 +195,7 @@ def _with_tables(case: SplitProblem, plain: AnswerWithLaws, progress: Progress) 
 
 
 def _proposed(model: Prepared, laws: Sequence[Law], prior: float) -> list[Proposal]:
-    """Laws as a converged model has them, as proposals."""
+    """Laws as proposals, as in a converged model."""
     return [
         Proposal(
             law.name,
@@ -212,7 +209,7 @@ def _proposed(model: Prepared, laws: Sequence[Law], prior: float) -> list[Propos
 
 
 def _as_in(model: Prepared, proposal: Proposal) -> Proposal:
-    """A proposal in the shape that it has in a model, where it is there."""
+    """A proposal in the shape that it has in a model, if it is there."""
     there = {instance.joint: instance for instance in model.effects if instance.name == proposal.name}
     instances = tuple(there.get(instance.joint, instance) for instance in proposal.instances)
     return replace(proposal, instances=instances)

@@ -9,7 +9,7 @@ from bench.effects.motor_link_difference import apparent_inertia, torque_behind,
 from bench.effects.secant import secant
 from bench.effects.signals import RobotSignals
 
-SOFT = 0.1  # of the RMS torque: within it the link is between the two flanks
+SOFT = 0.1  # of the RMS torque: below it the link is between the two flanks
 SMALLEST, LARGEST = 1e-4, 2e-2  # rad or m: step of the difference
 
 

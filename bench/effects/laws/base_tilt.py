@@ -12,16 +12,15 @@ from bench.model.geometry import Geometry, Joint
 
 SMALLEST = 1e-3  # rad: below it the column is the derivative
 LARGEST = 0.5  # rad
-LEVEL = 1e-4  # rad: what a drawing rounds
+LEVEL = 1e-4  # rad: rounding of a drawing
 NOTHING = 1e-9  # of the model's torque: a smaller derivative is rounding
 
 
 @dataclass(frozen=True)
 class TiltedWeight(Effect):
-    """What a tilted base makes a vertical hinge bear that nothing but vertical slides carries.
+    """The weight in a vertical hinge on a tilted base, if only vertical slides carry it.
 
-    Where its bodies have their mass does not show as long as the base is level: no base parameter holds it. Source: as
-    of `BaseTilt`.
+    On a level base its bodies' first moments have no effect: no base parameter contains them. Source: as of `BaseTilt`.
     """
 
     name = "base_tilt"
@@ -38,7 +37,7 @@ class TiltedWeight(Effect):
 
 @dataclass(frozen=True)
 class TiltedLoad(Effect):
-    """The same of a level slide that nothing but slides carries: its mass shows together with that of its rotor."""
+    """The same in a level slide that only slides carry: its mass acts together with that of its rotor."""
 
     name = "base_tilt"
     law = "F = weight"
@@ -53,9 +52,9 @@ class TiltedLoad(Effect):
 class BaseTilt(Effect):
     """The base turned about its y axis by tilt_y, then about the x axis of the floor by tilt_x.
 
-    Valid for a robot whose masses the model knows. What gravity never moved in the model, since it turns with a
-    vertical joint of the base, is estimated with it, see `TiltedWeight`. Source: Khalil and Dombre, "Modeling,
-    Identification and Control of Robots", 2002, chapter 9 (gravity in the base frame).
+    Valid for a robot whose masses the model knows. Weights without gravity torque in the model, on a vertical joint of
+    the base, are estimated with it, see `TiltedWeight`. Source: Khalil and Dombre, "Modeling, Identification and
+    Control of Robots", 2002, chapter 9 (gravity in the base frame).
     """
 
     name = "base_tilt"
@@ -77,7 +76,7 @@ class BaseTilt(Effect):
     tilt_y: float = 0.0
 
     def in_joints_of(self, geometry: Geometry) -> Mapping[str, Effect]:
-        """The weight in joints that gravity does not move as long as the base is level."""
+        """The weight in joints in which gravity does not act if the base is level."""
         weight, load = self.in_single_joints
         return {
             joint.name: weight if joint.kind == "hinge" else load
@@ -94,7 +93,7 @@ class BaseTilt(Effect):
             column = robot.torque_change(gravity=gravity - np.cross(np.eye(3)[axis], turned))
             after = _turned(turned, axis, -angle)
             if np.abs(column).max() <= NOTHING * np.abs(robot.coarse.torque).max():
-                column = np.zeros_like(column)  # the turn only scales gravity, in second order
+                column = np.zeros_like(column)  # the turn scales gravity to second order only
             elif abs(angle) > SMALLEST:
                 column = robot.torque_change(gravity=gravity + after - turned) / angle
             columns.append(column)
@@ -103,7 +102,7 @@ class BaseTilt(Effect):
 
 
 def _level(geometry: Geometry, joint: Joint) -> bool:
-    """Whether it carries a body and is a vertical hinge on vertical slides alone, or a level slide on slides alone."""
+    """Whether it carries a body and is a vertical hinge on vertical slides only, or a level slide on slides only."""
     size = float(np.linalg.norm(geometry.gravity))
     if joint.kind not in ("hinge", "slide") or joint.body is None or not size:
         return False

@@ -12,7 +12,7 @@ from bench.effects.signals import JointSignals
 
 @dataclass(frozen=True)
 class CoggingTorque(ActuatorEffect):
-    """Magnets drawn to the teeth of the stator, whatever the current.
+    """Magnets drawn to the stator's teeth, whatever the current.
 
     Valid for periods within the joint's travel that the motion does not sweep faster than the fit's band. Source:
     Islam, Mir and Sebastian, "Issues in reducing the cogging torque of mass-produced permanent-magnet brushless DC

@@ -16,10 +16,10 @@ SHORTEST = 1e-6  # s: below it the column is the derivative
 class CurrentDelay(ActuatorEffect):
     """The current acts a time T after it was logged, or before it where T is negative.
 
-    The column is (tau(t + T) - tau(t)) / T, for T = 0 the derivative; were it made of the current itself, the
-    current's noise would be fitted along. Valid for T up to 0.1 s; where T times the highest angular frequency of
-    the current is small, a first-order lag of the same time does the same. Source: Ljung, "System Identification",
-    1999, chapter 4 (pure delay, output error).
+    The column is (tau(t + T) - tau(t)) / T, for T = 0 the derivative; a column of the current itself would also fit the
+    current's noise. Valid for T up to 0.1 s; if T times the highest angular frequency of the current is small, a
+    first-order lag of the same time has the same effect. Source: Ljung, "System Identification", 1999, chapter 4 (pure
+    delay, output error).
     """
 
     name = "current_delay"
@@ -50,7 +50,7 @@ class CurrentDelay(ActuatorEffect):
 
 
 def delayed(values: np.ndarray, samples: float) -> np.ndarray:
-    """Values (N,) so many samples later (earlier where negative), cubic between four neighbours, ends mirrored."""
+    """Values (N,) delayed by `samples` (advanced if negative), cubic between four neighbours, ends mirrored."""
     whole = int(np.floor(samples))
     u = 1.0 - (samples - whole)  # from the sample whole + 1 earlier towards the one whole earlier
     weights = (

@@ -13,9 +13,8 @@ from bench.signals.differentiation import central_difference
 class CurrentLoopLag(ActuatorEffect):
     """The torque follows the current reference i with a first-order lag.
 
-    The column is dtau/dt; were it made of the current itself, the current's noise would be fitted along. Valid for
-    one dominant pole. Source: Spong, Hutchinson and Vidyasagar, "Robot Modeling and Control", 2006, chapter 6
-    (motor dynamics).
+    The column is dtau/dt; a column of the current itself would also fit the current's noise. Valid for one dominant
+    pole. Source: Spong, Hutchinson and Vidyasagar, "Robot Modeling and Control", 2006, chapter 6 (motor dynamics).
     """
 
     name = "current_loop_lag"

@@ -19,21 +19,21 @@ from bench.effects.motor_link_difference import (
 )
 from bench.effects.signals import RobotSignals
 
-LARGEST = 0.05  # rad or m: deflection up to which the torque is computed as it is, and not in proportion
-MOST_DAMPED = 0.9  # more does not swing
+LARGEST = 0.05  # rad or m: deflection up to which the torque is computed exactly, not linearly
+MOST_DAMPED = 0.9  # more does not oscillate
 SWINGS = (1.4, 1.0, 0.7)  # of the fit's band: frequencies of the swing from which a search begins
-LEAST = 1e-6  # of the largest squared period: one that is always above zero
+LEAST = 1e-6  # of the largest squared period: keeps it above zero
 
 
 @dataclass(frozen=True)
 class DriveFlexibility(Effect):
     """The link lies behind the motor, whose position was logged, by the deflection d of a spring.
 
-    The columns are changes of the model's torque where the link's position, velocity and acceleration are those
-    behind the spring; what lies above the band of the joint's motion is subtracted, since the encoder's noise grows
-    with its fourth power. Valid where the friction is the motor's and the gear's, and no load of the spring; drives
-    that swing together count as alone. Source: Spong, "Modeling and control of elastic joint robots", Journal of
-    Dynamic Systems, Measurement, and Control 109, 1987.
+    The columns are changes of the model's torque when the link has the position, velocity and acceleration behind the
+    spring; frequencies above the band of the joint's motion are removed, since encoder noise grows with their fourth
+    power. Valid if friction acts at motor and gear and does not load the spring; coupled oscillations of drives are
+    neglected. Source: Spong, "Modeling and control of elastic joint robots", Journal of Dynamic Systems, Measurement,
+    and Control 109, 1987.
     """
 
     name = "drive_flexibility"
@@ -85,7 +85,7 @@ class DriveFlexibility(Effect):
         columns = np.stack(small, axis=2)
         if compliance > 0.0:
             key = ("bent", joint)
-            if key not in robot.noted:  # small, and the same for all that is tried about the present model
+            if key not in robot.noted:  # small, and the same for all candidates about the present model
                 robot.noted[key] = self._bent(robot, joint, parts, rotor, cutoff, columns)
             columns[:, :, 0] += robot.noted[key] / compliance
         return columns
@@ -99,7 +99,7 @@ class DriveFlexibility(Effect):
         cutoff: float,
         columns: np.ndarray,
     ) -> np.ndarray:
-        """What the torque changes more than in proportion to the deflection (N, n)."""
+        """Nonlinear part of the torque change by the deflection (N, n)."""
         values = np.array([max(self.C, 0.0), max(self.CIa, 0.0)])
         behind = parts @ values
         if np.abs(behind).max() > LARGEST:  # a deflection that no fit will keep
@@ -111,10 +111,10 @@ class DriveFlexibility(Effect):
         return np.asarray(change - columns @ values)
 
     def starts(self, robot: RobotSignals, joint: str) -> tuple["DriveFlexibility", ...]:
-        """A stiff drive, and compliances on which the link swings near the fit's band, the stiffest first.
+        """A stiff drive, and compliances at which the link oscillates near the fit's band, the stiffest first.
 
-        What excites the swing above its frequency comes with the other sign, so that no step leads from a stiff drive
-        to the right compliance.
+        Above the oscillation's frequency the response has the other sign, so no step leads from a stiff drive to the
+        right compliance.
         """
         inertia = apparent_inertia(*torque_of_motor(robot, joint))
         if self.C > 0.0 or not inertia > 0.0:
@@ -123,7 +123,7 @@ class DriveFlexibility(Effect):
         return (self, *(replace(self, C=float(1.0 / (inertia * rate**2))) for rate in rates))
 
     def brackets(self, parameter: ShapeParameter, samples: Sequence[JointSamples]) -> tuple[Bracket, ...]:  # noqa: ARG002
-        """A few damping ratios, from which the fit goes on; none other where nothing swings."""
+        """A few damping ratios as starts of the fit; no others if nothing oscillates."""
         values = {self.zeta, *parameter.candidates} if self.C > 0.0 else {self.zeta}
         return tuple((value, value, value) for value in sorted(values))
 
@@ -134,11 +134,11 @@ FINER = 4  # samples for each given one: a torque is then nearly straight betwee
 def deflection(
     settled: np.ndarray, interval: float, squared_period: np.ndarray, damping: float
 ) -> np.ndarray:
-    """How far a spring gives way (K, m): y + 2 damping T y' + T2 y'' = settled, with T2 = T T.
+    """Deflection of a spring (K, m): y + 2 damping T y' + T2 y'' = settled, with T2 = T T.
 
-    settled: (K, m) where the spring would come to rest, `interval` s apart; squared_period: T2 (K,) s2, one over the
-    square of the undamped angular frequency, above zero; damping: ratio, 0 to below 1. The spring starts at rest.
-    Solved exactly for a `settled` that is straight and a T2 that is constant between fine samples.
+    settled: (K, m) static deflection, `interval` s apart; squared_period: T2 (K,) s2, one over the square of the
+    undamped angular frequency, above zero; damping: ratio, 0 to below 1. The spring starts at rest. Exact if `settled`
+    is linear and T2 constant between fine samples.
     """
     time = interval * np.arange(len(settled))
     fine = interval / FINER * np.arange((len(settled) - 1) * FINER + 1)
@@ -147,7 +147,7 @@ def deflection(
     slope = np.diff(aim, axis=0) / step
     period = np.sqrt(np.interp(fine[:-1] + 0.5 * step, time, squared_period))
     lag = 2.0 * damping * period[:, None] * slope
-    transition = np.moveaxis(_swing(period, damping, step), 2, 0)  # how deviations from a line go on
+    transition = np.moveaxis(_swing(period, damping, step), 2, 0)  # propagates deviations from a line
     line = np.stack((aim[:-1] - lag, slope), axis=1)
     after = np.stack((aim[1:] - lag, slope), axis=1)
     given = after - transition @ line
@@ -162,7 +162,7 @@ def deflection(
 
 
 def _swing(period: np.ndarray, damping: float, step: float) -> np.ndarray:
-    """Position and velocity (2, 2, K) after a step of free swinging, by position and velocity before."""
+    """Position and velocity (2, 2, K) after a step of free swinging, by those before."""
     omega = 1.0 / period
     decay, swung = damping * omega, omega * np.sqrt(1.0 - damping**2)
     cos, sin = np.cos(swung * step), np.sin(swung * step) / swung

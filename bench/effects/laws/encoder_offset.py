@@ -16,10 +16,10 @@ SLIDE = 0.1
 class EncoderOffset(Effect):
     """A joint that is at q - offset where q was logged: tau = tau(q - offset) - tau(q), loops closed.
 
-    The column is a difference quotient of the present model's torque, with the joints before this one, in actuator
-    order, where the present model has them: offsets add up to their sum. Valid for small offsets; that of the last
-    joint of an open chain turns a body about its joint, which the body's parameters take up. Source: Khalil and
-    Dombre, "Modeling, Identification and Control of Robots", 2002, chapter 11 (geometric calibration).
+    The column is a difference quotient of the present model's torque; earlier joints, in actuator order, have the
+    offsets of the present model, so that columns add up to the whole. Valid for small offsets; that of the last joint
+    of an open chain turns a body about its joint, which the body's parameters absorb. Source: Khalil and Dombre,
+    "Modeling, Identification and Control of Robots", 2002, chapter 11 (geometric calibration).
     """
 
     name = "encoder_offset"
@@ -54,7 +54,7 @@ class EncoderOffset(Effect):
 
 
 def _torque_at(robot: RobotSignals, offsets: tuple[float, ...]) -> np.ndarray:
-    """How the torque (N, n) changes where the first joints have these offsets."""
+    """Change of the torque (N, n) if the first joints have these offsets."""
     key = ("offsets", *offsets)
     if key not in robot.noted:
         shift = np.zeros((3, *robot.coarse.position.shape))

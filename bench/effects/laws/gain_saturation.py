@@ -7,16 +7,16 @@ import numpy as np
 from bench.effects.effect import ActuatorEffect, EffectParameter
 from bench.effects.signals import JointSignals
 
-SOLVING = 8  # rounds: each leaves a third of what the last one did, or less
-LEAST = 2.0 / 3.0  # of the gain, that the largest torque leaves: with less, more current gives less torque
+SOLVING = 8  # rounds: each reduces the error to a third or less
+LEAST = 2.0 / 3.0  # of the gain, at the largest torque: with less, more current gives less torque
 
 
 @dataclass(frozen=True)
 class GainSaturation(ActuatorEffect):
     """Iron that saturates, so that the motor gives less torque at large currents.
 
-    The column is the torque that lacks, g i^3. Valid while k i^2 is well below one. Source: Krause, Wasynczuk and
-    Sudhoff, "Analysis of Electric Machinery and Drive Systems", 2002, chapter 1 (magnetic saturation).
+    The column is the missing torque, g i^3. Valid while k i^2 is well below one. Source: Krause, Wasynczuk and Sudhoff,
+    "Analysis of Electric Machinery and Drive Systems", 2002, chapter 1 (magnetic saturation).
     """
 
     name = "gain_saturation"

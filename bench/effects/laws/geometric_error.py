@@ -16,10 +16,10 @@ SMALLEST, NEAR, LARGEST = 1e-3, 0.01, 0.05  # of the length: step of the differe
 class GeometricError(Effect):
     """A body longer by dl than the model says: tau = tau(L + dl) - tau(L), through the loop closures.
 
-    The column is a difference quotient of the present model's torque. Valid for small errors of one length with
-    which the loops can still be closed (otherwise there is no column), joint axes as they were. Source: Khalil and
-    Dombre, "Modeling, Identification and Control of Robots", 2002, chapter 11 (geometric calibration); Merlet,
-    "Parallel Robots", 2006.
+    The column is a difference quotient of the present model's torque. Valid for small errors of one length with which
+    the loops still close (otherwise the column is zero), with unchanged joint axes. Source: Khalil and Dombre,
+    "Modeling, Identification and Control of Robots", 2002, chapter 11 (geometric calibration); Merlet, "Parallel
+    Robots", 2006.
     """
 
     name = "geometric_error"

@@ -1,4 +1,4 @@
-"""A cable or hose that bends back on another way than it was bent."""
+"""A cable or hose with a hysteresis of its bending torque."""
 
 from dataclasses import dataclass
 from functools import lru_cache
@@ -8,8 +8,8 @@ import numpy as np
 from bench.effects.effect import ActuatorEffect, EffectParameter, ShapeParameter
 from bench.effects.signals import JointSignals
 
-FINEST = 1e-10  # what a table leaves of 1 at its end
-STEPS = 2000  # entries of it, either side of zero
+FINEST = 1e-10  # distance from 1 at the end of a table
+STEPS = 2000  # its entries on either side of zero
 
 
 @dataclass(frozen=True)
@@ -51,8 +51,8 @@ class HystereticCable(ActuatorEffect):
 def bouc_wen_state(position: np.ndarray, displacement: float, sharpness: float) -> np.ndarray:
     """State z (N,) along positions (N,), from rest; exact for motion in one direction between samples.
 
-    Between two reversals y = z s, with s the direction of motion, follows dy/dx = 1 - sign(y) |y|^n along the way x in
-    units of `displacement`: one and the same curve, which is entered where the last stretch ended.
+    Between two reversals y = z s, with s the direction of motion, follows dy/dx = 1 - sign(y) |y|^n along the path x in
+    units of `displacement`: always the same curve, entered where the last stretch ended.
     """
     states, ways = _curve(sharpness)
     z = np.zeros(len(position))
@@ -81,7 +81,7 @@ def stretches(position: np.ndarray) -> list[tuple[int, int, float]]:
 
 @lru_cache(maxsize=256)
 def _curve(sharpness: float) -> tuple[np.ndarray, np.ndarray]:
-    """y from -1 to 1 and the way x(y) along the curve, zero where y is: the integral of dy / (1 - sign(y) |y|^n)."""
+    """y from -1 to 1 and the path x(y) along the curve, zero at y = 0: the integral of dy / (1 - sign(y) |y|^n)."""
     descending = np.geomspace(1.0, FINEST, STEPS)
     above = 1.0 - descending
     from_above = -np.expm1(sharpness * np.log1p(-descending[1:]))  # 1 - y^n
@@ -92,5 +92,5 @@ def _curve(sharpness: float) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _integrated(values: np.ndarray, at: np.ndarray) -> np.ndarray:
-    """Integral from the first place to each, by trapezoids."""
+    """Integral from the first point to each, by trapezoids."""
     return np.append(0.0, np.cumsum(0.5 * (values[1:] + values[:-1]) * np.diff(at)))

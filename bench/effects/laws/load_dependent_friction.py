@@ -7,12 +7,12 @@ import numpy as np
 from bench.effects.effect import ActuatorEffect, EffectParameter
 from bench.effects.signals import JointSignals
 
-MOST = 0.7  # more would not be friction in addition to the load, but another name for it
+MOST = 0.7  # more could not be distinguished from the load
 
 
 @dataclass(frozen=True)
 class LoadDependentFriction(ActuatorEffect):
-    """What a gear under load loses, proportional to the motor's torque.
+    """Loss of a gear under load, proportional to the motor's torque.
 
     Valid for mu well below one, away from standstill. Source: Hamon, Gautier and Garrec, "Dynamic identification of
     robots with a dry friction model depending on load and velocity", IROS 2010.

@@ -12,12 +12,12 @@ from bench.effects.passive_joint import PassiveEffect
 class PassiveCoulombFriction(PassiveEffect):
     """Coulomb friction in a passive joint p, carried to the motors by the loops.
 
-    In a ball joint it opposes the angular velocity, wherever that points. MuJoCo's frictionloss brakes each of a ball's
-    three coordinates by itself, up to 1.7 times as much about one axis as about another by how the ball's frame is
-    turned in its body, and that frame spins with a rod: no fit can know it, and no ball has one. The simulated machine
-    reads the frictionloss of a ball as this law. Valid while the joint turns, and in the balls at both ends of a rod
-    where they have nearly the same friction, see `bench.model.body_rates`; a bearing under load has more. Source:
-    Briot and Khalil, "Dynamics of Parallel Robots", 2015, chapter 8 (principle of virtual work).
+    In a ball joint it opposes the angular velocity in any direction. MuJoCo's frictionloss brakes each of a ball's
+    three coordinates separately, up to 1.7 times as much about one axis as about another, depending on the ball's frame
+    in its body, which spins with a rod: no fit can determine this frame, and no real ball has one. The simulated
+    machine reads the frictionloss of a ball as this law. Valid while the joint turns; for balls at both ends of a rod
+    if they have nearly the same friction, see `bench.model.body_rates`; a bearing under load has more. Source: Briot
+    and Khalil, "Dynamics of Parallel Robots", 2015, chapter 8 (principle of virtual work).
     """
 
     name = "passive_coulomb_friction"

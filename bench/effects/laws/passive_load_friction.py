@@ -8,20 +8,20 @@ from bench.effects.effect import Effect, EffectParameter
 from bench.effects.passive_joint import passive_velocity, seen_by_motors
 from bench.effects.signals import JointReaction, RobotSignals
 
-MOST = 10.0  # times the force of the model: what a mass on the axis may add to it
-NOTHING = 1e-9  # of the largest force: less gives no direction
+MOST = 10.0  # times the force of the model: bound for the part of a mass on the axis
+NOTHING = 1e-9  # of the largest force: a smaller one has no direction
 
 
 @dataclass(frozen=True)
 class PassiveLoadFriction(Effect):
     """Friction of a bearing in proportion to the force that it bears across its axis, carried to the motors.
 
-    mu |F| is what the columns give together where they are linearised about mu and mum (Euler's rule for what is in
-    proportion to both). Friction and springs in joints without a motor press on the bearing as well, its friction
-    too: those of the present model count. Valid while the joint turns, for a force that follows from the motion: not
-    where closures repeat one another. Source: Rosyid and El-Khasawneh, "Identification of the dynamic parameters of a
-    parallel kinematics mechanism with prismatic joints by considering varying friction", Applied Sciences 10(14), 2020
-    (friction as a coefficient times the normal force).
+    Linearised about mu and mum, the columns together give mu |F| (Euler's theorem for homogeneous functions). Friction
+    and springs in joints without a motor, including its friction, also load the bearing: those of the present model
+    count. Valid while the joint turns, for a force that the motion determines: not with redundant closures. Source:
+    Rosyid and El-Khasawneh, "Identification of the dynamic parameters of a parallel kinematics mechanism with prismatic
+    joints by considering varying friction", Applied Sciences 10(14), 2020 (friction as a coefficient times the normal
+    force).
     """
 
     name = "passive_load_friction"
@@ -56,7 +56,7 @@ class PassiveLoadFriction(Effect):
         direction = np.sign(passive_velocity(robot, joint))
         reaction = robot.joint_reaction(joint, robot.every)
         force, of_mass, torques = reaction.force, reaction.of_mass, robot.in_joints()
-        if torques:  # which change at once where a joint turns back
+        if torques:  # these jump when a joint reverses
             force, of_mass = robot.refined(force), robot.refined(of_mass)
         for other, torque in torques.items():
             force = force + np.einsum("kud,kd->ku", robot.refined(reaction.by_torque(other)), torque)
@@ -73,7 +73,7 @@ class PassiveLoadFriction(Effect):
         return np.stack([seen_by_motors(robot, joint, column) for column in torque.T], axis=2)
 
     def _mass(self, reaction: JointReaction) -> float:
-        """kg on the axis: where there is no friction yet that would tell it, as bars would have."""
+        """kg on the axis; that of bars as long as no friction determines it."""
         if not self.mu > 0.0:
             return reaction.mass
         largest = float(np.linalg.norm(reaction.of_mass))

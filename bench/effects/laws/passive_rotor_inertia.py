@@ -12,10 +12,10 @@ from bench.effects.passive_joint import PassiveEffect
 class PassiveRotorInertia(PassiveEffect):
     """Inertia of a rotor, gear or encoder that turns with a passive joint p, carried to the motors by the loops.
 
-    A rotor behind a gear counts with the gear ratio squared. The inertias of the joint's two bodies take up most of it,
-    and all of it where one of the two never turns about the joint's axis, as of the base. In a ball joint it acts on
-    each component of the angular velocity in the body's frame, as MuJoCo's armature does. Valid for a stiff gear, and
-    in the balls at both ends of a rod where they have the same inertia and the rod next to none about its line
+    A rotor behind a gear counts with the gear ratio squared. The inertias of the joint's two bodies absorb most of it,
+    and all of it if one of the two, such as the base, never turns about the joint's axis. In a ball joint it acts on
+    each component of the angular velocity in the body's frame, as MuJoCo's armature does. Valid for a stiff gear; for
+    balls at both ends of a rod if they have the same inertia and the rod almost none about its line
     (`bench.model.body_rates`). Source: Khalil and Dombre, "Modeling, Identification and Control of Robots", 2002, 9.3
     (inertia of a rotor); Briot and Khalil, "Dynamics of Parallel Robots", 2015, chapter 8 (principle of virtual work).
     """

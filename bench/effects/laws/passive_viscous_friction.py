@@ -12,9 +12,9 @@ from bench.effects.passive_joint import PassiveEffect
 class PassiveViscousFriction(PassiveEffect):
     """Viscous friction in a passive joint p, carried to the motors by the loops.
 
-    Valid at constant temperature, and in the balls at both ends of a rod where they have the same friction and hold the
-    rod, rather than its inertia, from spinning about its line (`bench.model.body_rates`). Source: Briot and Khalil,
-    "Dynamics of Parallel Robots", 2015, chapter 8 (principle of virtual work).
+    Valid at constant temperature; for balls at both ends of a rod if they have the same friction, and this friction,
+    not inertia, limits the rod's spin about its line (`bench.model.body_rates`). Source: Briot and Khalil, "Dynamics of
+    Parallel Robots", 2015, chapter 8 (principle of virtual work).
     """
 
     name = "passive_viscous_friction"

@@ -12,9 +12,9 @@ from bench.effects.signals import RobotSignals
 class PayloadMassError(Effect):
     """A payload of mass m + dm, all its declared parameters larger by the same share.
 
-    Valid for a payload whose shape is as declared. Where the drive gains are fitted and this is the only payload of
-    known mass, the gains take it up. Source: Khalil, Gautier and Lemoine, "Identification of the payload inertial
-    parameters of industrial manipulators", ICRA 2007.
+    Valid for a payload whose shape is as declared. If the drive gains are fitted and this is the only payload of known
+    mass, the gains absorb it. Source: Khalil, Gautier and Lemoine, "Identification of the payload inertial parameters
+    of industrial manipulators", ICRA 2007.
     """
 
     name = "payload_mass_error"

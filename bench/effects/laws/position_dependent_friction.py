@@ -12,7 +12,7 @@ from bench.effects.signals import JointSignals
 
 @dataclass(frozen=True)
 class PositionDependentFriction(ActuatorEffect):
-    """Dry friction that varies around the turn, as of a bent shaft.
+    """Dry friction that varies over the turn, as with a bent shaft.
 
     Valid while the joint slides. Source: Armstrong-Helouvry, "Control of Machines with Friction", 1991; Popovic and
     Goldenberg, "Modeling of friction using spectral analysis", IEEE Transactions on Robotics and Automation 14(1),

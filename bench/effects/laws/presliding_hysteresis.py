@@ -41,8 +41,8 @@ class PreslidingHysteresis(ActuatorEffect):
 def dahl_state(position: np.ndarray, displacement: float) -> np.ndarray:
     """Dahl's state z (N,) along positions (N,), from rest; exact for motion in one direction between samples.
 
-    Between two reversals z approaches the direction of motion s with the way x since the first of them:
-    z = s + (z0 - s) exp(-x / displacement).
+    Between two reversals z approaches the direction of motion s with the path x since the first one: z = s + (z0 - s)
+    exp(-x / displacement).
     """
     step = np.diff(position)
     moving = np.flatnonzero(step)

@@ -10,7 +10,7 @@ from bench.effects.signals import JointSignals
 
 @dataclass(frozen=True)
 class QuadraticDrag(ActuatorEffect):
-    """Resistance of air or oil that is pushed aside.
+    """Resistance of displaced air or oil.
 
     Valid for turbulent flow; slow motion in a fluid is viscous. Source: White, "Fluid Mechanics", 2011, chapter 7
     (drag of immersed bodies).

@@ -12,9 +12,9 @@ from bench.effects.signals import JointSignals
 class RotorInertia(ActuatorEffect):
     """Inertia of rotor and gear, seen at the joint (rotor inertia times the gear ratio squared).
 
-    Valid for a stiff gear. Where the motor is on the base it moves with the first link, whose inertia takes it
-    up; elsewhere it is among the model's base parameters, as Ia(joint). Source: Khalil and Dombre, "Modeling,
-    Identification and Control of Robots", 2002, 9.3.
+    Valid for a stiff gear. If the motor is on the base, the first link's inertia absorbs it; elsewhere it is among the
+    model's base parameters, as Ia(joint). Source: Khalil and Dombre, "Modeling, Identification and Control of Robots",
+    2002, 9.3.
     """
 
     name = "rotor_inertia"

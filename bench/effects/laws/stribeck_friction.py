@@ -10,7 +10,7 @@ from bench.effects.signals import JointSignals
 
 @dataclass(frozen=True)
 class StribeckFriction(ActuatorEffect):
-    """Dry friction that is larger where the joint moves slowly.
+    """Dry friction that is larger at low speed.
 
     Valid while the joint slides; a vs far below the speeds of the motion cannot be seen. Source: Bo and Pavelescu,
     "The friction-speed relation and its influence on the critical velocity of stick-slip motion", Wear 82, 1982;

@@ -10,7 +10,7 @@ from bench.effects.signals import JointSignals
 
 @dataclass(frozen=True)
 class ThermalFrictionDrift(ActuatorEffect):
-    """What a cold joint has in addition to its friction when warm.
+    """Friction of a cold joint in addition to that when warm.
 
     Valid for motion that heats evenly; a T far above the recording's duration is a steady drift. Source:
     Bittencourt and Gunnarsson, "Static friction in a robot joint: modeling and identification of load and

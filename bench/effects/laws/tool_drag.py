@@ -1,4 +1,4 @@
-"""What a fluid does to a tool that moves through it."""
+"""Force of a fluid on a tool that moves through it."""
 
 from dataclasses import dataclass
 
@@ -13,7 +13,7 @@ from bench.effects.tool_motion import tool_motion
 class ToolDrag(Effect):
     """Drag of a blunt body at the tool, in air or a liquid.
 
-    Valid for a fluid at rest and a body that is about as wide in all directions. Source: Batchelor, "An Introduction to
+    Valid for a fluid at rest and a body of similar width in all directions. Source: Batchelor, "An Introduction to
     Fluid Dynamics", 1967, section 5.11; carried to the motors by virtual work (Briot and Khalil, "Dynamics of Parallel
     Robots", 2015, chapter 7).
     """

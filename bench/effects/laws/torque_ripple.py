@@ -9,17 +9,16 @@ from bench.effects.effect import ActuatorEffect, Bracket, EffectParameter, Joint
 from bench.effects.periods import PERIODS, followed_wave, next_to, strongest_periods
 from bench.effects.signals import JointSignals
 
-LEAST = 0.2  # of the gain, that remains where the ripple takes most
+LEAST = 0.2  # of the gain, that remains at the largest ripple
 
 
 @dataclass(frozen=True)
 class TorqueRipple(ActuatorEffect):
     """A drive gain that varies with the position of the motor.
 
-    The columns are the torque that lacks, -g i cos(N q) and -g i sin(N q). Valid for ripple well below one, at
-    periods that the motion does not sweep faster than the fit's band. Source: Jahns and Soong, "Pulsating torque
-    minimization techniques for permanent magnet AC motor drives: a review", IEEE Transactions on Industrial
-    Electronics 43(2), 1996.
+    The columns are the missing torque, -g i cos(N q) and -g i sin(N q). Valid for ripple well below one, at periods
+    that the motion does not sweep faster than the fit's band. Source: Jahns and Soong, "Pulsating torque minimization
+    techniques for permanent magnet AC motor drives: a review", IEEE Transactions on Industrial Electronics 43(2), 1996.
     """
 
     name = "torque_ripple"

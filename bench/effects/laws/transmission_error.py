@@ -10,8 +10,8 @@ from bench.effects.motor_link_difference import slopes
 from bench.effects.periods import next_to, phase, strongest_periods, wave
 from bench.effects.signals import WIDER, RobotSignals
 
-ORDER = 8  # of the roll-off of waves that are faster than the fit sees
-STEEPEST = 0.5  # rate of the error by the position: more would be no small error, and is not followed
+ORDER = 8  # of the roll-off of waves above the fit's band
+STEEPEST = 0.5  # slope of the error over the position: a steeper one is not small, and not followed
 STEPS = 6  # from the logged position towards the true one, each at most STEEPEST of the one before
 
 
@@ -19,12 +19,12 @@ STEPS = 6  # from the logged position towards the true one, each at most STEEPES
 class TransmissionError(Effect):
     """A joint whose position differs from the logged one by a wave of its position.
 
-    The columns are changes of the present model's torque in proportion to the error e and its rates e' ṗ and
-    e' p̈ + e'' ṗ², so that fast motion shows short waves. Valid for errors that are small compared with a period, and
-    for periods within the joint's travel that the motion does not sweep faster than the fit's band. Source: Hanselman,
-    "Resolver signal requirements for high accuracy resolver-to-digital conversion", IEEE Transactions on Industrial
-    Electronics 37(6), 1990; Tuttle and Seering, "A nonlinear model of a harmonic drive gear transmission", IEEE
-    Transactions on Robotics and Automation 12(3), 1996.
+    The columns are changes of the present model's torque in proportion to the error e and its rates e' ṗ and e' p̈ +
+    e'' ṗ², so fast motion reveals short waves. Valid for errors that are small compared with a period, and for periods
+    within the joint's travel that the motion does not sweep faster than the fit's band. Source: Hanselman, "Resolver
+    signal requirements for high accuracy resolver-to-digital conversion", IEEE Transactions on Industrial Electronics
+    37(6), 1990; Tuttle and Seering, "A nonlinear model of a harmonic drive gear transmission", IEEE Transactions on
+    Robotics and Automation 12(3), 1996.
     """
 
     name = "transmission_error"
@@ -67,7 +67,7 @@ class TransmissionError(Effect):
         return robot.refined(-np.einsum("okn,okp->knp", slopes(robot, joint), rates))
 
     def _about(self, steepness: float) -> np.ndarray:
-        """a and b (2,) about which it is linearised, as far as they are small compared with a period."""
+        """a and b (2,) about which it is linearised, limited to small values relative to a period."""
         about = np.array([self.a, self.b])
         steep = steepness * float(np.hypot(*about))
         return about * (STEEPEST / steep) if steep > STEEPEST else about

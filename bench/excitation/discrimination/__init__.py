@@ -1,1 +1,1 @@
-"""Which motion would tell two physical effects apart: designed, judged in nats, written for a controller."""
+"""The motion that distinguishes two physical effects: designed, judged in nats, written for a controller."""

@@ -1,4 +1,4 @@
-"""Design the motion that tells two effects apart."""
+"""Design a motion that distinguishes two effects."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -38,14 +38,14 @@ def discriminate(
     seed: int = 0,
     progress: Progress = SILENT,
 ) -> Discrimination:
-    """The motion on which models with the one or the other effect differ most, inside the robot's limits.
+    """The motion for which models with either effect differ most, inside the robot's limits.
 
-    requests: the two effects, as EFFECT or EFFECT:JOINT, in addition to those of the problem. The difference is
-    what one model, fitted to the given data, predicts of the motor currents, and the other cannot imitate,
-    fitted anew to given and new data together; in nats, as an expected log-likelihood difference. The smaller of
-    both directions is made large. No motion is given where neither effect shows in the data and none promises any
-    evidence. duration: s, of the motion; widen: factor on the largest speeds, accelerations
-    and currents of the recordings. Raises BenchError for effects that are unknown or alike.
+    requests: the two effects, as EFFECT or EFFECT:JOINT, in addition to those of the problem. One model, fitted to the
+    given data, predicts motor currents; the difference is the part that the other, fitted again to given and new data
+    together, cannot imitate, in nats, as an expected log-likelihood difference. The smaller of both directions is
+    maximised. There is no motion if neither effect shows in the data and none promises evidence. duration: s, of the
+    motion; widen: factor on the largest speeds, accelerations and currents of the recordings. Raises BenchError for
+    effects that are unknown or equal.
     """
     if duration is not None and not duration > 0.0:
         raise BenchError(f"the duration of a motion must be positive, not {duration:g} s")
@@ -101,7 +101,7 @@ def discriminate(
 
 
 def _judged_rows(dataset: Dataset, rival: Rival) -> int:
-    """How many equations of the given data a diagnosis judges on: those of recordings that it does not fit."""
+    """Number of given equations on which a diagnosis judges: those of recordings that it does not fit."""
     kept = {recording.name for recording in dataset.recordings if recording.use == "validate"}
     rows = {observation.name: int(observation.moving.sum()) for observation in rival.prepared.observations}
     if not kept:
@@ -126,7 +126,7 @@ def _with_second_payload(dataset: Dataset) -> Dataset:
 def _heavier(
     asked: Sequence[Question], around: Envelope, motion: DesignedMotion, first: Rival
 ) -> tuple[float, float] | None:
-    """Mass of the second payload, and what the same motion promises with it."""
+    """Mass of the second payload, and the nats of the same motion with it."""
     payload = first.prepared.dataset.payloads.get(SECOND)
     if payload is None or payload.mass is None:
         return None
@@ -138,7 +138,7 @@ def _heavier(
 def _imitated(
     asked: Sequence[Question], around: Envelope, loads: Sequence[str | None], duration: float, seed: int
 ) -> tuple[str, ...]:
-    """Effects of which the other one does everything, on a few random motions."""
+    """Effects that the other one imitates completely, on a few random motions."""
     if not asked:
         return ()
     rival = asked[0].truth
@@ -159,7 +159,7 @@ def _imitated(
 
 
 def _impossible(rivals: Sequence[Rival]) -> tuple[ImpossibleSign, ...]:
-    """What the fits to the given data say against an effect already: a sign that cannot be."""
+    """Evidence against an effect in the fits to the given data: an impossible sign."""
     signs = []
     for rival in rivals:
         values, covariance = estimate_of_rival(rival)

@@ -1,4 +1,4 @@
-"""What the given data say by themselves: whether an effect shows in them, and how loud the model's error is."""
+"""Evidence in the given data: whether an effect shows in them, and the size of the model's error."""
 
 from collections.abc import Sequence
 
@@ -10,7 +10,7 @@ from bench.identification.standard_errors import residual_series, uncertainty
 
 
 def estimate_of_rival(rival: Rival) -> tuple[np.ndarray, np.ndarray]:
-    """Parameters (k,) of the rival's effect, and their covariance (k, k) as errors in a row are alike."""
+    """Parameters (k,) of the rival's effect, and their covariance (k, k) with correlated errors."""
     size = len(rival.solution.theta)
     first = size - sum(len(instance.effect.parameters) for instance in rival.instances)
     spread = uncertainty(rival.stack, rival.solution, "autocorrelated")
@@ -18,9 +18,9 @@ def estimate_of_rival(rival: Rival) -> tuple[np.ndarray, np.ndarray]:
 
 
 def shown_nats(rival: Rival) -> float:
-    """What the effect explains of the given data, in nats, less what it would explain of noise.
+    """Nats of the given data that the effect explains, less those that it would explain of noise.
 
-    Half of Wald's statistic (1943) of its parameters, less half their number; 0 where that is negative.
+    Half of Wald's statistic (1943) of its parameters, less half their number; at least 0.
     """
     values, covariance = estimate_of_rival(rival)
     lengths = np.sqrt(np.maximum(np.diag(covariance), 0.0))
@@ -36,8 +36,8 @@ def shown_nats(rival: Rival) -> float:
 def error_over_noise(rivals: Sequence[Rival]) -> float:
     """RMS of the smallest error of these models over RMS of the currents' noise in the fit's band.
 
-    The noise is read off the spectra of the logged currents above the motion's band, as `bench diagnose` does.
-    0 where the currents have no noise.
+    The noise is read off the spectra of the logged currents above the motion's band, as `bench diagnose` does. 0 for
+    currents without noise.
     """
     return min(_over_noise(rival) for rival in rivals)
 

@@ -1,4 +1,4 @@
-"""The motion that tells two effects apart, and where along it the two models differ."""
+"""The motion that separates two effects, and where along it the two models differ."""
 
 from pathlib import Path
 
@@ -22,7 +22,7 @@ BAND = "#9AA0A6"
 
 
 def discrimination_figure(result: Discrimination) -> Figure:
-    """A row a motor: its position, its speed, and what the other model cannot imitate, in noise deviations."""
+    """A row per motor: position, speed, and what the other model cannot imitate, in noise deviations."""
     if result.motion is None:
         raise BenchError("there is no motion to draw")
     joints = list(result.joints)

@@ -51,10 +51,10 @@ def write_discrimination(
     rate: float = 1000.0,
     commands: CommandLines = PLAIN,
 ) -> list[Path]:
-    """Write the folder, whole or not at all, and tell its files; one that an earlier call wrote is replaced.
+    """Write the folder completely or not at all, and return its files; replaces one of an earlier call.
 
-    rate: samples a second, Hz, of the trajectory as a table. draw: draws the picture at a path. commands: the command
-    lines that the README names. Raises BenchError if the folder holds anything else, or cannot be written.
+    rate: of the trajectory table, Hz. draw: draws the picture at a path. commands: the command lines for the README.
+    Raises BenchError if the folder has other content, or cannot be written.
     """
     check_folder(folder)
     with whole_folder(folder) as partial:
@@ -64,7 +64,7 @@ def write_discrimination(
 
 
 def check_folder(folder: str | Path) -> None:
-    """Raise BenchError where the folder holds anything that `write_discrimination` did not write."""
+    """Raise BenchError if the folder has content that `write_discrimination` did not write."""
     target = Path(folder)
     empty = not target.exists() or (target.is_dir() and not any(target.iterdir()))
     if not empty and not (target / ANSWER).is_file():

@@ -1,4 +1,4 @@
-"""What a new motion may do: the robot's joint ranges, and the rates that its recordings have shown to be safe."""
+"""Limits of a new motion: the robot's joint ranges, and the rates that recordings have shown to be safe."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass

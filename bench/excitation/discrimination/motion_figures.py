@@ -1,4 +1,4 @@
-"""Motions in figures that can be compared."""
+"""Comparable figures of motions."""
 
 from collections.abc import Sequence
 
@@ -11,7 +11,7 @@ from bench.scenario.trajectory import FourierTrajectory
 
 
 def recorded_facts(measured: Sequence[Measured], joints: Sequence[str]) -> dict[str, MotionFacts]:
-    """What the recordings do, by joint."""
+    """Facts of recordings, by joint."""
     return {
         joint: _facts(
             [measurement.position[:, j] for measurement in measured],
@@ -24,7 +24,7 @@ def recorded_facts(measured: Sequence[Measured], joints: Sequence[str]) -> dict[
 
 
 def planned_facts(trajectory: FourierTrajectory, joints: Sequence[str]) -> dict[str, MotionFacts]:
-    """What a trajectory does, by joint."""
+    """Facts of a trajectory, by joint."""
     time = np.arange(int(trajectory.duration * DISCRIMINATION.rate) + 1) / DISCRIMINATION.rate
     position, velocity, acceleration = trajectory.evaluate(time)
     return {

@@ -1,4 +1,4 @@
-"""What currents a model predicts for a motion that nobody has made yet, and what another would see in them."""
+"""The currents that a model predicts for a planned motion, and the rows of another model for them."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -23,7 +23,7 @@ from bench.signals.decimation import decimate
 
 @dataclass(frozen=True)
 class PlannedMotion:
-    """A motion before it is made: its samples (N,), and the rows of the fit without any current."""
+    """A planned motion: its samples (N,), and the rows of the fit without currents."""
 
     measured: Measured
     rows: Observation
@@ -35,7 +35,7 @@ class PlannedMotion:
 
 
 def times_of(trajectory: FourierTrajectory, band: float) -> np.ndarray:
-    """Times (N,) s at which a planned motion is looked at, for a fit that sees up to `band` Hz."""
+    """Times (N,) s at which a planned motion is evaluated, for a fit up to `band` Hz."""
     rate = DISCRIMINATION.decimation * 2.0 * band / DECIMATING.band
     return np.arange(int(trajectory.duration * rate) + 1) / rate
 
@@ -57,7 +57,7 @@ def planned(
 def predicted(rival: Rival, plan: PlannedMotion) -> np.ndarray:
     """Currents (N, n) that the model with its effect predicts, drive unit, without noise.
 
-    Where an effect depends on the current itself, such as a delay, both are computed in turn.
+    If an effect, such as a delay, depends on the current, both are computed in turn.
     """
     gains, effects = rival.present.gains, rival.prepared.effects
     rigid = robot_signals(rival.prepared.model, plan.measured, rival.present).torque()
@@ -73,7 +73,7 @@ def predicted(rival: Rival, plan: PlannedMotion) -> np.ndarray:
 
 
 def rows_with(rival: Rival, plan: PlannedMotion, current: np.ndarray) -> tuple[Observation, np.ndarray]:
-    """What `rival` would see if these currents (N, n) were logged: its rows, and its tangents (M, n, k)."""
+    """Rows of `rival` if these currents (N, n) were logged, and its tangents (M, n, k)."""
     seen = _seen(rival, plan, current)
     effects = effect_rows(seen, DISCRIMINATION.decimation, rival.prepared.effects)
     seen_current = decimate(interpolated(current, plan.measured.gaps), DISCRIMINATION.decimation)
@@ -87,7 +87,7 @@ def given_tangents(rival: Rival) -> np.ndarray:
 
 
 def tangents(rival: Rival, seen: Sequence[RobotSignals], decimation: int) -> np.ndarray:
-    """How the effects' torque changes with their continuous shape parameters, (M, n, k) N*m or N per unit."""
+    """Derivatives of the effects' torque by continuous shape parameters, (M, n, k) N*m or N per unit."""
     columns, at = [], 0
     for instance in rival.prepared.effects:
         values = rival.values[at : at + len(instance.effect.parameters)]

@@ -1,4 +1,4 @@
-"""What a search for a telling motion says."""
+"""Result of a search for a telling motion."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -28,7 +28,7 @@ class MotionFacts:
 
 @dataclass(frozen=True)
 class ImpossibleSign:
-    """A parameter that must be positive and clearly is not; joint: "" where it belongs to the robot."""
+    """A parameter that must be positive and clearly is not; joint: "" if it belongs to the robot."""
 
     effect: str
     parameter: str
@@ -37,16 +37,16 @@ class ImpossibleSign:
 
 @dataclass(frozen=True)
 class Discrimination:
-    """Which motion tells two effects apart.
+    """The motion that distinguishes two effects.
 
-    effects: as they were named. error_over_noise: of the better of both models on the given data, RMS over RMS
-    of the currents' noise. shown: nats that each effect explains of the given data. nothing: whether neither
-    shows there, nor any motion promises that it would; there is no motion then. absorbed: those of them that
-    the model's parameters take up, so that nothing can show them. imitated: those that the other effect
-    does everything of, whatever the motion. questions: one for each effect that is neither, and how the motion
-    answers them; given, promised: nats by the name of the effect that is taken for the true one. recorded,
-    planned: facts by joint. second: mass in kg of a second payload, and the nats that the same motion promises
-    with it. wider: factor on the limits, and nats. impossible: signs that the fits to the given data would need.
+    effects: as they were named. error_over_noise: of the better of both models on the given data, RMS over RMS of the
+    current noise. shown: nats that each effect explains of the given data. nothing: whether neither shows there and no
+    motion promises to show it; then there is no motion. absorbed: effects that the model's parameters absorb, so that
+    nothing can show them. imitated: effects that the other imitates for any motion. questions: one for each remaining
+    effect, with the answers of the motion; given, promised: nats by the name of the effect assumed to be true.
+    recorded, planned: facts by joint. second: mass in kg of a second payload, and the nats that the same motion
+    promises with it. wider: factor on the limits, and nats. impossible: signs that the fits to the given data would
+    need.
     """
 
     robot: str
@@ -75,7 +75,7 @@ class Discrimination:
 
     @property
     def given(self) -> Mapping[str, float]:
-        """Expected nats of the given data, by the effect that is taken for the true one."""
+        """Expected nats of the given data, by the effect assumed to be true."""
         return {question.truth.request: question.given_nats for question in self.questions}
 
     @property
@@ -89,7 +89,7 @@ class Discrimination:
 
     @property
     def growth(self) -> float:
-        """The share by which the wrong model's error is the larger, over given data not fitted and the new motion."""
+        """The share by which the wrong model's error is larger, over given data not fitted and the new motion."""
         if self.motion is None or not self.questions:
             return 0.0
         shares = [
@@ -100,7 +100,7 @@ class Discrimination:
 
     @property
     def given_tells(self) -> bool:
-        """Whether the given data are enough already."""
+        """Whether the given data suffice."""
         if self.motion is None or not self.questions or self.held_out_rows == 0:
             return False
         pairs = list(zip(self.given.values(), self.motion.answers, strict=True))
@@ -110,7 +110,7 @@ class Discrimination:
 
     @property
     def tells(self) -> bool:
-        """Whether the motion is enough for a verdict of `bench diagnose`."""
+        """Whether the motion suffices for a verdict of `bench diagnose`."""
         return (
             bool(self.promised) and min(self.promised.values()) >= RULE.prior and self.growth >= RULE.material
         )

@@ -1,4 +1,4 @@
-"""The two models between which given data cannot decide, each fitted to all of them."""
+"""The two models between which given data cannot decide, both fitted to all data."""
 
 from dataclasses import dataclass, replace
 
@@ -22,8 +22,8 @@ from bench.identification.standard_errors import residual_series
 class Rival:
     """A model with one of the two effects. request: how the user named it; instances: the effect at each of its places.
 
-    absorbed: the model's parameters take the effect up, so that no data of this robot can show it.
-    follows_current: whether some effect's torque depends on the current that was logged.
+    absorbed: the model's parameters absorb the effect, so that no data of this robot can show it. follows_current:
+    whether some effect's torque depends on the logged current.
     """
 
     request: str
@@ -49,10 +49,10 @@ class Rival:
 
 @dataclass(frozen=True)
 class RivalNoise:
-    """What the better of two models leaves of the given currents.
+    """Residual noise of the better of two models on the given currents.
 
-    weights (n,): one over the RMS of every motor's error, 1 / drive unit, in rows of the fit; row_rate Hz: how
-    many rows a second; autocorrelation_time s: how long errors are alike.
+    weights (n,): one over the RMS of every motor's error, 1 / drive unit, in rows of the fit; row_rate Hz: rows per
+    second; autocorrelation_time s: of the errors.
     """
 
     weights: np.ndarray
@@ -63,8 +63,8 @@ class RivalNoise:
 def fit_rivals(problem: Problem, requests: tuple[str, str]) -> tuple[Rival, Rival]:
     """Fit the model with either effect to all recordings, those for validation too.
 
-    requests: as EFFECT or EFFECT:PLACE, in addition to the problem's effects. Raises BenchError for names that
-    are unknown, alike, or in the model already.
+    requests: as EFFECT or EFFECT:PLACE, in addition to the problem's effects. Raises BenchError for names that are
+    unknown, equal, or already in the model.
     """
     fitted = tuple(replace(recording, use="identify") for recording in problem.dataset.recordings)
     problem = replace(problem, dataset=replace(problem.dataset, recordings=fitted))
@@ -107,7 +107,7 @@ def _fitted(prepared: Prepared, request: str) -> Rival:
 
 
 def _follows_current(prepared: Prepared, present: PresentModel) -> bool:
-    """Whether other currents in the first recording would give other columns."""
+    """Whether other currents in the first recording would change columns."""
     if not any(instance.effect.depends_on_model for instance in prepared.effects):
         return False
     measured = prepared.measured[0]

@@ -1,4 +1,4 @@
-"""Search for the motion that separates two models most, inside the limits."""
+"""Search for the motion that best separates two models, inside the limits."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
@@ -19,7 +19,7 @@ from bench.scenario.trajectory import FourierTrajectory
 
 @dataclass(frozen=True)
 class DesignedMotion:
-    """A motion, what it carries, and how it separates: one answer for each question that was asked."""
+    """A motion, its load, and its separations: one answer for each question."""
 
     trajectory: FourierTrajectory
     payload: str | None
@@ -39,7 +39,7 @@ def best_motion(
     seed: int,
     progress: Progress = SILENT,
 ) -> DesignedMotion | None:
-    """The motion of `duration` s with the largest evidence, the smaller of all answers; None without any."""
+    """The motion of `duration` s with the largest evidence, the smallest of its answers; or None."""
     random = np.random.default_rng(seed)
     rivals = tuple({question.truth.request: question.truth for question in questions}.values())
     best: tuple[Movement, DesignedMotion] | None = None
@@ -72,7 +72,7 @@ def band_of(envelope: Envelope, trajectory: FourierTrajectory) -> float:
 def starts(
     rival: Rival, envelope: Envelope, duration: float, random: np.random.Generator
 ) -> Iterator[tuple[Movement, FourierTrajectory]]:
-    """Random motions about random centers: fast and slow, of all motors or of one alone."""
+    """Random motions about random centers: fast and slow, of all motors or only one."""
     model = rival.prepared.model
     geometry, limits = model.geometry, envelope.joint
     home = geometry.home[geometry.active_configuration] + geometry.active_offset
@@ -107,7 +107,7 @@ def starts(
             trajectory = replace(trajectory, a=trajectory.a * alone, b=trajectory.b * alone)
         try:
             possible = feasible(model, limits, movement, trajectory, dense=True)
-        except BenchError:  # nothing fits about this center
+        except BenchError:  # no motion fits about this center
             continue
         yield replace(movement, velocity=envelope.velocity), possible
 
@@ -167,7 +167,7 @@ def best_loaded(
     loads: Sequence[str | None],
     trajectory: FourierTrajectory,
 ) -> DesignedMotion | None:
-    """The motion with the load that separates best, a payload only where it is worth it; None outside the limits."""
+    """The motion with the load that separates best, a payload only if worth it; None outside the limits."""
     first = questions[0].truth
     time = times_of(trajectory, band_of(envelope, trajectory))
     travel = np.ptp(trajectory.evaluate(time)[0], axis=0)

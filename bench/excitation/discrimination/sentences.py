@@ -15,12 +15,12 @@ NATS = "one nat is odds of e, 2.7, to 1; ten are 22,000 to 1, which is certain"
 
 
 def sentences(result: Discrimination) -> list[str]:
-    """What the given data and the new motion can say, and what is different about the motion."""
+    """The evidence of the given data and of the new motion, and what is new in the motion."""
     return [*warnings(result), *_answer(result)]
 
 
 def warnings(result: Discrimination) -> list[str]:
-    """What makes the answer doubtful: a model that is known to be wrong."""
+    """Doubts about the answer: a model that is known to be wrong."""
     if not result.model_is_wrong:
         return []
     doubt = (
@@ -31,7 +31,7 @@ def warnings(result: Discrimination) -> list[str]:
 
 
 def next_step(result: Discrimination, diagnose: str, folder: str | Path) -> str | None:
-    """What to do with the answer that `folder` holds; None where there is nothing to do. diagnose: that command."""
+    """What to do with the answer in `folder`; None if there is nothing to do. diagnose: that command."""
     if result.model_is_wrong:
         return f"next: {diagnose}, then this command again with its result (--with EFFECT)"
     if result.motion is None:
@@ -113,7 +113,7 @@ def _against(result: Discrimination) -> list[str]:
 
 
 def motion_words(result: Discrimination) -> list[str]:
-    """What the motion does that the recordings do not."""
+    """Differences of the motion from the recordings."""
     if result.motion is None:
         return []
     said_of = []
@@ -157,7 +157,7 @@ def _joint_words(joint: str, unit: str, old: MotionFacts, new: MotionFacts) -> l
 
 
 def _not_enough(result: Discrimination) -> list[str]:
-    """Why that is too little, and what would help."""
+    """Why evidence is too little, and what helps."""
     nats = min(result.promised.values())
     lines = ["The search found no motion inside these limits that distinguishes them with certainty."]
     if result.wider is not None and result.wider[1] > DISCRIMINATION.much * nats:

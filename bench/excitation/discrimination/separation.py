@@ -1,4 +1,4 @@
-"""How much of what one model predicts another cannot imitate, fitted anew to old and new data together."""
+"""The part of one model's prediction that another, fitted to old and new data together, cannot imitate."""
 
 from dataclasses import dataclass, replace
 
@@ -14,10 +14,10 @@ from bench.identification.standard_errors import jacobian_series, residual_serie
 
 @dataclass(frozen=True)
 class Question:
-    """Would data of a machine as `truth` says speak against `other`?
+    """Would data of a machine like `truth` contradict `other`?
 
-    given (p + 1, p + 1): triangular factor of [Jacobian of `other`, what it does not predict of `truth`] on the
-    given data, whitened, so that half its squares are nats.
+    given (p + 1, p + 1): triangular factor of [Jacobian of `other`, its error for `truth`] on the given data, whitened,
+    so that half its squares are nats.
     """
 
     truth: Rival
@@ -35,9 +35,9 @@ class Question:
 class Separation:
     """An answer to a question, for one motion.
 
-    nats: expected log-likelihood difference of given and new data together. residual (M, n): what `other` cannot
-    imitate of the new motion, in deviations of a row's noise, at the times (M,) s. count: equations of the new motion,
-    as many as a fit to the given data makes of its duration; autocorrelation_time: how many of them count as one.
+    nats: expected log-likelihood difference of given and new data together. residual (M, n): part of the new motion
+    that `other` cannot imitate, in deviations of a row's noise, at the times (M,) s. count: equations of the new
+    motion, for its duration in a fit to the given data; autocorrelation_time: how many of them count as one.
     """
 
     nats: float
@@ -57,7 +57,7 @@ def question(truth: Rival, other: Rival, noise: RivalNoise) -> Question:
 
 
 def separation(asked: Question, plan: PlannedMotion, current: np.ndarray) -> Separation:
-    """What the planned motion adds; current (N, n): what the truth predicts for it."""
+    """What the planned motion adds; current (N, n): predicted by the truth."""
     other = asked.other
     observation, curved = rows_with(other, plan, current)
     stack = stack_observations([observation], other.prepared.layout, other.prepared.dataset.payloads)
@@ -74,7 +74,7 @@ def separation(asked: Question, plan: PlannedMotion, current: np.ndarray) -> Sep
 
 
 def residual_share(asked: Question, plan: PlannedMotion, current: np.ndarray, answer: Separation) -> float:
-    """What the other model cannot imitate, as a share of what the truth's effect does to the currents."""
+    """The part that the other model cannot imitate, as a share of the current of the truth's effect."""
     observation, _ = rows_with(asked.truth, plan, current)
     count = sum(len(instance.effect.parameters) for instance in asked.truth.instances)
     columns = observation.effects[:, :, observation.effects.shape[2] - count :]
@@ -90,7 +90,7 @@ def _weights(asked: Question, plan: PlannedMotion) -> np.ndarray:
 
 
 def _rows(stack: Stack, solution: Solution, curved: np.ndarray, weights: np.ndarray) -> np.ndarray:
-    """Weighted rows (M n, p + 1): the Jacobian of the modelled current, and what is not modelled."""
+    """Weighted rows (M n, p + 1): the Jacobian of the modelled current, and the error."""
     phi = np.concatenate((stack.phi, curved * stack.moving[:, :, None]), axis=2)
     theta = np.append(solution.theta, np.zeros(curved.shape[2]))
     stack, solution = replace(stack, phi=phi), replace(solution, theta=theta)
@@ -100,7 +100,7 @@ def _rows(stack: Stack, solution: Solution, curved: np.ndarray, weights: np.ndar
 
 
 def _remainder(rows: np.ndarray) -> np.ndarray:
-    """What the other columns leave of the last one, (R,)."""
+    """Residual (R,) of the last column after the others."""
     columns, right = rows[:, :-1], rows[:, -1]
     norms = np.linalg.norm(columns, axis=0)
     norms[norms == 0.0] = 1.0

@@ -1,1 +1,1 @@
-"""The experiment to make before there is any data: motions inside all limits, and what they will tell."""
+"""The experiment to plan before there are data: motions inside all limits, and their information."""

@@ -1,4 +1,4 @@
-"""The next best motion, given what is measured already."""
+"""The next best motion after existing recordings."""
 
 from dataclasses import replace
 
@@ -46,11 +46,11 @@ def plan_after(
     mapper: Mapper = IN_TURN,
     progress: Progress = SILENT,
 ) -> ExperimentPlan:
-    """The motion, with a payload of the dataset or without, that adds most to its fitted recordings.
+    """The motion, with or without a payload of the dataset, that adds most to its fitted recordings.
 
-    problem: what was measured; its effects are not aimed at. The machine is the one that the data give; limits of speed
-    and acceleration that the table leaves out are the largest of the recordings. See `plan_experiment`. Raises
-    BenchError for a payload that the table defines.
+    problem: the recordings; its effects are not targets. The machine is identified from them; limits of speed and
+    acceleration that the table omits are the largest recorded ones. See `plan_experiment`. Raises BenchError for a
+    payload in the table.
     """
     if table.payload is not None:
         raise BenchError("payload: the next motion carries what the dataset declares: leave it out")
@@ -90,7 +90,7 @@ def plan_after(
 
 
 def _measured_machine(problem: Problem, prepared: Prepared, table: ExperimentTable) -> Nominal:
-    """The machine as the data give it, with the noise of its log, and what `identify` has against that."""
+    """The machine identified from the data, the noise of its log, and the doubts of `identify`."""
     identified = fit(prepared)
     findings = (*mistaken(problem, identified), *identified.findings)
     values = {parameter.name: parameter.value for parameter in identified.parameters}
@@ -111,7 +111,7 @@ def _measured_machine(problem: Problem, prepared: Prepared, table: ExperimentTab
 
 
 def _noise(prepared: Prepared, table: ExperimentTable) -> Noise:
-    """As the user says, else as the spectra of the recordings say."""
+    """Given by the user, else from the spectra of the recordings."""
     noise = noise_of(prepared.dataset.robot, table)
     recordings = [measurement.recording for measurement in prepared.measured]
     rate = recordings[0].rate
@@ -128,7 +128,7 @@ def _noise(prepared: Prepared, table: ExperimentTable) -> Noise:
 
 
 def _known(prepared: Prepared, nominal: Nominal) -> tuple[Evidence, ...]:
-    """What the fitted recordings tell."""
+    """Evidence of fitted recordings."""
     used = [measurement for measurement in prepared.measured if measurement.recording.use == "identify"]
     decimation = prepared.settings.decimation
     return tuple(
@@ -146,7 +146,7 @@ def _known(prepared: Prepared, nominal: Nominal) -> tuple[Evidence, ...]:
 
 
 def _room(geometry: Geometry, table: ExperimentTable, prepared: Prepared) -> Room:
-    """The room of the table, with the largest recorded speeds and accelerations where it has none."""
+    """The room of the table, with the largest recorded speeds and accelerations if it has none."""
     joints = prepared.dataset.robot.joints
     changes = {}
     for key in ("velocity", "acceleration"):

@@ -1,8 +1,8 @@
-"""How far a Fourier trajectory goes at any time, between samples too: bounds that hold, not samples alone.
+"""Proven bounds of a Fourier trajectory at all times, also between samples.
 
-Between two samples a distance h apart a function stays within h^2 / 8 times the largest size of its second derivative
-of the line through them. Those derivatives are bounded by the sums of the series' coefficients and, in the ramps, by
-the derivatives of the blend.
+Between two samples a distance h apart, a function differs from the line through them by at most h^2 / 8 times the
+largest size of its second derivative. Those derivatives are bounded by the sums of the series' coefficients and, in the
+ramps, by the derivatives of the blend.
 """
 
 from dataclasses import dataclass
@@ -23,7 +23,7 @@ The first is 140 / 4^3, the second 420 x^2 y^2 (y - x) < 7.6 with y = 1 - x, the
 
 @dataclass(frozen=True)
 class Extremes:
-    """Between which a trajectory stays at all times, (n,) each: positions, and largest sizes of its rates."""
+    """Bounds of a trajectory at all times, (n,) each: of positions, and largest sizes of its rates."""
 
     low: np.ndarray
     high: np.ndarray
@@ -49,7 +49,7 @@ def extremes(trajectory: FourierTrajectory) -> Extremes:
 
 
 def derivative_bound(trajectory: FourierTrajectory, order: int, *, blended: bool) -> np.ndarray:
-    """A size (n,) that the derivative of this order, 1 to 4, never exceeds; blended: in the ramps, else between."""
+    """Bound (n,) of the derivative of this order, 1 to 4; blended: in the ramps, else between them."""
     k_omega = 2.0 * np.pi * trajectory.base_frequency * np.arange(1, trajectory.harmonics + 1)
     amplitude = np.hypot(trajectory.a, trajectory.b)
     sizes = [(amplitude * k_omega**m).sum(axis=1) for m in range(order + 1)]

@@ -1,4 +1,4 @@
-"""From the equations of a fit to standard errors, and the directions that stay undetermined."""
+"""Standard errors from the equations of a fit, and the undetermined directions."""
 
 from dataclasses import dataclass
 
@@ -10,8 +10,8 @@ from bench.excitation.experiment.nominal import Equations
 
 @dataclass(frozen=True)
 class Determined:
-    """covariance (P, P) of what is determined; undetermined (P,): which unknowns take part in a direction that is not;
-    directions: of each such direction the unknowns that take part, by number.
+    """covariance (P, P) of determined unknowns; undetermined (P,): which unknowns are part of an undetermined
+    direction; directions: for each such direction, indices of these unknowns.
     """
 
     covariance: np.ndarray
@@ -39,12 +39,11 @@ def determined(fit: Equations) -> Determined:
 
 @dataclass(frozen=True)
 class ErrorSlopes:
-    """Derivatives of the errors: how much they change where the normal matrix changes by dN and the score by dS, to
-    first order.
+    """Derivatives of the errors by changes dN of the normal matrix and dS of the score, to first order.
 
-    Of each error by itself: for each column of factor (L) and by_normal, (P, m), L' dN by_normal + L' dS L. Of the mean
-    of all: trace(mean_by_normal dN) + trace(mean_by_score dS), (P, P), symmetric. A single error, which is its mean,
-    has no columns.
+    Of each error: for each column of factor (L) and by_normal, (P, m), L' dN by_normal + L' dS L. Of their mean:
+    trace(mean_by_normal dN) + trace(mean_by_score dS), (P, P), symmetric. A single error, which equals its mean, has no
+    columns.
     """
 
     factor: np.ndarray
@@ -55,7 +54,7 @@ class ErrorSlopes:
 
 @dataclass(frozen=True)
 class RelativeErrors:
-    """Criterion of targets (k,), by number: logarithms of their standard errors over sizes (P,) of all unknowns."""
+    """Criterion of targets (k,), indices: logarithms of their standard errors over sizes (P,) of all unknowns."""
 
     sizes: np.ndarray
     targets: np.ndarray
@@ -65,7 +64,7 @@ class RelativeErrors:
         return np.asarray(0.5 * np.log(self._variances(_relative(fit, self.sizes))))
 
     def slopes(self, fit: Equations, near: np.ndarray) -> ErrorSlopes:
-        """About a fit, by themselves those that are `near` (k,); where nothing is determined nothing changes."""
+        """About a fit, separately for errors that are `near` (k,); zero if nothing is determined."""
         relative = _relative(fit, self.sizes)
         inverse, noise = _sides(self, relative)
         scale = np.sqrt(0.5 / self._variances(relative))
@@ -84,7 +83,7 @@ class RelativeErrors:
 
 @dataclass(frozen=True)
 class Volume:
-    """Criterion of targets (k,), by number, with sizes (P,) of all unknowns: the logarithm of the geometric mean of the
+    """Criterion of targets (k,), indices, with sizes (P,) of all unknowns: the logarithm of the geometric mean of the
     axes of their relative error ellipsoid: D-optimality.
     """
 
@@ -98,7 +97,7 @@ class Volume:
         )
 
     def slopes(self, fit: Equations, _: np.ndarray) -> ErrorSlopes:
-        """About a fit; where nothing is determined nothing changes."""
+        """About a fit; zero if nothing is determined."""
         relative = _relative(fit, self.sizes)
         inverse, noise = _sides(self, relative)
         left_factor = inverse @ np.linalg.inv(self._block(relative)) * (0.5 / len(self.targets))
@@ -110,7 +109,7 @@ class Volume:
 
 
 Errors = RelativeErrors | Volume
-"""What is made small, of the fit of all recordings together: logarithms (k,), of which the largest counts."""
+"""What is minimised, for the fit of all recordings together: the largest of logarithms (k,)."""
 
 
 def _sides(errors: Errors, relative: "_Relative") -> tuple[np.ndarray, np.ndarray]:
@@ -128,8 +127,8 @@ def _symmetric(matrix: np.ndarray) -> np.ndarray:
 
 @dataclass(frozen=True)
 class _Relative:
-    """The covariance (P, P) over sizes, with a large but finite error where nothing is determined; without that: the
-    inverse of the normal matrix, and what noise makes.
+    """The covariance (P, P) over sizes, with large but finite errors of undetermined unknowns; without these, the
+    inverse of the normal matrix, and the score by noise.
     """
 
     covariance: np.ndarray

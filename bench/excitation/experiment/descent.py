@@ -1,9 +1,9 @@
-"""From a motion to the best one near it: the largest error is made small by linear programs, one after the other.
+"""Local improvement of a motion: successive linear programs reduce the largest error.
 
-Errors and limits are linearised about the motion; the program makes the largest error smallest within the limits and
-within a step that is trusted, which grows where it predicts what comes and shrinks where it does not (sequential
-linear programming, Fletcher and Sainz de la Maza, "Nonlinear programming and nonsmooth optimization by successive
-linear programming", Mathematical Programming 43, 1989).
+Errors and limits are linearised about the motion; the program minimises the largest error within the limits and a trust
+region, which grows if the prediction is right and shrinks if it is not (sequential linear programming, Fletcher and
+Sainz de la Maza, "Nonlinear programming and nonsmooth optimization by successive linear programming", Mathematical
+Programming 43, 1989).
 """
 
 from collections.abc import Sequence
@@ -26,7 +26,7 @@ from bench.scenario.trajectory import FourierTrajectory
 
 @dataclass(frozen=True)
 class Descent:
-    """A candidate on its way: its merit, the step that is trusted, and what is known about it, None before."""
+    """A candidate in descent: its merit, its trusted step, and its linearisation, None before the first."""
 
     candidate: Candidate
     merit: float
@@ -35,7 +35,7 @@ class Descent:
 
 
 def merit(errors: np.ndarray) -> float:
-    """What falls: the largest of the errors' logarithms, and a little of their mean."""
+    """The largest of the errors' logarithms, and a little of their mean."""
     return float(errors.max() + SEARCH.mean_weight * errors.mean())
 
 
@@ -51,7 +51,7 @@ def descended(
     mapper: Mapper = IN_TURN,
     progress: Progress = SILENT,
 ) -> list[Descent]:
-    """Each so many programs further, fewer where nothing falls any more: all make a step, then all the next."""
+    """Each after `steps` programs, or fewer without further improvement: all make a step, then all the next."""
     now = list(starts)
     for _ in range(steps):
         going = [k for k, descent in enumerate(now) if descent.trusted >= SEARCH.smallest_step]
@@ -63,7 +63,7 @@ def descended(
 
 
 def _stepped(search: Search, descents: Sequence[Descent], mapper: Mapper) -> list[Descent]:
-    """Each one program further."""
+    """Each one program on."""
     new = [descent.candidate for descent in descents if descent.about is None]
     about = iter(linearised(search, new, mapper))
     known = [next(about) if descent.about is None else descent.about for descent in descents]
@@ -81,8 +81,8 @@ def _stepped(search: Search, descents: Sequence[Descent], mapper: Mapper) -> lis
 
 
 def _judged(search: Search, now: Descent, predicted: float, other: Sequence[Tried | None]) -> Descent:
-    """What a step leads to: other motions, or a smaller step. other: None where one does not keep the limits, empty
-    where the program predicts no fall.
+    """The result of a step: other motions, or a smaller step. other: None if one violates limits, empty if the program
+    predicts no improvement.
     """
     smaller = replace(now, trusted=0.4 * now.trusted)
     kept = tuple(trial for trial in other if trial is not None)
@@ -97,9 +97,9 @@ def _judged(search: Search, now: Descent, predicted: float, other: Sequence[Trie
 
 
 def _program(_: Search, asked: tuple[Linearised, float]) -> tuple[np.ndarray, float]:
-    """The best step (c,), in units of `coefficient_sizes`, and by how much the merit falls by it.
+    """The best step (c,), in units of `coefficient_sizes`, and its reduction of the merit.
 
-    Without the errors and limits that no step of the trusted size brings to the top.
+    Without errors and limits that no step of the trusted size makes active.
     """
     about, trusted = asked
     strays = trusted * np.abs(about.errors.slopes).sum(axis=1)
@@ -129,7 +129,7 @@ def _program(_: Search, asked: tuple[Linearised, float]) -> tuple[np.ndarray, fl
 
 @dataclass(frozen=True)
 class _Change:
-    """A trajectory and the motion of which it is a change, with its payload."""
+    """A trajectory and the motion that it modifies, with its payload."""
 
     trajectory: FourierTrajectory
     load: str | None
@@ -149,7 +149,7 @@ def _changes(search: Search, candidate: Candidate, step: np.ndarray) -> list[_Ch
 
 
 def _tried(search: Search, change: _Change) -> Tried | None:
-    """The changed motion with its rows; None where it does not keep the limits."""
+    """The changed motion with its rows; None if it violates the limits."""
     return search.tried(change.trajectory, change.load, change.near)
 
 
@@ -160,8 +160,8 @@ def best_near(
     mapper: Mapper = IN_TURN,
     progress: Progress = SILENT,
 ) -> Candidate:
-    """The best of the starts, improved in rounds: fewer go on to each, with more steps for each of them (successive
-    halving, Jamieson and Talwalkar 2016), since how good a start is does not tell how far it comes.
+    """The best of the starts, improved in rounds: fewer continue in each, with more steps for each of them (successive
+    halving, Jamieson and Talwalkar 2016), since a start's merit does not predict its final one.
     """
     pool = [begun(search, start) for start in starts]
     for count, share in SEARCH.rounds:

@@ -1,11 +1,11 @@
-"""Closed loops in whole intervals of time: where every joint is, how fast, and how the closures hold it.
+"""Closed loops in whole intervals of time: bounds of poses, speeds and closure Jacobians.
 
-About the pose in an interval's middle a set of poses is taken. In it, the closures' Jacobian by the passive joints A_p
-is known up to a radius; with C, its inverse in the middle, so is I - C A_p, and with that J = -A_p^-1 A_a and the
-speeds J v_a. A motion that cannot leave the set at these speeds within the interval stays in it. Where ||I - C A_p|| is
-below 1 in a weighted maximum norm, no other pose of the set closes the loops with the motors there, so that the motion
-cannot be in another assembly mode (Neumaier, "Interval Methods for Systems of Equations", 1990, chapter 5). Where
-closures repeat one another, more of them than passive joints, it is their combination by C that counts.
+Take a set of poses about the pose in an interval's middle. In it, the closures' Jacobian by the passive joints A_p is
+known up to a radius; with C, its inverse in the middle, so is I - C A_p, and hence J = -A_p^-1 A_a and the speeds J
+v_a. A motion that cannot leave the set at these speeds within the interval stays in it. If ||I - C A_p|| is below 1 in
+a weighted maximum norm, no other pose of the set closes the loops at the same motor positions, so the motion cannot be
+in another assembly mode (Neumaier, "Interval Methods for Systems of Equations", 1990, chapter 5). Redundant closures,
+more than passive joints, count in their combination by C.
 """
 
 from dataclasses import dataclass, fields
@@ -30,9 +30,8 @@ from bench.model.spin import idle_spins
 class Enclosure:
     """Intervals whose loops are held: poses q (K, nq) with radii; speeds, accelerations (K, nv) and the Jacobian (K,
     nv, n) of all joints by motors, about those of `motion`. rows, hold (K, m, nv): the closures' Jacobian in the middle
-    and its radius; inverse (K, passive, m): C; rounding: see `_Linear`. passed (K, nv): of the set of poses that the
-    motion passes through; strays (K, nv): how far it is at the intervals' ends from going on at the speeds in their
-    middles.
+    and its radius; inverse (K, passive, m): C; rounding: see `_Linear`. passed (K, nv): radii of the poses that the
+    motion passes through; strays (K, nv): its distance, at the intervals' ends, from motion at the middle's speeds.
     """
 
     motion: Motion
@@ -50,10 +49,10 @@ class Enclosure:
 
 @dataclass(frozen=True)
 class PoseSets:
-    """About the middles of intervals, sets of poses in which no other closes the loops: reach (K, nv). passed (K, nv):
-    of that which the motion passes through; held (K,): whether all that is so; the rest counts only there. excess (K,):
-    how many times too long an interval is for that, nearly. inverse (K, passive, m): C; bounds
-    (K, passive): how far the closed poses are at most from those of the motion; rounding: see `_Linear`.
+    """Sets of poses about the middles of intervals in which no other closes the loops. reach (K, nv): radii; passed (K,
+    nv): those of the poses that the motion passes; held (K,): whether this is proven; else the rest is invalid. excess
+    (K,): factor by which an interval is too long, about. inverse (K, passive, m): C; bounds (K, passive): largest
+    distance of closed poses from the motion's; rounding: see `_Linear`.
     """
 
     reach: np.ndarray
@@ -71,8 +70,8 @@ class PoseSets:
 
 @dataclass(frozen=True)
 class _Linear:
-    """A_a, A_p and what they stray, (K, m, nv); how a solution of A_p x = y follows from C y. rounding (K, passive): of
-    C, |I - C A_p| in the middle times the `column_scales`.
+    """A_a, A_p and their radii, (K, m, nv); how a solution of A_p x = y follows from C y. rounding (K, passive): of C,
+    |I - C A_p| in the middle times the `column_scales`.
     """
 
     closures: Closures
@@ -89,7 +88,7 @@ class _Linear:
         return np.asarray(sizes + self.turned[:, :, None] * ratio[:, None, :])
 
     def jacobian(self, motion: Motion, middle: np.ndarray) -> np.ndarray:
-        """How far J strays from the motion's, (K, passive, n)."""
+        """Radius (K, passive, n) of J about the motion's."""
         active, passive = list(self.closures.active), list(self.closures.passive)
         sizes = np.empty((len(middle), len(passive), len(active)))
         for part in _cached(middle):
@@ -124,8 +123,8 @@ def pose_sets(geometry: Geometry, intervals: Intervals, motors: MotorBalls, moti
 
 @dataclass(frozen=True)
 class _Speeds:
-    """Of the passive joints in intervals: first (K, passive), as fast as the Jacobian in the middles lets the motors
-    move them; fastest (K, n): the motors.
+    """Speeds in intervals: first (K, passive), of the passive joints, by the Jacobian in the middles; fastest (K, n),
+    of the motors.
     """
 
     geometry: Geometry
@@ -140,7 +139,7 @@ class _Speeds:
 
     @cached_property
     def changes(self) -> np.ndarray:
-        """What the motors' changes of speed do to all joints (K, nv), with the Jacobian in the middles."""
+        """Effect of the motors' speed changes on all joints (K, nv), by the Jacobian in the middles."""
         return _by(np.abs(self.motion.jacobian), self.motors.radius[1])
 
     @cached_property
@@ -149,7 +148,7 @@ class _Speeds:
         return np.asarray((np.abs(self.motion.v) + self.changes)[:, self.geometry.passive])
 
     def moved(self, speeds: np.ndarray) -> np.ndarray:
-        """Movement (K, nv) of all joints, with such speeds of the passive ones."""
+        """Movement (K, nv) of all joints, at these speeds of passive ones."""
         rates = np.zeros_like(self.motion.v)
         rates[:, self.geometry.active] = self.motors.radius[0]
         rates[:, self.geometry.passive] = self.intervals.half[:, None] * speeds
@@ -205,11 +204,11 @@ def enclosed(
 def follows(
     geometry: Geometry, intervals: Intervals, motion: Motion, strays: np.ndarray, reach: np.ndarray
 ) -> np.ndarray:
-    """Whether the motion of each interval but the last goes on as that of the next (K - 1,): then the set of poses of
-    one of them holds where the other's motion is at the time between them, and no other closes the loops there. motion:
-    in the middles; the others as in `Enclosure` and `PoseSets`.
+    """Whether the motion of each interval but the last continues in the next (K - 1,): then one's set of poses contains
+    the other's motion at the time between them, and no other pose closes the loops there. motion: in the middles; the
+    others as in `Enclosure` and `PoseSets`.
 
-    Poses that differ by idle spins of rods are one: closures say nothing of these.
+    Poses that differ only by idle spins of rods count as one: closures do not determine these.
     """
     passive, q = geometry.passive, motion.q
     way = intervals.half * motion.v.T
@@ -241,7 +240,7 @@ def _apart_but_for_spins(geometry: Geometry, first: np.ndarray, second: np.ndarr
 
 
 def begins_at_home(geometry: Geometry, q: np.ndarray, reach: np.ndarray) -> bool:
-    """Whether the first interval's set of poses holds home, its loops closed to rounding: a file rounds it."""
+    """Whether the first interval's set of poses contains home, with loops closed to the file's rounding."""
     motors = geometry.home[None, geometry.active_configuration] + geometry.active_offset
     still = np.zeros_like(motors)
     home = motion_of(geometry, np.zeros(1), motors, still, still).q
@@ -250,7 +249,7 @@ def begins_at_home(geometry: Geometry, q: np.ndarray, reach: np.ndarray) -> bool
 
 
 def _start(geometry: Geometry, closures: Closures, motion: Motion) -> tuple[np.ndarray, np.ndarray]:
-    """C (K, passive, m), and how far the closed poses are at most from those of the motion (K, passive)."""
+    """C (K, passive, m), and the largest distance (K, passive) of closed poses from those of the motion."""
     samples, passive = len(motion.time), geometry.passive
     residual, middle, _ = _rows(closures, [row if row.any() else 0.0 for row in motion.q.T], samples)
     with np.errstate(all="ignore"):
@@ -265,7 +264,7 @@ def _start(geometry: Geometry, closures: Closures, motion: Motion) -> tuple[np.n
 
 
 def _inverse(matrices: np.ndarray) -> np.ndarray:
-    """Of matrices (K, m, p), m >= p, as least squares ask for."""
+    """Pseudo-inverse of matrices (K, m, p), m >= p."""
     if matrices.shape[1] == matrices.shape[2]:
         return np.linalg.inv(matrices)
     turned = matrices.transpose(0, 2, 1)
@@ -294,7 +293,7 @@ def _linear(
     rounding: np.ndarray | None = None,
 ) -> tuple[_Linear, np.ndarray]:
     """The closures' Jacobian in a set of poses, and in its middle; weights (K, nv): of the norm; rounding: see
-    `_Linear`, worked out where it is not known.
+    `_Linear`, computed if None.
     """
     q = balls(motion.q.T, _configurations(geometry, reach).T)
     _, middle, radius = _rows(closures, q, len(motion.time))
@@ -321,7 +320,7 @@ def _bias(
     passed: np.ndarray,
     v: np.ndarray,
 ) -> np.ndarray:
-    """How far what remains of the passive accelerations strays, motors not accelerated, (K, passive)."""
+    """Radius (K, passive) of the passive accelerations without acceleration of the motors."""
     closures, passive = linear.closures, geometry.passive
     frames = frames_of(closures.links, balls(motion.q.T, _configurations(geometry, passed).T))
     values, sizes = dense_balls(loop_bias(closures, frames, balls(motion.v.T, v.T)), len(motion.time))
@@ -332,7 +331,7 @@ def _bias(
 
 
 def _cached(matrices: np.ndarray) -> list[slice]:
-    """Parts of matrices (K, r, c) that the processor's cache holds with what is computed of them."""
+    """Parts of matrices (K, r, c) that fit into the processor's cache with their results."""
     return (
         blocks_of(len(matrices), max(PROOF.cached // max(matrices[0].nbytes, 1), 1)) if len(matrices) else []
     )
@@ -344,7 +343,7 @@ def _by(matrices: np.ndarray, vectors: np.ndarray) -> np.ndarray:
 
 
 def _evened(geometry: Geometry, sizes: np.ndarray) -> np.ndarray:
-    """Tree displacements (K, nv) whose ball and free joints have one size for all directions: that of the vector."""
+    """Tree displacements (K, nv) in which ball and free joints have one size for all directions: the norm."""
     even = sizes.copy()
     for part in _vectors(geometry):
         even[:, part] = np.linalg.norm(sizes[:, part], axis=1, keepdims=True)

@@ -1,7 +1,7 @@
 """Torques of the motors in whole intervals of time, by Newton and Euler's recursion on balls.
 
-From the platform and the outer links inwards the forces of the bodies add up to those at every joint of the opened
-tree; the loops' Jacobian takes these to the motors. Masses: the nominal base parameters, each at the standard parameter
+From the platform and the outer links inwards, the forces of the bodies add up to those at every joint of the opened
+tree; the loops' Jacobian maps these to the motors. Masses: the nominal base parameters, each as the standard parameter
 that it represents. Source of the recursion: W. Khalil and E. Dombre, "Modeling, Identification and Control of Robots",
 2002, chapter 9.
 """
@@ -58,7 +58,7 @@ def enclosed_torques(
 
 
 def _parameters(nominal: Nominal, payload: str | None) -> tuple[np.ndarray, list[float]]:
-    """Standard parameters (joints, 10) and inertias of the motors' rotors, those that remain as base parameters."""
+    """Standard parameters (joints, 10) and inertias of the motors' rotors that are base parameters."""
     model = nominal.model
     first = 10 * len(model.geometry.joints)
     standard = np.zeros(first + len(rotor_columns(model.geometry)))

@@ -1,9 +1,9 @@
-"""What the steps of the encoders do to an estimate: errors of positions, differentiated and carried through the model.
+"""Influence of encoder steps on an estimate: errors of positions, differentiated and propagated through the model.
 
 The position of a joint in a log is wrong by up to half a step, nearly at random from sample to sample; the modelled
 currents are then wrong by i_q e + i_v e' + i_a e''. In the score of the estimate, the sum over all samples of J' w
-(error of the current), the derivatives go over to the factors of e by summation by parts: (P - V' + A'')' e with
-P = J' w i_q and so on. All of it is smooth, so that the filters of the fit, which let the motion pass, change nothing.
+(error of the current), summation by parts moves the derivatives to the factors of e: (P - V' + A'')' e with P = J' w
+i_q and so on. These are smooth, so the filters of the fit, which pass the motion, do not change them.
 """
 
 import numpy as np
@@ -17,7 +17,7 @@ from bench.scenario.trajectory import FourierTrajectory
 def encoder_score(
     nominal: Nominal, trajectory: FourierTrajectory, load: str | None, weights: np.ndarray
 ) -> np.ndarray:
-    """Covariance (P, P) of the score that the encoders' steps give; weights (n,): of the squares of the currents."""
+    """Covariance (P, P) of the score by the encoders' steps; weights (n,): of the squares of the currents."""
     geometry, rate = nominal.model.geometry, nominal.noise.rate
     highest = trajectory.harmonics * trajectory.base_frequency
     count = int(np.ceil(trajectory.duration * FORECAST.encoder_points * highest)) + 1

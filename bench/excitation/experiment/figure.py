@@ -19,7 +19,7 @@ LIMIT = "#9AA0A6"
 
 
 def plan_figure(plan: ExperimentPlan) -> Figure:
-    """A row a motor: position, speed, current; dashed: the limits."""
+    """A row per motor: position, speed, current; dashed: limits."""
     robot, room = plan.robot, plan.room
     with mpl.rc_context(STYLE):
         figure = Figure(figsize=(11.5, 1.9 * len(robot.joints) + 1.0), dpi=DPI, layout="constrained")

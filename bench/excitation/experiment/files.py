@@ -42,10 +42,10 @@ def write_plan(
     drawn: Mapping[str, Draw],
     drive: SimulatedDrive = FIRST,
 ) -> list[Path]:
-    """Write the folder, whole or not at all, and tell its files; one that an earlier call wrote is replaced.
+    """Write the folder completely or not at all, and return its files; replaces one of an earlier call.
 
-    drawn: pictures and recordings by file name, and what writes each. drive: of the scenario. Raises BenchError if the
-    folder holds anything else, or cannot be written.
+    drawn: writers of pictures and recordings by file name. drive: of the scenario. Raises BenchError if the folder has
+    other content, or cannot be written.
     """
     check_folder(folder)
     with whole_folder(folder) as partial:
@@ -65,7 +65,7 @@ def write_plan(
 
 
 def check_folder(folder: str | Path) -> None:
-    """Raise BenchError where the folder holds anything that `write_plan` did not write."""
+    """Raise BenchError if the folder has content that `write_plan` did not write."""
     target = Path(folder)
     empty = not target.exists() or (target.is_dir() and not any(target.iterdir()))
     if not empty and not ((target / ANSWER).is_file() and (target / SCENARIO).is_file()):
@@ -129,7 +129,7 @@ def plan_json(plan: ExperimentPlan, forecast: Forecast) -> dict[str, Any]:
 
 
 def _limits(plan: ExperimentPlan, trajectory: FourierTrajectory) -> dict[str, Any]:
-    """What a motion reaches at most, proven between samples, with its limit, by joint."""
+    """Proven maxima of a motion, also between samples, with their limits, by joint."""
     reach, room = extremes(trajectory), plan.room
     return {
         joint: {
@@ -201,7 +201,7 @@ def _sensors(plan: ExperimentPlan) -> list[str]:
 
 
 def _payload(payload: Payload) -> list[str]:
-    """What is declared of a payload; where its centre is unknown, the simulated one is a point at the tool."""
+    """The declaration of a payload; if its centre is unknown, the simulated one is a point at the tool."""
     known: dict[str, float | list[float]] = {} if payload.mass is None else {"mass": float(payload.mass)}
     if payload.center_of_mass is not None:
         known["center_of_mass"] = payload.center_of_mass.tolist()

@@ -1,4 +1,4 @@
-"""What an experiment will tell before a motor turns: standard errors, what stays open, which payload is enough."""
+"""Forecast of an experiment: standard errors, undetermined unknowns, and a sufficient payload."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
@@ -25,8 +25,8 @@ from bench.model.regressor import UNITS
 
 @dataclass(frozen=True)
 class Expected:
-    """One unknown. kind: "gain", "parameter", "payload" or "effect"; value: nominal, NaN where nothing is known of it;
-    std: its expected standard error, None where it stays undetermined; size: against which it is held.
+    """One unknown. kind: "gain", "parameter", "payload" or "effect"; value: nominal, NaN if unknown; std: its expected
+    standard error, None if undetermined; size: its unit for relative errors.
     """
 
     name: str
@@ -39,7 +39,7 @@ class Expected:
 
     @property
     def relative(self) -> float:
-        """The standard error over the size; infinite where the unknown stays undetermined."""
+        """The standard error over the size; infinite if the unknown is undetermined."""
         return float("inf") if self.std is None else self.std / self.size
 
 
@@ -47,9 +47,9 @@ class Expected:
 class Enough:
     """What gives an accuracy of the gains.
 
-    accuracy: asked for; expected: worst relative standard error of the gains with the planned payload, None without
-    one; seconds: of each recording with that payload, None where no time of sense is enough; mass: kg, the lightest
-    payload that is enough at the planned time, None where none within the limits is.
+    accuracy: requested; expected: worst relative standard error of the gains with the planned payload, None without
+    one; seconds: of each recording with that payload, None if no reasonable time suffices; mass: kg, the lightest
+    sufficient payload at the planned time, None if there is none within the limits.
     """
 
     accuracy: float
@@ -64,7 +64,7 @@ class ForecastCode(Enum):
     NO_SCALE = auto()
     """No payload of known mass: the gains stay nominal."""
     UNDETERMINED = auto()
-    """subjects: unknowns that do not show, or only together."""
+    """subjects: unknowns not determined, or only together."""
     WEAK = auto()
     """subjects: unknowns with standard errors beyond `RULE.loose` of their size."""
     COARSE_ENCODERS = auto()
@@ -73,7 +73,7 @@ class ForecastCode(Enum):
 
 @dataclass(frozen=True)
 class ForecastNote:
-    """Something to know of a forecast, by code; subjects: names of unknowns."""
+    """A note on a forecast, by code; subjects: names of unknowns."""
 
     code: ForecastCode
     subjects: tuple[str, ...] = ()
@@ -90,7 +90,7 @@ class Forecast:
 
 
 def covariance_of(plan: ExperimentPlan, rows: Sequence[PlannedRows]) -> tuple[Determined, bool]:
-    """Covariance (P, P) by the noise of currents and the steps of encoders, and whether these matter."""
+    """Covariance (P, P) by current noise and encoder steps, and whether the steps matter."""
     search, nominal = plan.search, plan.nominal
     of_plan = [row_evidence(nominal, planned, load) for planned, load in zip(rows, search.loads, strict=True)]
     everything = [*search.known, *of_plan]
@@ -109,10 +109,10 @@ def covariance_of(plan: ExperimentPlan, rows: Sequence[PlannedRows]) -> tuple[De
 
 
 def forecast(plan: ExperimentPlan, gain_accuracy: float | None = None) -> Forecast:
-    """Standard errors of all unknowns, in the drive's noise alone and with the encoders' steps.
+    """Standard errors of all unknowns, by current noise alone and with encoder steps.
 
-    gain_accuracy: relative; then the payload mass and the time that are enough for it are looked for. They are standard
-    errors of noise: an effect that the model lacks is no part of them.
+    gain_accuracy: relative; if given, the sufficient payload mass and time are searched. Standard errors cover noise
+    only, not effects that the model lacks.
     """
     rows = planned_rows(plan.nominal, [trial.trajectory for trial in plan.motions], plan.search.loads)
     result, stepped = covariance_of(plan, rows)
@@ -162,9 +162,9 @@ def _notes(
 
 
 def gain_error(plan: ExperimentPlan, rows: Sequence[PlannedRows], mass: float | None) -> float:
-    """Worst relative standard error of the gains with the payload's mass changed to another one; infinite without.
+    """Worst relative standard error of the gains with another payload mass; infinite without one.
 
-    Of the planned motions the first goes unloaded and the last one loaded; where only one was planned, it goes twice.
+    The first planned motion is unloaded and the last one loaded; a single one is made twice.
     """
     nominal = _with_mass(plan.nominal, mass)
     evidence = []
@@ -210,7 +210,7 @@ def moving_mass(nominal: Nominal) -> float:
 
 
 def _with_mass(nominal: Nominal, mass: float | None) -> Nominal:
-    """The machine with a payload of another mass and the same shape; a point at the tool where none was planned."""
+    """The machine with a payload of another mass and the same shape; a point at the tool if none was planned."""
     if mass is None:
         return nominal
     before = nominal.payloads.get(PAYLOAD)

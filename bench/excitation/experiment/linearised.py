@@ -1,7 +1,7 @@
-"""How errors and limits change with the coefficients of a motion, to first order.
+"""First-order change of errors and limits with the coefficients of a motion.
 
-A motion is perturbed sample by sample: positions, velocities and accelerations of every motor a little, loops closed
-again. What a coefficient does is a combination of these, since the series is linear in its coefficients.
+At every sample, positions, velocities and accelerations of every motor are perturbed slightly, with loops closed again.
+The effect of a coefficient is a combination of these, since the series is linear in it.
 """
 
 from collections.abc import Callable, Sequence
@@ -48,8 +48,8 @@ class Linear:
 
 @dataclass(frozen=True)
 class Linearised:
-    """errors: logarithms of what is to be small, the largest of them; mean (c,): slopes of the mean of all of them;
-    limits: what has to stay at 1 or below; all by all coefficients of all motions, in the units of `coefficient_sizes`.
+    """errors: the largest logarithms to minimise; mean (c,): slopes of the mean of all logarithms; limits: must stay at
+    or below 1; all by all coefficients of all motions, in the units of `coefficient_sizes`.
     """
 
     errors: Linear
@@ -79,7 +79,7 @@ def linearised(search: Search, candidates: Sequence[Candidate], mapper: Mapper =
 
 
 def _joined(search: Search, candidate: Candidate, parts: list[tuple[np.ndarray, Linear]]) -> Linearised:
-    """What the coefficients of all motions of a candidate do, from what those of each do."""
+    """Slopes by the coefficients of all motions of a candidate, from those of each."""
     errors, near = _near(search, search.fit(candidate))
     *each, mean = np.hstack([slopes for slopes, _ in parts])
     limits = _concatenated([limits for _, limits in parts])
@@ -109,9 +109,9 @@ def _by_one_motion(search: Search, motion: tuple[Candidate, int]) -> tuple[np.nd
 
 @dataclass(frozen=True)
 class _Perturbed:
-    """A motion and what it shows; what it shows with a step in position, velocity or acceleration (the first index) of
-    each motor (the second), at all samples; steps (3, n) that were made; moved: with a step in position of each motor,
-    one after the other.
+    """A motion and its currents; showing: those with a step in position, velocity or acceleration (first index) of each
+    motor (second index), at all samples; steps (3, n); moved: the motions with a step in position of each motor, one
+    after the other.
     """
 
     motion: Motion
@@ -152,12 +152,12 @@ def _perturbed(search: Search, tried: Tried, load: str | None) -> _Perturbed:
 
 
 def _accelerated(motion: Motion, j: int, step: float) -> Motion:
-    """The motion with another acceleration of a motor at all samples: poses and velocities stay."""
+    """The motion with another acceleration of a motor at all samples, but the same velocities."""
     return replace(motion, a=motion.a + step * motion.jacobian[:, :, j])
 
 
 def _basis(trajectory: FourierTrajectory, times: np.ndarray) -> np.ndarray:
-    """What unit coefficients do to position, velocity and acceleration: (3, N, 2, H)."""
+    """Position, velocity and acceleration of unit coefficients: (3, N, 2, H)."""
     harmonics = trajectory.harmonics
     identity, none = np.eye(harmonics), np.zeros((harmonics, harmonics))
     series = replace(
@@ -178,11 +178,10 @@ def _error_slopes(
     recordings: list[Evidence],
     number: int,
 ) -> np.ndarray:
-    """Derivatives (m + 1, 2 n H) of the errors, and of their mean, by the coefficients of the recording of that number.
+    """Derivatives (m + 1, 2 n H) of the errors, and of their mean, by the coefficients of a recording (index).
 
-    Its derivatives of the currents change at every sample, and with them the grams; the variance of its currents
-    changes, and with it the weights of the motors. Columns of `gradient` meet the regressor first: nothing has the size
-    of a gram for each coefficient.
+    Its current derivatives change at every sample, and with them the grams; its current variance changes, and with it
+    the motors' weights. Columns of `gradient` multiply the regressor first, so no gram is formed per coefficient.
     """
     recording, n, m = recordings[number], sizes.shape[1], gradient.factor.shape[1]
     weight = 1.0 / pooled_variance(recordings)
@@ -253,7 +252,7 @@ def _by_variances(
 
 
 def _limits(search: Search, tried: Tried, probe: _Perturbed, basis: np.ndarray, sizes: np.ndarray) -> Linear:
-    """All limits of one motion that are at all near, each as its share."""
+    """All limits of one motion that are near, each as a share."""
     room = search.room
     parts = [_of_motors(room, tried.trajectory, search.shape.times, sizes)]
     for values in _whole_robot(search, probe):
@@ -299,14 +298,14 @@ class _OfPoses:
 
 
 def _whole_robot(search: Search, probe: _Perturbed) -> list[_OfPoses]:
-    """Loop amplification, hold of the closures and boxes."""
+    """Loop amplification, singular values and boxes."""
     geometry, room = search.nominal.model.geometry, search.room
     limits = []
 
     def of(
         values: Callable[[Motion, np.ndarray], np.ndarray], samples: np.ndarray, whole: np.ndarray
     ) -> None:
-        """Keep the values, `whole` at some samples, that are near their limit."""
+        """The values that are near their limit, `whole` at some samples."""
         near, present = samples[whole > SEARCH.near], whole[whole > SEARCH.near]
         if len(near):
             moved_values = values(probe.moved_at(near), np.tile(near, len(room.home)))
@@ -337,7 +336,7 @@ def _whole_robot(search: Search, probe: _Perturbed) -> list[_OfPoses]:
 
 
 def _out_of(geometry: Geometry, box: Box, motion: Motion, _: np.ndarray) -> np.ndarray:
-    """The share (m,) of a box's room that is used up: 1 at its walls."""
+    """The used share (m,) of a box's room: 1 at its walls."""
     width = max(high - low for low, high in zip(box.low, box.high, strict=True))
     return 1.0 + outside(box, tool_positions(geometry, motion)) / width
 
@@ -365,7 +364,7 @@ def _of_torques(search: Search, probe: _Perturbed, basis: np.ndarray, sizes: np.
 def _of_bands(
     search: Search, trajectory: FourierTrajectory, probe: _Perturbed, basis: np.ndarray, sizes: np.ndarray
 ) -> Linear:
-    """What of the currents lies above the band: see `band_shares`."""
+    """Parts of the currents above the band: see `band_shares`."""
     rate = search.shape.rate
     values = band_shares(probe.shown.current, rate, trajectory)
     near = np.flatnonzero(values > SEARCH.near)

@@ -1,4 +1,4 @@
-"""Between which positions, velocities and accelerations a trajectory stays during short intervals."""
+"""Bounds of positions, velocities and accelerations of a trajectory during short intervals."""
 
 from dataclasses import dataclass
 
@@ -16,7 +16,7 @@ class Intervals:
     half: np.ndarray
 
     def cut(self, parts: np.ndarray) -> "Intervals":
-        """Each in so many (K,) of the same length, side by side."""
+        """Each cut into parts (K,) of equal length, in order."""
         first = np.repeat(np.cumsum(parts) - parts, parts)
         half = np.repeat(self.half / parts, parts)
         steps = 2.0 * (np.arange(len(half)) - first) + 1.0
@@ -29,8 +29,8 @@ class Intervals:
 
 @dataclass(frozen=True)
 class MotorBalls:
-    """Positions, velocities and accelerations in the intervals' middles, (3, K, n), and how far each strays from that
-    in its interval.
+    """Positions, velocities and accelerations in the intervals' middles, (3, K, n), and their radii in the
+    intervals.
     """
 
     middle: np.ndarray
@@ -51,8 +51,8 @@ def intervals_of(trajectory: FourierTrajectory, rate: float) -> Intervals:
 def motor_balls(trajectory: FourierTrajectory, intervals: Intervals) -> MotorBalls:
     """The motors in every interval.
 
-    On either half of an interval a function stays within half^2 / 8 times the largest size of its second derivative of
-    the line through its ends there.
+    On either half of an interval a function differs from the line through its ends by at most half^2 / 8 times the
+    largest second derivative.
     """
     middle = np.array(trajectory.evaluate(intervals.middle))
     before = np.array(trajectory.evaluate(intervals.middle - intervals.half))

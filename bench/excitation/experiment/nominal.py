@@ -1,4 +1,4 @@
-"""The machine as it is expected before anything is measured, and what its currents would tell of each unknown."""
+"""The expected machine before any measurement, and the information of its currents on each unknown."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -23,9 +23,9 @@ from bench.signals.settings import FilterSettings
 
 @dataclass(frozen=True)
 class Noise:
-    """What the log is expected to be like. current (n,): standard deviation, drive unit, or None for `ratio` times the
-    RMS current of each recording; encoder (n,): its steps, rad or m; rate: samples a second; recorded: whether the
-    currents' is read off recordings.
+    """Expected noise of the log. current (n,): standard deviation, drive unit, or None for `ratio` times the RMS
+    current of each recording; encoder (n,): its steps, rad or m; rate: samples per second; recorded: whether current
+    noise is from recordings.
     """
 
     current: np.ndarray | None
@@ -45,9 +45,9 @@ class Noise:
 class Nominal:
     """A model with values: base parameters (nb,), gains (n,), payloads by name, and effects as further unknowns.
 
-    layout: of the parameters; the gains come behind them where `gains_fitted`: they are unknowns where some payload's
-    mass is known. source: where the values are from, in words. scale: why payloads, as they are declared, leave all
-    gains open; None where they do not. doubts: why the values are not to be used, where recordings gave them.
+    layout: of the parameters; the gains follow if `gains_fitted`, when some payload's mass is known. source: of the
+    values, in words. scale: why the declared payloads leave all gains open; None if they do not. doubts: reasons
+    against values that recordings gave.
     """
 
     model: IdentificationModel
@@ -64,13 +64,13 @@ class Nominal:
 
     @property
     def size(self) -> int:
-        """How many unknowns there are."""
+        """Number of unknowns."""
         return self.layout.size + (len(self.gains) if self.gains_fitted else 0)
 
 
 @dataclass(frozen=True)
 class SeenMotion:
-    """What a motion shows: derivatives (N, n, P) of the currents by the unknowns, and the currents (N, n)."""
+    """Currents of a motion: derivatives (N, n, P) by the unknowns, and the currents (N, n)."""
 
     jacobian: np.ndarray
     current: np.ndarray
@@ -82,12 +82,12 @@ class SeenMotion:
 
 
 def seen(nominal: Nominal, motion: Motion, payload: str | None) -> SeenMotion:
-    """Currents along a motion, and how they change with every unknown."""
+    """Currents along a motion, and their derivatives by every unknown."""
     return seen_each(nominal, motion, len(motion.time), payload)[0]
 
 
 def seen_each(nominal: Nominal, motions: Motion, samples: int, payload: str | None) -> list[SeenMotion]:
-    """The same of motions behind one another, each of so many samples."""
+    """The same for concatenated motions of `samples` each."""
     model, layout = nominal.model, nominal.layout
     columns = model.base.columns
     if payload is not None:
@@ -142,8 +142,8 @@ def _effects(nominal: Nominal, motion: Motion, payload: str | None) -> np.ndarra
 
 @dataclass(frozen=True)
 class Evidence:
-    """What a recording tells. grams (n, P, P): of the derivatives of each motor's currents, summed over the samples of
-    the log; variance (n,) of its currents; samples of its log.
+    """Of a recording. grams (n, P, P): of the derivatives of each motor's currents, summed over the samples of the log;
+    variance (n,) of its currents; samples of its log.
     """
 
     grams: np.ndarray
@@ -160,14 +160,14 @@ class Equations:
 
 
 def evidence(nominal: Nominal, what: SeenMotion, duration: float) -> Evidence:
-    """What a recording of this duration tells of all unknowns."""
+    """Evidence of such a recording on all unknowns."""
     samples = nominal.noise.rate * duration
     grams = what.by_motor @ what.by_motor.transpose(0, 2, 1) * (samples / len(what.current))
     return Evidence(grams, nominal.noise.deviation(what.current) ** 2, samples)
 
 
 def equations(recordings: Sequence[Evidence]) -> Equations:
-    """The fit as the estimator makes it: it weights each motor by its error over all recordings."""
+    """The fit of the estimator, which weights each motor by its error over all recordings."""
     weight = 1.0 / pooled_variance(recordings)[:, None, None]
     normal = np.sum([(recording.grams * weight).sum(axis=0) for recording in recordings], axis=0)
     score = np.sum(
@@ -187,10 +187,10 @@ def pooled_variance(recordings: Sequence[Evidence]) -> np.ndarray:
 
 
 def reference_sizes(nominal: Nominal, recordings: Sequence[SeenMotion]) -> np.ndarray:
-    """The size (P,) against which the standard error of each unknown is held.
+    """The size (P,) to which each unknown's standard error is relative.
 
-    A gain: its value. A base parameter: its value, but at least a share of the largest of its unit. A payload's: as a
-    base parameter's. An effect's: what makes a share of the RMS torque of a motor, over `recordings`.
+    Of a gain: its value. Of a base or payload parameter: its value, but at least a share of the largest of its unit. Of
+    an effect's: the value that gives a share of the RMS torque of a motor, over `recordings`.
     """
     layout = nominal.layout
     sizes = np.zeros(nominal.size)

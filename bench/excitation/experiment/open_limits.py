@@ -1,4 +1,4 @@
-"""Which limits an enclosure leaves open: those that the whole of it does not keep."""
+"""Limits that an enclosure leaves open: not kept by all of it."""
 
 from dataclasses import dataclass
 from enum import StrEnum
@@ -21,7 +21,7 @@ from bench.model.nodes import robot_length
 
 
 class Kept(StrEnum):
-    """What a motion has to keep."""
+    """Limits of a motion."""
 
     LOOPS = "loops"
     AMPLIFICATION = "amplification"
@@ -36,8 +36,8 @@ Limit = tuple[Kept, str]  # and the joint or box that it is of, "" for the whole
 
 @dataclass(frozen=True)
 class Margin:
-    """What remains of a limit in intervals: in their middles, and at least in the whole of each, (K,); where the last
-    is above zero the limit is kept.
+    """Margin to a limit in intervals: in their middles, and its lower bound in each interval, (K,); if the latter is
+    above zero, the limit is kept.
     """
 
     middle: np.ndarray
@@ -45,7 +45,7 @@ class Margin:
 
 
 def margins(nominal: Nominal, room: Room, payload: str | None, enclosure: Enclosure) -> dict[Limit, Margin]:
-    """What remains of every limit, always in the same order."""
+    """Margins of all limits, always in the same order."""
     geometry = nominal.model.geometry
     by_limit: dict[Limit, Margin] = {}
     if geometry.closed:
@@ -75,16 +75,16 @@ def margins(nominal: Nominal, room: Room, payload: str | None, enclosure: Enclos
 
 
 def _below(most: float, middle: np.ndarray, largest: np.ndarray) -> Margin:
-    """Margin of what is at most so large everywhere; middle, largest (K, nv, n)."""
+    """Margin of quantities with the bound `most`; middle, largest (K, nv, n)."""
     return Margin(most - middle.max(axis=(1, 2)), most - largest.max(axis=(1, 2)) * (1.0 + PROOF.rounding))
 
 
 def _singular(geometry: Geometry, least: float, enclosure: Enclosure) -> Margin:
-    """Margin of the smallest singular value of the scaled closures by the passive joints: it strays no further than the
-    norm of what the matrix changes by (Weyl). It is worked out only where one over the inverse's norm, which it is at
-    least, does not prove that it is large enough.
+    """Margin of the smallest singular value of the scaled closures by the passive joints, which changes by at most the
+    norm of the matrix's change (Weyl). It is computed only if its lower bound, one over the inverse's norm, is too
+    small for a proof.
 
-    See `scaled_jacobians`; where a row is over its largest entry, both stray.
+    See `scaled_jacobians`; if a row is scaled by its largest entry, both vary.
     """
     passive = geometry.passive
     sizes = np.ones((len(enclosure.rows), enclosure.rows.shape[1]))  # that rows are divided by
@@ -113,7 +113,7 @@ def _singular(geometry: Geometry, least: float, enclosure: Enclosure) -> Margin:
 
 
 def _tool(geometry: Geometry, enclosure: Enclosure) -> tuple[np.ndarray, np.ndarray]:
-    """Where the tool is in the middles, (K, 3) m, and how far it strays along each axis."""
+    """Tool positions in the middles, (K, 3) m, and their radii along each axis."""
     if geometry.tool is None:
         raise BenchError(f"robot {geometry.robot.name}: there is no [tool] site")
     links = tuple(link_of(i, geometry.joints[i]) for i in ancestors(geometry, geometry.tool.joint))
@@ -124,7 +124,7 @@ def _tool(geometry: Geometry, enclosure: Enclosure) -> tuple[np.ndarray, np.ndar
 
 
 def _clear(box: Box, points: np.ndarray, radii: np.ndarray) -> np.ndarray:
-    """What remains between points (K, 3) with radii and the walls of a box that they keep inside or out of, (K,) m."""
+    """Distance (K,) m between points (K, 3) with radii and the walls of a box that they keep inside or outside of."""
     low, high = np.asarray(box.low), np.asarray(box.high)
     if box.keep == "inside":
         return np.asarray(np.minimum(points - low, high - points).min(axis=1) - radii.max(axis=1))

@@ -1,4 +1,4 @@
-"""Plan an experiment: the motions, what is to be expected of them, and how they compare with motions at random."""
+"""Plan an experiment: the motions, their expected accuracy, and the comparison with random motions."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -54,7 +54,7 @@ NAMES = ("unloaded", "loaded")
 
 @dataclass(frozen=True)
 class Aim:
-    """What is made small, and how it is searched for.
+    """What to minimise, and how.
 
     wanted: "all" (gains and base parameters), "gains", "parameters", or effects as EFFECT or EFFECT:JOINT. criterion:
     the largest relative standard error, or the volume of the error ellipsoid.
@@ -76,7 +76,7 @@ WHOLE = Aim()
 
 @dataclass(frozen=True)
 class PlannedRecording:
-    """A recording to make: what it is for, its payload or None, its motion with the proof that it keeps all limits."""
+    """A planned recording: its use, its payload or None, its motion with the proof that it keeps all limits."""
 
     name: str
     use: Use
@@ -91,10 +91,10 @@ class PlannedRecording:
 
 @dataclass(frozen=True)
 class ExperimentPlan:
-    """An experiment. names, motions, proofs: of every recording to fit its name, its motion, and that
-    this keeps all limits; checks: other motions with the same payloads, to judge on; sizes (P,): against which standard
-    errors are held; targets: the unknowns that it is for; value: the criterion, relative; random: the same of motions
-    at random, `best` and `median` of `SEARCH.random`.
+    """An experiment. names, motions, proofs: of every recording to fit, its name, its motion, and the proof that this
+    keeps all limits; checks: other motions with the same payloads, to judge on; sizes (P,): to which standard errors
+    are relative; targets: the wanted unknowns; value: the criterion, relative; random: the same of random motions,
+    `best` and `median` of `SEARCH.random`.
     """
 
     robot: Robot
@@ -110,7 +110,7 @@ class ExperimentPlan:
     aim: Aim
     value: float
     random: Mapping[str, float]
-    before: float | None = None  # the criterion of what was measured already
+    before: float | None = None  # the criterion of existing recordings
 
     @property
     def recordings(self) -> tuple[PlannedRecording, ...]:
@@ -128,7 +128,7 @@ class ExperimentPlan:
 
 @dataclass(frozen=True)
 class Started:
-    """A search with its sizes, its targets, and motions to begin with: at random, and with few harmonics."""
+    """A search with its sizes, its targets, and starting motions: random, and with few harmonics."""
 
     search: Search
     sizes: np.ndarray
@@ -140,7 +140,7 @@ class Started:
 def nominal_machine(
     robot: Robot, table: ExperimentTable, requests: Sequence[str], catalogue: Mapping[str, Effect]
 ) -> Nominal:
-    """The machine that is expected: masses of the MJCF, nominal gains, the payload that is asked for.
+    """The expected machine: masses of the MJCF, nominal gains, the requested payload.
 
     Raises BenchError for a payload that fixes no drive gain, whatever the motion.
     """
@@ -179,7 +179,7 @@ def _open_scale(model: IdentificationModel, payloads: Mapping[str, Payload]) -> 
 
 
 def noise_of(robot: Robot, table: ExperimentTable) -> Noise:
-    """What the log is expected to be like."""
+    """The expected noise of the log."""
     sensors, joints = table.sensors, robot.joints
     current = (
         None
@@ -206,7 +206,7 @@ def _effects(
 
 
 def check_linear(effects: Sequence[EffectInstance]) -> None:
-    """Raise BenchError for an effect with parameters that are not linear."""
+    """Raise BenchError for an effect with nonlinear parameters."""
     for instance in effects:
         if instance.effect.shape:
             names = ", ".join(shape.name for shape in instance.effect.shape)
@@ -227,10 +227,10 @@ def plan_experiment(
     mapper: Mapper = IN_TURN,
     progress: Progress = SILENT,
 ) -> ExperimentPlan:
-    """Design motions, without and with the payload, that make the standard errors of what is wanted small.
+    """Design motions, without and with the payload, that minimise the standard errors of wanted unknowns.
 
-    effects: what else the model has, not aimed at. The plan is the same with every mapper. Raises BenchError for
-    names that are unknown and limits that leave no room.
+    effects: further effects of the model, not targets. The plan does not depend on the mapper. Raises BenchError for
+    unknown names and limits that leave no room.
     """
     progress.phase("reading the robot")
     nominal = nominal_machine(robot, table, [*effects, *aim.effects], catalogue)
@@ -281,7 +281,7 @@ def started(
     mapper: Mapper = IN_TURN,
     progress: Progress = SILENT,
 ) -> Started:
-    """The search with motions at random to begin with."""
+    """The search with random starting motions."""
     measure = RelativeErrors if aim.criterion == "worst" else Volume
     targets = targets_of(nominal, aim.wanted)
     first = Search(nominal, room, shape, loads, known, measure(np.ones(nominal.size), targets))
@@ -297,7 +297,7 @@ def started(
 
 
 def _sizes(nominal: Nominal, loads: tuple[str | None, ...], starts: Sequence[Candidate]) -> np.ndarray:
-    """Against which standard errors are held, by a few motions at random."""
+    """To what standard errors are relative, by a few random motions."""
     looked_at = [
         seen(nominal, trial.motion, load)
         for candidate in starts[: SEARCH.torque_motions]
@@ -307,8 +307,8 @@ def _sizes(nominal: Nominal, loads: tuple[str | None, ...], starts: Sequence[Can
 
 
 def shape_of(room: Room, table: ExperimentTable) -> Shape:
-    """Where no base frequency is given, the highest harmonic is the one at which a sine of the largest speed has the
-    largest acceleration, in the median of the joints; at least one period fits into the motion.
+    """Without a given base frequency, the highest harmonic is that at which a sine of the largest speed has the largest
+    acceleration, in the median of the joints; at least one period fits into the motion.
     """
     if 2.0 * table.ramp > table.duration:
         raise BenchError(f"duration: {table.duration:g} s is too short for two ramps of {table.ramp:g} s")
@@ -328,7 +328,7 @@ def shape_of(room: Room, table: ExperimentTable) -> Shape:
 
 
 def targets_of(nominal: Nominal, wanted: Sequence[str]) -> np.ndarray:
-    """The unknowns that are aimed at, by number. Raises BenchError for gains that no payload gives a scale."""
+    """Indices of the target unknowns. Raises BenchError for gains whose scale no payload fixes."""
     layout = nominal.layout
     gains = np.arange(layout.size, nominal.size)
     indices: list[int] = []

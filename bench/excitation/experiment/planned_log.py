@@ -1,4 +1,4 @@
-"""The rows that a fit will take from planned motions: filters chosen as for a log, rows at standstill omitted."""
+"""The rows of a fit to planned motions: filters chosen as for a log, rows at standstill omitted."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -13,12 +13,12 @@ from bench.scenario.trajectory import FourierTrajectory
 from bench.signals.decimation import decimated_indices
 from bench.signals.settings import FilterSettings, choose_settings
 
-SEED = 20120604  # of the noise of a log that is only looked at for its filters
+SEED = 20120604  # of the noise of a log used only to choose filters
 
 
 @dataclass(frozen=True)
 class PlannedRows:
-    """The rows of a fit to one planned motion: motion at them, M of them over the whole log, and moving (M, n): which
+    """The rows of a fit to one planned motion: the motion at the M rows of the whole log, and moving (M, n): which
     joints' rows count; those at the log's ends, which the filters need, do not.
 
     decimation: samples of the log for each row.
@@ -32,7 +32,7 @@ class PlannedRows:
 def planned_rows(
     nominal: Nominal, trajectories: Sequence[FourierTrajectory], loads: Sequence[str | None]
 ) -> list[PlannedRows]:
-    """The rows that a fit to all these motions would have, each with its payload."""
+    """The rows of a fit to all these motions, each with its payload."""
     logs = [_log(nominal, trajectory, load) for trajectory, load in zip(trajectories, loads, strict=True)]
     positions, currents = [log[1] for log in logs], [log[2] for log in logs]
     settings = choose_settings(positions, currents, nominal.noise.rate)
@@ -43,7 +43,7 @@ def planned_rows(
 
 
 def row_evidence(nominal: Nominal, rows: PlannedRows, load: str | None) -> Evidence:
-    """What the rows tell of all unknowns of a machine with this payload."""
+    """Evidence of rows on all unknowns of a machine with this payload."""
     what = seen(nominal, rows.motion, load)
     by_motor = (what.jacobian * rows.moving[:, :, None]).transpose(1, 0, 2)
     grams = by_motor.transpose(0, 2, 1) @ by_motor * rows.decimation

@@ -1,4 +1,4 @@
-"""Are all limits kept at every time? Proven by intervals of time, cut where that leaves it open."""
+"""Proof that all limits are kept at every time, by intervals of time, cut if undecided."""
 
 from dataclasses import dataclass, replace
 
@@ -20,7 +20,7 @@ LOOPS: Limit = (Kept.LOOPS, "")
 
 @dataclass(frozen=True)
 class Proof:
-    """Proof that a motion keeps all limits: by so many intervals, the shortest of which takes so many seconds."""
+    """Proof that a motion keeps all limits: number of intervals, and length of the shortest in seconds."""
 
     intervals: int
     shortest: float
@@ -28,10 +28,10 @@ class Proof:
 
 @dataclass(frozen=True)
 class Unproven:
-    """A limit that could not be proven at a time, s, None where the loops could not be closed somewhere.
+    """A limit that could not be proven at a time, s; None if the loops could not be closed somewhere.
 
-    where: the joint or the number of the box, "" for the whole robot; exceeded: whether it is exceeded there; why: what
-    was said of loops that could not be closed.
+    where: the joint or the number of the box, "" for the whole robot; exceeded: whether it is exceeded there; why:
+    message on loops that could not be closed.
     """
 
     limit: Kept
@@ -43,9 +43,8 @@ class Unproven:
 
 @dataclass(frozen=True)
 class _Looked:
-    """Intervals, the motion in their middles, and what `Enclosure` and `PoseSets` say of them; open, exceeded (K, L):
-    of which of the limits it is not proven that they are kept, and which are not kept in the middle; parts (K,): into
-    how many an open one is cut.
+    """Intervals, the motion in their middles, and their values of `Enclosure` and `PoseSets`; open, exceeded (K, L):
+    limits that are not proven, and those not kept in the middle; parts (K,): number into which an open interval is cut.
     """
 
     intervals: Intervals
@@ -60,7 +59,7 @@ class _Looked:
 
 @dataclass(frozen=True)
 class Promise:
-    """A motion with all that it has to keep, carrying a payload or None."""
+    """A motion with all its limits, carrying a payload or None."""
 
     nominal: Nominal
     room: Room
@@ -72,8 +71,8 @@ def prove(promise: Promise, *, around: float | None = None) -> Proof | Unproven:
     """Prove that the robot keeps its loops closed and clear of singular poses, its passive joints' ranges, the boxes of
     its tool and the torques of its motors at all times; or what could not be proven, and when.
 
-    around, s: a time near which alone that is looked at. Ranges, speeds and accelerations of the motors follow from the
-    trajectory alone, see `between_samples`.
+    around, s: examine only times near it. Ranges, speeds and accelerations of the motors follow from the trajectory
+    alone, see `between_samples`.
     """
     geometry, trajectory = promise.nominal.model.geometry, promise.trajectory
     intervals = intervals_of(trajectory, PROOF.rate)
@@ -82,7 +81,7 @@ def prove(promise: Promise, *, around: float | None = None) -> Proof | Unproven:
     except BenchError as error:  # out of reach, or through a singular pose
         return Unproven(*LOOPS, None, exceeded=True, why=str(error))
     amplified = np.abs(motion.jacobian).max(axis=(1, 2)) > promise.room.joint.amplification
-    if geometry.closed and amplified.any():  # before any time is spent on what lies between
+    if geometry.closed and amplified.any():  # before any time is spent between samples
         return _amplified(geometry, motion, int(np.argmax(amplified)))
     if around is not None:
         chosen = np.flatnonzero(np.abs(intervals.middle - around) <= PROOF.around)
@@ -108,7 +107,7 @@ def prove(promise: Promise, *, around: float | None = None) -> Proof | Unproven:
 
 
 def _cut_ahead(promise: Promise, intervals: Intervals, motion: Motion) -> tuple[Intervals, Motion]:
-    """Intervals, cut where it can be expected that their loops are not held otherwise, by a few of them."""
+    """Intervals, cut in advance if a few of them show that their loops would not be held."""
     geometry, few = promise.nominal.model.geometry, np.arange(0, len(intervals.half), PROOF.ahead)
     sampled = intervals.at(few)
     sets = pose_sets(geometry, sampled, motor_balls(promise.trajectory, sampled), motion.at(few))
@@ -119,12 +118,12 @@ def _cut_ahead(promise: Promise, intervals: Intervals, motion: Motion) -> tuple[
     near = replace(motion.at(np.repeat(np.arange(len(parts)), parts)), time=finer.middle)
     try:
         return finer, motion_near(geometry, near, *promise.trajectory.evaluate(finer.middle))
-    except BenchError:  # where it can be told which interval that is
+    except BenchError:  # in which interval is determined later
         return intervals, motion
 
 
 def _looked(promise: Promise, intervals: Intervals, motion: Motion) -> _Looked:
-    """What is known of intervals by themselves."""
+    """Results for intervals, one by one."""
     geometry = promise.nominal.model.geometry
     rates = bool(np.isfinite(promise.room.torque).any())
     parts = []
@@ -150,16 +149,16 @@ def _looked(promise: Promise, intervals: Intervals, motion: Motion) -> _Looked:
 
 
 def _parts(sets: PoseSets) -> np.ndarray:
-    """Into how many an interval is cut so that its loops are held: how far I - C A_p strays is nearly in proportion to
-    the interval; in two where that is not why it stays open.
+    """Number of parts of an interval in which its loops are held, since the radius of I - C A_p is nearly proportional
+    to its length; two if it is open for another reason.
     """
     ratio = np.nan_to_num(PROOF.more_parts * sets.excess, nan=PROOF.parts, posinf=PROOF.parts)
     return np.where(sets.held, 2, np.clip(np.ceil(ratio), 2, PROOF.parts)).astype(int)
 
 
 def _followed(geometry: Geometry, known: _Looked) -> _Looked:
-    """The same, with loops open where both of two intervals are held, and it is not proven that the motion of the first
-    goes on in the second.
+    """The same, with open loops if two intervals are held, but it is not proven that the first's motion continues in
+    the second.
     """
     if not geometry.closed:
         return known
@@ -175,7 +174,7 @@ def _followed(geometry: Geometry, known: _Looked) -> _Looked:
 
 
 def _joined(parts: list[_Looked]) -> _Looked:
-    """Parts behind one another."""
+    """Parts concatenated."""
     motions = [part.motion for part in parts]
     motion = joined(motions)
     intervals = Intervals(
@@ -214,7 +213,7 @@ def _at(known: _Looked, chosen: np.ndarray) -> _Looked:
 
 
 def _first(geometry: Geometry, known: _Looked) -> Unproven:
-    """The first limit that is exceeded, or else that stays open; see `_amplified`."""
+    """The first exceeded limit, else the first open one; see `_amplified`."""
     exceeded = bool(known.exceeded.any())
     which = known.exceeded if exceeded else known.open
     interval = int(np.argmax(which.any(axis=1)))

@@ -1,4 +1,4 @@
-"""What a proof says, in words."""
+"""Result of a proof in words."""
 
 from bench.excitation.experiment.open_limits import Kept
 from bench.excitation.experiment.proof import Unproven
@@ -16,7 +16,7 @@ def limit_in_words(unproven: Unproven) -> str:
 
 
 def made_smaller(name: str, unproven: Unproven) -> str:
-    """A sentence on the motion of that name, which was made smaller: by which limit, where, and what relaxes it."""
+    """A sentence on the motion of that name, which was made smaller: the limit, where, what relaxes it."""
     when = "" if unproven.time is None else f"at t = {unproven.time:.4g} s "
     return f"The motion {name!r} was reduced, because {when}{_IN_THE_WAY[unproven.limit].format(unproven.where)}."
 

@@ -1,4 +1,4 @@
-"""What the user asks of an experiment: limits, payload, sensors, as a TOML file with a value or one for each joint."""
+"""The user's request for an experiment: limits, payload, sensors, as TOML with a value for all joints or one each."""
 
 from collections.abc import Mapping, Sequence
 from typing import Literal
@@ -20,13 +20,13 @@ from bench.scenario.tables import (
     Vector3,
 )
 
-PAYLOAD = "payload"  # its name in what is written
+PAYLOAD = "payload"  # its name in written files
 PER: Mapping[str, str] = {"velocity": "s", "acceleration": "s2"}
-"""What a rad or m is divided by in the unit of each."""
+"""Divisor of rad or m in each unit."""
 
 
 class Box(UserTable):
-    """[[workspace]]: a box, axes of the world, in which the tool stays, or which it keeps out of."""
+    """[[workspace]]: a box along the world's axes that the tool stays inside or outside of."""
 
     keep: Literal["inside", "outside"] = "inside"
     low: Vector3
@@ -35,7 +35,7 @@ class Box(UserTable):
 
 
 class ExpectedSensors(UserTable):
-    """[sensors]: what the controller's log is expected to be like."""
+    """[sensors]: expected noise of the controller's log."""
 
     current_noise: NotNegativePerJoint | None = None
     """Standard deviation, drive unit; omitted, 1 % of the RMS current of each recording."""
@@ -69,7 +69,7 @@ class ExperimentTable(UserTable):
 
 
 def joint_values(key: str, value: float | Mapping[str, float], joints: Sequence[str]) -> np.ndarray:
-    """A number for all joints, or one for each by name, (n,); BenchError for joints that are not there."""
+    """A number for all joints, or one for each by name, (n,); BenchError for unknown joints."""
     if not isinstance(value, Mapping):
         return np.full(len(joints), float(value))
     for name in value:
@@ -81,7 +81,7 @@ def joint_values(key: str, value: float | Mapping[str, float], joints: Sequence[
 
 
 def assumed_units(key: str, value: float | Mapping[str, float], robot: Robot) -> list[str]:
-    """What is assumed of speeds or accelerations: that one number for hinges and slides is in the units of each."""
+    """The assumption on speeds or accelerations that one number for hinges and slides is in the units of each."""
     turns = [units_of_gain(actuator.gain_unit).rotates for actuator in robot.actuators]
     if isinstance(value, Mapping) or all(turns) or not any(turns):
         return []
@@ -89,7 +89,7 @@ def assumed_units(key: str, value: float | Mapping[str, float], robot: Robot) ->
 
 
 def assumed_ranges(robot: Robot, joints: Sequence[str], low: np.ndarray, high: np.ndarray) -> str:
-    """What is assumed of the joints that have no range in the MJCF: where they may move, low and high (n,)."""
+    """The assumed ranges of joints that have none in the MJCF, low and high (n,)."""
     ranges = []
     for actuator, least, most in zip(robot.actuators, low, high, strict=True):
         if actuator.joint in joints:
@@ -99,9 +99,9 @@ def assumed_ranges(robot: Robot, joints: Sequence[str], low: np.ndarray, high: n
 
 
 def by_unit(key: str, given: Sequence[tuple[float, str]], robot: Robot) -> float | dict[str, float] | None:
-    """What the command line says of speeds or accelerations: None, a number, or one for each joint by its unit.
+    """Speeds or accelerations from the command line: None, a number, or one for each joint by its unit.
 
-    given: numbers with their units, "" for none. Raises BenchError for numbers without a joint, and the reverse.
+    given: numbers with units, "" for none. Raises BenchError for numbers without a joint, and joints without a number.
     """
     if not given:
         return None

@@ -1,4 +1,4 @@
-"""The file of limits, and what the command line adds to it."""
+"""The file of limits, with values from the command line."""
 
 from collections.abc import Mapping
 from pathlib import Path
@@ -13,7 +13,7 @@ from bench.excitation.experiment.request import PER, ExperimentTable, by_unit
 
 
 def asked_table(file: Path | None, given: Mapping[str, Any], robot: Robot) -> ExperimentTable:
-    """The file's table, or an empty one, with what was given on the command line in place of its keys.
+    """The file's table, or an empty one, with values of the command line in place of its keys.
 
     `payload_mass` is the mass of the payload; `velocity` and `acceleration` are pairs of a number and its unit.
     Raises BenchError in one line.

@@ -1,4 +1,4 @@
-"""The room that a motion has: all limits together, and whether a trajectory keeps them."""
+"""The room of a motion: all limits together, and whether a trajectory keeps them."""
 
 from dataclasses import dataclass, replace
 
@@ -26,9 +26,9 @@ from bench.scenario.trajectory import FourierTrajectory
 
 @dataclass(frozen=True)
 class Room:
-    """joint: ranges (n,), largest loop amplification, least hold of the closures; velocity, acceleration, torque (n,)
-    of the motors, the last inf where it is not limited; assumed: which limits nobody gave, in words; unranged: joints
-    whose ranges are among them.
+    """joint: ranges (n,), largest loop amplification, least singular value of closures; velocity, acceleration, torque
+    (n,) of the motors, the last inf if unlimited; assumed: limits that were not given, in words; unranged: joints whose
+    ranges are among them.
     """
 
     home: np.ndarray
@@ -127,7 +127,7 @@ def _check_home(geometry: Geometry, room: Room) -> None:
 
 
 def tool_positions(geometry: Geometry, motion: Motion) -> np.ndarray:
-    """Where the tool is along a motion, (N, 3) m."""
+    """Tool positions along a motion, (N, 3) m."""
     if geometry.tool is None:
         raise BenchError(f"robot {geometry.robot.name}: there is no [tool] site")
     links = tuple(link_of(i, geometry.joints[i]) for i in ancestors(geometry, geometry.tool.joint))
@@ -136,7 +136,7 @@ def tool_positions(geometry: Geometry, motion: Motion) -> np.ndarray:
 
 
 def outside(box: Box, points: np.ndarray) -> np.ndarray:
-    """How far each of the points (N, 3) is from keeping the box, (N,) m; negative where it keeps it."""
+    """Violation (N,) m of the box by each of the points (N, 3); negative if the point keeps it."""
     beyond = np.maximum(np.asarray(box.low) - points, points - np.asarray(box.high)).max(axis=1)
     return np.asarray(beyond if box.keep == "inside" else -beyond)
 
@@ -160,7 +160,7 @@ def filled(room: Room, trajectory: FourierTrajectory, *, grow: bool = False) -> 
 
 
 def keeps_joints(room: Room, trajectory: FourierTrajectory) -> bool:
-    """Whether ranges, speeds and accelerations are kept at all times: proven between samples."""
+    """Whether ranges, speeds and accelerations are kept at all times, also between samples."""
     reach = extremes(trajectory)
     slack = 1.0 + 1e-9
     width = 1e-9 * (room.joint.high - room.joint.low)
@@ -180,8 +180,8 @@ def robot_motion(
     *,
     near: Motion | None = None,
 ) -> Motion | None:
-    """The motion of the whole robot if at the times it keeps loops, singular poses, ranges of passive joints and boxes;
-    None otherwise.
+    """The motion of the whole robot if, at these times, loops close and it keeps off singular poses, passive stops and
+    boxes; or None.
     """
     position, velocity, acceleration = trajectory.evaluate(time)
     try:

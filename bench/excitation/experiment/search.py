@@ -1,4 +1,4 @@
-"""Search for the motions that make standard errors small, inside all limits."""
+"""Search for the motions that minimise standard errors, inside all limits."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -22,8 +22,8 @@ from bench.scenario.trajectory import FourierTrajectory, random_trajectory
 
 @dataclass(frozen=True)
 class Shape:
-    """What all motions of an experiment have in common: Hz and s. lowest, highest: of the base frequencies that the
-    search may try, Hz.
+    """Common properties of all motions of an experiment: Hz and s. lowest, highest: base frequencies that the search
+    may try, Hz.
     """
 
     harmonics: int
@@ -35,7 +35,7 @@ class Shape:
 
     @property
     def times(self) -> np.ndarray:
-        """When a motion is looked at in the search, (N,) s."""
+        """Times of a motion in the search, (N,) s."""
         rate = max(SEARCH.points * self.harmonics * self.highest, SEARCH.ramp_points / self.ramp)
         return np.linspace(0.0, self.duration, int(np.ceil(rate * self.duration)) + 1)
 
@@ -47,7 +47,7 @@ class Shape:
 
 @dataclass(frozen=True)
 class Tried:
-    """A trajectory that keeps the limits, with its motion and what it tells."""
+    """A trajectory that keeps the limits, with its motion and information."""
 
     trajectory: FourierTrajectory
     motion: Motion
@@ -59,8 +59,8 @@ Candidate = tuple[Tried, ...]  # one for each recording
 
 @dataclass(frozen=True)
 class Search:
-    """Everything that a search needs. loads: the payload of every recording, or None; known: what
-    recordings tell that are there already.
+    """Everything that a search needs. loads: the payload of every recording, or None; known: information of existing
+    recordings.
     """
 
     nominal: Nominal
@@ -71,17 +71,17 @@ class Search:
     errors: Errors
 
     def value(self, candidate: Sequence[Tried]) -> float:
-        """The criterion of some motions: the largest of what is made small."""
+        """The criterion of some motions: the largest value to minimise."""
         return largest_of(self.errors, self.fit(candidate))
 
     def fit(self, candidate: Sequence[Tried]) -> Equations:
-        """The equations of some motions, with all that is known already."""
+        """The equations of some motions and the existing recordings."""
         return equations([*self.known, *(trial.evidence for trial in candidate)])
 
     def tried(
         self, trajectory: FourierTrajectory, load: str | None, near: Motion | None = None
     ) -> Tried | None:
-        """A trajectory with what it tells; None where it does not keep the limits."""
+        """A trajectory with its information; None if it violates the limits."""
         motion = self._motion(trajectory, near)
         return None if motion is None else self._telling(trajectory, load, motion)
 
@@ -101,7 +101,7 @@ class Search:
         return robot_motion(self.nominal.model.geometry, self.room, trajectory, self.shape.times, near=near)
 
     def _telling(self, trajectory: FourierTrajectory, load: str | None, motion: Motion) -> Tried | None:
-        """What a motion tells; None where its currents do not keep their limits and their band."""
+        """Information of a motion; None if its currents violate their limits or their band."""
         what = seen(self.nominal, motion, load)
         if np.any(np.abs(what.current * self.nominal.gains) > self.room.torque):
             return None
@@ -131,7 +131,7 @@ def check_standing(search: Search) -> None:
 
 
 def check_proven_at_home(search: Search) -> None:
-    """Raise BenchError where a limit cannot be proven of standing at home, where every motion begins."""
+    """Raise BenchError if a limit cannot be proven at rest at home, where every motion begins."""
     none = np.zeros((len(search.room.home), 1))
     standing = FourierTrajectory(
         search.room.home, none, none, 1.0 / SEARCH.standing, SEARCH.standing, 0.5 * SEARCH.standing
@@ -157,7 +157,7 @@ def scaled(trajectory: FourierTrajectory, factor: float) -> FourierTrajectory:
 
 @dataclass(frozen=True)
 class _Drawn:
-    """Trajectories at random, one for each recording; seed: of others, where one keeps the limits at no size."""
+    """Random trajectories, one for each recording; seed: of others, if one violates limits at every size."""
 
     trajectories: tuple[FourierTrajectory, ...]
     few: bool
@@ -174,10 +174,10 @@ def random_candidates(
     mapper: Mapper = IN_TURN,
     progress: Progress = SILENT,
 ) -> list[Candidate]:
-    """Motions with random coefficients, each as large as its limits allow. Raises BenchError where none keeps them.
+    """Motions with random coefficients, each as large as its limits allow. Raises BenchError if none keeps them.
 
-    few: with few harmonics for each joint, and a base frequency at random. stream: an even number; motions of another
-    one have nothing in common with these.
+    few: with few harmonics for each joint, and a random base frequency. stream: an even number; motions of different
+    streams are independent.
     """
     random = np.random.default_rng([seed, stream + int(few)])
     shape = search.shape
@@ -196,7 +196,7 @@ def random_candidates(
 
 
 def _drawn(search: Search, frequency: float, few: bool, random: np.random.Generator) -> FourierTrajectory:
-    """A trajectory at random."""
+    """A random trajectory."""
     shape, room = search.shape, search.room
     drawn = random_trajectory(
         int(random.integers(2**31)),
@@ -213,7 +213,7 @@ def _drawn(search: Search, frequency: float, few: bool, random: np.random.Genera
 
 
 def _largest(search: Search, drawn: _Drawn) -> Candidate:
-    """The drawn motions, or others at random, as large as the limits allow."""
+    """The drawn motions, or random others, as large as the limits allow."""
     random = np.random.default_rng(drawn.seed)
     motions: list[Tried] = []
     for first, load in zip(drawn.trajectories, search.loads, strict=True):
@@ -231,7 +231,7 @@ def _largest(search: Search, drawn: _Drawn) -> Candidate:
 
 
 def _no_room(search: Search, smallest: FourierTrajectory, load: str | None) -> BenchError:
-    """What is said where no motion keeps the limits: the one that the smallest of all does not keep."""
+    """Message if no motion keeps the limits: the limit that the smallest one violates."""
     proof = prove(Promise(search.nominal, search.room, smallest, load))
     which = (
         f"; the smallest that was tried does not keep {limit_in_words(proof)}"
@@ -252,7 +252,7 @@ def _with_few(trajectory: FourierTrajectory, random: np.random.Generator) -> Fou
 
 @dataclass(frozen=True)
 class Proven:
-    """A motion that keeps every limit at all times, by its proof; given_way: what could not be proven of larger."""
+    """A motion that keeps every limit at all times, by its proof; given_way: failed proofs of larger ones."""
 
     tried: Tried
     proof: Proof
@@ -262,8 +262,8 @@ class Proven:
 def all_proven(
     search: Search, motions: Sequence[tuple[Tried, str | None]], mapper: Mapper = IN_TURN
 ) -> tuple[Proven, ...]:
-    """Motions with their payloads, each shrunk until it is proven that it keeps every limit at all times. Raises
-    BenchError naming the limit that leaves no room.
+    """Motions with their payloads, each shrunk until a proof that it keeps every limit at all times. Raises BenchError
+    naming the limit that leaves no room.
     """
     return tuple(mapper.map(_proven, search, motions))
 
@@ -290,8 +290,8 @@ def _proven(search: Search, motion: tuple[Tried, str | None]) -> Proven:
 
 
 def proven_near(promise: Promise, failed: float | None) -> Proof | Unproven:
-    """Proof of a motion, or what could not be proven. failed, s: where that was so of a larger motion; there it is
-    looked at first, since what is still so there would cost a proof of the whole motion.
+    """Proof of a motion, or its failure. failed, s: the time at which a larger motion failed; it is examined first,
+    since a failure there saves the proof of the whole motion.
     """
     if failed is not None and isinstance(there := prove(promise, around=failed), Unproven):
         return there
@@ -299,8 +299,8 @@ def proven_near(promise: Promise, failed: float | None) -> Proof | Unproven:
 
 
 def random_checks(search: Search, seed: int, mapper: Mapper = IN_TURN) -> Candidate:
-    """Motions at random to judge a fit on, one for each payload: of a few that have nothing in common with those of the
-    search the ones that tell most.
+    """Random motions to judge a fit on, one for each payload: the most informative of a few that are independent of
+    those of the search.
     """
     return min(random_candidates(search, SEARCH.validation, seed, stream=2, mapper=mapper), key=search.value)
 

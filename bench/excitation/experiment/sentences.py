@@ -13,7 +13,7 @@ from bench.identification.scale_words import scale_sentence
 
 
 def sentences(plan: ExperimentPlan, forecast: Forecast) -> list[str]:
-    """What is to be expected, the best first."""
+    """The expected results, the best first."""
     lines = [_doubted(plan), _gains(forecast), _parameters(plan, forecast)]
     lines += _compared(plan, forecast)
     lines.append(_sizes(plan, forecast))
@@ -36,7 +36,7 @@ def sentences(plan: ExperimentPlan, forecast: Forecast) -> list[str]:
 
 
 def _doubted(plan: ExperimentPlan) -> str:
-    """Why the model behind the plan is not to be used; "" where nothing speaks against it."""
+    """Why the model behind the plan is doubtful; "" if it is not."""
     doubts = plan.nominal.doubts
     if not doubts:
         return ""
@@ -47,9 +47,9 @@ def _doubted(plan: ExperimentPlan) -> str:
 
 
 def _compared(plan: ExperimentPlan, forecast: Forecast) -> list[str]:
-    """What was asked for, next to motions at random and to the recordings that are there.
+    """The criterion, compared with random motions and existing recordings.
 
-    These are compared by all of their samples, the forecast goes by the rows that a fit will take.
+    The comparison is by all samples, the forecast by the rows that a fit will use.
     """
     lines = []
     worst = plan.aim.criterion == "worst"
@@ -101,7 +101,7 @@ def note_sentence(note: ForecastNote) -> str:
 
 
 def _judged(plan: ExperimentPlan) -> str:
-    """Which recordings are not fitted."""
+    """Recordings that are not fitted."""
     names = [recording.name for recording in plan.recordings if recording.use == "validate"]
     many = len(names) > 1
     return (
@@ -111,7 +111,7 @@ def _judged(plan: ExperimentPlan) -> str:
 
 
 def _proven(plan: ExperimentPlan) -> str:
-    """Which limits are kept at all times, and which of them made a motion smaller."""
+    """The limits kept at all times, and those that made a motion smaller."""
     room = plan.room
     unranged = room.unranged
     parts = [f"ranges (assumed at {and_list(unranged)})" if unranged else "ranges", "speeds", "accelerations"]
@@ -166,7 +166,7 @@ def _parameters(plan: ExperimentPlan, forecast: Forecast) -> str:
 
 
 def _sizes(plan: ExperimentPlan, forecast: Forecast) -> str:
-    """What the relative standard errors of effects are relative to."""
+    """The reference sizes of relative standard errors of effects."""
     if all(forecast.unknowns[i].kind != "effect" for i in plan.targets):
         return ""
     return (
@@ -181,7 +181,7 @@ def named(expected: Expected) -> str:
 
 
 def enough(needed: Enough) -> list[str]:
-    """What gives the accuracy of the gains that was asked for."""
+    """What suffices for the requested accuracy of the gains."""
     goal = in_percent(needed.accuracy, 2)
     lines = []
     if needed.expected is not None:

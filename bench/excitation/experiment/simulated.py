@@ -1,4 +1,4 @@
-"""The simulated machine of a planned scenario: how stiff its controller is, and how small its time steps."""
+"""The simulated machine of a planned scenario: stiffness of its controller, and its time steps."""
 
 from dataclasses import dataclass
 from math import ceil
@@ -15,7 +15,7 @@ class SimulatedDrive:
     step: float = COARSE
 
     def step_at(self, rate: float) -> float:
-        """The step, s, of which a whole number makes a sample of a log at this rate, Hz."""
+        """The step, s, a whole number of which is a sample of a log at this rate, Hz."""
         return 1.0 / (rate * ceil(1.0 / (rate * self.step) - 1e-6))
 
 
@@ -27,6 +27,7 @@ DRIVES = (
     SimulatedDrive(10.0, 0.0001),
     SimulatedDrive(5.0, 0.00005),
 )
-"""What is tried, in turn. A controller that is stiff for the inertia at home is too stiff where the robot is lighter:
-explicit steps diverge in a pose in which its motors hardly move a heavy tool, unless it is softer or they are shorter.
-Coarse steps come first, since the time of a simulation grows with their number."""
+"""Tried in turn. A controller that is stiff for the inertia at home is too stiff where the apparent inertia is smaller:
+in a pose in which motors hardly move a heavy tool, explicit steps diverge unless it is softer or they are shorter.
+Coarse steps come first, since the time of a simulation grows with their number.
+"""

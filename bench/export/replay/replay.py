@@ -35,15 +35,15 @@ from bench.twin import Twin, load_twin
 LONGEST_STEP = 5e-4  # s
 STIFFNESS = 2.0 * np.pi * 15.0  # rad/s: of the controller, critically damped
 FRESH = 0.02  # s: how long an apparent inertia serves
-FRAME = 0.02  # s: between the poses that are kept, to be looked at
-LOST = 0.05  # of a joint's range: farther from the recorded motion it is another motion
-OPEN = 1e-4  # m or rad: a loop that opens farther moves the motors
+FRAME = 0.02  # s: between poses that are kept for display
+LOST = 0.05  # of a joint's range: at a larger distance from the recorded motion the twin is lost
+OPEN = 1e-4  # m or rad: a larger opening of a loop moves the motors
 
 
 @dataclass(frozen=True, eq=False)
 class TrackingReference:
-    """What the driven joints do: time (N,) s, from its start; position, velocity, acceleration (N, n); qpos, qvel: of
-    the whole robot at the start, in MuJoCo's coordinates.
+    """Motion of driven joints: time (N,) s, from its start; position, velocity, acceleration (N, n); qpos, qvel: of the
+    whole robot at the start, in MuJoCo's coordinates.
     """
 
     time: np.ndarray
@@ -56,9 +56,8 @@ class TrackingReference:
 
 @dataclass(frozen=True, eq=False)
 class Tracked:
-    """torque (N, n): of the motors, N*m or N; position (N, n): where the twin's joints were; opened: the most by which
-    a loop or coupling was open, m or rad; frames (F,): samples of which the whole pose is kept, in poses (F, nq), in
-    MuJoCo's coordinates.
+    """torque (N, n): of the motors, N*m or N; position (N, n): of the twin's joints; opened: largest opening of a loop
+    or coupling, m or rad; frames (F,): samples whose whole pose is kept, in poses (F, nq), in MuJoCo's coordinates.
     """
 
     torque: np.ndarray
@@ -71,8 +70,8 @@ class Tracked:
 def track(twin: Twin, gains: np.ndarray, reference: TrackingReference) -> Tracked:
     """Simulate the twin along a motion; gains (n,): N*m or N per unit of control.
 
-    In every step the motors get what gives the driven joints the acceleration that is asked for: the recorded one and
-    a correction towards the recorded state. Raises BenchError where the twin does not follow.
+    In every step the motor torques give the driven joints the required acceleration: the recorded one plus a correction
+    towards the recorded state. Raises BenchError if the twin does not follow.
     """
     model, data = twin.model, twin.data
     interval = float(np.mean(np.diff(reference.time)))
@@ -117,7 +116,7 @@ def track(twin: Twin, gains: np.ndarray, reference: TrackingReference) -> Tracke
 
 
 def _accelerate(model: mujoco.MjModel, data: mujoco.MjData) -> None:
-    """Accelerations under the forces as they are set; positions and velocities are evaluated already."""
+    """Accelerations under the present forces; positions and velocities are already evaluated."""
     mujoco.mj_fwdActuation(model, data)
     mujoco.mj_fwdAcceleration(model, data)
     mujoco.mj_fwdConstraint(model, data)
@@ -139,7 +138,7 @@ def _between_samples(
 
 
 class _ApparentInertia:
-    """What the driven joints feel of the whole robot, loops closed and without friction, (n, n)."""
+    """Inertia (n, n) of the whole robot at the driven joints, loops closed, no friction."""
 
     def __init__(self, twin: Twin) -> None:
         self._model = twin.model.__copy__()
@@ -163,7 +162,7 @@ class _ApparentInertia:
         return np.linalg.inv(np.column_stack(columns))
 
     def _offset(self, actuator: int) -> float:
-        """What a motor gives at no current, N*m or N."""
+        """A motor's torque at no current, N*m or N."""
         return float(self._model.actuator_gear[actuator, 0] * self._model.actuator_biasprm[actuator, 0])
 
 
@@ -181,7 +180,7 @@ def _check_followed(twin: Twin, reference: TrackingReference, positions: np.ndar
 
 @dataclass(frozen=True, eq=False)
 class TwinMotion:
-    """Where the twin was during a recording: time (F,) s, as logged; poses (F, nq), in MuJoCo's coordinates."""
+    """Motion of the twin in a recording: time (F,) s, as logged; poses (F, nq), in MuJoCo's coordinates."""
 
     time: np.ndarray
     poses: np.ndarray
@@ -189,11 +188,11 @@ class TwinMotion:
 
 @dataclass(frozen=True, eq=False)
 class Replay:
-    """twin: measured currents and those of the twin, at the fit's rate; model: and those of the model.
+    """twin: measured currents and those of the twin, at the fit's rate; model: likewise of the model.
 
-    left_out: effects of the model that the twin does not have. off (recordings, n): RMS distance of the twin's joints
-    from the recorded ones, rad or m. opened: the most by which MuJoCo let a loop or coupling open, m or rad. motions:
-    of the twin, by recording.
+    left_out: effects of the model that the twin lacks. off (recordings, n): RMS distance of the twin's joints from the
+    recorded ones, rad or m. opened: largest opening of a loop or coupling in MuJoCo, m or rad. motions: of the twin, by
+    recording.
     """
 
     twin: Comparison
@@ -208,7 +207,7 @@ class Replay:
 def replay(problem: Problem, physical: PhysicalSet, progress: Progress = SILENT) -> Replay:
     """Export a model, simulate it in MuJoCo along every recording, and compare its currents with the recorded ones.
 
-    Raises BenchError where model and dataset do not go together, and where the twin does not follow.
+    Raises BenchError if model and dataset do not match, or the twin does not follow.
     """
     dataset = problem.dataset
     identified = replace(physical.model, declared={**physical.model.declared, **dataset.payloads})
@@ -294,7 +293,7 @@ def _mujoco_velocity(geometry: Geometry, q: np.ndarray, v: np.ndarray, a: np.nda
 
 
 def _currents(identified: IdentifiedModel, measured: Measured, tracked: Tracked) -> np.ndarray:
-    """Currents (N, n) that give these torques, through the effects that stand between them."""
+    """Currents (N, n) that give these torques, through the effects between them."""
     total = tracked.torque.copy()
     rate = measured.recording.rate
     joints = list(identified.robot.joints)
@@ -340,7 +339,7 @@ def _at_fit_rate(measured: Measured, currents: np.ndarray) -> np.ndarray:
 
 
 def replay_sentences(result: Replay) -> tuple[str, ...]:
-    """How near the twin comes to the measurements, compared with the model, and what it does not hold."""
+    """Agreement of the twin with the measurements, compared with the model, and what it lacks."""
     twin, model = relative_error(result.twin.recordings), relative_error(result.model.recordings)
     if twin is None or model is None:
         return shortcomings(result)
@@ -353,7 +352,7 @@ def replay_sentences(result: Replay) -> tuple[str, ...]:
 
 
 def shortcomings(result: Replay) -> tuple[str, ...]:
-    """What the twin leaves out, and loops that open."""
+    """What the twin omits, and loops that open."""
     messages = [f"Not simulated, so its part of the current is missing: {name}." for name in result.left_out]
     if result.opened > OPEN:
         messages.append(
