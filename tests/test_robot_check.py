@@ -471,3 +471,12 @@ def test_lengths_in_millimetres_are_suspected(tmp_path):
     mjcf = SERIAL.replace('pos=".3 0 0"', 'pos="300 0 0"')
     report = check_robot(write_robot(tmp_path / "r", mjcf, {"shoulder": "N*m/A", "elbow": "N*m/A"}))
     assert any("lengths of up to 300 m" in detail_of(check) for check in report.checks)
+
+
+def test_a_planar_loop_drawn_off_its_plane_is_told_by_how_much(linkage):
+    edit_mjcf(linkage, ('<site name="right_tip" pos="0.3 0 0"', '<site name="right_tip" pos="0.3 0.01 0"'))
+    (failure,) = check_robot(load_robot(linkage)).failures
+    assert failure.code is CheckCode.HOME_OPEN_AND_NO_CLOSED_POSE
+    ((_, apart),) = failure.values["fixed_gaps"].items()
+    assert np.linalg.norm(apart) == pytest.approx(0.01)
+    assert "move one site or anchor of each loop by that" in detail_of(failure)

@@ -69,6 +69,7 @@ def test_what_a_motor_may_drive(geared):
         MotorPart("out", "joint", "N", True),
         MotorPart("belt", "tendon", "N*m", False),
         MotorPart("drum", "motor", "N*m", True),
+        MotorPart("plain", "motor", "N", True),
     )
     assert parts.sites == ("tip",)
 
@@ -116,10 +117,21 @@ def test_a_robot_toml_is_replaced_only_when_asked_for(geared):
 def test_without_motors_it_says_what_the_file_has(geared, capsys):
     assert main(["robot", "new", str(geared)]) == 2
     said = capsys.readouterr().err
-    assert "joints turn, out; fixed tendons belt; actuators with a gear drum; sites tip" in said
+    assert "joints turn, out; fixed tendons belt; actuators drum, plain; sites tip" in said
     assert main(["robot", "new", str(geared.with_name("none.xml")), "--motor", "a=1"]) == 2
     assert "there is no such file" in capsys.readouterr().err
     geared.write_text("<mujoco", encoding="utf-8")
     assert main(["robot", "new", str(geared)]) == 2
     assert "not valid XML" in capsys.readouterr().err
     assert not Path("robot.toml").exists()
+
+
+def test_an_actuator_without_a_gear_may_drive_a_motor_by_its_name(tmp_path):
+    mjcf = tmp_path / "leg.xml"
+    mjcf.write_text(
+        '<mujoco><worldbody><body><joint name="leg_slide" type="slide"/><geom size="0.1" mass="1"/></body></worldbody>'
+        '<actuator><position name="leg" joint="leg_slide" kp="10"/></actuator></mujoco>'
+    )
+    assert main(["robot", "new", str(mjcf), "--motor=leg=10", "-o", str(tmp_path / "leg")]) == 0
+    (motor,) = load_robot(tmp_path / "leg").motors
+    assert (motor.joint, motor.gain, motor.gain_unit) == ("leg", 10.0, "N/A")

@@ -116,7 +116,7 @@ def new(
 
 def _listed(parts: "MjcfParts") -> str:
     """What the file has, by kind."""
-    nouns = {"joint": "joints", "tendon": "fixed tendons", "motor": "actuators with a gear"}
+    nouns = {"joint": "joints", "tendon": "fixed tendons", "motor": "actuators"}
     named = [
         (noun, [part.name for part in parts.motors if part.drives == kind]) for kind, noun in nouns.items()
     ]

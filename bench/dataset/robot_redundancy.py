@@ -49,15 +49,13 @@ def welds_to_connect(model: mujoco.MjModel, joints: Sequence[str]) -> tuple[str,
     A weld at a pin of a planar linkage does so, since it holds the orientation as well. None where the joints move
     independently already, or where with connects something else could move, the motors held.
     """
-    import mujoco  # noqa: PLC0415 - slow to import: only once a robot is really read
-
     rows, owners = _closures(model)
     places = [int(model.joint(joint).dofadr[0]) for joint in joints]
     free = _motions(rows)
     moving = _rank(free[:, places])
     if moving == len(joints):
         return ()
-    welds = [int(owner) for owner in np.unique(owners) if model.eq_type[owner] == int(mujoco.mjtEq.mjEQ_WELD)]
+    welds = [int(owner) for owner in np.unique(owners) if _is_weld(model, int(owner))]
     for changed in (*((weld,) for weld in welds), tuple(welds)):
         turning = [row for weld in changed for row in np.flatnonzero(owners == weld)[3:]]
         other = _motions(np.delete(rows, turning, axis=0))
@@ -97,7 +95,15 @@ def _unlocking(model: mujoco.MjModel, joints: Sequence[str], joint: str) -> str:
         which, instead = ("mocap body", 'without mocap="true"') if mocap else ("body", "")
         cure = f"no joint moves {which} {still[0]!r}, to which they tie it: if it should move, give it a <freejoint/>"
         return f"{said}; {cure} {instead}".rstrip()
-    return f"{said}; a closure is one too many, a joint is missing, or home is a singular pose"
+    turning = [_equality(model, owner) for owner in locking if _is_weld(model, owner)]
+    at_pins = f"; at a pin, {use_connect(turning)}" if turning else ""
+    return f"{said}; a closure is one too many, a joint is missing, or home is a singular pose{at_pins}"
+
+
+def _is_weld(model: mujoco.MjModel, equality: int) -> bool:
+    import mujoco  # noqa: PLC0415 - slow to import: only once a robot is really read
+
+    return int(model.eq_type[equality]) == int(mujoco.mjtEq.mjEQ_WELD)
 
 
 def _equality(model: mujoco.MjModel, index: int) -> str:

@@ -80,7 +80,7 @@ def robot_toml(
     for motor, gain in motors:
         if motor not in parts.named:
             hint = meant(motor, parts.named, f"{parts.path.name} has")
-            raise BenchError(f"motor {motor!r}: no joint, fixed tendon or actuator with a gear: {hint}")
+            raise BenchError(f"motor {motor!r}: no joint, fixed tendon or actuator: {hint}")
         part = parts.named[motor]
         gain_unit = unit if unit == "1" else f"{part.effort}/{unit}"
         lines += [
@@ -164,8 +164,11 @@ def _motors(model: mujoco.MjModel) -> Iterator[MotorPart]:
     for a in range(model.nu):
         kind, at = int(model.actuator_trntype[a]), int(model.actuator_trnid[a, 0])
         driven = {on_joint: joints, on_tendon: tendons}.get(kind, {})
-        if at in driven and model.actuator_gear[a, 0] != 1.0:
-            yield MotorPart(model.actuator(a).name, "motor", driven[at], True)
+        if at not in driven:
+            continue
+        name, itself = model.actuator(a).name, model.joint(at) if kind == on_joint else model.tendon(at)
+        if name != itself.name or model.actuator_gear[a, 0] != 1.0:
+            yield MotorPart(name, "motor", driven[at], True)
 
 
 def _tendon_effort(

@@ -34,7 +34,7 @@ def with_spread_over_models(
     fewer = last.system.samples.beyond(unexplained.excess)
     spread = unnamed_spread(last.system, last.selection.selected.fit, last.proposals, fewer)
     after = gains_spread(after, dict(zip(after.joints, spread.tolist(), strict=True)))
-    if not unexplained.significant:
+    if not (unexplained.significant or unexplained.much):
         return after
     samples = last.system.samples
     least = answer_weight(samples, model, after) - RULE.undecided

@@ -54,7 +54,11 @@ def unexplained_words(unexplained: Unexplained, *, searched: bool = True) -> str
         noise += f", and the logs are repeatable to {100.0 * unexplained.repeats:.3g} %"
     variables = ", ".join(unexplained.depends_on) or "no variable that was tested"
     varies = f"the remaining error is {error} of the current ({noise}), and it depends on {variables}"
-    return f"{varies}: no effect of the catalogue explains it" if searched and unexplained.significant else varies
+    return (
+        f"{varies}: no effect of the catalogue explains it"
+        if searched and unexplained.significant
+        else varies
+    )
 
 
 def _explains(verdict: EffectVerdict) -> str:

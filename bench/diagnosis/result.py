@@ -120,8 +120,10 @@ class Unexplained:
 
     @property
     def significant(self) -> bool:
-        """Whether something remains that no known effect explains: errors with a pattern, or much of them."""
-        return self.what == Remainder.PATTERN or self.much
+        """Whether something remains that no known effect explains: errors with a pattern, or far more than noise and
+        what the logs do not repeat.
+        """
+        return self.what == Remainder.PATTERN or self.excess > log(RULE.much)
 
     @property
     def much(self) -> bool:

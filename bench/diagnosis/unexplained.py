@@ -124,7 +124,7 @@ def _variables(series: Sequence[CurrentSeries], j: int) -> dict[str, np.ndarray]
 def _dependence(errors: np.ndarray, values: np.ndarray, random: np.random.Generator) -> float:
     """Variation between bins relative to chance: above one, less probable than RULE.surprising.
 
-    Chance comes from shuffled blocks of the same errors, which keep their autocorrelation.
+    Chance comes from blocks of the same errors with random signs, which keep their autocorrelation.
     """
     edges = np.unique(np.quantile(values, np.linspace(0, 1, TOLERANCES.statistics.bins + 1)))
     if len(edges) < 2:

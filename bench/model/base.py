@@ -10,10 +10,11 @@ from functools import lru_cache
 import numpy as np
 
 from bench.basics.errors import BenchError
+from bench.basics.sentence import and_list
 from bench.model.bounds import MEMORY, RANKS
 from bench.model.geometry import Geometry
 from bench.model.regressor import body_columns, parameter_names, projected_regressor, rotor_columns
-from bench.model.states import random_motion
+from bench.model.states import active_ranges, random_motion
 
 
 class UndecidedRankError(BenchError):
@@ -178,13 +179,25 @@ def _independent_at(
     if len(motion.time) < count // 4:
         raise BenchError(
             f"robot {geometry.robot.name}: only {len(motion.time)} of {count} random poses inside the joint "
-            "ranges can be reached from home without a singularity; check home and the joint ranges"
+            f"ranges can be reached from home without a singularity; check home{_ranges_to_check(geometry)}"
         )
     rows = projected_regressor(geometry, motion, candidates).reshape(-1, len(candidates))
     try:
         return independent_columns(rows, least)
     except UndecidedRankError as error:
         raise _undecided(geometry, names, candidates[error.columns]) from None
+
+
+def _ranges_to_check(geometry: Geometry) -> str:
+    """The motors' joints without a range, for which a wide one is assumed; the joint ranges, where all have one."""
+    low, high = active_ranges(geometry)
+    by_velocity = {joint.v.start: joint for joint in geometry.joints}
+    wide = [
+        f"{joint.name} ({high[i] - low[i]:.3g} {'m' if joint.kind == 'slide' else 'rad'} are assumed)"
+        for i, joint in enumerate(by_velocity[int(index)] for index in geometry.active)
+        if joint.limits is None
+    ]
+    return f", and give a range in the MJCF to {and_list(wide)}" if wide else " and the joint ranges"
 
 
 def _undecided(geometry: Geometry, names: list[tuple[str, str]], columns: np.ndarray) -> BenchError:

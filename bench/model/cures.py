@@ -202,7 +202,9 @@ def cure_in_words(cure: Cure | None) -> str:
         pressed = f"; or, where springs press joints against their end stops: {stops}"
         return f"{said}{pressed}" if cure.stops else said
     if cure.others:
-        return f"; a motor, a closure or a lock is missing, for example as the first line of robot.toml: {held}"
+        return (
+            f"; a motor, a closure or a lock is missing, for example as the first line of robot.toml: {held}"
+        )
     return f"; if {'it is' if single else 'they are'} held, {line}"
 
 

@@ -86,9 +86,7 @@ def _notes(compiled: mujoco.MjModel, robot: Robot) -> Iterator[tuple[CheckCode, 
     if CLOSED < gap <= ROUNDING:
         yield CheckCode.DRAWING_ROUNDED, {"gap": gap}
     yield from _sizes(compiled)
-    if compiled.opt.density or compiled.opt.viscosity:
-        medium = {"density": float(compiled.opt.density), "viscosity": float(compiled.opt.viscosity)}
-        yield CheckCode.MEDIUM_NOT_MODELLED, medium
+    yield from _surroundings(compiled)
     if compiled.nplugin:
         yield CheckCode.PLUGINS_NOT_MODELLED, {"plugins": int(compiled.nplugin)}
     if compiled.nactuator:
@@ -97,6 +95,14 @@ def _notes(compiled: mujoco.MjModel, robot: Robot) -> Iterator[tuple[CheckCode, 
     used = set(np.concatenate((compiled.eq_obj1id[held], compiled.eq_obj2id[held])).tolist())
     for tendon in set(range(compiled.ntendon)) - used:
         yield CheckCode.TENDON_UNUSED, {"tendon": label_of(compiled, mujoco.mjtObj.mjOBJ_TENDON, tendon)}
+
+
+def _surroundings(compiled: mujoco.MjModel) -> Iterator[tuple[CheckCode, dict[str, Any]]]:
+    if compiled.opt.density or compiled.opt.viscosity:
+        medium = {"density": float(compiled.opt.density), "viscosity": float(compiled.opt.viscosity)}
+        yield CheckCode.MEDIUM_NOT_MODELLED, medium
+    if not compiled.opt.gravity.any():
+        yield CheckCode.GRAVITY_ZERO, {}
 
 
 def _of_the_file(robot: Robot) -> Iterator[tuple[CheckCode, dict[str, Any]]]:

@@ -48,10 +48,29 @@ def check_home(geometry: Geometry, loops: tuple[LoopLine, ...], source: HomeSour
         return Check(CheckCode.HOME_OPEN_AS_LOOPS_DISAGREE, "note", opening)
     verdict: Verdict = "note" if gap < ASSEMBLED else "failed"
     if closed is None:
-        return Check(CheckCode.HOME_OPEN_AND_NO_CLOSED_POSE, verdict, opening)
+        fixed_gaps = _fixed_gaps(geometry)
+        return Check(CheckCode.HOME_OPEN_AND_NO_CLOSED_POSE, verdict, {**opening, "fixed_gaps": fixed_gaps})
     return Check(
         CheckCode.HOME_OPEN, verdict, {**opening, "closed_qpos": to_mujoco(geometry, closed).tolist()}
     )
+
+
+def _fixed_gaps(geometry: Geometry) -> dict[str, list[float]]:
+    """By loop, the part x, y, z (world, m) of its gap at home that no joint changes, as of a planar loop that is drawn
+    off its plane.
+    """
+    poses = _random_starts(geometry)
+    rates = loop_jacobian(geometry, poses)
+    residual = loop_residual(geometry, geometry.home[:, None])[:, 0]
+    gaps, row = {}, 0
+    for loop in geometry.loops:
+        directions, sizes, _ = np.linalg.svd(rates[row : row + 3].reshape(3, -1), full_matrices=False)
+        still = directions[:, sizes <= DEPENDENT * sizes[0]]
+        gap = still @ (still.T @ residual[row : row + 3])
+        if np.abs(gap).max() > ASSEMBLED:
+            gaps[loop.name] = np.where(np.abs(gap) > ASSEMBLED, gap, 0.0).round(9).tolist()
+        row += loop.size
+    return gaps
 
 
 def with_pose_in_ranges(geometry: Geometry, ranges: Check) -> Check:

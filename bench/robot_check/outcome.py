@@ -22,6 +22,7 @@ class CheckCode(StrEnum):
     EQUALITY_INACTIVE = auto()
     JOINT_FORCE_NOT_MODELLED = auto()
     MEDIUM_NOT_MODELLED = auto()
+    GRAVITY_ZERO = auto()
     PLUGINS_NOT_MODELLED = auto()
     ACTUATORS_UNUSED = auto()
     TENDON_UNUSED = auto()

@@ -186,8 +186,23 @@ def _loops_disagree(loop: str, gap: float, unit: str, given: int | None, positio
     return f"{said}; redundant loops disagree, even after a least-squares closure"
 
 
-def _no_closed_pose(loop: str, gap: float, unit: str, given: int | None, positions: int) -> str:
+def _no_closed_pose(
+    loop: str,
+    gap: float,
+    unit: str,
+    given: int | None,
+    positions: int,
+    fixed_gaps: Mapping[str, Sequence[float]],
+) -> str:
     said = _open(loop, gap, unit, given, positions)
+    if fixed_gaps:
+        by_loop = "; ".join(
+            f"{name} {' '.join(f'{value:g}' for value in apart)} m" for name, apart in fixed_gaps.items()
+        )
+        return (
+            f"{said}; no joint changes these parts of the gaps (x y z in the world, second anchor less first): "
+            f"{by_loop}; move one site or anchor of each loop by that"
+        )
     return f"{said}; no closing pose exists near it, with the motors held or free: check the lengths"
 
 
@@ -261,6 +276,8 @@ WORDS: Mapping[CheckCode, str | tuple[str, Callable[..., str]]] = {
     CheckCode.JOINT_FORCE_NOT_MODELLED: ("note", _joint_force),
     CheckCode.MEDIUM_NOT_MODELLED: "note: the simulator applies air drag (density, viscosity), the model does not "
     "contain it",
+    CheckCode.GRAVITY_ZERO: "note: gravity is zero in the MJCF, so the model has no weights: remove `gravity` from its "
+    "<option> unless that is meant",
     CheckCode.PLUGINS_NOT_MODELLED: "note: {plugins} MuJoCo plug-ins: the model does not contain them",
     CheckCode.ACTUATORS_UNUSED: "note: {actuators} actuators of the MJCF are not used: robot.toml names the motors",
     CheckCode.TENDON_UNUSED: "note: tendon {tendon!r} is ignored",

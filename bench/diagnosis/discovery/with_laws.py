@@ -165,7 +165,7 @@ def _with_tables(case: SplitProblem, plain: AnswerWithLaws, progress: Progress) 
     without it, unless those have run away.
     """
     finding, unexplained = plain.finding, plain.diagnosis.unexplained
-    if not unexplained.significant:
+    if not (unexplained.significant or unexplained.much):
         return plain
     progress.phase("tabling what no formula fits")
     base_model = finding.base_model
