@@ -145,3 +145,23 @@ def test_a_weld_that_locks_all_motors_asks_for_a_connect(tmp_path):
 def test_a_redundant_motor_is_no_fault_of_a_weld_between_halves(tmp_path):
     robot = write_robot(tmp_path, WELDED, ("crank", "turn"))
     assert not [check for check in check_robot(robot).checks if check.code == CheckCode.WELD_TOO_MUCH]
+
+
+CUT_ROD = """
+<worldbody>
+  <body pos="0 0 1"><joint name="x" type="slide" axis="0 0 1"/><geom size="0.1"/>
+    <body><joint name="upper" type="ball"/>
+      <geom type="capsule" fromto="0 0 0 0.3 0 -0.5" size="0.02"/><site name="up" pos="0.3 0 -0.5"/></body></body>
+  <body pos="0.6 0 0"><joint name="rail" type="slide" axis="1 0 0"/><geom size="0.05"/>
+    <body><joint name="lower" type="ball"/>
+      <geom type="capsule" fromto="0 0 0 -0.3 0 0.5" size="0.02"/><site name="down" pos="-0.3 0 0.5"/></body></body>
+</worldbody>
+<equality><weld name="half" site1="up" site2="down"/></equality>
+"""
+
+
+def test_a_rod_that_a_weld_cuts_between_its_balls_is_to_be_cut_at_a_ball(tmp_path):
+    """Its spin is no idle spin of a rod."""
+    message = refusal(write_robot(tmp_path, CUT_ROD, ("x",)))
+    assert "joints 'upper' and 'lower' can move with all motors held" in message
+    assert "that a <weld> cuts between them (half) spins freely: cut it at one of its balls" in message

@@ -23,7 +23,7 @@ from bench.robot_check.outcome import Check, CheckCode
 from bench.robot_check.report import loop_lines
 from bench.robot_check.singularity import singularity_of, sweep
 from bench.robot_check.words import WORDS, detail_of, name_of
-from tests.broken_robots import HOME, edit, edit_mjcf, write_five_bar
+from tests.broken_robots import HOME, add_motor, edit, edit_mjcf, write_five_bar
 from tests.mechanisms import BALL
 from tests.mechanisms import write_robot as mechanism
 from tests.small_robots import OTHER_WELDS, SERIAL, spatial, welded, write_robot
@@ -480,3 +480,27 @@ def test_a_planar_loop_drawn_off_its_plane_is_told_by_how_much(linkage):
     ((_, apart),) = failure.values["fixed_gaps"].items()
     assert np.linalg.norm(apart) == pytest.approx(0.01)
     assert "move one site or anchor of each loop by that" in detail_of(failure)
+
+
+def test_the_nearest_singularity_is_without_motors_that_do_not_matter_and_within_a_turn(linkage):
+    edit_mjcf(
+        linkage,
+        ('range="-3.3 -1.5"', 'range="-100 100"'),
+        ('range="-1.64 0.16"', 'range="-100 100"'),
+        (
+            "</worldbody>",
+            '<body><joint name="wheel" range="-1 1"/><geom fromto="0 0 0 0.1 0 0"/></body></worldbody>',
+        ),
+        (f'qpos="{HOME}"', f'qpos="{HOME} 0"'),
+    )
+    add_motor(linkage, "wheel")
+    found = check_robot(load_robot(linkage)).singularity
+    assert found.travel["wheel"] == 0.0
+    for low, high in found.reach.values():
+        assert high - low < 2.0 * np.pi + 1e-9
+
+
+def test_an_mjcf_without_gravity_is_noted(linkage):
+    edit_mjcf(linkage, ("<option>", '<option gravity="0 0 0">'))
+    codes = [check.code for check in check_robot(load_robot(linkage)).checks if check.verdict == "note"]
+    assert CheckCode.GRAVITY_ZERO in codes

@@ -25,6 +25,7 @@ class CureCode(StrEnum):
     FIX_BASE = auto()
     REMOVE_BODY = auto()
     CLOSE_MORE = auto()
+    CUT_AT_BALL = auto()
     LOCK = auto()
     LOCK_SPRINGS = auto()
     CONNECT = auto()
@@ -69,7 +70,14 @@ def what_to_do(geometry: Geometry, loose: Sequence[str], jacobian: np.ndarray, r
     object_of_scene = _untied(geometry, loose)
     if object_of_scene is not None:
         return Cure(CureCode.REMOVE_BODY, (object_of_scene,))
-    return joints_to_lock(geometry, jacobian, rank) or Cure(CureCode.CLOSE_MORE, ())
+    return joints_to_lock(geometry, jacobian, rank) or _rods_to_cut(geometry, loose)
+
+
+def _rods_to_cut(geometry: Geometry, loose: Sequence[str]) -> Cure:
+    """The welds where only balls are loose: a rod between two balls that a weld cuts is not seen as a rod."""
+    kinds = {joint.kind for joint in geometry.joints if joint.name in loose}
+    welds = tuple(loop.name for loop in geometry.loops if loop.kind == "weld")
+    return Cure(CureCode.CUT_AT_BALL if kinds == {"ball"} and welds else CureCode.CLOSE_MORE, welds)
 
 
 def _untied(geometry: Geometry, loose: Sequence[str]) -> str | None:
@@ -213,6 +221,8 @@ SENTENCES: Mapping[CureCode, str] = {
     "to fix it to the world, remove its <freejoint/> from the MJCF, and its 7 numbers from the qpos of each keyframe",
     CureCode.REMOVE_BODY: "; nothing ties body {names[0]!r} to what the motors move: remove this object of the scene "
     "from the MJCF, and its 7 numbers from the qpos of each keyframe",
+    CureCode.CUT_AT_BALL: "; a rod with a ball at each end that a <weld> cuts between them ({names}) spins freely: cut "
+    "it at one of its balls, by a <connect>, or close what is open",
     CureCode.CLOSE_MORE: "; a closure is missing, or is a <connect>, which holds a point only, where a <weld> should "
     "hold a frame",
 }

@@ -68,7 +68,7 @@ def singularity_of(geometry: Geometry, swept: SingularitySweep) -> Singularity:
     nearest, travel = None, None
     loose: tuple[str, ...] = ()
     if len(singular):
-        q = singular[np.argmin(_distance(geometry, singular))]
+        q = _shortened(geometry, singular[np.argmin(_distance(geometry, singular))])
         nearest = _positions(geometry, q)
         home = _positions(geometry, geometry.home)
         travel = {name: value - home[name] for name, value in nearest.items()}
@@ -89,7 +89,7 @@ def singularity_of(geometry: Geometry, swept: SingularitySweep) -> Singularity:
 
 
 def _targets(geometry: Geometry, start: np.ndarray) -> list[np.ndarray]:
-    low, high = active_ranges(geometry)
+    low, high = _ranges(geometry)
     n = len(start)
     targets = []
     for joint, ends in enumerate(zip(low, high, strict=True)):
@@ -105,6 +105,16 @@ def _targets(geometry: Geometry, start: np.ndarray) -> list[np.ndarray]:
     return targets
 
 
+def _ranges(geometry: Geometry) -> tuple[np.ndarray, np.ndarray]:
+    """Lower and upper positions (n,) of the active joints: a hinge, behind its gear, half a turn from home at most."""
+    low, high = active_ranges(geometry)
+    home = geometry.home[geometry.active_configuration]
+    kinds = {joint.v.start: joint.kind for joint in geometry.joints}
+    turns = np.array([kinds[int(index)] == "hinge" for index in geometry.active])
+    turn = np.where(turns, np.pi * make_follower(geometry).units, np.inf)
+    return np.maximum(low, home - turn), np.minimum(high, home + turn)
+
+
 def _crossings(geometry: Geometry, swept: SingularitySweep) -> np.ndarray:
     """Poses (their numbers) that lie beyond a singularity seen from the pose before on their path.
 
@@ -115,6 +125,25 @@ def _crossings(geometry: Geometry, swept: SingularitySweep) -> np.ndarray:
     before[np.flatnonzero(np.diff(swept.path)) + 1] = 0  # a path starts at home
     sign, _ = np.linalg.slogdet(jacobian[before[1:]].transpose(0, 2, 1) @ jacobian[1:])
     return np.flatnonzero(sign <= 0) + 1
+
+
+def _shortened(geometry: Geometry, q: np.ndarray) -> np.ndarray:
+    """A singular pose (nq,) without the travel of the motors on which it does not depend."""
+    follower, index = make_follower(geometry), geometry.active_configuration
+    home = home_pose(follower)
+    for motor in index[np.argsort(-np.abs(q[index] - home.q[index]))]:
+        without = q.copy()
+        without[motor] = home.q[motor]
+        reached, share = advance(follower, home, without[index])
+        if share < 1.0 or _lost_rank(geometry, home.q, reached.q):
+            q = min(q, reached.q, key=lambda pose: float(_distance(geometry, pose[None])[0]))
+    return q
+
+
+def _lost_rank(geometry: Geometry, before: np.ndarray, after: np.ndarray) -> bool:
+    """Whether the closures' Jacobian lost rank an odd number of times from one pose (nq,) to another."""
+    first, second = scaled_jacobians(geometry, np.array([before, after]))[:, :, geometry.passive]
+    return bool(np.linalg.slogdet(first.T @ second)[0] <= 0)
 
 
 def _reach(geometry: Geometry, swept: SingularitySweep) -> dict[str, tuple[float, float]]:
@@ -138,7 +167,7 @@ def _positions(geometry: Geometry, q: np.ndarray) -> dict[str, float]:
     """Positions of the actuated joints as they are logged, rad or m."""
     qpos = to_mujoco(geometry, q)
     return {
-        name: float(qpos[index])
+        name: round(float(qpos[index]), 12) + 0.0
         for name, index in zip(geometry.robot.joints, geometry.active_configuration, strict=True)
     }
 
@@ -171,7 +200,7 @@ def refined(geometry: Geometry, poses: np.ndarray, values: np.ndarray) -> tuple[
 
 def _starts(geometry: Geometry, poses: np.ndarray, values: np.ndarray) -> list[int]:
     """Numbers of the worst poses, apart from one another."""
-    low, high = active_ranges(geometry)
+    low, high = _ranges(geometry)
     places = poses[:, geometry.active_configuration] / (high - low)
     starts: list[int] = []
     for number in np.argsort(values, kind="stable"):
@@ -185,7 +214,7 @@ def _starts(geometry: Geometry, poses: np.ndarray, values: np.ndarray) -> list[i
 def _downhill(follower: Follower, pose: Pose, value: float) -> tuple[np.ndarray, float, bool]:
     """The pose (nq,) at the bottom, its smallest singular value, and whether the closures ended on the way."""
     geometry = follower.geometry
-    low, high = active_ranges(geometry)
+    low, high = _ranges(geometry)
     index = geometry.active_configuration
     step, ended = FIRST_STEP, False
     for _ in range(SINGULARITY.descent):
