@@ -120,7 +120,7 @@ def test_where_most_of_the_current_is_left_no_model_explains_it(found):
     said = summary_sentences(nothing)[0]
     assert said.startswith("No model of this program explains these currents: ")
     assert "the error is 130 % of the current" in said
-    noise = replace(nothing, unexplained=replace(left, what=Remainder.NOISE))
+    noise = replace(nothing, unexplained=replace(left, what=Remainder.NOISE, noise_floor=0.9))
     assert summary_sentences(noise)[0].startswith("No effect of the catalogue is missing")
 
 

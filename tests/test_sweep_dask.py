@@ -5,11 +5,13 @@ import signal
 import subprocess
 import sys
 import time
+from functools import partial
 
 import pytest
 
 from bench.basics.errors import BenchError
 from bench.basics.versions import Versions
+from bench.studies.sweep.pool import Shared
 from bench.studies.sweep.run_sweep import JOURNAL, TABLE
 from tests.sweep_stand_in import Accidents, StandIn, plan_of, run
 
@@ -63,6 +65,29 @@ def address_of(file):
             return json.loads(text)["address"]
         assert time.monotonic() < deadline, "the scheduler does not start"
         time.sleep(0.05)
+
+
+@pytest.mark.filterwarnings("ignore")
+def test_tasks_whose_shared_value_is_lost_are_sent_again(cluster):
+    """As where it was only on a worker that died: the scheduler then cancels all that need it."""
+    from bench.studies.sweep.dask_pool import DaskPool
+
+    pool, shared = DaskPool(cluster[0]), Shared("motion", 40)
+    try:
+        for key in range(6):
+            pool.submit(key, partial(slowly_added, key), shared)
+        pool._client.cancel([pool._shared["motion"]])
+        ended = {}
+        while len(ended) < 6:
+            ended |= {outcome.key: outcome.value for outcome in pool.outcomes()}
+        assert ended == {key: 40 + key for key in range(6)}
+    finally:
+        pool.close()
+
+
+def slowly_added(key, value):
+    time.sleep(0.2)
+    return value + key
 
 
 @pytest.mark.filterwarnings("ignore")

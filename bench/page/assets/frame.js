@@ -36,16 +36,17 @@ const Frame = (() => {
   function startContents() {
     const links = [...document.querySelectorAll("nav.contents a")];
     const row = document.querySelector("nav.contents"); // on a phone, wider than it shows
+    let marked = null;
     const mark = () => {
       let current = links[0];
       for (const link of links) {
         const target = document.getElementById(link.hash.slice(1));
         if (target && target.getBoundingClientRect().top < Math.min(innerHeight / 3, 200)) current = link;
       }
-      for (const link of links) {
-        if (link === current) link.setAttribute("aria-current", "true");
-        else link.removeAttribute("aria-current");
-      }
+      if (current === marked) return; // the row stays where a reader has moved it
+      if (marked) marked.removeAttribute("aria-current");
+      marked = current;
+      current.setAttribute("aria-current", "true");
       row.scrollLeft = current.offsetLeft - row.clientWidth / 3;
     };
     addEventListener("scroll", mark, {passive: true});

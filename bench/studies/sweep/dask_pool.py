@@ -20,7 +20,7 @@ except ImportError as error:
 CONNECTING = 20.0  # s
 COUNT_EVERY = 5.0  # s between two counts of the workers
 MOST_SHARED = 8  # values that stay on the cluster
-SENDINGS = 5  # of a value whose worker dies meanwhile
+SENDINGS = 5  # of a value, or a task, whose worker dies meanwhile
 
 
 class DaskPool(Pool):
@@ -38,6 +38,7 @@ class DaskPool(Pool):
             raise BenchError(f"no Dask scheduler at {address}: {error}") from error
         self._done: queue.Queue[int] = queue.Queue()
         self._futures: dict[int, Any] = {}
+        self._tasks: dict[int, tuple[Task, Shared | None, int]] = {}  # with how often it was sent
         self._shared: dict[str, Any] = {}
         self._counted, self._slots = -COUNT_EVERY, 0
         try:
@@ -63,6 +64,10 @@ class DaskPool(Pool):
 
     def submit(self, key: int, task: Task, shared: Shared | None = None) -> None:
         """Queue a task."""
+        self._send(key, task, shared, 1)
+
+    def _send(self, key: int, task: Task, shared: Shared | None, sendings: int) -> None:
+        self._tasks[key] = task, shared, sendings
         arguments = () if shared is None else (self._placed(shared),)
         future = self._client.submit(attempt, task, *arguments, pure=False)
         self._futures[key] = future
@@ -81,19 +86,29 @@ class DaskPool(Pool):
         values = self._gathered({key: entry for key, entry in ended.items() if entry.status == "finished"})
         outcomes = []
         for key in keys:
-            value = values.get(key)
-            outcomes.append(self._failed(key, ended[key]) if value is None else Outcome(key, *value))
+            value, (task, shared, sendings) = values.get(key), self._tasks.pop(key)
+            if value is not None:
+                outcomes.append(Outcome(key, *value))
+            elif ended[key].status != "error" and self._client.status == "running" and sendings < SENDINGS:
+                self._send(
+                    key, task, shared, sendings + 1
+                )  # a worker died with its value, or with the shared one
+            else:
+                outcomes.append(self._failed(key, ended[key]))
         return outcomes
 
     def close(self) -> None:
         """Give up what is under way and leave the cluster as it was."""
         self._client.cancel(list(self._futures.values()))
         self._futures.clear()
+        self._tasks.clear()
         self._shared.clear()
         self._client.close()
 
     def _placed(self, shared: Shared) -> Any:
         """The value on the cluster, sent once; the oldest give way."""
+        if shared.name in self._shared and self._shared[shared.name].status != "finished":
+            del self._shared[shared.name]  # lost with the worker that had it
         if shared.name not in self._shared:
             while len(self._shared) >= MOST_SHARED:
                 del self._shared[next(iter(self._shared))]
