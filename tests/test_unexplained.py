@@ -8,6 +8,7 @@ import pytest
 from bench.dataset.robot import load_robot
 from bench.diagnosis.encoder_noise import encoder_error
 from bench.diagnosis.reason_words import unexplained_words
+from bench.diagnosis.result import Remainder, Unexplained
 from bench.diagnosis.unexplained import unexplained
 from bench.identification.identify import fit
 from bench.identification.nonlinear import converged
@@ -114,3 +115,12 @@ def test_two_blows_in_half_a_minute_are_unexplained(gentle):
     left = _left(gentle, blows)
     assert left.significant
     assert "time" in left.depends_on
+
+
+def test_much_without_a_pattern_is_unexplained_unless_the_logs_do_not_repeat_it():
+    """As a crosstalk between drives: 18 times the noise of the currents, ten times what the logs do not repeat."""
+    crosstalk = Unexplained(Remainder.NO_PATTERN, 0.0101, 0.00055, (), 0.00016, 0.00104)
+    assert crosstalk.significant
+    said = unexplained_words(crosstalk)
+    assert said.endswith("and it depends on no variable that was tested: no effect of the catalogue explains it")
+    assert not replace(crosstalk, repeats=0.0095).significant
