@@ -122,5 +122,7 @@ def test_much_without_a_pattern_is_unexplained_unless_the_logs_do_not_repeat_it(
     crosstalk = Unexplained(Remainder.NO_PATTERN, 0.0101, 0.00055, (), 0.00016, 0.00104)
     assert crosstalk.significant
     said = unexplained_words(crosstalk)
-    assert said.endswith("and it depends on no variable that was tested: no effect of the catalogue explains it")
+    assert said.endswith(
+        "and it depends on no variable that was tested: no effect of the catalogue explains it"
+    )
     assert not replace(crosstalk, repeats=0.0095).significant
