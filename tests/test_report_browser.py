@@ -140,9 +140,7 @@ def test_a_phone_has_the_contents_in_reach_wherever_it_is_read(look):
         link = page.locator(f"nav.contents a[href='#{name}']")
         link.click()
         landed(page, name)
-        expect(link).to_have_attribute(
-            "aria-current", "true"
-        )  # the row moves with the mark: not under the next click
+        expect(link).to_have_attribute("aria-current", "true")
         expect(link).to_be_in_viewport(ratio=0.9)
         top = page.evaluate("(name) => document.getElementById(name).getBoundingClientRect().top", name)
         assert top >= page.locator("nav.contents").bounding_box()["height"] - 2, name

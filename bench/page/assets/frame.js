@@ -37,7 +37,9 @@ const Frame = (() => {
     const links = [...document.querySelectorAll("nav.contents a")];
     const row = document.querySelector("nav.contents"); // on a phone, wider than it shows
     let marked = null;
+    let pressed = false;
     const mark = () => {
+      if (pressed) return; // a link that moves away under the pointer is not clicked
       let current = links[0];
       for (const link of links) {
         const target = document.getElementById(link.hash.slice(1));
@@ -49,6 +51,12 @@ const Frame = (() => {
       current.setAttribute("aria-current", "true");
       row.scrollLeft = current.offsetLeft - row.clientWidth / 3;
     };
+    row.addEventListener("pointerdown", () => (pressed = true));
+    for (const end of ["pointerup", "pointercancel"])
+      addEventListener(end, () => {
+        pressed = false;
+        requestAnimationFrame(mark); // after the click
+      });
     addEventListener("scroll", mark, {passive: true});
     new ResizeObserver(mark).observe(document.querySelector("main")); // figures drawn later move sections without a scroll
     mark();
