@@ -67,11 +67,10 @@ def _with_margin(limit: PassiveRange, home: float) -> PassiveRange:
 
 def unlimited(geometry: Geometry) -> tuple[str, ...]:
     """The active joints for which the MJCF has no range."""
-    by_velocity = {joint.v.start: joint for joint in geometry.joints}
     return tuple(
         name
-        for name, index in zip(geometry.robot.joints, geometry.active, strict=True)
-        if by_velocity[int(index)].limits is None
+        for name, joint in zip(geometry.robot.joints, geometry.active_joints, strict=True)
+        if joint.limits is None
     )
 
 

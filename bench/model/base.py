@@ -191,10 +191,9 @@ def _independent_at(
 def _ranges_to_check(geometry: Geometry) -> str:
     """The motors' joints without a range, for which a wide one is assumed; the joint ranges, where all have one."""
     low, high = active_ranges(geometry)
-    by_velocity = {joint.v.start: joint for joint in geometry.joints}
     wide = [
         f"{joint.name} ({high[i] - low[i]:.3g} {'m' if joint.kind == 'slide' else 'rad'} are assumed)"
-        for i, joint in enumerate(by_velocity[int(index)] for index in geometry.active)
+        for i, joint in enumerate(geometry.active_joints)
         if joint.limits is None
     ]
     return f", and give a range in the MJCF to {and_list(wide)}" if wide else " and the joint ranges"

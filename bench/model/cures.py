@@ -77,7 +77,7 @@ def _rods_to_cut(geometry: Geometry, loose: Sequence[str]) -> Cure:
     """The welds where only balls are loose: a rod between two balls that a weld cuts is not seen as a rod."""
     kinds = {joint.kind for joint in geometry.joints if joint.name in loose}
     welds = tuple(loop.name for loop in geometry.loops if loop.kind == "weld")
-    return Cure(CureCode.CUT_AT_BALL if kinds == {"ball"} and welds else CureCode.CLOSE_MORE, welds)
+    return Cure(CureCode.CUT_AT_BALL, welds) if kinds == {"ball"} and welds else Cure(CureCode.CLOSE_MORE, ())
 
 
 def _untied(geometry: Geometry, loose: Sequence[str]) -> str | None:

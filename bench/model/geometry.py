@@ -147,16 +147,20 @@ class Geometry:
         return np.setdiff1d(np.arange(self.nv), self.active)
 
     @cached_property
+    def active_joints(self) -> tuple[Joint, ...]:
+        """The joints of `active`, in actuator order."""
+        by_velocity = {joint.v.start: joint for joint in self.joints}
+        return tuple(by_velocity[int(index)] for index in self.active)
+
+    @cached_property
     def active_configuration(self) -> np.ndarray:
         """Configuration indices of the actuated joints, in actuator order."""
-        by_velocity = {joint.v.start: joint.q.start for joint in self.joints}
-        return np.array([by_velocity[int(index)] for index in self.active])
+        return np.array([joint.q.start for joint in self.active_joints])
 
     @cached_property
     def active_offset(self) -> np.ndarray:
         """(n,) MuJoCo positions of the actuated joints at which the model's positions are zero, rad or m."""
-        by_velocity = {joint.v.start: joint.offset for joint in self.joints}
-        return np.array([by_velocity[int(index)] for index in self.active])
+        return np.array([joint.offset for joint in self.active_joints])
 
     @property
     def bodies(self) -> tuple[tuple[int, str], ...]:

@@ -53,11 +53,9 @@ def random_motion(geometry: Geometry, count: int, seed: int) -> Motion:
 def active_ranges(geometry: Geometry) -> tuple[np.ndarray, np.ndarray]:
     """Lower and upper positions (n,) of the active joints in Pinocchio's coordinates."""
     home = geometry.home[geometry.active_configuration]
-    by_velocity = {joint.v.start: joint for joint in geometry.joints}
     reach = RANDOM_POSES.unlimited * make_follower(geometry).units
     low, high = home - reach, home + reach
-    for i, index in enumerate(geometry.active):
-        joint = by_velocity[int(index)]
+    for i, joint in enumerate(geometry.active_joints):
         if joint.limits is not None:
             low[i], high[i] = joint.limits[0] - joint.offset, joint.limits[1] - joint.offset
     return low, high

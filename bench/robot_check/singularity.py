@@ -109,8 +109,7 @@ def _ranges(geometry: Geometry) -> tuple[np.ndarray, np.ndarray]:
     """Lower and upper positions (n,) of the active joints: a hinge, behind its gear, half a turn from home at most."""
     low, high = active_ranges(geometry)
     home = geometry.home[geometry.active_configuration]
-    kinds = {joint.v.start: joint.kind for joint in geometry.joints}
-    turns = np.array([kinds[int(index)] == "hinge" for index in geometry.active])
+    turns = np.array([joint.kind == "hinge" for joint in geometry.active_joints])
     turn = np.where(turns, np.pi * make_follower(geometry).units, np.inf)
     return np.maximum(low, home - turn), np.minimum(high, home + turn)
 
@@ -123,8 +122,7 @@ def _crossings(geometry: Geometry, swept: SingularitySweep) -> np.ndarray:
     jacobian = scaled_jacobians(geometry, swept.q)[:, :, geometry.passive]
     before = np.arange(len(swept.q)) - 1
     before[np.flatnonzero(np.diff(swept.path)) + 1] = 0  # a path starts at home
-    sign, _ = np.linalg.slogdet(jacobian[before[1:]].transpose(0, 2, 1) @ jacobian[1:])
-    return np.flatnonzero(sign <= 0) + 1
+    return np.flatnonzero(_lost_rank(jacobian[before[1:]], jacobian[1:])) + 1
 
 
 def _shortened(geometry: Geometry, q: np.ndarray) -> np.ndarray:
@@ -135,15 +133,17 @@ def _shortened(geometry: Geometry, q: np.ndarray) -> np.ndarray:
         without = q.copy()
         without[motor] = home.q[motor]
         reached, share = advance(follower, home, without[index])
-        if share < 1.0 or _lost_rank(geometry, home.q, reached.q):
+        jacobian = scaled_jacobians(geometry, np.array([home.q, reached.q]))[:, :, geometry.passive]
+        if share < 1.0 or _lost_rank(jacobian[:1], jacobian[1:]).any():
             q = min(q, reached.q, key=lambda pose: float(_distance(geometry, pose[None])[0]))
     return q
 
 
-def _lost_rank(geometry: Geometry, before: np.ndarray, after: np.ndarray) -> bool:
-    """Whether the closures' Jacobian lost rank an odd number of times from one pose (nq,) to another."""
-    first, second = scaled_jacobians(geometry, np.array([before, after]))[:, :, geometry.passive]
-    return bool(np.linalg.slogdet(first.T @ second)[0] <= 0)
+def _lost_rank(before: np.ndarray, after: np.ndarray) -> np.ndarray:
+    """Whether Jacobians (N, m, np) lost rank an odd number of times between two poses each: J' J changes the sign of
+    its determinant.
+    """
+    return np.asarray(np.linalg.slogdet(before.transpose(0, 2, 1) @ after)[0] <= 0)
 
 
 def _reach(geometry: Geometry, swept: SingularitySweep) -> dict[str, tuple[float, float]]:

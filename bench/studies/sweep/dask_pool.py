@@ -90,9 +90,8 @@ class DaskPool(Pool):
             if value is not None:
                 outcomes.append(Outcome(key, *value))
             elif ended[key].status != "error" and self._client.status == "running" and sendings < SENDINGS:
-                self._send(
-                    key, task, shared, sendings + 1
-                )  # a worker died with its value, or with the shared one
+                # a worker died with its value, or with the shared one
+                self._send(key, task, shared, sendings + 1)
             else:
                 outcomes.append(self._failed(key, ended[key]))
         return outcomes
