@@ -1,1 +1,1 @@
-"""What comes in: robots, payloads, recordings and datasets, read and checked."""
+"""The program's input: robots, payloads, recordings and datasets, read and checked."""

@@ -1,4 +1,4 @@
-"""The law of a joint controller, where it is known: [controller] of dataset.toml."""
+"""The control law of the joints, if it is known: [controller] of dataset.toml."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -31,8 +31,8 @@ class ControllerSpec(UserTable):
 class ControlLaw:
     """i = kp (r - q) + kv (dr/dt - dq/dt) + ka d2r/dt2, r the reference position of each joint, arrays (n,).
 
-    kp, kv, ka: drive unit for each rad, rad/s and rad/s2, or m, m/s and m/s2. velocity_delay, s: by how much the
-    velocity dq/dt is late that the law uses; half its period where it is a backward difference.
+    kp, kv, ka: drive unit per rad, rad/s and rad/s2, or per m, m/s and m/s2. velocity_delay, s: delay of the velocity
+    dq/dt that the law uses; for a backward difference, half the control period.
     """
 
     kp: Array
@@ -47,13 +47,13 @@ def reference_column(joint: str) -> str:
 
 
 def controller_of(path: Path, spec: ControllerSpec, joints: Sequence[str]) -> ControlLaw:
-    """The law that a [controller] table in the file `path` tells; BenchError where a joint is missing or unknown."""
+    """The law in the [controller] table of the file `path`; BenchError where a joint is missing or unknown."""
     kp, kv, ka = (_per_joint(path, key, getattr(spec, key), joints) for key in ("kp", "kv", "ka"))
     return ControlLaw(kp, kv, ka, spec.velocity_delay)
 
 
 def references(recording: Recording, joints: Sequence[str]) -> Array:
-    """Reference positions (N, n), rad or m. Raises BenchError that names a missing column."""
+    """Reference positions (N, n), rad or m. Raises BenchError for a missing column or a value that is not finite."""
     columns = [reference_column(joint) for joint in joints]
     missing = [name for name in columns if name not in recording.extra]
     if missing:

@@ -22,13 +22,13 @@ from bench.dataset.recording import Recording
 from bench.dataset.recording_window import Window
 from bench.dataset.robot import Robot, load_robot
 
-HEAVY = 2.0  # times the mass of the robot's bodies: hardly a robot carries that
-LIGHT = 5.0  # kg: lighter payloads are nothing to ask about, whatever an MJCF says of its bodies
+HEAVY = 2.0  # times the mass of the robot's bodies: hardly any robot carries that much
+LIGHT = 5.0  # kg: a lighter payload is never doubted, whatever mass the MJCF gives the robot
 
 
 @dataclass(frozen=True)
 class HeavyPayload:
-    """What is asked about. mass: as declared, kg; robot_mass: of the robot's bodies in its MJCF, kg."""
+    """A payload whose mass is doubted. mass: as declared, kg; robot_mass: of the robot's bodies in its MJCF, kg."""
 
     name: str
     mass: float
@@ -36,12 +36,12 @@ class HeavyPayload:
 
     @property
     def if_grams(self) -> float:
-        """What it weighs if its mass was typed in grams, kg."""
+        """The mass in kg if the declared number was meant in grams."""
         return self.mass / 1e3
 
     @property
     def words(self) -> str:
-        """The question."""
+        """The question for the user."""
         return (
             f"the payload {self.name} of {self.mass:g} kg is far heavier than the robot ({self.robot_mass:.3g} kg in "
             f"its MJCF): is that in grams, {self.if_grams:g} kg?"
@@ -49,7 +49,7 @@ class HeavyPayload:
 
 
 def heavy_payload(payload: Payload, robot: Robot) -> HeavyPayload | None:
-    """Whether a payload's mass is one to ask about; None where it is not, or not known."""
+    """The payload if its mass is doubted; None if the mass is plausible or unknown."""
     if payload.mass is None or payload.mass <= LIGHT:
         return None
     robot_mass = float(robot.mjcf_model().body_mass.sum())
@@ -59,8 +59,8 @@ def heavy_payload(payload: Payload, robot: Robot) -> HeavyPayload | None:
 def doubted(
     payloads: Iterable[Payload], loads: Iterable[tuple[str | None, Iterable[str]]], robot: Robot
 ) -> tuple[HeavyPayload, ...]:
-    """The payloads whose mass is to be asked about. loads: of every log the payload that it carries, and what it is
-    accepted with; a payload that one of them carries with its "mass" accepted is not asked about.
+    """The payloads whose mass is doubted. loads: for each log, its payload and the checks that it accepts. A payload
+    is not doubted if one of its logs accepts "mass".
     """
     meant = {payload for payload, accepted in loads if "mass" in accepted}
     heavy = [heavy_payload(payload, robot) for payload in payloads if payload.name not in meant]
@@ -71,8 +71,8 @@ def doubted(
 class Dataset:
     """Everything that an identification reads.
 
-    effect_files are the user's effects, from the optional key `effects`. controller: the law of the joints'
-    controller, where the dataset tells it. doubted: payloads so heavy that their mass is asked about.
+    effect_files are the user's effects, from the optional key `effects`. controller: the control law of the joints,
+    if the dataset has one. doubted: payloads so heavy that the user is asked about their mass.
     """
 
     folder: Path
@@ -98,7 +98,7 @@ def load_dataset(folder: str | Path) -> Dataset:
 
     Errors: BenchError in one line that names the file and the key, or the file, the column and the row.
     """
-    # pyarrow takes 25 MB, and is of no use to recordings that are in memory already
+    # pyarrow takes 25 MB, and recordings that are already in memory do not need it
     from bench.basics.files.table import release_tables  # noqa: PLC0415
     from bench.dataset.recording_file import load_recordings  # noqa: PLC0415
 
@@ -141,21 +141,23 @@ def load_dataset(folder: str | Path) -> Dataset:
     if spec.controller is not None:
         controller = controller_of(path, spec.controller, robot.joints)
         for recording in recordings:
-            references(recording, robot.joints)  # each must be there
+            references(recording, robot.joints)  # raises if one is missing
     loads = [(entry.payload, entry.accept) for entry in spec.recordings]
     heavy = doubted(payloads.values(), loads, robot)
     return Dataset(folder, robot, payloads, tuple(recordings), effect_files, controller, heavy)
 
 
 def refuse_log(path: Path) -> None:
-    """Raise BenchError with the command that helps where a log is given that belongs to no dataset."""
+    """Raise BenchError, with the import command, if `path` is a log that belongs to no dataset."""
     if path.suffix.lower() in LOGS and path.is_file() and not (path.parent / DATASET_FILE).exists():
         next_step = f"`{typed()} import {quoted(path)} --robot ROBOT` makes one of it"
         raise BenchError(f"{path}: is a log, not yet a dataset: {next_step}")
 
 
 def _refuse_copies(path: Path, recordings: Sequence[Recording]) -> None:
-    """Raise BenchError for two logs with the same samples: counted twice they look surer, and judge themselves."""
+    """Raise BenchError for two logs with the same samples: they would shrink the standard errors, and one could
+    validate the other.
+    """
     for first, second in combinations(recordings, 2):
         if first.name != second.name and all(
             np.array_equal(samples, others, equal_nan=True)

@@ -1,4 +1,4 @@
-"""The file dataset.toml: what it may hold, how it is written, how a recording is added to it."""
+"""The file dataset.toml: its schema, how it is written, how a recording is added to it."""
 
 import tomllib
 from collections.abc import Mapping, Sequence
@@ -19,7 +19,7 @@ from bench.dataset.payload import Payload, payload_fault
 from bench.dataset.recording_window import Spans
 from bench.dataset.robot import Robot, load_robot
 
-OF_THE_OLD = ("window", "exclude")  # stretches of a log that is replaced say nothing of the new one
+OF_THE_OLD = ("window", "exclude")  # stretches of the replaced log do not apply to the new one
 
 
 @dataclass(frozen=True)
@@ -42,13 +42,13 @@ def payload_keys(payload: Payload) -> dict[str, float | list[float]]:
 
 
 def edited(text: str, entries: Sequence[RecordingEntry], payloads: Sequence[Payload]) -> str:
-    """The dataset.toml `text` in which recordings and payloads that it has already are as given.
+    """The dataset.toml `text` with the given values for recordings and payloads that it already lists.
 
-    A recording's place in the list stays; its windows go. Of a payload, what is not given stays.
+    A recording keeps its place in the list and loses its windows. Payload values that are not given stay as they are.
     """
     if not (entries or payloads):
         return text
-    import tomlkit  # noqa: PLC0415 - slow to import: only once a file is changed
+    import tomlkit  # noqa: PLC0415 - slow to import, needed only to change a file
 
     document: Any = tomlkit.parse(text)
     tables = {table["file"]: table for table in document["recordings"]}
@@ -96,7 +96,7 @@ class RecordingSpec(UserTable):
 
 
 class DatasetSpec(UserTable):
-    """What dataset.toml may hold."""
+    """The keys of dataset.toml."""
 
     robot: Annotated[str, Field(min_length=1)]
     effects: tuple[str, ...] = ()
@@ -106,7 +106,7 @@ class DatasetSpec(UserTable):
 
 
 def payload_of(path: Path, name: str, spec: PayloadSpec) -> Payload:
-    """The payload of a [payloads.NAME] table in the file `path`; BenchError where it cannot exist."""
+    """The payload of a [payloads.NAME] table in the file `path`; BenchError if no rigid body has these values."""
     payload = Payload(
         name,
         spec.mass,
@@ -129,7 +129,8 @@ def write_dataset_toml(
 ) -> Path:
     """Write dataset.toml in `folder`, whole or not at all, and return its path.
 
-    robot is a built-in name or a path (absolute, or relative to `folder`). joints: of the controller's law.
+    robot is a built-in name or a path (absolute, or relative to `folder`). joints: names for the gains of the
+    controller.
     """
     lines = [toml_line("robot", robot)]
     if effects:
@@ -166,13 +167,14 @@ def extended_toml(
     *,
     replace: bool = False,
 ) -> str:
-    """The dataset.toml of `folder` with recordings added, comments and all; a new one where there is none.
+    """The text of `folder`'s dataset.toml with recordings added and comments kept; a new text if there is no such
+    file.
 
-    A payload that is defined already with the same values is the same one. replace: recordings and payloads that are
-    there already become those that are given.
+    A payload may be given again with the same values. replace: the given recordings and payloads replace those of the
+    same name.
 
-    Errors: BenchError when the dataset is of another robot, lists the recording, lacks the payload, or has another
-    one of that name.
+    Errors: BenchError when the dataset belongs to another robot, already lists the recording, lacks the payload, or
+    has a different payload of that name.
     """
     path = folder / DATASET_FILE
     if path.exists():
@@ -217,7 +219,7 @@ def extended_toml(
 
 
 def _check_free(folder: Path, entry: RecordingEntry, replaced: set[str], *, listed: bool) -> None:
-    """Raises BenchError where a recording would take the place of a file that it does not replace."""
+    """Raises BenchError if a recording would overwrite a file that it does not replace."""
     path = folder / entry.file
     if entry.file in replaced or not (listed or path.exists()):
         return
@@ -238,7 +240,7 @@ def _same_as_defined(spec: PayloadSpec, payload: Payload) -> bool:
 
 
 def _differing(spec: PayloadSpec, payload: Payload) -> str:
-    """The number in which a payload differs, in words."""
+    """How a payload differs from its definition, in words."""
     if payload.mass is None or spec.mass == payload.mass:
         return " with other numbers"
     before = "no mass" if spec.mass is None else f"{spec.mass:g} kg"

@@ -1,7 +1,7 @@
-"""Parts of an MJCF that have no effect on how a robot moves, and would only be in the way of reading it.
+"""Parts of an MJCF that do not affect the robot's motion and would only hinder reading it.
 
-A fixed tendon whose length an equality holds does no work: its spring, damping, friction, armature and range act on
-nothing. A hinge without a motor whose range is a whole turn has no end stop: exporters write 0 to 2 pi for a pin.
+A fixed tendon whose length an equality fixes does no work, so its spring, damping, friction, armature and range have
+no effect. A passive hinge with a range of a whole turn has no end stop: exporters write 0 to 2 pi for a pin.
 """
 
 from __future__ import annotations
@@ -19,8 +19,8 @@ WHOLE_TURN = 6.28  # rad: a whole turn as it is rounded in files
 
 
 def release_held_tendons(spec: mujoco.MjSpec) -> None:
-    """Take spring, damping, friction, armature and range from fixed tendons of which an equality holds the length."""
-    import mujoco  # noqa: PLC0415 - slow to import: only once a robot is really read
+    """Remove spring, damping, friction, armature and range from fixed tendons whose length an equality fixes."""
+    import mujoco  # noqa: PLC0415 - slow to import, needed only to read a robot
 
     held = {
         equality.name1
@@ -36,13 +36,13 @@ def release_held_tendons(spec: mujoco.MjSpec) -> None:
 
 
 def release_whole_turns(spec: mujoco.MjSpec, driven: Collection[str]) -> None:
-    """Take the range from hinges that may turn by a whole turn and that no motor moves; driven: those that one does."""
+    """Remove the range from passive hinges that may turn by a whole turn. driven: names of the joints with a motor."""
     for joint in whole_turns(spec, driven):
         joint.limited = False
 
 
 def whole_turns(spec: mujoco.MjSpec, driven: Collection[str]) -> list[mujoco.MjsJoint]:
-    """Hinges that no motor moves with a range of a whole turn or more."""
+    """Passive hinges with a range of a whole turn or more."""
     import mujoco  # noqa: PLC0415 - likewise
 
     turn = math.degrees(WHOLE_TURN) if spec.compiler.degree else WHOLE_TURN

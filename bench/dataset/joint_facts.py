@@ -10,12 +10,12 @@ from bench.dataset.robot import TORQUE_LOGS, Robot
 
 @dataclass(frozen=True)
 class JointFacts:
-    """One driven joint. `lower`, `upper` (rad or m) are None where the MJCF sets no range.
+    """One driven joint. `lower`, `upper` (rad or m) are None if the MJCF sets no range.
 
-    `home` is its position (rad or m) in the keyframe `home`, else in qpos0; `in_loop` says whether the robot
-    has closed loops, `geared` whether this is a motor's position, which runs through many turns, and
-    `logs_effort` whether its logged currents are torques or forces; `redundant` whether its motor is one more than
-    the degrees of freedom.
+    `home` is its position (rad or m) in the keyframe `home`, else in qpos0; `in_loop`: the robot has closed loops.
+    `geared`: the position is that of a motor before its gear, which may run through many turns. `logs_effort`: its
+    logged currents are torques or forces. `redundant`: its motor is redundant, that is, beyond the degrees of
+    freedom.
     """
 
     name: str
@@ -58,7 +58,7 @@ def joint_facts(robot: Robot) -> tuple[JointFacts, ...]:
 
 
 def joints_with_springs(robot: Robot) -> tuple[str, ...]:
-    """The joints with a name that have a stiffness in the MJCF."""
+    """The named joints with a stiffness in the MJCF."""
     model = robot.mjcf_model()
     stiff = (model.jnt_stiffness != 0.0) | model.jnt_stiffnesspoly.any(axis=1)
     return tuple(name for joint in stiff.nonzero()[0] if (name := model.joint(int(joint)).name))

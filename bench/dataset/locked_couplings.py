@@ -1,4 +1,4 @@
-"""Equalities and fixed tendons that name a locked joint: what remains of them for the other joints."""
+"""Equalities and fixed tendons with locked joints, reduced to the joints that are not locked."""
 
 from __future__ import annotations
 
@@ -14,8 +14,8 @@ from bench.basics.joint_units import joint_units
 if TYPE_CHECKING:
     import mujoco
 
-AGREE = 1e-6  # rad or m: by so much an equality may be open where all its joints are locked, as at home
-DIGITS = 1e-3  # m or rad: a loop that holds nothing any more may be open by what values of few digits leave
+AGREE = 1e-6  # rad or m: largest gap of an equality whose joints are all locked, as in the home pose
+DIGITS = 1e-3  # m or rad: largest gap of a loop of locked joints, whose values may be typed with few digits
 POWERS = 5  # coefficients of an equality's polynomial
 COPIED = (  # fields of a tendon
     *(
@@ -43,10 +43,10 @@ COPIED = (  # fields of a tendon
 
 
 def drop_equalities(spec: mujoco.MjSpec, plain: mujoco.MjModel, values: Mapping[str, float]) -> None:
-    """Take out connects and welds between bodies that locked joints fix to one another, and couplings of locked joints.
+    """Remove connects and welds between bodies that locked joints fix to one another, and couplings of locked joints.
 
-    plain: the compiled file, whose equalities have the same numbers. Raises BenchError where the positions leave one
-    open, and where a coupling holds a joint that is not locked.
+    plain: the compiled file, whose equalities have the same indices. Raises BenchError if one is open at the locked
+    positions, and if a coupling ties a joint that is not locked to a locked one.
     """
     import mujoco  # noqa: PLC0415 - slow to import: only once a robot is really read
 
@@ -62,7 +62,7 @@ def drop_equalities(spec: mujoco.MjSpec, plain: mujoco.MjModel, values: Mapping[
             first, second = (_moved_with(plain, body, held) for body in held_bodies(plain, index))
             if first != second:
                 continue
-            # of position, of a weld then of turn
+            # three of position; of a weld, then three of rotation
             gaps = np.abs(at.efc_pos[of_equality & (at.efc_id == index)])
             if gaps.max(initial=0.0) > DIGITS:
                 unit = joint_units(rotates=bool(gaps.argmax() >= 3)).position
@@ -95,7 +95,7 @@ def held_bodies(plain: mujoco.MjModel, equality: int) -> list[int]:
 
 
 def _moved_with(plain: mujoco.MjModel, body: int, held: set[int]) -> int:
-    """The body with a joint that is not held that carries a body, 0 for none."""
+    """The nearest ancestor of a body, or itself, with a joint that is not held; 0 if there is none."""
     while body:
         first = int(plain.body_jntadr[body])
         if set(range(first, first + int(plain.body_jntnum[body]))) - held:
@@ -107,10 +107,13 @@ def _moved_with(plain: mujoco.MjModel, body: int, held: set[int]) -> int:
 def _check_equality(
     plain: mujoco.MjModel, label: str, ends: list[str], travels: list[float | None], law: Polynomial
 ) -> None:
-    """travels: of the locked joints from qpos0, None of one that is not locked."""
+    """Raise BenchError unless the locked joints satisfy an equality and it ties no other joint.
+
+    travels: of the locked joints from qpos0; None for a joint that is not locked.
+    """
     first, second = (*travels, 0.0)[:2]
     if law.trim().degree() == 0:
-        second = 0.0  # it holds the first joint, whatever the second does
+        second = 0.0  # the equality fixes the first joint, independently of the second
     if second is None and first is not None:
         free, other = ends[1], ends[0]
         roots = (law - first).roots()
@@ -131,9 +134,9 @@ def _check_equality(
 def shorten_tendons(
     spec: mujoco.MjSpec, plain: mujoco.MjModel, values: Mapping[str, float]
 ) -> tuple[dict[str, float], set[str]]:
-    """Take the locked joints out of fixed tendons; equalities between tendons stay as they are for the others.
+    """Remove the locked joints from fixed tendons; equalities between tendons are shifted so that they still hold.
 
-    Returns what the locked joints add to the lengths, and the tendons that had no other joint and are gone.
+    Returns what the locked joints add to the lengths, and the tendons that had no other joint and are removed.
     """
     import mujoco  # noqa: PLC0415 - likewise
 
@@ -176,7 +179,7 @@ def shorten_tendons(
 def _shift(
     spec: mujoco.MjSpec, equality: mujoco.MjsEquality, travels: Mapping[str, float], empty: set[str]
 ) -> None:
-    """An equality first = p(second) of tendons that are shorter by their locked joints' travel from qpos0."""
+    """Rewrite an equality first = p(second) for tendons that are shorter by their locked joints' travel from qpos0."""
     label, first, second = equality.name, equality.name1, equality.name2
     if not {first, second} & set(travels):
         return

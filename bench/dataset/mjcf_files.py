@@ -1,7 +1,7 @@
-"""Meshes, textures and height fields of an MJCF or URDF whose files cannot be read: the robot is read without them.
+"""Read a robot without the meshes, textures and height fields whose files cannot be read.
 
-Identification needs bodies, joints, sites and closures only. A simulation needs masses too, so that a body whose mass
-is that of such a mesh is refused by name.
+Identification needs only bodies, joints, sites and closures. A simulation also needs masses, so a body whose mass
+would come from such a mesh is refused by name.
 """
 
 from __future__ import annotations
@@ -17,9 +17,9 @@ from bench.basics.errors import BenchError
 if TYPE_CHECKING:
     import mujoco
 
-KEPT = 32  # files: a command reads the same one again and again
+KEPT = 32  # files: a command reads the same one repeatedly
 OPENING = re.compile(r"Error opening file '(.+?)'")
-# of a mesh or a picture in a format that MuJoCo does not read, or not a mesh at all
+# for a mesh or a picture in a format that MuJoCo does not read, or a file that is not a mesh
 ASSETS = re.compile(r"decoder")
 ELEMENT = re.compile(r"Element name '(.+?)'")
 MASSLESS = "mass and inertia of moving bodies"
@@ -27,8 +27,8 @@ MASSLESS = "mass and inertia of moving bodies"
 
 @dataclass(frozen=True)
 class Unreadable:
-    """files: what cannot be read, as the MJCF names it; bodies: the moving ones whose mass was, or may have been, that
-    of shapes from these files.
+    """files: unreadable files, as the MJCF names them; bodies: the moving bodies whose mass comes, or may come, from
+    shapes in these files.
     """
 
     files: tuple[str, ...] = ()
@@ -38,7 +38,7 @@ class Unreadable:
 def read_spec(path: Path) -> mujoco.MjSpec:
     """The file without the shapes, textures and height fields that cannot be read.
 
-    Raises ValueError where MuJoCo refuses the file, BenchError for a body that has no mass without them.
+    Raises ValueError if MuJoCo refuses the file, BenchError for a body that has no mass without them.
     """
     import mujoco  # noqa: PLC0415 - slow to import: only once a robot is really read
 
@@ -50,7 +50,7 @@ def read_spec(path: Path) -> mujoco.MjSpec:
 
 
 def unreadable(path: Path) -> Unreadable:
-    """What `read_spec` leaves out. Raises as it does."""
+    """What `read_spec` omits. Raises the same errors."""
     return _unreadable(path, path.stat().st_mtime_ns)
 
 
@@ -83,19 +83,19 @@ def _unreadable(path: Path, _changed: int) -> Unreadable:
 
 
 def names_a_file(message: str) -> bool:
-    """Whether MuJoCo's message is about a mesh, texture or height field that cannot be read."""
+    """Whether MuJoCo's message reports a mesh, texture or height field that cannot be read."""
     return "XML Error" not in message and bool(OPENING.search(message) or ASSETS.search(message))
 
 
 def _parts(
     spec: mujoco.MjSpec,
 ) -> list[mujoco.MjsMesh | mujoco.MjsTexture | mujoco.MjsHField | mujoco.MjsSkin]:
-    """What a file names others for."""
+    """The parts of a file that refer to other files."""
     return [part for part in (*spec.meshes, *spec.textures, *spec.hfields, *spec.skins) if part.file]
 
 
 def _at_fault(spec: mujoco.MjSpec, message: str) -> str | None:
-    """The file of the part that a message is about."""
+    """The file of the part that a message reports, None if it reports none."""
     if not names_a_file(message):
         return None
     opening, element = OPENING.search(message), ELEMENT.search(message)
@@ -108,7 +108,7 @@ def _at_fault(spec: mujoco.MjSpec, message: str) -> str | None:
 
 
 def _moves(body: mujoco.MjsBody) -> bool:
-    """Whether a joint of this body or of one that carries it moves it."""
+    """Whether this body or one of its ancestors has a joint."""
     while body.name != "world":
         if body.first_joint() is not None:
             return True
@@ -117,7 +117,9 @@ def _moves(body: mujoco.MjsBody) -> bool:
 
 
 def _remove(spec: mujoco.MjSpec, file: str) -> list[str]:
-    """Remove all that needs this file; the names of the moving bodies whose mass is that of their shapes."""
+    """Remove all parts that need this file; return the names of the moving bodies whose mass comes from the removed
+    shapes.
+    """
     import mujoco  # noqa: PLC0415 - likewise
 
     gone = [part for part in _parts(spec) if part.file == file]

@@ -1,4 +1,4 @@
-"""Parts that are added to an MJCF: neither its defaults nor what its compiler does with masses may change them."""
+"""Keep parts that are added to an MJCF unaffected by its default classes and its compiler settings for masses."""
 
 from __future__ import annotations
 
@@ -12,7 +12,9 @@ if TYPE_CHECKING:
 
 
 def neutral() -> mujoco.MjsDefault:
-    """MuJoCo's defaults, for `add_joint` and its like: without it, a part takes over the class of its body."""
+    """MuJoCo's defaults, for `add_joint` and similar methods: without them, a part inherits the default class of its
+    body.
+    """
     return _empty().default
 
 
@@ -24,10 +26,11 @@ def _empty() -> mujoco.MjSpec:
 
 
 def keep_masses(spec: mujoco.MjSpec) -> None:
-    """Give every body the mass and inertia that the compiler's settings lead to, and take these settings back.
+    """Give every body explicitly the mass and inertia that result from the compiler's settings, and reset these
+    settings.
 
-    `inertiafromgeom="true"` would give an added body without shapes no mass, `settotalmass` would share the mass of a
-    payload out among all bodies, `boundmass` would make a rotor heavy.
+    Otherwise `inertiafromgeom="true"` would give an added body without shapes no mass, `settotalmass` would
+    distribute the mass of a payload over all bodies, and `boundmass` would make a rotor heavy.
     """
     import mujoco  # noqa: PLC0415 - likewise
 

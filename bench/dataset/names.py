@@ -1,6 +1,6 @@
-"""Names that files and options give: files of a dataset, robot or result, what a recording or motor may be declared as.
+"""Fixed names: files of a dataset, robot or result, suffixes of logs, and values that files and options may give.
 
-This module imports nothing, so that what only needs a name starts without numpy and MuJoCo.
+This module imports no numerical package, so that code that needs only a name starts without numpy and MuJoCo.
 """
 
 from typing import Literal
@@ -12,10 +12,10 @@ TEXTS = (".csv", ".tsv", ".txt", ".dat", ".log")
 ARRAYS = (".mat", ".npz", ".parquet")
 BAGS = (".mcap", ".db3", ".bag")
 LOGS = (*TEXTS, *ARRAYS, *BAGS)
-"""What the files of logs end in."""
+"""Suffixes of log files."""
 
 Use = Literal["identify", "validate"]
 Check = Literal["units", "limits", "constant", "spikes", "frozen", "saturated", "mass"]
-"""What a recording may be accepted with; mass: of its payload, which an import asks about."""
+"""Checks that a recording may skip; mass: of its payload, which an import may doubt."""
 Unit = Literal["A", "V", "1"]
-"""What the drive commands: a current, the voltage of an amplifier; or torques and forces are logged themselves."""
+"""Unit of a drive's command: a current, an amplifier's voltage, or 1 if torques and forces are logged directly."""

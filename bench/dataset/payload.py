@@ -1,16 +1,16 @@
-"""A payload: what is fixed to the tool during a recording, and how much of it is known."""
+"""A payload: the body fixed to the tool during a recording, and its known parameters."""
 
 from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
 
-FAR = 10.0  # m: a centre of mass or a radius of gyration farther away than this is in the wrong unit
+FAR = 10.0  # m: a centre of mass farther away, or a larger radius of gyration, is in the wrong unit
 
 
 @dataclass(frozen=True, eq=False)
 class Payload:
-    """A body fixed to the tool site. What is None is not known, and is estimated.
+    """A body fixed to the tool site. Values that are None are unknown and estimated.
 
     - `mass`: kg
     - `center_of_mass`: (3,) m, in the tool frame
@@ -30,7 +30,7 @@ def inertia_matrix(inertia: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
 
 
 def payload_fault(payload: Payload) -> tuple[str, str] | None:
-    """The key and the reason for which no rigid body can have these numbers; None when one can.
+    """The key and the reason why no rigid body can have these values; None if one can.
 
     A rigid body has a positive mass and principal moments that are not negative, of which none exceeds the
     sum of the other two (the triangle inequality). A thin rod or a point mass is a limiting case: zero

@@ -1,4 +1,4 @@
-"""A recording: what a robot's controller logged during one movement."""
+"""A recording: the log of a robot's controller during one movement."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from bench.basics.progress import SILENT, Progress
 from bench.dataset.names import Use
 
 Array = npt.NDArray[np.float64]
-WRITTEN = 50_000  # rows of a CSV that are written at a time
+WRITTEN = 50_000  # rows of a CSV that are written at once
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -30,10 +30,10 @@ class Recording:
     - `current`: (N, n) current reference in the drive's unit (A or V), same order
     - `extra`: other columns of numbers, each (N,), for plots; positions of the joints of redundant motors;
       logged velocities
-    - `part_of`: the log that this is a part of, by name; empty: a log by itself
-    - `started`: when that log begins, s; None: with the first sample
-    - `held`: share of the log's rows that repeated the one before, and were taken as if they were not there
-    - `redundant`: (N, r) current references of the robot's redundant motors, in their order; None: it has none
+    - `part_of`: name of the log that this is a part of; empty if it is a whole log
+    - `started`: start of that log, s; None: at the first sample
+    - `held`: share of the log's rows that repeated the previous one and were dropped
+    - `redundant`: (N, r) current references of the robot's redundant motors, in their order; None if it has none
     """
 
     name: str
@@ -55,12 +55,12 @@ class Recording:
 
     @property
     def log(self) -> str:
-        """The log, by name, to which it belongs: what belongs to a log is that of all its parts."""
+        """Name of the log to which it belongs; parts of one log share quantities that belong to the log."""
         return self.part_of or self.name
 
     @property
     def began(self) -> float:
-        """When the log begins, s: what warms up or wears does so from then on."""
+        """Start of the log, s: the time origin of warming and wear."""
         return float(self.time[0]) if self.started is None else self.started
 
     @property
@@ -74,7 +74,7 @@ class Recording:
         return float(f"{(self.time.size - 1) / (self.time[-1] - self.time[0]):.12g}")
 
     def part(self, where: slice) -> Recording:
-        """Some of its samples, as a recording of the same name."""
+        """The samples `where`, as a recording of the same name."""
         return replace(
             self,
             time=self.time[where],
@@ -91,7 +91,7 @@ def position_column(joint: str) -> str:
 
 
 def velocity_column(joint: str) -> str:
-    """The column of a recording with the logged velocity of a joint, rad/s or m/s, where it has one."""
+    """The optional column of a recording with the logged velocity of a joint, rad/s or m/s."""
     return f"velocity.{joint}"
 
 
@@ -144,7 +144,7 @@ def _write_csv(path: Path, columns: Mapping[str, Array], progress: Progress) -> 
 
 
 def _write_parquet(path: Path, columns: Mapping[str, Array], progress: Progress) -> None:
-    import pyarrow as pa  # noqa: PLC0415 - takes 25 MB, and most files are CSV
+    import pyarrow as pa  # noqa: PLC0415 - takes 25 MB of memory, and most files are CSV
     import pyarrow.parquet as pq  # noqa: PLC0415
 
     table = pa.table({name: pa.array(values) for name, values in columns.items()})

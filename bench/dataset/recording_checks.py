@@ -1,9 +1,9 @@
-"""What a log's signals say about themselves: wrong units, limits, constant, stuck, spiked, clipped.
+"""Checks of a log's signals: wrong units, limits, constant, stuck, spiked, clipped.
 
-Each check looks at one column and returns the first finding or None. They are made to stay silent on clean,
-noisy, quantised and slow data: a signal is compared with itself, and its resolution (the smallest step
-that it makes) is allowed for. What a check takes for a fault can still be right once in a while, so a
-recording may list checks that its user has looked at: accept = ["saturated"].
+Each check looks at one column and returns the first finding or None. They are designed to stay silent on clean,
+noisy, quantised and slow data: a signal is compared with itself, with a tolerance for its resolution (its smallest
+step). A finding can still be a false alarm: with accept = ["saturated"], a recording skips a check that its user has
+examined.
 """
 
 from collections.abc import Callable, Mapping
@@ -31,11 +31,11 @@ LARGER: Mapping[str, tuple[tuple[float, str, Remedy], ...]] = {
         (MILLI**2, "micrometres", Remedy.FROM_MICROMETRES),
     ),
 }
-"""Units that a position may be in by mistake: how many go into one of SI, likeliest first."""
+"""Units that a position may be in by mistake, likeliest first: number of them in one SI unit, name, remedy."""
 SMALLER = {"hinge": (DEGREES, MILLI), "slide": (MILLI,)}
-"""Times that a position is too small where it was divided although it was in SI."""
+"""Factors by which a position is too small if it was scaled although it was in SI."""
 FULL_TURN = 2.0 * np.pi
-LIMIT_SLACK = 0.05  # of a joint's range: stops give way, and an encoder's zero may be a little off
+LIMIT_SLACK = 0.05  # of a joint's range: stops are elastic, and an encoder's zero may be slightly off
 FASTEST = {"hinge": 30.0, "slide": 20.0}  # rad/s, m/s: more is suspicious for a joint without a range
 LARGEST_CURRENT = 500.0  # A or V
 LARGEST_EFFORT = 1e5  # N·m or N, in a log of torques or forces
@@ -45,7 +45,7 @@ Array = npt.NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Fault:
-    """A fault of one column; `row` (0 is the first) is None where it is all of the column. remedy: what mends it."""
+    """A fault of one column. `row` (0 is the first) is None for a fault of the whole column. remedy: its cure."""
 
     check: Check
     row: int | None
@@ -55,9 +55,8 @@ class Fault:
 
 @dataclass(frozen=True, eq=False)
 class Channel:
-    """One column: `values` (N,), `step` s between samples, and the joint when it holds its position.
-
-    effort: a column of currents holds torques or forces.
+    """One column: `values` (N,), `step` s between samples, and the joint if the column is its position. effort: a
+    column of currents contains torques or forces.
     """
 
     values: Array
@@ -67,9 +66,9 @@ class Channel:
 
 
 def find(channel: Channel, accepted: frozenset[str] = frozenset()) -> list[Fault]:
-    """What all checks find in a channel, the accepted ones aside; at most one finding each.
+    """The findings of all checks that are not accepted, at most one for each check.
 
-    In another unit everything is beyond its limits, which is not reported then.
+    A finding of wrong units supersedes that of limits, since a signal in the wrong unit is beyond its limits as well.
     """
     catalogue = CURRENT_CHECKS if channel.joint is None else POSITION_CHECKS
     checked = (check(channel) for name, check in catalogue.items() if name not in accepted)
@@ -79,7 +78,7 @@ def find(channel: Channel, accepted: frozenset[str] = frozenset()) -> list[Fault
 
 
 def constant(channel: Channel) -> Fault | None:
-    """A signal that never changes; a position that shows only noise."""
+    """A signal that never changes, or a position with only noise."""
     values = channel.values
     span = np.ptp(values)
     if span == 0.0:
@@ -90,18 +89,18 @@ def constant(channel: Channel) -> Fault | None:
 
 
 def only_noise(values: Array) -> bool:
-    """Whether (N,) values are like white noise: it changes by √2 of its deviation from sample to sample, a movement by
-    far less.
+    """Whether values (N,) resemble white noise: its differences have an RMS of √2 standard deviations, those of a
+    movement far less.
     """
     return bool(np.sqrt(np.mean(np.diff(values) ** 2)) >= 0.5 * values.std())
 
 
 def position_units(channel: Channel) -> Fault | None:
-    """Degrees for radians, millimetres for metres: far from the joint's range, and within it once divided; or too
-    small, and within it once multiplied: a scale that was given in vain.
+    """Degrees for radians, millimetres for metres: values far beyond the joint's range that lie in it once divided;
+    or values too small that lie in it once multiplied, because a scale was given although they were in SI.
 
-    A joint without a range is judged by its speed, and for a hinge by how many turns away it is; a motor's position
-    before a gear, which turns as often and as fast as the gear lets it, is not.
+    A joint without a range is judged by its speed and its distance from home. A motor's position before its gear,
+    which may turn far and fast, is not judged without a range.
     """
     joint, values = _joint(channel), channel.values
     right = "radians" if joint.kind == "hinge" else "metres"
@@ -125,7 +124,7 @@ def position_units(channel: Channel) -> Fault | None:
 
 
 def _fits(values: Array, lower: float, upper: float) -> bool:
-    """Whether positions lie in a range, or a tenth of it beyond."""
+    """Whether positions lie in a range extended by a tenth of its width at both ends."""
     slack = 0.1 * (upper - lower)
     return bool(lower - slack <= values.min() and values.max() <= upper + slack)
 
@@ -165,7 +164,7 @@ def limits(channel: Channel) -> Fault | None:
 
 
 def current_units(channel: Channel) -> Fault | None:
-    """Milliamperes or counts for amperes: no drive of a robot commands so much. Torques and forces may be larger."""
+    """Milliamperes or counts for amperes: no robot drive commands such values. Torques and forces may be larger."""
     large = np.quantile(np.abs(channel.values), 0.99)
     most, units = (LARGEST_EFFORT, "N·m or N") if channel.effort else (LARGEST_CURRENT, "A or V")
     if large <= most:
@@ -175,10 +174,10 @@ def current_units(channel: Channel) -> Fault | None:
 
 
 def position_spikes(channel: Channel) -> Fault | None:
-    """Steps that stand alone: a glitch (there and back), a lost count, or an angle wrapped at a full turn.
+    """Isolated steps: a glitch (there and back), a lost count, or an angle wrapped at a full turn.
 
-    A step counts when it exceeds eight times the 95th percentile of all steps and eight times every
-    other step within six samples, one step back aside.
+    A step counts if it exceeds eight times the 95th percentile of all steps, plus four times the resolution, and
+    eight times every other step within six samples, except for one (the step back).
     """
     values = channel.values
     steps = np.abs(np.diff(values))
@@ -204,7 +203,7 @@ def _stands_alone(steps: Array, k: int, reach: int = 6) -> bool:
 
 
 def current_spikes(channel: Channel) -> Fault | None:
-    """A single sample at more than five times the range of all others: a corrupt number."""
+    """A single sample farther than five times the range of the others from their median: a corrupt number."""
     values = channel.values
     low, middle, high = np.quantile(values, (0.0025, 0.5, 0.9975))
     distance = np.abs(values - middle)
@@ -223,10 +222,10 @@ def _excursion_alone(distance: Array, k: int) -> bool:
 
 
 def frozen(channel: Channel) -> Fault | None:
-    """A position that stops dead within a sample, or restarts so, and repeats one value in between.
+    """A position that stops or restarts within one sample and repeats one value in between.
 
-    Resting is no fault: a joint brakes before it rests. The change of speed where the value sticks must
-    exceed six times what the rest of the recording shows.
+    Rest is no fault: a joint brakes before it rests. The change of speed where the value sticks must exceed six times
+    the usual one in the rest of the recording, plus six times the resolution.
     """
     values = channel.values
     lag = max(1, round(0.004 / channel.step))
@@ -257,10 +256,10 @@ def frozen(channel: Channel) -> Fault | None:
 def saturated(channel: Channel) -> Fault | None:
     """A current clipped at its largest or smallest value.
 
-    The extreme value is held for five samples or more on end, twice as long as other values are, and taken
-    at least five times as often as any of the four levels next to it. (A smooth peak of a quantised signal
-    is taken at most 2.4 times as often.) A signal of fewer than 200 levels is too coarse to tell: friction
-    alone holds it at one level.
+    The extreme value is held for at least five consecutive samples and twice as long as other values usually are. It
+    occurs at least ten times, and five times as often as any of the four levels next to it. (A smooth peak of a
+    quantised signal occurs at most 2.4 times as often.) A signal of fewer than 200 levels is too coarse to judge:
+    friction alone holds it at one level.
     """
     values = channel.values
     level = resolution(values)
@@ -292,7 +291,9 @@ def runs(values: Array) -> tuple[npt.NDArray[np.intp], npt.NDArray[np.intp]]:
 
 
 def resolution(values: Array) -> float:
-    """The smallest step between samples of (N,) values: the quantum of a quantised signal, else tiny."""
+    """The smallest step between samples of values (N,): the quantum of a quantised signal, tiny for others, 0 for a
+    constant.
+    """
     steps = np.abs(np.diff(values))
     large = steps[steps > 1e-9 * np.ptp(values)]
     return float(large.min()) if large.size else 0.0

@@ -1,4 +1,4 @@
-"""All that is wrong with the columns that a recording needs, each fault with what mends it."""
+"""All faults of the columns that a recording needs, each with its cure."""
 
 from collections.abc import Mapping, Sequence
 from functools import partial
@@ -13,17 +13,17 @@ from bench.dataset.joint_facts import JointFacts
 from bench.dataset.recording_checks import LIMIT_SLACK, Array, Channel, Fault, find
 from bench.dataset.sampling import FEWEST, LIKE, TimeFault, cut_rows, gap_rows, stamp_to, time_fault
 
-MOST_SPANS = 3  # that are reported
+MOST_SPANS = 3  # number of stretches that a message lists
 SECONDS = {remedy: 1.0 / factor for factor, (_, remedy) in LIKE.items()}
-"""What mends a time in another unit -> its unit in seconds."""
+"""Remedy for a time in another unit -> that unit in seconds."""
 
 
 def faults_of(
     table: FileTable, joints: Sequence[JointFacts], accepted: frozenset[str]
 ) -> list[RecordingFaultError]:
-    """Every fault of a recording of the driven `joints`: cells that are no number, then the time, then the signals.
+    """Every fault of a recording of the driven `joints`: cells that are not numbers, then the time, then the signals.
 
-    A column that is not in the table is passed over. Every check of bench.dataset.sampling and
+    A column that is not in the table is skipped. Every check of bench.dataset.sampling and
     bench.dataset.recording_checks runs, except for the accepted ones.
     """
     faults: list[RecordingFaultError] = []
@@ -45,7 +45,7 @@ def faults_of(
         said = f"{table.place('time', fault.row)}: {fault.what}"
         faults.append(RecordingFaultError(said, cure, fault.remedy, column="time"))
     if fault is not None and fault.row is None and fault.remedy not in SECONDS:
-        return faults  # of no known rate
+        return faults  # the sampling rate is unknown
     positions = {
         joint.name: values
         for column, (values, joint) in signals.items()
@@ -63,7 +63,7 @@ def faults_of(
 def _read(
     table: FileTable, column: str, faults: list[RecordingFaultError], time: np.ndarray | None = None
 ) -> np.ndarray | None:
-    """A column of measurements; None where it has a cell that is none, which is among the faults then."""
+    """A column of measurements; None if a cell is not a number, which is added to the faults."""
     try:
         if column == "time":
             return table.finite(column, lambda bad: _removed(bad, table.data.num_rows))
@@ -83,7 +83,9 @@ def faults_in(
     fault: TimeFault | None,
     accepted: frozenset[str],
 ) -> list[Fault]:
-    """What the checks find; of a log to be cut in its longest stretch, and at the rate that its time should have."""
+    """The findings of the checks. A log with cuts is checked in its longest stretch, one with a wrong unit of time at
+    the corrected rate.
+    """
     start, stop = 0, time.size
     if fault is not None and fault.in_pieces:
         pieces = pairwise([0, *cut_rows(time).tolist(), time.size])
@@ -117,7 +119,7 @@ def _fault_of(table: FileTable, column: str, finding: Fault) -> RecordingFaultEr
 
 
 def _imported(remedy: Remedy | None) -> str:
-    """What an import does about it: a column in another unit, time that goes back; "" where that is not its fault."""
+    """The import option that cures a column in another unit or a time that runs backwards; "" for other faults."""
     if remedy is Remedy.CUT_WHERE_BACK:
         return "; bench import --split-gaps cuts such a log there"
     if remedy is None or remedy not in IN_UNIT:
@@ -126,7 +128,7 @@ def _imported(remedy: Remedy | None) -> str:
 
 
 def _removed(bad: np.ndarray, count: int) -> tuple[str, Remedy]:
-    """What helps where rows (K,) of so many have no value that is needed."""
+    """The cure if the rows `bad` (K,), of `count` in all, lack a value, and its remedy."""
     if len(bad) == count:
         return "the column has no measurement at all: is it the right one?", Remedy.OTHER_COLUMN
     lines = "that line" if len(bad) == 1 else "those lines"
@@ -136,7 +138,7 @@ def _removed(bad: np.ndarray, count: int) -> tuple[str, Remedy]:
 
 
 def _left_out(time: np.ndarray, bad: np.ndarray) -> tuple[str, Remedy]:
-    """What helps where rows (K,) have no value: stretches that dataset.toml leaves out, or lines to be removed."""
+    """The cure if the rows `bad` (K,) lack a value: stretches to exclude in dataset.toml, or lines to remove."""
     if bad[0] == len(time) - len(bad):
         return _removed(bad, len(time))
     step = float(np.median(np.diff(time)))
@@ -151,7 +153,7 @@ def _left_out(time: np.ndarray, bad: np.ndarray) -> tuple[str, Remedy]:
 
 
 def _between_gaps(time: np.ndarray) -> str:
-    """What helps where samples were lost: the stretches between, but those with too few samples."""
+    """The cure for lost samples: the stretches between gaps, except for those with too few samples."""
     rows, step = [0, *gap_rows(time).tolist(), len(time)], float(np.median(np.diff(time)))
     spans = [_span(time[a], time[b - 1], step, 1) for a, b in pairwise(rows) if b - a >= FEWEST]
     if not spans:
@@ -160,19 +162,19 @@ def _between_gaps(time: np.ndarray) -> str:
 
 
 def _span(start: float, end: float, step: float, outward: int = 0) -> str:
-    """From when to when, to a tenth of a step, as a key of dataset.toml has it. outward: 1 for no shorter."""
+    """A stretch as in dataset.toml, rounded to a tenth of a step. outward: 1 if rounding must not shorten it."""
     return f"[{stamp_to(start, 0.1 * step, -outward)}, {stamp_to(end, 0.1 * step, outward)}]"
 
 
 def listed(names: Sequence[str], most: int = 12) -> str:
-    """Names with commas, the first of many."""
+    """Names separated by commas; if there are more than `most`, the first of them and the number of the others."""
     more = f" and {len(names) - most} more" if len(names) > most else ""
     return ", ".join(names[:most]) + more
 
 
 def exchanged(positions: Mapping[str, Array], joints: Sequence[JointFacts]) -> dict[str, JointFacts]:
-    """Joint -> the one in whose range its positions lie, of each two joints whose positions lie in each other's ranges
-    and not in their joint's. positions: (N,) by joint, rad or m.
+    """Joint -> the joint with which its column is swapped: for both, the positions are outside the joint's range but
+    inside that of the other. positions: (N,) by joint, rad or m.
     """
     by_name: dict[str, JointFacts] = {}
     there = [joint for joint in joints if joint.name in positions]
@@ -186,7 +188,7 @@ def exchanged(positions: Mapping[str, Array], joints: Sequence[JointFacts]) -> d
 
 
 def exchange_fault(other: JointFacts) -> Fault:
-    """What is said of a column that lies in another joint's range, whose column lies in this one's."""
+    """The fault of a column that is swapped with that of another joint."""
     return Fault(
         "limits",
         None,
@@ -196,7 +198,7 @@ def exchange_fault(other: JointFacts) -> Fault:
 
 
 def without_exchange(findings: Sequence[Fault], other: JointFacts | None) -> list[Fault]:
-    """Findings of a column, its unit and limits as one where it is swapped with that of another joint."""
+    """Findings of a column; if it is swapped with that of another joint, this replaces findings of units and limits."""
     if other is None or not any(finding.check in ("units", "limits") for finding in findings):
         return list(findings)
     kept = [finding for finding in findings if finding.check not in ("units", "limits")]
@@ -204,7 +206,7 @@ def without_exchange(findings: Sequence[Fault], other: JointFacts | None) -> lis
 
 
 def _inside(values: Array, joint: JointFacts) -> bool:
-    """Whether positions keep to a joint's range, as the check of limits has it; never where it has none."""
+    """Whether positions lie in a joint's range, with the tolerance of the check `limits`; False if it has no range."""
     if joint.lower is None or joint.upper is None or not values.size:
         return False
     slack = LIMIT_SLACK * (joint.upper - joint.lower)

@@ -1,4 +1,4 @@
-"""From a file to a recording that has been checked: everything found is named by file, column and row."""
+"""Read a file as a checked recording: faults are reported by file, column and row."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -28,8 +28,8 @@ def load_recordings(
 ) -> list[Recording]:
     """Read the CSV or Parquet file `path` as a recording of the driven `joints`; see recording_from_table.
 
-    What is used of it in several stretches is as many recordings, since no filter may run across a cut. Only what is
-    used is checked.
+    Each used stretch becomes a separate recording, since no filter may run across a cut. Only the used samples are
+    checked.
     """
     table = read_table(path)
     _check_columns(table, ["time"])
@@ -52,7 +52,7 @@ def load_recordings(
 
 
 def _stamps(recording: Recording) -> list[str]:
-    """When a part of a log begins and ends, to a thousandth of its length."""
+    """Start and end of a part of a log, rounded to a thousandth of its length."""
     first, last = float(recording.time[0]), float(recording.time[-1])
     return [stamp_to(stamp, 1e-3 * (last - first)) for stamp in (first, last)]
 
@@ -67,12 +67,12 @@ def recording_from_table(
 ) -> Recording:
     """The columns of a table as a recording of the driven `joints`, on a uniform time grid.
 
-    The redundant motors' joints come last; their positions, which the others give, are kept among
-    the extra columns.
-    Every check of bench.dataset.sampling and bench.dataset.recording_checks runs, except for the accepted ones.
+    The joints of redundant motors come last; their positions, which follow from the others, are kept among the extra
+    columns. Every check of bench.dataset.sampling and bench.dataset.recording_checks runs, except for the accepted
+    ones.
 
-    Errors: RecordingFaultError "FILE: column COLUMN, line N: ..." for the first fault, which holds all others; a
-    BenchError where columns are missing.
+    Errors: RecordingFaultError "FILE: column COLUMN, line N: ..." for the first fault, which contains all others; a
+    BenchError if columns are missing.
     """
     columns = [f"{kind}.{joint.name}" for kind in ("position", "current") for joint in joints]
     _check_columns(table, ["time", *columns])

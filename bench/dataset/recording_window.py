@@ -1,4 +1,4 @@
-"""Which parts of a recording are used: what dataset.toml says as `window` and `exclude`, in the log's time."""
+"""The used parts of a recording: `window` and `exclude` of dataset.toml, in the log's time."""
 
 from dataclasses import dataclass, replace
 from itertools import pairwise
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 
 def _spans(value: Any) -> tuple[tuple[float, float], ...]:
-    """[start, end] or several of them, in order. Raises ValueError for anything else."""
+    """[start, end] or several of them, sorted. Raises ValueError for anything else, and for stretches that overlap."""
     several = value if isinstance(value, list | tuple) and value and _is_list(value[0]) else [value]
     spans = []
     for span in several:
@@ -40,26 +40,26 @@ def _is_list(value: object) -> bool:
 
 
 Spans = Annotated[tuple[tuple[float, float], ...], BeforeValidator(_spans)]
-"""Times from when to when, s, in rising order and apart from each other."""
+"""Stretches (start, end), s, in rising order and without overlap."""
 
 
 @dataclass(frozen=True)
 class Window:
-    """The parts that are used, all where none is named, and those that are excluded, both ends included."""
+    """The used parts (empty: all of the recording) and the excluded parts, both ends included."""
 
     used: tuple[tuple[float, float], ...] = ()
     left_out: tuple[tuple[float, float], ...] = ()
 
     def parts(self, table: "FileTable") -> "list[FileTable]":
-        """The rows that are used, each stretch without a cut by itself; the whole table where nothing is cut.
+        """The used rows, one table for each contiguous stretch; the whole table if nothing is cut.
 
-        Raises BenchError where a stretch has too few samples, or no sample is where one is named.
+        Raises BenchError if a stretch has too few samples, or a given window or exclusion contains none.
         """
         if not self.used and not self.left_out:
             return [table]
         time = table.stamps()
         if not np.isfinite(time).any():
-            return [table]  # the check of the time column says what is wrong with it
+            return [table]  # the check of the time column reports its fault
         first, last = float(np.nanmin(time)), float(np.nanmax(time))
         for name, spans in (("window", self.used), ("exclude", self.left_out)):
             for start, end in spans:
@@ -71,13 +71,13 @@ class Window:
         return [_part(table, *stretch) for stretch in self._stretches(time, first, last)]
 
     def began(self, table: "FileTable") -> float:
-        """When the log begins, s, whatever part of it is used."""
+        """Start of the log, s, whichever part of it is used."""
         return float(np.nanmin(table.stamps()))
 
     def _stretches(
         self, time: npt.NDArray[np.float64], first: float, last: float
     ) -> list[tuple[float, float, npt.NDArray[np.bool_]]]:
-        """From when to when each stretch lasts, and which stamps (N,) are in it."""
+        """Start, end and mask of the stamps (N,) of each stretch."""
         stretches = []
         for start, end in self.used or ((first, last),):
             inside = (time >= start) & (time <= end)
@@ -96,7 +96,7 @@ WHOLE = Window()
 
 
 def _part(table: "FileTable", start: float, end: float, chosen: npt.NDArray[np.bool_]) -> "FileTable":
-    """The rows from the first to the last that is chosen (N,): rows between them are checked, not omitted."""
+    """The rows from the first to the last in the mask `chosen` (N,): rows between them are checked, not omitted."""
     rows = np.flatnonzero(chosen)
     if len(rows) < FEWEST:
         raise BenchError(

@@ -1,4 +1,4 @@
-"""A robot: the folder that describes it, its actuators with their nominal drive gains, its tool."""
+"""A robot: its folder, its actuators with their nominal drive gains, its tool."""
 
 import re
 from collections.abc import Mapping, Sequence
@@ -30,22 +30,22 @@ if TYPE_CHECKING:
     import mujoco
 
 GainUnit = Literal["N*m/A", "N/A", "N*m/V", "N/V", "N*m/(N*m)", "N/N", "1"]
-TORQUE_LOGS = {"N*m": "N*m/(N*m)", "N": "N/N"}  # units of a gain where torques or forces are logged
+TORQUE_LOGS = {"N*m": "N*m/(N*m)", "N": "N/N"}  # effort -> gain unit if efforts are logged
 Text = Annotated[str, Field(min_length=1)]
 
 
 @dataclass(frozen=True)
 class Actuator:
-    """A motor: torque (hinge) or force (slide) = gain * current reference, at what it drives.
+    """A motor: torque (hinge) or force (slide) = gain * current reference, at the part that it drives.
 
-    drives: a joint of the MJCF; or a fixed tendon, or an actuator of the file with its gear, for which `robot_model`
-    has a separate joint for the motor.
+    drives: a joint of the MJCF, a fixed tendon, or an actuator of the file with its gear. For the last two,
+    `robot_model` adds a joint for the motor.
     """
 
     joint: str
     """Name of the joint, tendon or actuator."""
     gain: float
-    """Nominal drive gain, as a maker's sheet gives it, in `gain_unit`."""
+    """Nominal drive gain, as in the manufacturer's data sheet, in `gain_unit`."""
     gain_unit: str
     drives: Literal["joint", "tendon", "motor"] = "joint"
 
@@ -63,24 +63,24 @@ class Robot:
     tool_site: str | None
     """The MJCF site at which a payload is fixed."""
     redundant: tuple[Actuator, ...] = ()
-    """The motors beyond the degrees of freedom, whose joints move as those of `actuators` make them."""
+    """The motors beyond the degrees of freedom; the motion of their joints follows from that of `actuators`."""
     locked: tuple[LockedJoint, ...] = ()
-    """Joints that are held: neither the simulated machine nor the model has them."""
+    """Joints that are held: the simulated machine and the model do not have them."""
 
     def mjcf_model(self) -> "mujoco.MjModel":
-        """The compiled MJCF without the locked joints, and with a joint for every motor."""
+        """The compiled MJCF without the locked joints and with a joint for every motor."""
         return robot_model(self.model_path, self.setup)
 
     def mjcf_spec(self) -> "mujoco.MjSpec":
-        """The same, to be changed before it is compiled."""
+        """The same before compilation, to be edited."""
         return robot_spec(self.model_path, self.setup)
 
     def mjcf_as_drawn(self) -> "mujoco.MjSpec":
-        """The same, before what rounding leaves of the drawing is taken up."""
+        """The same before rounding errors of the drawing are corrected."""
         return drawn_spec(self.model_path, self.setup)
 
     def file_qpos(self, qpos: Sequence[float]) -> list[float]:
-        """Positions (nq,) of `mjcf_model` as a keyframe of the MJCF has them: with locked joints, without rotors."""
+        """Positions (nq,) of `mjcf_model` converted to a keyframe of the MJCF: with locked joints, without rotors."""
         file, rest = robot_model(self.model_path), iter(qpos)
         held = {joint.name: joint.value for joint in self.locked}
         ends = [*file.jnt_qposadr[1:].tolist(), file.nq]
@@ -92,17 +92,17 @@ class Robot:
 
     @property
     def setup(self) -> RobotSetup:
-        """What is said of the MJCF."""
+        """The settings of robot.toml for the MJCF."""
         return RobotSetup(_transmissions(self.motors), self.locked, self.driven)
 
     @property
     def motors(self) -> tuple[Actuator, ...]:
-        """All of them, the redundant ones last."""
+        """All motors, the redundant ones last."""
         return (*self.actuators, *self.redundant)
 
     @property
     def driven(self) -> tuple[str, ...]:
-        """Names of all joints with a motor, those of redundant motors last."""
+        """Names of all driven joints, those of redundant motors last."""
         return tuple(actuator.joint for actuator in self.motors)
 
     @property
@@ -120,11 +120,11 @@ def load_robot(robot: str | Path, relative_to: Path | None = None) -> Robot:
     """Read and check a robot.
 
     `robot` is a built-in name, or the path of a robot folder or of its robot.toml; a relative
-    path is taken from `relative_to` (the working folder if None). A `Path` is never taken for
-    a built-in name, nor is a text with a separator, so "./delta" is a folder of the user.
+    path is taken from `relative_to` (the working folder if None). A `Path`, or a string with a separator such as
+    "./delta", is never taken for a built-in name.
 
-    Raises BenchError, one line, if the robot is not found, robot.toml has a wrong or unknown key,
-    the MJCF does not compile, or the two do not fit each other.
+    Raises BenchError, one line, if the robot does not exist, robot.toml has a wrong or unknown key, the MJCF does not
+    compile, or the two files do not match.
     """
     description = _find_description(robot, relative_to)
     table = read_toml(description, RobotTable)
@@ -148,7 +148,7 @@ def load_robot(robot: str | Path, relative_to: Path | None = None) -> Robot:
 
 
 def refuse_redundant(robot: Robot, what: str) -> None:
-    """Raise BenchError where a robot has redundant motors, for what needs the torque of each motor to be known."""
+    """Raise BenchError if a robot has redundant motors. what: the function that needs the torque of each motor."""
     if robot.redundant:
         extra = ", ".join(actuator.joint for actuator in robot.redundant)
         raise BenchError(
@@ -158,7 +158,9 @@ def refuse_redundant(robot: Robot, what: str) -> None:
 
 
 def refuse_other_locks(robot: Robot, locked: Sequence[LockedJoint], where: str) -> None:
-    """Raise BenchError where a model that `where` names is of this robot with other joints locked, or elsewhere."""
+    """Raise BenchError if the model that `where` names has other locked joints than this robot, or other positions of
+    them.
+    """
     if set(locked) != set(robot.locked):
         raise BenchError(
             f"{where}: a model with {locked_in_words(locked)} locked, but robot {robot.name} locks "
@@ -193,7 +195,7 @@ class _ToolTable(UserTable):
 
 
 class RobotTable(UserTable):
-    """What robot.toml may hold."""
+    """The keys of robot.toml."""
 
     name: Text
     model: Text
@@ -224,7 +226,7 @@ def _find_description(robot: str | Path, relative_to: Path | None) -> Path:
 
 
 def compiler_message(path: Path, text: str) -> str:
-    """MuJoCo's message on a file in one line that starts with file and line, without the parser's bookkeeping."""
+    """MuJoCo's message on a file as one line that starts with file and line, without the parser's codes."""
     text = one_line(text).removeprefix("XML Error: ").removeprefix("Error: ")
     line = re.search(r",? ?[Ll]ine(?: number)? ?[=:]? ?(\d+)", text)
     where = f"{path}, line {line.group(1)}" if line else str(path)
@@ -252,7 +254,7 @@ def _transmissions(actuators: Sequence[Actuator]) -> tuple[Transmission, ...]:
 def _locked(
     description: Path, actuators: Sequence[Actuator], values: Mapping[str, float], model_path: Path
 ) -> tuple[LockedJoint, ...]:
-    """The joints of [locked], held against the MJCF and the motors."""
+    """The joints of [locked], checked against the MJCF and the motors."""
     plain, _ = _compiled(f"{description}: locked", model_path)
     try:
         locked = locked_joints(plain, values)
@@ -277,7 +279,7 @@ def _refuse_driven(
 def _compiled(
     where: str, model_path: Path, setup: RobotSetup = AS_IT_IS
 ) -> tuple["mujoco.MjModel", list[str]]:
-    """The MJCF with its joints' names. Raises BenchError that begins with the file, or with `where`."""
+    """The compiled MJCF and the names of its joints. Raises BenchError that begins with the file, or with `where`."""
     import mujoco  # noqa: PLC0415 - slow to import: only once a robot is really read
 
     try:
@@ -296,9 +298,9 @@ def _checked(
     model_path: Path,
     locked: tuple[LockedJoint, ...],
 ) -> tuple[tuple[Actuator, ...], frozenset[str]]:
-    """The actuators, held against the MJCF, and the joints of those that move independently.
+    """The actuators, checked against the MJCF, and the driven joints that move independently.
 
-    A gain of unit 1 has that of a torque for a torque, or force for force.
+    A gain of unit 1 gets the unit N*m/(N*m) at a hinge and N/N at a slide.
     """
     import mujoco  # noqa: PLC0415 - slow to import: only once a robot is really read
 

@@ -1,9 +1,10 @@
-"""What rounding leaves of a drawing is taken up where a robot is read.
+"""Correct rounding errors of a drawing when a robot is read.
 
-A CAD export rounds places and directions. Loops then stand a little open in the home pose, and loops that repeat one
-another (a planar or spherical linkage in space) contradict each other a little in all poses. Home is closed by Newton's
-method. Where loops contradict one another, places of bodies and sites are corrected by the least changes that make them
-agree in many poses at once. Both only within ROUNDING; what is further off is a mistake that `bench robot check` names.
+A CAD export rounds positions and directions. Loops are then slightly open in the home pose, and redundant closures
+(of a planar or spherical linkage in space) contradict one another slightly in all poses. Newton's method closes the
+home pose. If closures contradict one another, the smallest changes of the poses of bodies and sites are applied that
+make them agree in many poses at once. Both corrections stay within ROUNDING; a larger error is a mistake that `bench
+robot check` reports.
 """
 
 from __future__ import annotations
@@ -17,14 +18,14 @@ import numpy as np
 if TYPE_CHECKING:
     import mujoco
 
-ROUNDING = 1e-5  # m or rad: what the rounding of a drawing leaves open; a wider gap is a mistake
-CLOSED = 1e-9  # m or rad: a smaller gap is none
+ROUNDING = 1e-5  # m or rad: largest gap from the rounding of a drawing; a wider gap is a mistake
+CLOSED = 1e-9  # m or rad: a smaller gap counts as closed
 DEPENDENT = (
-    1e-4  # of the largest singular value: equations below repeat others, except for the slack of drawings
+    1e-4  # of the largest singular value: equations below are redundant, apart from rounding of the drawing
 )
-POSES, MANY_POSES = 10, 60  # at which loops are compared; at which they are made to agree
-STEP = 0.1  # rad or m: of the free motions from one pose to the next
-PERTURBATION = 1e-6  # m or rad: of a place, for the derivatives
+POSES, MANY_POSES = 10, 60  # number of poses for comparing loops, and for making them agree
+STEP = 0.1  # rad or m: standard deviation of each free motion from one pose to the next
+PERTURBATION = 1e-6  # m or rad: of a body's or site's pose, for the derivatives
 MOST_STEPS = 20
 SEED = 20120607
 
@@ -37,7 +38,7 @@ class _Closures:
     data: mujoco.MjData
 
     def at(self, qpos: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """How far the equalities are open (m,) [m, rad] at qpos (nq,), and the Jacobian (m, nv) of that."""
+        """Gaps of the equalities (m,) [m, rad] at qpos (nq,), and their Jacobian (m, nv)."""
         import mujoco  # noqa: PLC0415 - slow to import: only once a robot is really read
 
         self.data.qpos[:] = qpos
@@ -48,7 +49,7 @@ class _Closures:
         return np.array(self.data.efc_pos), np.array(self.data.efc_J).reshape(self.data.nefc, self.model.nv)
 
     def closed(self, qpos: np.ndarray) -> np.ndarray:
-        """The pose (nq,) near qpos that least squares close."""
+        """The pose (nq,) near qpos that closes the loops in the least-squares sense."""
         import mujoco  # noqa: PLC0415 - slow to import: only once a robot is really read
 
         for _ in range(MOST_STEPS):
@@ -61,7 +62,9 @@ class _Closures:
         return qpos
 
     def poses(self, home: np.ndarray, count: int) -> list[np.ndarray]:
-        """Closed poses, each a random step of the free motions from the one before."""
+        """Closed poses, each a random step of the free motions from the previous one, or home again if that cannot be
+        closed.
+        """
         import mujoco  # noqa: PLC0415 - slow to import: only once a robot is really read
 
         random = np.random.default_rng(SEED)
@@ -83,8 +86,8 @@ class _Closures:
 
 
 def take_up_rounding(spec: mujoco.MjSpec) -> mujoco.MjSpec:
-    """The same file with a home pose that is closed, and loops that agree with one another; the very same where it is
-    exact to CLOSED or off by more than ROUNDING.
+    """The file with a closed home pose and consistent loops; the same object, unchanged, if it is exact to CLOSED or
+    off by more than ROUNDING.
     """
     closures = _closures(spec)
     if not closures.model.neq:
@@ -132,8 +135,8 @@ def _set_home(spec: mujoco.MjSpec, qpos: np.ndarray) -> None:
 
 
 def _with_agreeing_loops(spec: mujoco.MjSpec, home: np.ndarray) -> mujoco.MjSpec | None:
-    """The file with bodies and sites moved by the least changes that make its loops agree; None where none do, or a
-    place of the file counts in a <frame>.
+    """The file with bodies and sites moved by the smallest changes that make its loops agree; None if no changes
+    within ROUNDING do, or a body or site is in a <frame>.
     """
     _anchors_as_sites(spec)
     closures = _closures(spec)
@@ -176,7 +179,7 @@ _Place = tuple[np.ndarray, np.ndarray, int]
 def _sensitivity(
     closures: _Closures, places: Sequence[_Place], pose: np.ndarray, gap: np.ndarray
 ) -> np.ndarray:
-    """Change (m, 6 places) of the gaps at a pose for each place's shift [m] and turn [rad]."""
+    """Derivative (m, 6 places) of the gaps at a pose with respect to the shift [m] and rotation [rad] of each place."""
     columns = []
     for place in places:
         positions, quaternions, index = place
@@ -189,7 +192,7 @@ def _sensitivity(
 
 
 def _move(place: _Place, change: np.ndarray) -> None:
-    """Shift a place in its parent's frame by three of the change, and turn it in its frame by the others."""
+    """Shift a place in its parent's frame by change[:3], and rotate it in its body frame by change[3:]."""
     import mujoco  # noqa: PLC0415 - slow to import: only once a robot is really read
 
     positions, quaternions, index = place
@@ -207,7 +210,7 @@ def _write(part: mujoco.MjsBody | mujoco.MjsSite, pos: np.ndarray, quat: np.ndar
 
 
 def _anchors_as_sites(spec: mujoco.MjSpec) -> None:
-    """Closures that name bodies name sites instead, since MuJoCo places the second anchor where qpos0 is closed."""
+    """Replace the bodies in closures by sites, since MuJoCo derives the second anchor of bodies from qpos0."""
     import mujoco  # noqa: PLC0415 - slow to import: only once a robot is really read
 
     model = spec.compile()

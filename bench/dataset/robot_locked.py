@@ -1,8 +1,8 @@
-"""Joints that robot.toml locks: taken out of the MJCF, their motion folded into the pose of the body that they carry.
+"""Joints that robot.toml locks: they are removed from the MJCF, and their motion goes into the pose of their body.
 
-A body in the pose P with the joints J1 ... Jk is at P J1(q1) ... Jk(qk). With joint l held, L its motion,
-P J1 ... L ... Jk = (P L) (L^-1 J1 L) ... Jk: the pose of the body becomes P L, the joints before l are turned and moved
-by L^-1, those after it stay as they are.
+A body with the pose P and the joints J1 ... Jk is at P J1(q1) ... Jk(qk). With joint l held at the motion L, P J1 ...
+L ... Jk = (P L) (L^-1 J1 L) ... Jk: the pose of the body becomes P L, the joints before l are transformed by L^-1,
+and those after it do not change.
 """
 
 from __future__ import annotations
@@ -20,13 +20,13 @@ from bench.dataset.mjcf_neutral import neutral
 if TYPE_CHECKING:
     import mujoco
 
-ROUNDED = 0.01  # of a range's width: a value typed with few digits may lie so far beyond its end
-ANCHOR = "locked:"  # what the names of sites begin with that a connect gets for its anchors
+ROUNDED = 0.01  # of a range's width: tolerance beyond its ends for values typed with few digits
+ANCHOR = "locked:"  # prefix of the names of sites that become the anchors of a connect
 
 
 @dataclass(frozen=True)
 class LockedJoint:
-    """A hinge or slide that is held. value: in the MJCF's coordinate, rad or m."""
+    """A hinge or slide that is held. value: joint coordinate of the MJCF, rad or m."""
 
     name: str
     value: float
@@ -34,9 +34,9 @@ class LockedJoint:
 
 
 def locked_joints(plain: mujoco.MjModel, values: Mapping[str, float]) -> tuple[LockedJoint, ...]:
-    """The joints of the table [locked], held against the compiled file.
+    """The joints of the table [locked], checked against the compiled file.
 
-    Raises BenchError for a joint that the file does not have, a ball or free joint, and a value beyond the range.
+    Raises BenchError for an unknown joint, a ball or free joint, and a value beyond the joint's range.
     """
     import mujoco  # noqa: PLC0415 - slow to import: only once a robot is really read
 
@@ -69,31 +69,31 @@ def locked_joints(plain: mujoco.MjModel, values: Mapping[str, float]) -> tuple[L
 
 
 def locked_as_data(locked: Sequence[LockedJoint]) -> dict[str, dict[str, Any]]:
-    """As plain data, by name: value and unit."""
+    """Locked joints as plain data: name -> value and unit."""
     return {joint.name: {"value": joint.value, "unit": joint.unit} for joint in locked}
 
 
 def locked_from_data(content: Mapping[str, Mapping[str, Any]]) -> tuple[LockedJoint, ...]:
-    """What `locked_as_data` gave. Raises KeyError, TypeError or ValueError for anything else."""
+    """The inverse of `locked_as_data`. Raises KeyError, TypeError or ValueError for other data."""
     return tuple(LockedJoint(name, float(entry["value"]), entry["unit"]) for name, entry in content.items())
 
 
 def locked_in_words(locked: Sequence[LockedJoint]) -> str:
-    """Such as gripper = 0.3 rad, rail = 0.1 m; nothing for none."""
+    """A text such as "gripper = 0.3 rad, rail = 0.1 m"; "nothing" if no joint is locked."""
     return ", ".join(f"{joint.name} = {joint.value:g} {joint.unit}" for joint in locked) or "nothing"
 
 
 def lock_joints(spec: mujoco.MjSpec, locked: Sequence[LockedJoint]) -> dict[str, float]:
-    """Take the locked joints, and what names them, out of a file that is not compiled yet.
+    """Remove the locked joints, and the parts that refer to them, from a file before compilation.
 
-    Returns what they add to the length of each fixed tendon, rad or m: it goes over the other joints now. Raises
-    BenchError for an equality that ties another joint to a locked one, or that the values contradict.
+    Returns their contribution to the length of each fixed tendon, rad or m, which the shortened tendon lacks. Raises
+    BenchError for an equality that ties another joint to a locked one, or that the values violate.
     """
     plain = spec.compile()
     values = {joint.name: joint.value for joint in locked}
     joints = [int(plain.joint(name).id) for name in values]
-    by_id = {joint.id: joint for joint in spec.joints}  # those of `plain`, until the file is changed
-    keyframes = _without_keyframes(spec)  # MuJoCo empties them where a joint goes
+    by_id = {joint.id: joint for joint in spec.joints}  # as in `plain`, until the file changes
+    keyframes = _without_keyframes(spec)  # MuJoCo empties them when a joint is removed
     _keep_anchors(spec, plain)
     drop_equalities(spec, plain, values)
     lengths, empty = shorten_tendons(spec, plain, values)
@@ -105,7 +105,9 @@ def lock_joints(spec: mujoco.MjSpec, locked: Sequence[LockedJoint]) -> dict[str,
 
 
 def _keep_anchors(spec: mujoco.MjSpec, plain: mujoco.MjModel) -> None:
-    """Say where equalities between bodies act: MuJoCo works that out at qpos0, and locked joints may be elsewhere."""
+    """Make the anchors of equalities between bodies explicit: MuJoCo derives them at qpos0, but locked joints may
+    differ.
+    """
     import mujoco  # noqa: PLC0415 - likewise
 
     for index, equality in enumerate(spec.equalities):
@@ -124,7 +126,7 @@ def _keep_anchors(spec: mujoco.MjSpec, plain: mujoco.MjModel) -> None:
 
 
 def _drop_actuators(spec: mujoco.MjSpec, gone: set[str]) -> list[int]:
-    """Take out the actuators and sensors of joints and tendons that are gone; the numbers of these actuators."""
+    """Remove the actuators and sensors of removed joints and tendons; return the indices of these actuators."""
     import mujoco  # noqa: PLC0415 - likewise
 
     elsewhere = (mujoco.mjtTrn.mjTRN_SITE, mujoco.mjtTrn.mjTRN_BODY, mujoco.mjtTrn.mjTRN_SLIDERCRANK)
@@ -147,7 +149,7 @@ def _drop_actuators(spec: mujoco.MjSpec, gone: set[str]) -> list[int]:
 
 
 def _without_keyframes(spec: mujoco.MjSpec) -> list[dict[str, Any]]:
-    """Take out the keyframes; what they say, by field."""
+    """Remove the keyframes and return their values by field."""
     said = []
     for key in list(spec.keys):
         numbers = {
@@ -165,7 +167,7 @@ def _shorten_keyframes(
     joints: Sequence[int],
     motors: Sequence[int],
 ) -> None:
-    """Put the keyframes back without the numbers of these joints and actuators."""
+    """Restore the keyframes without the values of these joints and actuators."""
     first, states = plain.actuator_actadr, plain.actuator_actnum
     without = {
         "qpos": plain.jnt_qposadr[list(joints)].tolist(),
@@ -229,7 +231,9 @@ def _fold(
 
 
 def _motion(plain: mujoco.MjModel, joint: int, value: float) -> tuple[np.ndarray, np.ndarray]:
-    """Translation (3,) and quaternion (4,) of the body frame by a joint at a position, in the frame before it."""
+    """Translation (3,) and quaternion (4,) of the body frame due to a joint at `value`, in the frame before the
+    joint.
+    """
     import mujoco  # noqa: PLC0415 - likewise
 
     travel = value - float(plain.qpos0[plain.jnt_qposadr[joint]])
@@ -242,7 +246,7 @@ def _motion(plain: mujoco.MjModel, joint: int, value: float) -> tuple[np.ndarray
 
 
 def _rotated(vector: np.ndarray, quaternion: np.ndarray, *, back: bool = False) -> np.ndarray:
-    """A vector turned by a quaternion, or back."""
+    """A vector rotated by a quaternion, or by its inverse."""
     import mujoco  # noqa: PLC0415 - likewise
 
     result, inverse = np.zeros(3), np.zeros(4)

@@ -1,8 +1,8 @@
-"""The MJCF of a robot without its locked joints, and with one for every motor that no single joint represents.
+"""The MJCF of a robot without its locked joints, and with an added joint for every motor that is not on one joint.
 
-A motor may drive a fixed tendon (a sum of joint positions: a belt, a differential, a coupled wrist), or the actuator
-of the file that has a gear. What it logs is then its position. The robot gets a rotor for it: a body on the base
-with a joint of the tendon's or actuator's name, and an equality that holds its position to the sum.
+A motor may drive a fixed tendon (a sum of joint positions: a belt, a differential, a coupled wrist), or act through
+an actuator of the file with a gear. The logged position is then that of the motor. The robot gets a rotor for it: a
+body on the base with a joint of the tendon's or actuator's name, and an equality that ties its position to the sum.
 """
 
 from __future__ import annotations
@@ -25,27 +25,27 @@ from bench.dataset.robot_locked import LockedJoint, lock_joints
 if TYPE_CHECKING:
     import mujoco
 
-ROTOR = "rotor:"  # what the names of the bodies and tendons of such motors begin with
-MASS = 1e-6  # kg: MuJoCo wants some; what turns with the motor is the armature of the tendon
+ROTOR = "rotor:"  # prefix of the names of bodies, tendons and equalities of such motors
+MASS = 1e-6  # kg: MuJoCo requires a mass; the rotor's inertia is the armature of the tendon
 INERTIA = 1e-9  # kg m2
-KEPT = 32  # compiled files: a command reads the same one again and again
-ARMATURE = 1e-6  # kg m2 or kg: of a rotor for which the file has none
+KEPT = 32  # compiled files: a command reads the same one repeatedly
+ARMATURE = 1e-6  # kg m2 or kg: of a rotor without armature in the file
 
 
 @dataclass(frozen=True)
 class Transmission:
-    """A motor on a fixed tendon, or on what an actuator of the file drives, gear included."""
+    """A motor on a fixed tendon, or on the joint or tendon of an actuator of the file, gear included."""
 
     name: str
     kind: Literal["tendon", "motor"]
     slides: bool
-    """Whether the motor's position is a length [m], so that its joint is a slide."""
+    """Whether the motor's position is a length [m], and its joint a slide."""
 
 
 @dataclass(frozen=True)
 class RobotSetup:
-    """What robot.toml says of an MJCF: motors that no single joint represents, locked joints, and the names of all that
-    motors drive; driven is None where nothing is known of motors.
+    """Settings of robot.toml for an MJCF: motors that are not on one joint, locked joints, and the names of all
+    driven parts; driven is None if the motors are unknown.
     """
 
     transmissions: tuple[Transmission, ...] = ()
@@ -59,20 +59,20 @@ AS_IT_IS = RobotSetup()
 def robot_model(path: Path, setup: RobotSetup = AS_IT_IS) -> mujoco.MjModel:
     """The compiled file with the rotors, without the locked joints.
 
-    Raises ValueError where MuJoCo refuses the file, BenchError for a motor or a locked joint.
+    Raises ValueError if MuJoCo refuses the file, BenchError for an invalid motor or locked joint.
     """
     try:
         content = path.read_bytes()
     except OSError:
-        return _compiled(path, setup)  # MuJoCo says what is wrong
-    if b"file" in content:  # other files belong to it, which may change as well
+        return _compiled(path, setup)  # MuJoCo's error names the cause
+    if b"file" in content:  # it refers to other files, which may change as well
         return _compiled(path, setup)
     return copy.copy(_of_content(_Content(path, content), setup))
 
 
 @dataclass(frozen=True)
 class _Content:
-    """All of a file that names no other; where it is makes no difference."""
+    """The content of a file that refers to no other; its path does not matter."""
 
     path: Path = field(compare=False)
     content: bytes
@@ -87,12 +87,12 @@ def _compiled(path: Path, setup: RobotSetup) -> mujoco.MjModel:
     model = read_model(path)
     if setup.transmissions or setup.locked or model.neq:
         model = robot_spec(path, setup).compile()
-    model.opt.enableflags = 0  # bodies that sleep, other contacts: of no concern, and not for every equality
+    model.opt.enableflags = 0  # sleep, contact options: unneeded, and some equalities forbid them
     return model
 
 
 def read_model(path: Path) -> mujoco.MjModel:
-    """The compiled file as it is, without what other files that cannot be read draw. Raises as `robot_model` does."""
+    """The compiled file as it is, without shapes from files that cannot be read. Raises as `robot_model` does."""
     import mujoco  # noqa: PLC0415 - slow to import: only once a robot is really read
 
     try:
@@ -104,12 +104,12 @@ def read_model(path: Path) -> mujoco.MjModel:
 
 
 def robot_spec(path: Path, setup: RobotSetup = AS_IT_IS) -> mujoco.MjSpec:
-    """The same, not compiled yet; what rounding leaves of the drawing is taken up, see `take_up_rounding`."""
+    """The file before compilation, with rounding errors of the drawing corrected, see `take_up_rounding`."""
     return take_up_rounding(drawn_spec(path, setup))
 
 
 def drawn_spec(path: Path, setup: RobotSetup = AS_IT_IS) -> mujoco.MjSpec:
-    """The same as it is drawn, apart from `bench.dataset.idle_parts`."""
+    """The same without that correction; parts as in `bench.dataset.idle_parts` are released."""
     spec = read_spec(path)
     of_locked = lock_joints(spec, setup.locked) if setup.locked else {}
     release_held_tendons(spec)
@@ -134,7 +134,9 @@ def drawn_spec(path: Path, setup: RobotSetup = AS_IT_IS) -> mujoco.MjSpec:
 
 @dataclass(frozen=True)
 class _Length:
-    """The position of a motor: of each joint (name, place in qpos, factor), and what locked joints add."""
+    """The position of a motor as a sum: (name, index in qpos, factor) of each joint, and the constant of locked
+    joints.
+    """
 
     joints: tuple[tuple[str, int, float], ...]
     constant: float = 0.0
@@ -185,12 +187,12 @@ def _add_rotor(
 
 
 def joints_of(plain: mujoco.MjModel, transmission: Transmission) -> tuple[str, ...]:
-    """The joints that a motor's position is a sum of. Raises BenchError for a motor that the file has not."""
+    """The joints whose positions make up that of a motor. Raises BenchError for a motor that the file does not have."""
     return tuple(name for name, _, _ in _length_of(plain, transmission, {}).joints)
 
 
 def _length_of(plain: mujoco.MjModel, transmission: Transmission, lengths: Mapping[str, float]) -> _Length:
-    """lengths: what locked joints add to tendons, by name."""
+    """lengths: contribution of locked joints to the length of each tendon, by name."""
     import mujoco  # noqa: PLC0415 - slow to import: only once a robot is really read
 
     gear = 1.0
@@ -228,7 +230,7 @@ def _factor(plain: mujoco.MjModel, joint: int, factor: float) -> tuple[str, int,
 
 
 def _axis(plain: mujoco.MjModel, slides: bool) -> list[float]:
-    """Along gravity for a hinge, across it for a slide: a rotor on the base feels no weight."""
+    """Parallel to gravity for a hinge, perpendicular for a slide, so that gravity does not act on a rotor."""
     x, y, z = plain.opt.gravity.tolist()
     size = (x * x + y * y + z * z) ** 0.5
     along = [x / size, y / size, z / size] if size else [0.0, 0.0, 1.0]

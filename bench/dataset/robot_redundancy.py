@@ -1,4 +1,4 @@
-"""More motors than degrees of freedom: which of them move independently, in the order of robot.toml."""
+"""More motors than degrees of freedom: choose those that move independently, in the order of robot.toml."""
 
 from __future__ import annotations
 
@@ -13,18 +13,16 @@ from bench.dataset.locked_couplings import held_bodies
 if TYPE_CHECKING:
     import mujoco
 
-DEPENDENT = (
-    1e-4  # of the largest singular value, equalities of unit length: smaller ones are the slack of drawings
-)
+DEPENDENT = 1e-4  # of the largest singular value, equalities of unit length: smaller ones are due to rounding
 
-OF_MOTORS = "rotor:"  # what the names of equalities begin with that hold motors to what they drive
+OF_MOTORS = "rotor:"  # prefix of the names of equalities that tie motors to the parts that they drive
 
 
 def independent_motors(model: mujoco.MjModel, joints: Sequence[str]) -> tuple[str, ...]:
-    """Those of these joints with a motor that move independently in the home pose, the first ones where there is a
-    choice; all of them where there are no more than degrees of freedom.
+    """The driven joints that move independently in the home pose, the first ones if there is a choice; all of them if
+    they are no more than the degrees of freedom.
 
-    Raises BenchError where there are more, and one of these joints cannot move at all.
+    Raises BenchError if they are more and one of them cannot move at all.
     """
     free = _motions(_closures(model)[0])
     if len(free) >= len(joints):
@@ -44,10 +42,10 @@ def independent_motors(model: mujoco.MjModel, joints: Sequence[str]) -> tuple[st
 
 
 def welds_to_connect(model: mujoco.MjModel, joints: Sequence[str]) -> tuple[str, ...]:
-    """Welds that take freedom of these joints with a motor; as connects they would let all of them move independently.
+    """Welds that restrict these driven joints; replaced by connects, they would let all of them move independently.
 
-    A weld at a pin of a planar linkage does so, since it holds the orientation as well. None where the joints move
-    independently already, or where with connects something else could move, the motors held.
+    A weld at a pin of a planar linkage is an example, since it fixes the orientation as well. Empty if the joints
+    already move independently, or if connects would add other motions with the motors held.
     """
     rows, owners = _closures(model)
     places = [int(model.joint(joint).dofadr[0]) for joint in joints]
@@ -65,18 +63,20 @@ def welds_to_connect(model: mujoco.MjModel, joints: Sequence[str]) -> tuple[str,
 
 
 def use_connect(welds: Sequence[str]) -> str:
-    """The cure where welds hold too much."""
+    """The cure for welds that fix too much."""
     return f"use <connect> instead of weld {listed(welds)}, which holds the orientation of its bodies, too"
 
 
 def listed(names: Sequence[str]) -> str:
-    """'a', 'b' and 'c'."""
+    """Quoted names as in "'a', 'b' and 'c'"."""
     quoted = [repr(name) for name in names]
     return " and ".join([", ".join(quoted[:-1]), quoted[-1]] if len(quoted) > 1 else quoted)
 
 
 def _unlocking(model: mujoco.MjModel, joints: Sequence[str], joint: str) -> str:
-    """What follows a joint with a motor that closures lock: the cure, or those without any of which it could move."""
+    """The end of the message on a driven joint that closures lock: the cure, or the closures without any of which it
+    could move.
+    """
     welds = welds_to_connect(model, joints)
     if welds:
         return f"; {use_connect(welds)}"
@@ -111,9 +111,7 @@ def _equality(model: mujoco.MjModel, index: int) -> str:
 
 
 def _still_ends(model: mujoco.MjModel, equalities: Sequence[int]) -> list[str]:
-    """Bodies that these closures hold, and that neither move nor carry anything that does: platforms without a
-    joint.
-    """
+    """Bodies in these closures that neither move nor carry a moving body: platforms without a joint."""
     import mujoco  # noqa: PLC0415 - slow to import: only once a robot is really read
 
     moving = {
@@ -137,7 +135,7 @@ def _above(model: mujoco.MjModel, body: int) -> list[int]:
 
 
 def _motions(closures: np.ndarray) -> np.ndarray:
-    """An orthonormal basis (k, nv) of the velocities that rows (m, nv) allow."""
+    """An orthonormal basis (k, nv) of the velocities that closures (m, nv) allow."""
     _, values, motions = np.linalg.svd(closures)
     return np.asarray(motions[int((values > DEPENDENT * values.max(initial=0.0)).sum()) :])
 
@@ -148,9 +146,8 @@ def _rank(motions: np.ndarray) -> int:
 
 
 def _closures(model: mujoco.MjModel) -> tuple[np.ndarray, np.ndarray]:
-    """Rows (m, nv) in the home pose of the equalities that are switched on, the longest of each of unit length.
-
-    Of each row (m,) the number of its equality.
+    """Rows (m, nv) of the active equalities in the home pose, scaled so that the longest row of each has unit length,
+    and the index (m,) of the equality of each row.
     """
     import mujoco  # noqa: PLC0415 - slow to import: only once a robot is really read
 

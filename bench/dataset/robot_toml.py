@@ -1,4 +1,4 @@
-"""A robot.toml for an MJCF file: what of the file a motor may drive, and the text that says which motors drive it."""
+"""Write a robot.toml for an MJCF file: the parts that motors may drive, and the text that lists the motors."""
 
 from __future__ import annotations
 
@@ -21,7 +21,9 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class MotorPart:
-    """What a motor may drive. effort: of a motor on it; actuated: whether an actuator of the file acts on it."""
+    """A part that a motor may drive. effort: unit of a motor on it; actuated: whether an actuator of the file acts on
+    it.
+    """
 
     name: str
     drives: Literal["joint", "tendon", "motor"]
@@ -31,7 +33,9 @@ class MotorPart:
 
 @dataclass(frozen=True)
 class MjcfParts:
-    """Parts of an MJCF file: what motors may drive, joints first, and the sites that a payload may be fixed at."""
+    """Parts of an MJCF file: those that motors may drive, joints first, and the sites at which a payload may be
+    fixed.
+    """
 
     path: Path
     motors: tuple[MotorPart, ...]
@@ -39,7 +43,7 @@ class MjcfParts:
 
     @property
     def named(self) -> Mapping[str, MotorPart]:
-        """Parts by name; of a joint and an actuator of the same name the joint."""
+        """Parts by name; a joint takes precedence over a tendon or actuator of the same name."""
         by_name: dict[str, MotorPart] = {}
         for part in self.motors:
             by_name.setdefault(part.name, part)
@@ -47,7 +51,7 @@ class MjcfParts:
 
 
 def mjcf_parts(path: str | Path) -> MjcfParts:
-    """What an MJCF file offers. Raises BenchError, with file and line, where MuJoCo refuses it."""
+    """The parts of an MJCF file. Raises BenchError, with file and line, if MuJoCo refuses it."""
     import mujoco  # noqa: PLC0415 - slow to import: only once a file is really read
 
     path = Path(path)
@@ -74,7 +78,7 @@ def robot_toml(
     """The text of a robot.toml. model: the MJCF as the file names it; motors: names with their nominal gains, in order;
     locked: joints that are held, with their positions.
 
-    Raises BenchError for a motor or a site that the MJCF has not.
+    Raises BenchError for a motor or a site that the MJCF does not have.
     """
     lines = [toml_line("name", name), toml_line("model", model)]
     for motor, gain in motors:
@@ -110,13 +114,13 @@ def write_robot_toml(
     folder: str | Path | None = None,
     overwrite: bool = False,
 ) -> Path:
-    """Write the robot.toml of an MJCF file, and return its folder: by default that of the file.
+    """Write the robot.toml of an MJCF file, and return its folder (by default that of the MJCF file).
 
-    motors: joints, tendons or actuators of the file with their nominal drive gains, in the order of every table; unit:
-    of what the drives command; tool: the site at which a payload is fixed; locked: joints that are held, with their
-    positions in rad or m. What reads as no robot is not written.
-    Raises BenchError, and nothing is written: a motor or a site that the file has not, what `load_robot` refuses, a
-    robot.toml that is there already.
+    motors: joints, tendons or actuators of the file with their nominal drive gains, in the order of all later tables;
+    unit: of the drives' command; tool: the site at which a payload is fixed; locked: joints that are held, with their
+    positions in rad or m. The file is only written if `load_robot` accepts it.
+    Raises BenchError, and nothing is written: for a motor or a site that the file does not have, a robot that
+    `load_robot` refuses, or an existing robot.toml without `overwrite`.
     """
     mjcf = Path(mjcf)
     target = Path(folder if folder is not None else mjcf.parent) / ROBOT_FILE
@@ -174,7 +178,9 @@ def _motors(model: mujoco.MjModel) -> Iterator[MotorPart]:
 def _tendon_effort(
     model: mujoco.MjModel, tendon: int, joints: Mapping[int, Literal["N*m", "N"]]
 ) -> Literal["N*m", "N"] | None:
-    """Effort of a motor on a fixed tendon: a torque, unless all of its joints slide; None for a tendon in space."""
+    """Unit of effort of a motor on a fixed tendon: of a torque, unless all of its joints slide; None for a spatial
+    tendon.
+    """
     import mujoco  # noqa: PLC0415 - slow to import: only once a file is really read
 
     first = int(model.tendon_adr[tendon])

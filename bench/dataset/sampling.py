@@ -1,14 +1,14 @@
-"""The time column: what is wrong with it, and how samples that are not quite uniform become uniform.
+"""The time column: its faults, and resampling of nearly uniform samples to a uniform grid.
 
-Positions are differentiated twice, so a recording must lie on a uniform grid. Real logs nearly do:
+Positions are differentiated twice, so a recording must lie on a uniform grid. Real logs nearly do so:
 
 - stamps within a thousandth of a step of a uniform grid are on it (rounded stamps);
-- stamps that jitter more may tell when the samples were really taken, or only when they were written down.
-  The positions decide: a joint moves smoothly. When a cubic spline through the stamps, read off at the grid,
-  is smoother than the samples as they stand, the stamps were right and every signal is read off so (other
-  columns: the nearest sample); else the samples stand and only the time column becomes uniform;
-- stamps half a step or more away from the grid (a clock that drifts, a late sample) are always believed;
-- a sample that was lost is a gap and an error: nothing is invented between two samples.
+- stamps that jitter more may be the times of sampling, or only those of writing. The positions decide, since a joint
+  moves smoothly. If a cubic spline through the stamps, evaluated on the grid, is smoother than the samples
+  themselves, the stamps are correct and positions and currents are interpolated (other columns: the nearest sample);
+  otherwise the samples stay and only the time column becomes uniform;
+- stamps half a step or more away from the grid (a clock that drifts, a late sample) always count as correct;
+- a lost sample is a gap and an error: no samples are invented.
 """
 
 from collections.abc import Mapping
@@ -23,30 +23,30 @@ from bench.basics.files.recording_fault import Remedy
 from bench.basics.interpolation import cubic_spline
 from bench.basics.plural import plural
 
-FEWEST = 100  # samples: filters and decimation need some to settle
+FEWEST = 100  # samples: filters and decimation need them to settle
 SLOWEST_STEP = 0.1  # s: a robot's controller logs faster than 10 Hz
-FASTEST_USUAL = 0.25e-3  # s: stamps of 0.1 are 10 Hz in seconds rather than 10 kHz in milliseconds
-FASTEST_STEP = 5e-6  # s: and slower than 200 kHz
-UNIFORM = 1e-3  # of a step: stamps this near to a uniform grid are on it
-SMOOTHER = 0.9  # a spline smooths a little noise by itself; less than this is the stamps' merit
-HELD = 1e-2  # of the rows: fewer that repeat the one before are chance, of coarse encoders and currents
-LONGEST_HELD = 10  # rows in a row: one in eight by chance are never so many; a robot that rests repeats more
+FASTEST_USUAL = 0.25e-3  # s: a step of 0.1 means 10 Hz in seconds rather than 10 kHz in milliseconds
+FASTEST_STEP = 5e-6  # s: no controller logs at 200 kHz or faster
+UNIFORM = 1e-3  # of a step: stamps this close to a uniform grid count as on it
+SMOOTHER = 0.9  # ratio of roughness that shows correct stamps; a spline alone smooths noise a little
+HELD = 1e-2  # of the rows: a smaller share of repeated rows is chance, from coarse encoders and currents
+LONGEST_HELD = 10  # consecutive rows: more are a robot at rest rather than rows held by the logger
 TINY = 1e-300
-TOGETHER = 10  # steps, whose mean is a step: stamps rounded to 1 ms have 2 and 3 for 2.5
-GAP = 1.5  # steps: a longer one is a gap, unless a neighbouring step makes good for it
+TOGETHER = 10  # steps that are averaged: stamps rounded to 1 ms alternate between 2 and 3 for a step of 2.5
+GAP = 1.5  # steps: a longer one is a gap, unless a neighbouring step compensates for it
 LIKE = {
     1e3: ("milliseconds", Remedy.FROM_MILLISECONDS),
     1e6: ("microseconds", Remedy.FROM_MICROSECONDS),
     1e9: ("nanoseconds", Remedy.FROM_NANOSECONDS),
 }
-"""How many go into a second -> the unit, and what mends it."""
+"""Number in a second -> name of the unit, and remedy."""
 
 Array = npt.NDArray[np.float64]
 
 
 @dataclass(frozen=True)
 class TimeFault:
-    """What is wrong with a time column; `row` is None where it is all of it. remedy: what mends it, if known."""
+    """A fault of a time column; `row` is None for a fault of the whole column. remedy: its cure, if known."""
 
     row: int | None
     what: str
@@ -54,17 +54,17 @@ class TimeFault:
 
     @property
     def gap(self) -> bool:
-        """Whether samples were lost, and nothing else."""
+        """Whether the fault is lost samples."""
         return self.remedy is Remedy.CUT_AT_GAPS
 
     @property
     def in_pieces(self) -> bool:
-        """Whether the stretches between such faults can be recordings."""
+        """Whether the stretches between such faults may become recordings."""
         return self.remedy in (Remedy.CUT_AT_GAPS, Remedy.CUT_WHERE_BACK)
 
 
 def time_fault(time: Array) -> TimeFault | None:
-    """The first fault of the time stamps (N,) in s: order, count, unit, gaps. None when there is none."""
+    """The first fault of the time stamps (N,) in s, in the order count, order, unit, gaps; None if there is none."""
     if time.size < FEWEST:
         return TimeFault(None, f"has only {plural(time.size, 'sample')}, at least {FEWEST} are needed")
     steps = np.diff(time)
@@ -107,12 +107,12 @@ def _unit_fault(steps: Array) -> TimeFault | None:
 
 
 def _usual_step(time: Array) -> float:
-    """The step of stamps (N,), however coarsely they are rounded: the median over several steps."""
+    """The step of stamps (N,), also of coarsely rounded ones: the median of means over several steps."""
     return float(np.median(time[TOGETHER:] - time[:-TOGETHER])) / TOGETHER
 
 
 def gap_rows(time: Array) -> npt.NDArray[np.intp]:
-    """The rows of time stamps (N,) in s that follow a gap; none where there are too few stamps to tell."""
+    """The rows of time stamps (N,) in s that follow a gap; empty if there are too few stamps to judge."""
     if time.size < FEWEST:
         return np.empty(0, dtype=np.intp)
     steps, step = np.diff(time), _usual_step(time)
@@ -124,7 +124,7 @@ def gap_rows(time: Array) -> npt.NDArray[np.intp]:
 
 
 def cut_rows(time: Array) -> npt.NDArray[np.intp]:
-    """The rows of time stamps (N,) in s before which time does not rise, or has a gap: between them it does neither."""
+    """The rows of time stamps (N,) in s before which time does not rise or has a gap."""
     back = (np.flatnonzero(np.diff(time) <= 0.0) + 1).tolist()
     gaps = [gap_rows(time[start:end]) + start for start, end in pairwise([0, *back, time.size])]
     return np.unique(np.concatenate([np.array(back, dtype=np.intp), *gaps]))
@@ -144,8 +144,8 @@ def _gap_fault(time: Array, steps: Array) -> TimeFault | None:
 
 
 def stamp_to(value: float, resolution: float, outward: int = 0) -> str:
-    """A time in s to so many seconds, or finer, however long after zero it is. outward: -1 or 1 for none later or none
-    earlier than it.
+    """A time in s as text, rounded to a power of ten no coarser than `resolution` (s). outward: -1 never rounds up, 1
+    never rounds down.
     """
     decimals = max(0, ceil(-log10(resolution)))
     rounded = round(value, decimals)
@@ -155,7 +155,7 @@ def stamp_to(value: float, resolution: float, outward: int = 0) -> str:
 
 
 def _stamp(value: float) -> str:
-    """A time stamp as it was written, without what binary fractions add."""
+    """A time stamp to twelve digits, without the digits of its binary representation."""
     return f"{float(value):.12g}"
 
 
@@ -164,8 +164,8 @@ def _more(count: int) -> str:
 
 
 def repeated_rows(position: Array, current: Array) -> npt.NDArray[np.bool_]:
-    """Which rows (N,) of a moving robot repeat the one before, in all positions (N, n) and currents (N, n): the logger
-    wrote them though nothing new was there. None where hardly any does.
+    """Mask (N,) of the rows of a moving robot that repeat the previous one in all positions (N, n) and currents (N,
+    n), because the logger had no new values. All False if hardly any row does.
     """
     values = np.hstack([position, current])
     repeated = np.append(False, np.all(values[1:] == values[:-1], axis=1))

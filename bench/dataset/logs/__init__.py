@@ -1,1 +1,1 @@
-"""Logs of other programs become recordings: read, named, turned into SI, cut at gaps, checked."""
+"""Turn logs of other programs into recordings: read, map columns, convert to SI, cut at gaps, check."""

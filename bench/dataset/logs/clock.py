@@ -1,4 +1,4 @@
-"""Times that a log writes as dates or times of day, in seconds from the first."""
+"""Dates and times of day in a log, converted to seconds from the first."""
 
 import re
 from collections.abc import Iterable
@@ -15,8 +15,8 @@ CLOCK = re.compile(
 
 
 def seconds_from_first(cells: Iterable[str]) -> npt.NDArray[np.float64] | None:
-    """The times (N,) that cells spell, such as 2026-11-20T09:14:05.25Z, 20.11.2026 09:14:05,25 or 09:14:05.25, in s
-    from the first; None where a cell is none. A time of day that falls by half a day or more is one of the next day.
+    """The times (N,) in cells such as 2026-11-20T09:14:05.25Z, 20.11.2026 09:14:05,25 or 09:14:05.25, in s from the
+    first; None if a cell is no time. Where the time of day falls by more than half a day, a new day begins.
     """
     days, times = [], []
     for cell in cells:
@@ -35,7 +35,7 @@ def seconds_from_first(cells: Iterable[str]) -> npt.NDArray[np.float64] | None:
 
 
 def _day(match: re.Match[str]) -> int | None:
-    """The number of a day, 0 where a cell has none; None for a day that no calendar has."""
+    """The ordinal of a day, 0 if a cell has no date; None for a date that does not exist."""
     year, month, day = (
         match[long] or match[short] for long, short in (("year", "y"), ("month", "m"), ("day", "d"))
     )

@@ -1,4 +1,4 @@
-"""Which names of a log become which columns of a recording, in SI."""
+"""Map the vectors of a log to the columns of a recording, in SI."""
 
 import re
 import shlex
@@ -30,20 +30,20 @@ from bench.dataset.robot import Robot
 
 Array = npt.NDArray[np.float64]
 GROUPS = ("position", "current")
-SCALED = (*GROUPS, "velocity")  # what a scale can name for all joints
-REVERSED = -1.0  # as a scale: of a column whose sign changes, whatever its unit
+SCALED = (*GROUPS, "velocity")  # kinds of columns that a scale can name for all joints
+REVERSED = -1.0  # as a scale: the sign of the column changes, its unit stays
 
 
 @dataclass(frozen=True)
 class LogMap:
     """Which names of a log become which columns of a recording.
 
-    columns  column -> name in the log; columns are `time`, `position.JOINT`, `current.JOINT`, and any other
-             name for a column to keep for plots. A column that the log itself calls so needs no entry, and neither
-             does one called `velocity.JOINT`.
+    columns  column -> name in the log; columns are `time`, `position.JOINT`, `current.JOINT`, `velocity.JOINT`, and
+             any other name for a column to keep for plots. A column of the first four kinds that has the same name in
+             the log needs no entry.
     scale    column -> factor that turns the log's unit into SI, such as 1e-3 for millimetres, or the unit's name
-             (see UNITS); `position`, `current` and `velocity` represent those of all joints. It goes before a unit
-             that the log itself states; -1 changes the sign alone, and keeps the unit.
+             (see UNITS); `position`, `current` and `velocity` represent those of all joints. It takes precedence over
+             a unit that the log states; -1 only changes the sign.
     rate     Hz, for a log without a time column; its time then starts at zero
     """
 
@@ -54,10 +54,11 @@ class LogMap:
 
 @dataclass(frozen=True, eq=False)
 class Columns:
-    """A recording's columns (N,) in SI, `time` first; sources: what the log calls them; notes: units, in words.
+    """A recording's columns (N,) in SI, `time` first; sources: their names in the log; notes: on time and units, in
+    words.
 
-    faults: a line for each column that holds no numbers; it is not among the values. stated: the units that the log
-    states, of the columns that were turned into SI for it.
+    faults: a line for each column that is not numeric, which is not among the values. stated: units that the log
+    states, for the columns converted to SI because of them.
     """
 
     values: Mapping[str, Array]
@@ -68,7 +69,7 @@ class Columns:
 
 
 def columns_of(file: Path, log: LogFile, robot: Robot, log_map: LogMap) -> Columns:
-    """The columns that a robot's recording gets from a log.
+    """The columns of a robot's recording, from a log.
 
     Raises BenchError for a joint, a name or a unit that does not exist, and for vectors of different length.
     """
@@ -120,7 +121,7 @@ def _unit_notes(units: Mapping[str, str]) -> tuple[str, ...]:
 
 
 def _name_notes(sources: Mapping[str, str], factors: Mapping[str, float], robot: Robot) -> tuple[str, ...]:
-    """What names say of units that neither the log states nor anybody gave."""
+    """Notes on units that appear only in the names of columns: neither the log nor a scale gives them."""
     notes = []
     for column, source in sources.items():
         if column in factors or measured_by(column, robot) is None:
@@ -135,7 +136,7 @@ def _name_notes(sources: Mapping[str, str], factors: Mapping[str, float], robot:
 
 
 def _given_factors(file: Path, scale: Mapping[str, float | str], robot: Robot) -> dict[str, float]:
-    """Factors by column: units by their names, and those of all joints one by one."""
+    """Factors by column: unit names become factors, and a scale for all joints becomes one for each."""
     factors: dict[str, float] = {}
     for target, given in scale.items():
         unit = unit_named(given) if isinstance(given, str) else None
@@ -160,7 +161,7 @@ def _fits(unit: Unit, column: str, robot: Robot) -> bool:
 def _stated_factors(
     file: Path, log: LogFile, robot: Robot, sources: Mapping[str, str], given: Mapping[str, float]
 ) -> dict[str, tuple[float, str]]:
-    """Factor and unit by column, of those whose unit the log states and nobody gave."""
+    """Factor and unit by column, for units that the log states and no scale overrides."""
     factors: dict[str, tuple[float, str]] = {}
     for column, source in sources.items():
         if source in log.units and column not in given:
@@ -174,7 +175,7 @@ def _stated_factors(
 def _sources(
     file: Path, log: LogFile, robot: Robot, log_map: LogMap, given: Mapping[str, float]
 ) -> dict[str, str]:
-    """Column -> its name in the log, for all that the recording gets."""
+    """Column -> its name in the log, for all columns of the recording."""
     needed = [f"{kind}.{joint}" for kind in GROUPS for joint in robot.driven]
     if log_map.rate is None:
         needed.insert(0, "time")
@@ -214,14 +215,14 @@ def _sources(
 
 
 def _nearest(source: str, there: Sequence[str]) -> list[str]:
-    """The column with the nearest name, its unit in brackets aside; none where no name is near."""
+    """The column with the nearest name, compared with and without units in brackets; empty if none is near."""
     bare = {name.partition("[")[0].partition("(")[0].strip() or name: name for name in there}
     near = get_close_matches(source, there, 1) or get_close_matches(source, list(bare), 1)
     return [bare.get(name, name) for name in near]
 
 
 def _misspelt(missing: Sequence[str], log_map: LogMap) -> str:
-    """What is said of a column that was mapped under a name that is nearly one that is needed."""
+    """The hint for a mapped column whose name is a near miss of a missing one; "" if there is none."""
     for target in log_map.columns:
         near = get_close_matches(target, missing, 1, cutoff=0.75)
         if near:
@@ -230,7 +231,7 @@ def _misspelt(missing: Sequence[str], log_map: LogMap) -> str:
 
 
 def _proposed(missing: Sequence[str], sources: Mapping[str, str], log: LogFile, robot: Robot) -> str:
-    """The options that map all that is missing, where the names of the log's columns tell it; "" where they do not."""
+    """The options that map all missing columns, if the names of the log's columns suggest them all; else ""."""
     stated = stated_units(log.units)
     there = [name for name in (*log.vectors, *log.texts) if name not in sources.values()]
     guessed = guesses(there, robot, stated, log.vectors)
@@ -248,7 +249,7 @@ def _proposed(missing: Sequence[str], sources: Mapping[str, str], log: LogFile, 
 
 
 def _example(target: str, sources: Mapping[str, str], there: Sequence[str], robot: Robot) -> str:
-    """How a column that is missing is mapped to one that is free, and its unit given."""
+    """An example that maps a missing column to a free one, with its unit."""
     free = [name for name in there if name not in sources.values()]
     if not free:
         return ""
@@ -257,7 +258,9 @@ def _example(target: str, sources: Mapping[str, str], there: Sequence[str], robo
 
 
 def _unit_hint(target: str, unit: str, robot: Robot) -> str:
-    """How a column's unit is given: the one that its name tells, "" where it tells none."""
+    """The option for a column's unit: the given one, else the first that is not SI; "" if that is SI or there is
+    none.
+    """
     si, *others = units_of(target, robot)
     unit = unit or next(iter(others), "")
     return f" (with --scale {target}={unit} where it is in {unit})" if unit not in ("", si) else ""
@@ -276,7 +279,7 @@ def _check_targets(
 
 
 def _skipping(log: LogFile, sources: Mapping[str, str]) -> str:
-    """What helps where a text has none of the columns: its names may stand further down than they were looked for."""
+    """The cure if a text has none of the columns: its column names may be below a preamble."""
     there = [*log.vectors, *log.texts]
     if log.lines is None or any(source in there for source in sources.values()):
         return ""
@@ -289,21 +292,21 @@ def _inventory(log: LogFile, most: int = 30) -> str:
     return ", ".join(names[:most]) + (f" and {len(names) - most} more" if len(names) > most else "")
 
 
-LARGE = 1 << 25  # bytes of a text from which on its first look is at pieces
-HEAD, PIECE, PIECES = 1 << 18, 1 << 14, 255  # bytes at the beginning, bytes of a piece behind it, how many
+LARGE = 1 << 25  # bytes: of a larger text, a preview reads only pieces
+HEAD, PIECE, PIECES = 1 << 18, 1 << 14, 255  # bytes of the beginning, bytes of a piece, number of pieces
 WHOLE_LINES = re.compile(rb"[\r\n](.*[\r\n])", re.DOTALL)
 
 
 def glimpse(path: Path, reading: Reading) -> LogFile:
-    """The log as `read_log` gives it; of a large text only the rows of its beginning and of evenly spaced pieces.
+    """The log as `read_log` returns it; of a large text only the rows of its beginning and of evenly spaced pieces.
 
-    A note says so. A text that cannot be read by pieces is read whole. Raises BenchError as `read_log` does.
+    A note says so. A text that cannot be read in pieces is read whole. Raises BenchError as `read_log` does.
     """
     if path.suffix.lower() not in TEXTS or not path.is_file() or (size := path.stat().st_size) <= LARGE:
         return read_log(path, reading)
     try:
         log = text_log(path, _pieces(path, size), reading)
-    except BenchError:  # a fault in a piece, whose place only the whole text tells
+    except BenchError:  # only the whole text gives the line of a fault in a piece
         return read_log(path, reading)
     said = (
         f"{size / 2**20:.0f} MB: the beginning and {PIECES} pieces from all over it are shown; every row is read when "

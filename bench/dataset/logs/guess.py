@@ -1,4 +1,4 @@
-"""Which columns of a log may be which of a recording: joints by their names, units by what the log or a name says."""
+"""Guess which columns of a log are which of a recording: joints by name, units as the log or a name states them."""
 
 import re
 from collections.abc import Mapping, Sequence
@@ -21,7 +21,7 @@ CURRENT = frozenset(
     | {"strom", "drehmoment", "courant", "couple", "corriente"}
 )
 PLACES, DRIVES = ("angle", "length"), ("current", "voltage", "torque", "force")
-"""What the units of positions and of currents measure."""
+"""Quantities that positions and currents may be."""
 
 
 def guesses(
@@ -30,13 +30,13 @@ def guesses(
     stated: Mapping[str, str] | None = None,
     values: Mapping[str, np.ndarray] | None = None,
 ) -> dict[str, dict[str, str]]:
-    """Needed column -> {column, unit, why} for those whose names or units tell; a person confirms them.
+    """Needed column -> {column, unit, why} for those that names or units identify; a person confirms them.
 
-    stated: units by column as the log gives them; in a language that is not known, they tell what is what.
-    values: of the columns (N,), which tell a path in mm from one in m by the joint's range.
-    why is "name" where the log's name holds the joint's, "order" where names are numbered as the joints are, "unit"
-    where no other column measures what this joint needs, "rest" where none but this joint and column remain, "alike"
-    where a current's name has a word of the name of its joint's position, and "range" where the values tell the unit.
+    stated: units by column as the log gives them; they identify columns with names in an unknown language. values: of
+    the columns (N,); with the joint's range, they distinguish a path in mm from one in m.
+    why is "name" if the log's name contains the joint's, "order" if numbered names are assigned in order, "unit" if
+    no other column has a unit of this joint's kind, "rest" if only this joint and this column remain, "alike" if a
+    current's name shares a word with that of its joint's position, and "range" if the values determine the unit.
     """
     proposed: dict[str, tuple[str, str]] = {}
     time = next((name for name in names if (words := _words(name)) and words[0] in TIME), None)
@@ -76,10 +76,10 @@ def _by_unit(
     robot: Robot,
     stated: Mapping[str, str] | None,
 ) -> dict[str, tuple[str, str]]:
-    """Positions that no name tells: where one joint alone measures a length, or an angle, and one column does; or
-    where one joint and one position without a unit remain.
+    """Positions that no name identifies: the only joint that measures a length (or an angle) gets the only column
+    that does, and the last joint gets the last position without a unit.
 
-    free: columns that are nothing yet, with their values. Of several columns, those within the joint's range count.
+    free: unassigned columns with their values. Of several columns, those within the joint's range count.
     """
     chosen = {}
     for measured in PLACES:
@@ -99,7 +99,7 @@ def _by_unit(
 def _alike(
     currents: Sequence[str], proposed: Mapping[str, str], joints: Sequence[str]
 ) -> dict[str, tuple[str, str]]:
-    """Currents of joints that no name tells, by the words that their names share with the position's alone."""
+    """Currents that no name identifies: each goes to the joint whose position alone shares a word with its name."""
     places = {joint: proposed[f"position.{joint}"] for joint in joints if f"position.{joint}" in proposed}
     chosen = {}
     for joint, place in places.items():
@@ -112,7 +112,7 @@ def _alike(
 
 
 def _within(joint: JointFacts, values: np.ndarray | None, unit: str | None) -> bool:
-    """Whether values in a unit lie in a joint's range; False where one of these is not known."""
+    """Whether values in a unit lie in a joint's range; False if any of the three is unknown."""
     if values is None or unit is None or joint.lower is None or joint.upper is None:
         return False
     known = values[np.isfinite(values)] * UNITS[unit].factor
@@ -120,9 +120,9 @@ def _within(joint: JointFacts, values: np.ndarray | None, unit: str | None) -> b
 
 
 def _by_range(joint: JointFacts | None, values: np.ndarray | None) -> str:
-    """The unit in which a path fits the range of its slide; "" where it does in m, or there is no range.
+    """The unit in which a path fits the range of its slide; "" if it fits in m, or the slide has no range.
 
-    Angles are asked about: between degrees and radians a factor of 57 is less telling than a thousand.
+    Units of angles are not guessed: the factor of 57 between degrees and radians is less conclusive than a thousand.
     """
     if joint is None or joint.kind != "slide" or joint.lower is None or values is None:
         return ""
@@ -133,19 +133,19 @@ def _by_range(joint: JointFacts | None, values: np.ndarray | None) -> str:
 
 
 def _unit(name: str, stated: Mapping[str, str] | None) -> str | None:
-    """A column's unit, stated or in its name; None where there is none."""
+    """A column's unit, stated or in its name; None if there is none."""
     match = LAST.match(name)
     return (stated or {}).get(name) or (name_of(match.group(2)) if match else None)
 
 
 def _measures(name: str, stated: Mapping[str, str] | None) -> str:
-    """What a column's unit measures; "" where it has none."""
+    """The quantity of a column's unit; "" if it has none."""
     unit = _unit(name, stated)
     return UNITS[unit].of if unit else ""
 
 
 def _by_name(names: Sequence[str], joints: Sequence[str]) -> dict[str, str]:
-    """Joint -> the one name that holds all words and numbers of the joint's."""
+    """Joint -> the only name that contains all words and numbers of the joint's name."""
     by_joint = {}
     for joint in joints:
         wanted = set(_parts(joint))
@@ -156,7 +156,7 @@ def _by_name(names: Sequence[str], joints: Sequence[str]) -> dict[str, str]:
 
 
 def _stem(name: str) -> str:
-    """A name without the unit that it ends in: t_ms -> t; a lone letter, as in motor.m, is more than a unit."""
+    """A name without the unit that it ends in: t_ms -> t."""
     match = LAST.match(name)
     return match.group(1) if match and name_of(match.group(2)) else name
 

@@ -27,14 +27,13 @@ from bench.dataset.recording import write_table
 from bench.dataset.recording_faults import faults_of, listed
 from bench.dataset.robot import Robot, load_robot
 
-BEFORE = ".before"  # what a file that is replaced is called until the new one is whole
+BEFORE = ".before"  # suffix of a file that is being replaced, until the new one is complete
 
 
 @dataclass(frozen=True)
 class LogRequest:
-    """A log to import. payload: its name; name: of the recording's file, by default the log's with the suffix .csv.
-
-    accept: checks that it need not pass.
+    """A log to import. payload: name of the payload; name: of the recording's file, by default the log's with the
+    suffix .csv. accept: checks that it need not pass.
     """
 
     file: Path
@@ -48,13 +47,13 @@ class LogRequest:
 
     @property
     def recording(self) -> str:
-        """The recording's file name; pieces of a log that is cut are called after it."""
+        """The recording's file name; the pieces of a log that is cut are named after it."""
         return self.name or f"{self.file.stem}.csv"
 
 
 @dataclass(frozen=True)
 class Imported:
-    """The recordings that were added, and what was assumed, cut and dropped: words by file."""
+    """The added recordings, and notes by file on what was assumed, cut and dropped."""
 
     entries: tuple[RecordingEntry, ...]
     notes: tuple[tuple[Path, str], ...]
@@ -62,7 +61,7 @@ class Imported:
 
 @dataclass(frozen=True)
 class LogFault:
-    """What is wrong with a log, in a line. alike: what it has in common with the same fault of other logs."""
+    """A fault of a log, in one line. alike: key that it shares with the same fault of other logs."""
 
     file: Path
     alike: tuple[str, str, Remedy | None]
@@ -74,7 +73,7 @@ def _as_fault(file: Path, line: str) -> LogFault:
 
 
 def _folded(faults: Sequence[LogFault]) -> list[str]:
-    """A line each; what several logs have in common appears once."""
+    """One line for each fault; a fault that several logs share appears once."""
     groups: dict[tuple[str, str, Remedy | None], list[LogFault]] = {}
     for fault in faults:
         groups.setdefault(fault.alike, []).append(fault)
@@ -110,15 +109,16 @@ def import_logs(
 ) -> Imported:
     """Write logs as recordings into the dataset `folder`, all or none.
 
-    A folder without a dataset.toml becomes a dataset of `robot` (or its built-in name or path); otherwise the
-    recordings are added to it. `payloads` are defined in it; a request names one of them, or one that the dataset has.
-    Samples are written as they were logged, after the checks that reading a dataset makes. replace: a recording of the
-    same name, and a payload, become what is given; until that is whole, what it replaces is kept next to it.
+    A folder without a dataset.toml becomes a dataset of `robot` (a Robot, a built-in name or a path); otherwise the
+    recordings are added to its dataset. `payloads` are defined in it; a request names one of them, or one that the
+    dataset already defines. Samples are written as they were logged, after the checks that are made when a dataset is
+    read. replace: recordings and payloads of the same name are replaced; a replaced file is kept next to the new one
+    until that is complete.
 
-    Errors: BenchError, and nothing is written: a file, robot, joint or name that does not exist (with what there is),
-    vectors of different length, everything that is wrong with the recordings, a line each; of what several logs
-    have in common, the first is reported and the others named; a payload far heavier than the robot that nobody
-    accepts.
+    Errors: BenchError, and nothing is written, for a file, robot, joint or name that does not exist (the message
+    lists those that do), vectors of different length, all faults of the recordings (one line each; a fault shared by
+    several logs is reported once, with their names), and a payload that is far heavier than the robot and not
+    accepted.
     """
     folder = Path(folder)
     loaded = robot if isinstance(robot, Robot) else load_robot(robot)
@@ -157,7 +157,7 @@ def import_logs(
 def _parts(
     robot: Robot, request: LogRequest, joints: Sequence[JointFacts], progress: Progress
 ) -> tuple[list[Segment], list[LogFault], tuple[str, ...]]:
-    """The recordings of one log, what is wrong with them, and what was assumed."""
+    """The recordings of one log, their faults, and notes on what was assumed."""
     file = request.file
     progress.phase(f"reading {file.name}")
     log = read_log(file, request.reading)
@@ -176,7 +176,7 @@ def _parts(
 
 
 def _doubtful(payloads: Sequence[Payload], robot: Robot, requests: Sequence[LogRequest]) -> list[str]:
-    """What is asked of payloads far heavier than the robot, unless a log that carries one is accepted so."""
+    """The question for each payload that is far heavier than the robot, unless a log that carries it accepts it."""
     loads = [(request.payload, request.accept) for request in requests]
     return [
         f"{heavy.words} Then give {heavy.if_grams:g} kg; --accept mass if {heavy.mass:g} kg is meant"
@@ -185,7 +185,7 @@ def _doubtful(payloads: Sequence[Payload], robot: Robot, requests: Sequence[LogR
 
 
 def _payload_notes(folder: Path, payloads: Sequence[Payload], names: Sequence[str]) -> list[str]:
-    """What is said of payloads whose mass is another one than the dataset had, of recordings that are not replaced."""
+    """Notes on payloads whose mass changes, with the recordings that are not replaced but carry them."""
     if not (folder / DATASET_FILE).exists():
         return []
     spec, said = read_toml(folder / DATASET_FILE, DatasetSpec), []
@@ -205,8 +205,8 @@ def _payload_notes(folder: Path, payloads: Sequence[Payload], names: Sequence[st
 
 
 def _stale_pieces(folder: Path, requests: Sequence[LogRequest], names: Sequence[str]) -> list[str]:
-    """What is said of recordings called as pieces of a log that takes another place: an import that cut it otherwise
-    may have left them. They are not deleted, since a recording of the user may have such a name.
+    """Notes on recordings that are named like pieces of an imported log but are not among its new ones: an earlier
+    import may have cut the log in other places. They are not deleted, since the user may have named a recording so.
     """
     if not (folder / DATASET_FILE).exists():
         return []
@@ -224,7 +224,9 @@ def _stale_pieces(folder: Path, requests: Sequence[LogRequest], names: Sequence[
 
 
 def _reference(robot: Robot, folder: Path) -> str:
-    """How a dataset in `folder` names the robot: a built-in name, else a path relative to it where there is one."""
+    """The robot's reference in a dataset.toml in `folder`: a built-in name, else a relative path, else an absolute
+    one.
+    """
     for name, built_in in built_in_robots().items():
         if built_in.resolve() == robot.folder.resolve():
             return name
@@ -236,10 +238,11 @@ def _reference(robot: Robot, folder: Path) -> str:
 
 
 def _write(folder: Path, text: str, parts: Sequence[Segment], progress: Progress) -> None:
-    """All files, or none when something goes wrong on the way.
+    """Write all files, or none if an error occurs.
 
-    Every recording is whole under another name before any that it replaces is moved aside. A command that is killed
-    between leaves a dataset as it was, or one that names a file it lacks, with both recordings next to it.
+    Every recording is complete under a temporary name before any replaced file is moved aside. If the command is
+    killed in between, the dataset is unchanged, or it names a missing file while both the old and the new recording
+    are next to it.
     """
     paths = [folder / part.name for part in parts]
     aside: dict[Path, Path] = {}
@@ -269,7 +272,7 @@ def _write(folder: Path, text: str, parts: Sequence[Segment], progress: Progress
 def _settle(
     toml: Path, old: bytes | None, fresh: Sequence[Path], aside: Mapping[Path, Path], *, written: bool
 ) -> None:
-    """Remove what was replaced; or, where nothing was written, bring it back."""
+    """Delete the replaced files; or, if writing failed, restore them."""
     if written:
         for kept in aside.values():
             kept.unlink(missing_ok=True)

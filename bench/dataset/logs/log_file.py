@@ -1,7 +1,8 @@
-"""Read a controller's log, whatever wrote it, into named vectors.
+"""Read a controller's log, of any supported format, into named vectors.
 
-.mat (MATLAB 5 to 7.2), .npz, .parquet, and text: .csv, .tsv, .txt, .dat, .log. A column or row vector is a vector; the
-columns of a matrix are called NAME[0], NAME[1], ...; the fields of a MATLAB struct NAME.FIELD. ROS bags: see ros_bag.
+.mat (MATLAB 5 to 7.2), .npz, .parquet, and text: .csv, .tsv, .txt, .dat, .log. A column or row vector becomes one
+vector; the columns of a matrix become NAME[0], NAME[1], ...; the fields of a MATLAB struct become NAME.FIELD. ROS
+bags: see ros_bag.
 """
 
 import zipfile
@@ -28,9 +29,8 @@ Array = npt.NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class LogFile:
-    """What a log holds: `vectors` of numbers by name, and the `table` they are from, None for other files.
-
-    units: those that the log states, by name; notes: how it was read, in words.
+    """The content of a log: `vectors` of numbers by name, and the `table` that they are from, None for files that are
+    not tables. units: those that the log states, by name; notes: how it was read, in words.
     """
 
     path: Path
@@ -41,7 +41,7 @@ class LogFile:
 
     @property
     def texts(self) -> list[str]:
-        """Columns of the table in which some cell is no number."""
+        """Columns of the table with a cell that is not a number."""
         columns = [] if self.table is None else self.table.columns
         return [column for column in columns if column and column not in self.vectors]
 
@@ -51,13 +51,13 @@ class LogFile:
         return None if self.table is None else self.table.text
 
     def clock(self, name: str) -> Array | None:
-        """A vector (N,) of dates or times of day in s from the first; None where it is none."""
+        """A column (N,) of dates or times of day, in s from the first; None if it has other content."""
         if self.table is None or name not in self.texts:
             return None
         return seconds_from_first(self.table.cells(name))
 
     def numbers(self, name: str) -> Array:
-        """A vector (N,); KeyError for an unknown name, BenchError that names the cell where one is no number."""
+        """A vector (N,); KeyError for an unknown name, BenchError that names the cell if one is not a number."""
         if self.table is not None and name in self.texts:
             return self.table.numbers(name)
         return self.vectors[name]
@@ -65,8 +65,8 @@ class LogFile:
 
 @dataclass(frozen=True)
 class Reading:
-    """How to read a log. skip_rows: of a text, lines on top to leave out; header: False where no line of it names the
-    columns; topic: of a ROS bag.
+    """How to read a log. skip_rows: number of lines to skip at the top of a text; header: False if no line of the
+    text names the columns; topic: of a ROS bag.
     """
 
     skip_rows: int = 0
@@ -116,9 +116,9 @@ def _content(path: Path) -> bytes:
 
 
 def text_log(path: Path, content: bytes, reading: Reading) -> LogFile:
-    """The log that a text is. Raises BenchError where there is no table in it."""
+    """Parse a text as a log. Raises BenchError if it contains no table."""
     log = split_log(path, content, reading.skip_rows, reading.header)
-    del content  # of a large log that is much memory
+    del content  # for a large log, this frees much memory
     return replace(_log_of(table_of(log.text)), units=log.units, notes=log.notes)
 
 
@@ -132,7 +132,7 @@ def _log_of(table: FileTable) -> LogFile:
 
 
 def _read_mat(path: Path) -> LogFile:
-    from scipy.io import loadmat  # noqa: PLC0415 - takes its time to import, and few logs are of MATLAB
+    from scipy.io import loadmat  # noqa: PLC0415 - slow to import, and few logs are from MATLAB
     from scipy.io.matlab import MatReadError  # noqa: PLC0415
 
     try:
@@ -156,7 +156,7 @@ def _read_npz(path: Path) -> LogFile:
             for name in archive.files:
                 try:
                     vectors |= dict(_vectors(name, archive[name]))
-                except ValueError:  # an array of Python objects: no numbers, and not read from a file
+                except ValueError:  # an array of Python objects: no numbers, and never unpickled
                     continue
     except (zipfile.BadZipFile, zlib.error, EOFError, OSError, KeyError) as error:
         raise BenchError(f"{path}: is not a complete NumPy archive: {one_line(error)}") from error
@@ -164,7 +164,7 @@ def _read_npz(path: Path) -> LogFile:
 
 
 def _vectors(name: str, value: Any) -> Iterator[tuple[str, Array]]:
-    """The vectors in an array: itself, its columns (time runs along the longer axis), a struct's fields."""
+    """The vectors in an array: itself, its columns (time runs along the longer axis), or the fields of a struct."""
     array = np.asarray(value)
     if array.dtype.names is not None:
         for field in array.dtype.names if array.size == 1 else ():

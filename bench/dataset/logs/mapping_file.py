@@ -1,4 +1,4 @@
-"""Many logs in one call: a TOML file that says what their columns are, and what was on the tool in each.
+"""Many logs in one call: a TOML file maps their columns and names the payload of each.
 
 robot = "five_bar"                   # a built-in name, or a path relative to this file
 rate, skip_rows, header, split_gaps, shortest, topic   # as the options of the same names, for all logs
@@ -38,7 +38,7 @@ Text = Annotated[str, Field(min_length=1)]
 
 
 class LogsTable(UserTable):
-    """[[logs]]: files that were recorded alike. name: of the recording's file, for one log alone."""
+    """[[logs]]: files that were recorded in the same way. name: of the recording's file, only for a single log."""
 
     files: tuple[Text, ...]
     use: Use = "identify"
@@ -54,7 +54,7 @@ class LogsTable(UserTable):
 
 
 class MappingTable(UserTable):
-    """What a mapping file may hold."""
+    """The keys of a mapping file."""
 
     robot: Text
     columns: dict[str, Text] = Field(default_factory=dict)
@@ -74,7 +74,7 @@ def import_mapping(
 ) -> Imported:
     """Import all logs that the mapping file `path` names into the dataset `folder`, all or none; see import_logs.
 
-    Raises BenchError: what is wrong with the mapping, in one line, or with the logs, a line for each fault.
+    Raises BenchError: one line for a fault of the mapping, or a line for each fault of the logs.
     """
     table = read_toml(path, MappingTable)
     robot = load_robot(table.robot, relative_to=path.parent)
@@ -100,7 +100,9 @@ def import_mapping(
 
 
 def _files(path: Path, index: int, table: LogsTable) -> list[Path]:
-    """The files of [[logs]], in the order of its patterns and of their names. Raises BenchError where one has none."""
+    """The files of [[logs]], by pattern, then by name. Raises BenchError for a pattern without files, or a name for
+    several.
+    """
     files: list[Path] = []
     for pattern in table.files:
         whole = Path(pattern)

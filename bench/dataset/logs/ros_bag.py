@@ -1,8 +1,8 @@
 """ROS bags: joint states of ROS 2 (MCAP or SQLite, a file or a folder) and of ROS 1, read by rosbags without ROS.
 
 A message sensor_msgs/JointState becomes a sample of `position.JOINT`, `velocity.JOINT` and, from its effort,
-`current.JOINT`; joints go by their names, in whatever order a message has them. Time is that of the headers' stamps;
-where a driver leaves them at zero, that of the recording.
+`current.JOINT`; joints are matched by name, in any order. Time is from the header stamps; if all are zero, it is the
+time at which the messages were recorded.
 """
 
 from __future__ import annotations
@@ -28,21 +28,22 @@ Array = npt.NDArray[np.float64]
 Answer = TypeVar("Answer")
 JOINT_STATE = "sensor_msgs/msg/JointState"
 KINDS = {"position": "position", "velocity": "velocity", "effort": "current"}
-"""Field of a message -> the columns that it becomes."""
+"""Field of a message -> kind of column."""
 
 NANO = 1e-9
 EFFORT = 'effort is used as current (if it contains torques or forces, set gain_unit = "1" in robot.toml)'
 
 
 def is_bag(path: Path) -> bool:
-    """Whether a path is one of a ROS bag: a file by its suffix, or the folder of a ROS 2 bag."""
+    """Whether a path is a ROS bag: a file with the suffix of one, or the folder of a ROS 2 bag."""
     return path.suffix.lower() in BAGS or (path / "metadata.yaml").is_file()
 
 
 def read_bag(path: Path, topic: str | None = None) -> tuple[dict[str, Array], tuple[str, ...]]:
-    """The vectors of the joint states in a bag, by name, and what was assumed.
+    """The vectors of the joint states in a bag, by name, and notes on what was assumed.
 
-    Raises BenchError: rosbags is not installed, a broken bag, no joint states, several topics of them and none named.
+    Raises BenchError if rosbags is not installed, the bag is broken or has no joint states, a topic is missing or
+    ambiguous, or messages differ in their joints.
     """
     return _read(path, lambda reader: _joint_states(path, reader, topic))
 
@@ -53,7 +54,7 @@ def joint_topics(path: Path) -> tuple[str, ...]:
 
 
 def _read(path: Path, read: Callable[[AnyReader], Answer]) -> Answer:
-    """What a reader of the bag gives."""
+    """The result of `read` on an open reader of the bag. Raises BenchError for a missing rosbags or a broken bag."""
     try:
         from rosbags.highlevel import AnyReader, AnyReaderError  # noqa: PLC0415 - an extra that may be absent
         from rosbags.rosbag1 import ReaderError as Ros1Error  # noqa: PLC0415
@@ -61,7 +62,7 @@ def _read(path: Path, read: Callable[[AnyReader], Answer]) -> Answer:
         from rosbags.typesys import Stores, get_typestore  # noqa: PLC0415
     except ModuleNotFoundError as error:
         raise BenchError(f"{path}: a ROS bag: install what reads it: pip install 'parabench[ros]'") from error
-    # the message is the same in every release; older bags do not say what it looks like
+    # the message type is the same in every release; older bags do not include its definition
     types = get_typestore(Stores.ROS2_HUMBLE)
     try:
         with AnyReader([path], default_typestore=types) as reader:
@@ -105,7 +106,7 @@ def _states(reader: AnyReader) -> list[Connection]:
 
 
 def _counts(reader: AnyReader) -> dict[str, int]:
-    """How many joint states each topic holds."""
+    """Number of joint states by topic."""
     counts: Counter[str] = Counter()
     for state in _states(reader):
         counts[state.topic] += state.msgcount
@@ -113,7 +114,7 @@ def _counts(reader: AnyReader) -> dict[str, int]:
 
 
 def _connections(path: Path, reader: AnyReader, topic: str | None) -> list[Connection]:
-    """Those of the joint states' topic, which must be named where there are several."""
+    """The connections of the joint states' topic, which must be named if there are several."""
     states, counts = _states(reader), _counts(reader)
     known = ", ".join(f"{name} ({count})" for name, count in counts.items())
     if not counts:
@@ -137,7 +138,7 @@ def _messages(reader: AnyReader, connections: Sequence[Connection]) -> Iterator[
 
 
 def _joints(where: str, names: Sequence[tuple[str, ...]]) -> tuple[str, ...]:
-    """The joints of every message. Raises BenchError where messages are of different joints, or name one twice."""
+    """The joints of all messages. Raises BenchError if messages have different joints, or one names a joint twice."""
     sets = Counter(frozenset(name) for name in names)
     if len(sets) > 1:
         differing = "; ".join(f"{', '.join(sorted(entry))} ({count})" for entry, count in sets.most_common(4))
@@ -150,7 +151,7 @@ def _joints(where: str, names: Sequence[tuple[str, ...]]) -> tuple[str, ...]:
 
 
 def _time(received: Sequence[int], stamps: Sequence[int]) -> tuple[Array, str]:
-    """Seconds from the first sample on (stamps in ns since 1970 are too long for a float), and which clock."""
+    """Seconds since the first sample (float64 cannot resolve stamps in ns since 1970), and a note on the clock."""
     stamped = any(stamps)
     clock = np.array(stamps if stamped else received, dtype=np.int64)
     said = "time: the headers' stamps" if stamped else "time: when they were recorded, as the stamps are zero"
@@ -165,7 +166,7 @@ def _by_joint(
     names: Sequence[tuple[str, ...]],
     values: Sequence[Array],
 ) -> dict[str, Array]:
-    """A field's vector of every joint; none where the messages leave the field empty."""
+    """The vector of a field for every joint; empty if the messages do not fill the field."""
     lengths = {len(value) for value in values}
     if lengths == {0}:
         return {}

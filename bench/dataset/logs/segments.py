@@ -1,4 +1,4 @@
-"""A log cut into recordings: at gaps, where time goes back, and where its last part is kept for validation."""
+"""Cut a log into recordings: at gaps, where time runs backwards, and where its last part is reserved for validation."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
@@ -17,14 +17,14 @@ from bench.dataset.names import Use
 from bench.dataset.sampling import FEWEST, cut_rows, gap_rows
 
 Array = npt.NDArray[np.float64]
-MOST = 5  # cuts of a kind that are reported one by one
-LITTLE = 0.05  # of a log: what gaps may cost without being asked
-SHORTEST = 2.0  # s: a piece between gaps that is worth a recording; filters take their share at both ends
+MOST = 5  # number of cuts of one kind that are reported individually
+LITTLE = 0.05  # of a log: share that cutting at gaps may drop without a request
+SHORTEST = 2.0  # s: shortest useful piece between gaps; filters discard samples at both ends
 
 
 @dataclass(frozen=True, eq=False)
 class Segment:
-    """A recording to write: its file's name, its columns, the log's row (0 is the first) that it begins with."""
+    """A recording to write: its file name, its columns, and the row of the log (0 is the first) at which it begins."""
 
     name: str
     use: Use
@@ -33,7 +33,7 @@ class Segment:
 
     @property
     def rows(self) -> int:
-        """How many samples it has."""
+        """Number of samples."""
         return self.columns["time"].size
 
     @property
@@ -44,9 +44,9 @@ class Segment:
 
 @dataclass(frozen=True)
 class Cutting:
-    """How a log is cut. validate_fraction: the share at its end that is kept apart; shortest: s, of a piece between
-    cuts that is kept, None: a log with gaps is cut where that costs little, else, or where time goes back, it is not
-    cut (and refused when it is checked).
+    """How a log is cut. validate_fraction: the share at its end that is reserved for validation. shortest: s, the
+    shortest piece between cuts that is kept; with None, a log is cut at gaps only if that drops little and time never
+    runs backwards, otherwise it is not cut (and its check refuses it).
     """
 
     validate_fraction: float = 0.0
@@ -59,9 +59,9 @@ UNCUT = Cutting()
 def cut(
     file: Path, columns: Mapping[str, Array], use: Use, name: str, cutting: Cutting
 ) -> tuple[list[Segment], tuple[str, ...]]:
-    """The recordings of a log, in their order, and what was cut and dropped, in words.
+    """The recordings of a log, in order, and notes on what was cut and dropped.
 
-    Raises BenchError for a name that is no recording's, a fraction that cannot be, and where no piece remains.
+    Raises BenchError for a name that is not a recording's file name, an invalid fraction, and if no piece remains.
     """
     path, fraction = Path(name), cutting.validate_fraction
     if path.suffix.lower() not in SUFFIXES or path.name != name:
@@ -106,14 +106,14 @@ def cut(
 
 
 def _written_once(columns: Mapping[str, Array]) -> tuple[npt.NDArray[np.intp], int]:
-    """The rows that do not repeat the one before in all columns, the time included, and how many do."""
+    """The rows that do not repeat the previous one in all columns, time included, and the number of those that do."""
     again = np.all([column[1:] == column[:-1] for column in columns.values()], axis=0)
     rows = np.flatnonzero(np.append(True, ~again))
     return rows, columns["time"].size - rows.size
 
 
 def _measured(columns: Mapping[str, Array]) -> npt.NDArray[np.bool_]:
-    """In which rows (N,) every column that a recording needs is a measurement."""
+    """Mask (N,) of the rows in which every needed column has a measurement."""
     needed = [
         column
         for name, column in columns.items()
@@ -123,8 +123,8 @@ def _measured(columns: Mapping[str, Array]) -> npt.NDArray[np.bool_]:
 
 
 def _costs_little(time: Array) -> bool:
-    """Whether a log has gaps, and the pieces between them that are long enough hold nearly all of its samples, and of
-    its time from the first of them on to the last: a first sample that comes early costs nothing but itself.
+    """Whether a log has gaps, and its sufficiently long pieces contain nearly all of its samples and nearly all of
+    the time from the first such piece to the last: an isolated early first sample costs only itself.
     """
     if np.any(np.diff(time) <= 0.0) or not (gaps := gap_rows(time).tolist()):
         return False
@@ -142,7 +142,7 @@ def _long_enough(time: Array, first: int, end: int, shortest: float) -> bool:
 
 
 def _shorter(time: Array, pieces: list[tuple[int, int]]) -> str:
-    """What helps where no piece is long enough; "" where none has samples enough."""
+    """The cure if no piece is long enough; "" if none has enough samples."""
     lengths = [float(time[end - 1] - time[first]) for first, end in pieces if end - first >= FEWEST]
     return f"; --shortest {floor(1e2 * max(lengths)) / 1e2:g} keeps the longest" if lengths else ""
 

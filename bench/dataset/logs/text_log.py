@@ -1,12 +1,11 @@
-"""A log that is text: a table of numbers, perhaps below a preamble, without header, or with a line of units.
+"""A log in text form: a table of numbers, possibly below a preamble, without a header, or with a line of units.
 
-The table's lines are those with as many values as most lines have. Lines before the first of them are a preamble, and
-so are comments (#, %, //) on top, and lines of text that separators without values behind them fill up to the width of
-the table, as spreadsheets write them. The first line of the table names the columns, unless all of its values are
-numbers (and not just 0, 1, 2 ... or 1, 2, 3 ...): then the comment just above does if it has as many words, else
-columns are called 1, 2, 3 ... in their order. A second line of which no value is a number and most are units (deg, ms,
-mA ...) holds the units. Values are separated by comma, semicolon, tab or blanks. The text is UTF-8, UTF-16 with its
-mark, or Windows-1252.
+The lines of the table are those with the most frequent number of values. Preamble are all lines before the first of
+them, comments (#, %, //) on top, and lines of text that a spreadsheet has padded with separators to the width of the
+table. The first line of the table names the columns. If all of its values are numbers (but not just 0, 1, 2 ... or 1,
+2, 3 ...), the comment just above names the columns if it has as many words; otherwise they are called 1, 2, 3 ... in
+order. A second line holds the units if none of its values is a number and most are units (deg, ms, mA ...). Values
+are separated by comma, semicolon, tab or blanks. The text is UTF-8, UTF-16 with a byte order mark, or Windows-1252.
 """
 
 import csv
@@ -23,15 +22,15 @@ from bench.basics.files.cut_off import refuse_cut_off
 from bench.basics.plural import plural
 from bench.dataset.logs.units import bracketed, unit_named
 
-LOOKED_AT = 400  # lines that tell what the table is like
-DELIMITERS = "\t;, "  # the first of those that give most numbers
+LOOKED_AT = 400  # lines from which the layout of the table is inferred
+DELIMITERS = "\t;, "  # in case of a tie the first one is used
 COMMENTS = ("#", "%", "//")
-CONTROL = re.compile(rb"[\x00-\x08\x0e-\x1f]")  # in no text
+CONTROL = re.compile(rb"[\x00-\x08\x0e-\x1f]")  # bytes that no text contains
 
 
 @dataclass(frozen=True)
 class TextLog:
-    """The text of the table, units by column, and findings, in words."""
+    """The text of the table, units by column, and notes on how it was read."""
 
     text: CsvText
     units: dict[str, str]
@@ -40,13 +39,14 @@ class TextLog:
 
 @dataclass(frozen=True)
 class _Line:
-    number: int  # as an editor counts
+    number: int  # as an editor counts, from 1
     start: int  # offset in the text
     text: str
 
 
 def split_log(path: Path, content: bytes, skip_rows: int = 0, header: bool | None = None) -> TextLog:
-    """Find the table in a log. skip_rows: lines on top to leave out; header: whether its first line names columns.
+    """Find the table in a log. skip_rows: number of lines to skip at the top; header: whether the table's first line
+    names the columns, None to infer it.
 
     Raises BenchError where there is no table.
     """
@@ -81,7 +81,7 @@ def split_log(path: Path, content: bytes, skip_rows: int = 0, header: bool | Non
     first = table[used]
     body = text[first.start :]
     refuse_cut_off(path, body, delimiter)
-    if delimiter == " ":  # a run of blanks is one separator
+    if delimiter == " ":  # several blanks are one separator
         delimiter, body = ";", "\n".join(";".join(line.split()) for line in body.splitlines())
     decimal_comma = delimiter != "," and "," in first.text
     csv_text = CsvText(path, tuple(names), body, first.number, delimiter, decimal_comma)
@@ -89,7 +89,9 @@ def split_log(path: Path, content: bytes, skip_rows: int = 0, header: bool | Non
 
 
 def _with_header(rows: Sequence[_Line], table: list[_Line], delimiter: str) -> list[_Line]:
-    """The table with the line of names above it, where its lines all end with a separator and that one does not."""
+    """The table with the line of names above it, if all its lines end with a separator but the line of names does
+    not.
+    """
     above = [line for line in rows if line.number < table[0].number]
     if not above or any(_cells(line.text, delimiter)[-1] for line in table):
         return table
@@ -100,7 +102,7 @@ def _with_header(rows: Sequence[_Line], table: list[_Line], delimiter: str) -> l
 
 
 def _text(path: Path, content: bytes) -> tuple[str, tuple[str, ...]]:
-    """What a file says, and how it was read where that is not UTF-8: many controllers and spreadsheets write others."""
+    """A file's text, and a note on its encoding if that is not UTF-8, as from many controllers and spreadsheets."""
     if name := utf_16(content):
         try:
             return content.decode(name), ("read as UTF-16 text",)
@@ -123,7 +125,9 @@ def _comment(line: _Line) -> bool:
 
 
 def _padded(table: Sequence[Sequence[str]]) -> int:
-    """How many lines on top are text with empty cells behind it, above names, or above samples without names."""
+    """Number of lines at the top that are text padded with empty cells, above the names, or above samples without
+    names.
+    """
     filled = [sum(map(bool, cells)) for cells in table]
     first = next((i for i, cells in enumerate(table) if 2 * filled[i] > len(cells)), 0)
     numbers = any(is_number(cell.replace(",", ".")) for cell in table[first])
@@ -148,7 +152,7 @@ def _preamble_notes(lines: Sequence[_Line], first: _Line, skip_rows: int) -> lis
 def _names(
     lines: Sequence[_Line], table: Sequence[_Line], delimiter: str, header: bool | None
 ) -> tuple[list[str] | None, int]:
-    """The names of the columns, None where no line has them, and how many lines of the table they take."""
+    """The names of the columns, None if no line has them, and the number of lines of the table that they occupy."""
     cells = _cells(table[0].text, delimiter)
     if header is False:
         return None, 0
@@ -167,12 +171,14 @@ def _are_numbers(cells: Sequence[str]) -> bool:
 
 
 def _count_columns(cells: Sequence[str]) -> bool:
-    """Whether the values are 0, 1, 2 ... or 1, 2, 3 ...: columns that were named by their number, no sample."""
+    """Whether the values are 0, 1, 2 ... or 1, 2, 3 ...: numbers as column names, not a sample."""
     return any(list(cells) == [str(i + first) for i in range(len(cells))] for first in (0, 1))
 
 
 def _refuse_other_header(path: Path, lines: Sequence[_Line], table: Sequence[_Line], delimiter: str) -> None:
-    """Names just above the table, but fewer or more than it has columns: nobody can say which is which."""
+    """Raise BenchError if names just above the table are fewer or more than its columns: the mapping would be a
+    guess.
+    """
     above = [line for line in lines if line.number < table[0].number and line.text.strip()]
     if not above or _comment(above[-1]):
         return
@@ -196,7 +202,7 @@ def _cells(text: str, delimiter: str) -> list[str]:
 
 
 def _delimiter(rows: Sequence[_Line]) -> str:
-    """The separator that finds most numbers in the lower half of the lines, where no preamble is."""
+    """The separator that yields most numbers in the lower half of the lines, where there is no preamble."""
     lower = rows[len(rows) // 2 :]
 
     def numbers(delimiter: str) -> int:

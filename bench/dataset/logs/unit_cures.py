@@ -1,4 +1,4 @@
-"""What mends a fault of a log, as options of `bench import`."""
+"""Cures for faults of a log, as options of `bench import`."""
 
 from __future__ import annotations
 
@@ -16,12 +16,12 @@ CUTS: Mapping[Remedy, str] = {
     Remedy.CUT_WHERE_BACK: "cut the log there",
     Remedy.LEAVE_ROWS_OUT: "omit such rows and split the log there",
 }
-"""What --split-gaps does about a fault."""
+"""The effect of --split-gaps on each fault."""
 
 
 @dataclass(frozen=True)
 class UnitCures:
-    """What is known of the units of a log's columns: the names, the given scales, and all faults of the log."""
+    """What is known about the units of a log's columns: their names, the given scales, and all faults of the log."""
 
     robot: Robot
     columns: Columns
@@ -29,7 +29,7 @@ class UnitCures:
     faults: Sequence[RecordingFaultError]
 
     def cure(self, fault: RecordingFaultError, remedy: Remedy) -> str:
-        """What helps where a column looks as if it were in a unit; nothing does that would turn it twice."""
+        """The cure for a column that appears to be in another unit; never one that would convert it twice."""
         group, unit = IN_UNIT[remedy]
         column = fault.column or group
         stated = self.columns.stated
@@ -48,7 +48,7 @@ class UnitCures:
         return self._by_joint(column, group, unit, remedy)
 
     def longer(self, fault: RecordingFaultError) -> str:
-        """What helps where a time is too short in the unit that the log states or that is given."""
+        """The cure for time steps that are too short in the stated or given unit."""
         column = fault.column
         stated = self.columns.stated.get(column)
         given = self.scale.get(column)
@@ -59,7 +59,7 @@ class UnitCures:
         return f"add --scale {column}=min if it is in minutes"
 
     def _by_joint(self, column: str, group: str, unit: str, remedy: Remedy) -> str:
-        """The scale of one joint, unless all joints of that kind have the same fault."""
+        """The scale option for one joint, or for all if all joints of that kind have the same fault."""
         alike = {fault.column for fault in self.faults if fault.remedy is remedy}
         of = UNITS[unit].of
         all_of_it = [f"{group}.{joint}" for joint in self.robot.driven]
@@ -86,7 +86,7 @@ class UnitCures:
 
 
 def with_cure(fault: RecordingFaultError, cures: UnitCures) -> str:
-    """A fault's message as it helps in an import: an option instead of a key of dataset.toml."""
+    """A fault's message for an import: its cure is an option rather than a key of dataset.toml."""
     if fault.remedy in (Remedy.REMOVE_ROWS, Remedy.OTHER_COLUMN):
         return f"{fault.said}{fault.advice}"
     said = fault.said if fault.check is None else f"{fault.said} (--accept {fault.check} if that is meant)"
@@ -100,7 +100,7 @@ def with_cure(fault: RecordingFaultError, cures: UnitCures) -> str:
 
 
 def once_a_row(faults: Sequence[RecordingFaultError]) -> list[RecordingFaultError]:
-    """The same faults, those of one row in several columns as one."""
+    """The same faults, with those of one row in several columns merged into one."""
     kept: dict[tuple[str, str], RecordingFaultError] = {}
     columns: dict[tuple[str, str], list[str]] = {}
     for fault in faults:

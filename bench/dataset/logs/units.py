@@ -1,4 +1,4 @@
-"""Units that a log may be in, and the factors that turn them into SI."""
+"""Units of logs, and the factors that convert them to SI."""
 
 import re
 from collections.abc import Mapping, Sequence
@@ -14,7 +14,7 @@ TURN = 2.0 * pi
 
 @dataclass(frozen=True)
 class Unit:
-    """factor: into SI; of: what it measures."""
+    """factor: to SI; of: the quantity that it measures."""
 
     factor: float
     of: str
@@ -69,24 +69,24 @@ _OF_CURRENT = {"A": "current", "V": "voltage", "(N*m)": "torque", "N": "force"}
 
 
 def unit_named(text: str) -> Unit | None:
-    """The unit that a text spells, brackets and micro signs of all kinds allowed; None for others."""
+    """The unit that a text spells, with any brackets and either micro sign; None if it spells none."""
     plain = text.strip().strip("[]()").strip().replace("µ", "u").replace("μ", "u")
     return UNITS.get(_SPELLINGS.get(plain, plain))
 
 
 def unit_called(text: str) -> Unit | None:
-    """As `unit_named`, for a unit without brackets."""
+    """As `unit_named`; None for an empty text."""
     return unit_named(text) if text else None
 
 
 def bracketed(name: str) -> str:
-    """What square brackets at a name's end hold, as in "q1 [deg]"; "" where there are none."""
+    """The text in square brackets at the end of a name, as in "q1 [deg]"; "" if there are none."""
     match = re.search(r"\[([^\]]+)\]$", name)
     return match.group(1) if match else ""
 
 
 def measured_by(column: str, robot: Robot) -> str | None:
-    """What a recording's column must be: a time, an angle, a current ...; None for one that is kept for plots."""
+    """The quantity of a recording's column (time, angle, current ...); None for columns that are kept for plots."""
     if column == "time":
         return "time"
     kind, _, joint = column.partition(".")
@@ -104,7 +104,9 @@ def measured_by(column: str, robot: Robot) -> str | None:
 
 
 def unit_of_velocity(scale: float, rotates: bool, near: float) -> str:
-    """The unit in which a velocity is `scale` times as large as in SI, within a relative difference; "" for none."""
+    """The unit in which a velocity is `scale` times as large as in SI, within the relative difference `near`; "" if
+    none.
+    """
     of = "angular velocity" if rotates else "velocity"
     for name, unit in UNITS.items():
         if unit.of == of and unit.factor != 1.0 and abs(scale * unit.factor - 1.0) < near:
@@ -117,9 +119,9 @@ def _of_current(actuator: Actuator) -> str:
 
 
 def factor_of(where: str, unit: str, column: str, robot: Robot) -> float | None:
-    """The factor for a column whose log states its unit; None where nothing is known and nothing needs it.
+    """The factor for a column whose log states its unit; None for an unknown unit of a column that is kept for plots.
 
-    Raises BenchError that starts with `where` for a unit that is unknown, or of something else than the column.
+    Raises BenchError that starts with `where` for an unknown unit of another column, or a unit of another quantity.
     """
     known, needed = unit_named(unit), measured_by(column, robot)
     if known is None:
@@ -142,20 +144,20 @@ LAST = re.compile(r"^(.*?)[\s_.\[(]+([^\s_.\[\]()]+)[\])]?$")
 
 
 def unit_in(name: str, possible: Sequence[str]) -> str:
-    """The unit that a name ends in, if it is one of these; "" for none: q_left[deg] -> deg."""
+    """The unit that a name ends in, if it is possible, else "": q_left[deg] -> deg."""
     match = LAST.match(name)
     unit = name_of(match.group(2)) if match else None
     return unit if unit is not None and unit in possible else ""
 
 
 def name_of(text: str) -> str | None:
-    """The name of the unit that a text spells; None for others."""
+    """The name of the unit that a text spells; None if it spells none."""
     unit = unit_named(text)
     return next((name for name, known in UNITS.items() if known == unit), None)
 
 
 def stated_units(stated: Mapping[str, str]) -> dict[str, str]:
-    """The units that a log states, by column, under their names in `UNITS`; without those that are not known."""
+    """The units that a log states, by column, as names in `UNITS`; unknown ones are omitted."""
     return {column: unit for column, text in stated.items() if (unit := name_of(text))}
 
 
