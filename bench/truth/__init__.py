@@ -1,4 +1,4 @@
-"""The simulated machine: MuJoCo in closed loop, its hidden effects, its sensors, and the truth about them.
+"""The simulated machine: MuJoCo in closed loop, with hidden effects, sensors and known truth.
 
-Nothing in this room is shared with the model that is identified, so that the bench cannot confirm its mistake.
+It shares no code with the identified model, so that an error in the model cannot confirm itself.
 """

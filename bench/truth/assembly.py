@@ -1,4 +1,4 @@
-"""Poses in which all loops are closed, and what the actuated joints feel there."""
+"""Poses with all loops closed, and the inertia and weight at the actuated joints in them."""
 
 from collections.abc import Callable
 
@@ -13,7 +13,7 @@ Indices = NDArray[np.signedinteger]
 
 
 def as_slice(indices: Indices) -> slice | None:
-    """The slice that names the same places as indices (m,), rising by an even amount; None if there is none."""
+    """The slice equivalent to indices (m,) that rise by a constant step; None for other indices."""
     if len(indices) == 1:
         return slice(int(indices[0]), int(indices[0]) + 1)
     steps = np.diff(indices)
@@ -23,7 +23,7 @@ def as_slice(indices: Indices) -> slice | None:
 
 
 def live_columns(source: Array, indices: Indices) -> tuple[Array, Callable[[], object] | None]:
-    """Columns of source (R, …) as (R, m), and what keeps them up to date; None where they are a view."""
+    """Columns of source (R, …) as (R, m), and a function that updates them; None if they are a view."""
     columns = as_slice(indices)
     if columns is not None:
         return source[:, columns], None
@@ -32,15 +32,13 @@ def live_columns(source: Array, indices: Indices) -> tuple[Array, Callable[[], o
 
 
 CLOSED = 1e-12  # m: loops closed to rounding
-REPEATED = (
-    1e-5  # m or rad: by how much closures that repeat one another may disagree; none closes to rounding then
-)
-STILL = 1e-13  # rad or m: a step of Newton's method by less changes nothing any more
+REPEATED = 1e-5  # m or rad: largest disagreement of redundant closures, which then cannot close to rounding
+STILL = 1e-13  # rad or m: a smaller step of Newton's method counts as convergence
 LARGEST_MOVE = 0.02  # rad or m of an actuated joint between two solutions, so that the branch is kept
 
 
 def loop_rows(model: mujoco.MjModel, data: mujoco.MjData) -> tuple[Array, Array]:
-    """Opening of all loops (m,), m and rad, and its Jacobian (m, nv), at data.qpos."""
+    """Gaps of all equalities (m,), m and rad, and their Jacobian (m, nv), at data.qpos."""
     mujoco.mj_fwdPosition(model, data)
     equality = data.efc_type == int(mujoco.mjtConstraint.mjCNSTR_EQUALITY)
     jacobian = np.asarray(data.efc_J).reshape(data.nefc, model.nv)
@@ -48,7 +46,7 @@ def loop_rows(model: mujoco.MjModel, data: mujoco.MjData) -> tuple[Array, Array]
 
 
 def assembled(model: mujoco.MjModel, home: Array, dofs: Indices, target: Array) -> Array:
-    """Pose (nq,) with the actuated joints at `target` (n,) and all loops closed, followed from `home` (nq,).
+    """Pose (nq,) with the actuated joints at `target` (n,) and all loops closed, continued from `home` (nq,).
 
     dofs: velocity indices (n,) of the actuated joints. The actuated joints move in small steps, and Newton's
     method closes the loops after each: the assembly mode is that of `home`.
@@ -89,7 +87,7 @@ def close_loops(model: mujoco.MjModel, data: mujoco.MjData, passive: Indices) ->
 
 
 def reduced_inertia(model: mujoco.MjModel, qpos: Array, dofs: Indices) -> Array:
-    """The inertia (n, n) that the actuated joints feel at qpos (nq,), loops closed; kg·m² or kg."""
+    """The inertia matrix (n, n) reduced to the actuated joints at qpos (nq,), loops closed; kg·m² or kg."""
     data = mujoco.MjData(model)
     data.qpos[:] = qpos
     follow = following(model, data, dofs)
@@ -99,10 +97,10 @@ def reduced_inertia(model: mujoco.MjModel, qpos: Array, dofs: Indices) -> Array:
 
 
 def felt_inertia(model: mujoco.MjModel, qpos: Array, dofs: Indices, leading: int) -> Array:
-    """The inertia (n,) that each actuated joint feels at qpos (nq,), loops closed; kg·m² or kg.
+    """The effective inertia (n,) at each actuated joint at qpos (nq,), loops closed; kg·m² or kg.
 
-    Of the first `leading` joints, which move independently, while the others of them stand; of a redundant motor's,
-    while nothing else drives the machine.
+    For the first `leading` joints, which move independently, the others of them are held. For a joint of a redundant
+    motor, all other motors are without torque.
     """
     reduced = reduced_inertia(model, qpos, dofs[:leading])
     if leading == len(dofs):
@@ -115,7 +113,7 @@ def felt_inertia(model: mujoco.MjModel, qpos: Array, dofs: Indices, leading: int
 
 
 def holding_torque(model: mujoco.MjModel, qpos: Array, dofs: Indices) -> Array:
-    """What the actuated joints (n,) have to supply to hold the weight of the machine at qpos (nq,)."""
+    """Torques or forces (n,) of the actuated joints that hold the machine's weight at qpos (nq,)."""
     data = mujoco.MjData(model)
     data.qpos[:] = qpos
     follow = following(model, data, dofs)

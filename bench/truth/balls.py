@@ -1,7 +1,8 @@
-"""Ball joints whose dry friction opposes their angular velocity as a whole, wherever its axis points.
+"""Ball joints with dry friction opposite to their angular velocity vector, for any direction of its axis.
 
-MuJoCo brakes each of a ball's three velocity coordinates by itself: up to 1.7 times as much about one axis as about
-another, by how the ball's frame happens to be turned in its body. A ball and its socket have no such frame.
+MuJoCo brakes each of a ball's three velocity coordinates separately. The friction then differs by up to a factor of
+1.7 between axes and depends on the arbitrary orientation of the ball's frame in its body, which a real ball and
+socket do not have.
 """
 
 from dataclasses import dataclass
@@ -15,18 +16,18 @@ from bench.truth.assembly import REPEATED, loop_rows
 
 Array = NDArray[np.float64]
 
-SLOW = 1e-3  # rad/s: below, MuJoCo's friction constraint holds a joint rather than brakes it, see `harden_friction`
+SLOW = 1e-3  # rad/s: below it, the friction constraint holds a joint, see `harden_friction`
 LARGEST_TURN = (
-    0.5  # rad/s by dry friction within a step: at four times as much its direction begins to get lost
+    0.5  # rad/s by dry friction within a step: at four times as much, its direction becomes inaccurate
 )
 
 
 @dataclass(frozen=True, eq=False)
 class BallFriction:
-    """The dry friction of the B ball joints of R runs: where they are among the velocities, and their sizes N·m.
+    """The dry friction of B ball joints in R runs: their velocity indices and their sizes, N·m.
 
-    dofs (3 B,); whole (B, 1); velocity: live (R, nv). shares (R, B, 3): of its size for each coordinate, when last a
-    ball was not slow.
+    dofs (3 B,); whole (B, 1); velocity: live (R, nv). shares (R, B, 3): share of the size for each coordinate, from
+    the last step at which the ball was not slow.
     """
 
     dofs: NDArray[np.signedinteger]
@@ -35,7 +36,9 @@ class BallFriction:
     shares: Array
 
     def size(self) -> Array:
-        """Size (R, 3 B) for each coordinate at this step: those of a ball together oppose its angular velocity."""
+        """Size (R, 3 B) of friction for each coordinate at this step; the three of a ball oppose its angular
+        velocity.
+        """
         turning = self.velocity[:, self.dofs].reshape(self.shares.shape)
         speed = np.sqrt((turning * turning).sum(axis=2, keepdims=True))
         np.divide(np.abs(turning), speed, out=self.shares, where=speed > SLOW)
@@ -43,14 +46,14 @@ class BallFriction:
 
 
 def ball_joints(model: mujoco.MjModel) -> list[tuple[str, slice]]:
-    """Name, empty where it has none, and velocity coordinates of every ball joint."""
+    """Name (empty if it has none) and velocity indices of every ball joint."""
     ball = int(mujoco.mjtJoint.mjJNT_BALL)
     starts = [(model.joint(j).name, int(model.jnt_dofadr[j])) for j in np.flatnonzero(model.jnt_type == ball)]
     return [(name, slice(start, start + 3)) for name, start in starts]
 
 
 def balls_of(model: mujoco.MjModel, velocity: Array) -> BallFriction | None:
-    """Of the ball joints with dry friction, None where no ball has any; velocity: live (R, nv)."""
+    """The friction of the ball joints with dry friction, None if no ball has any. velocity: live (R, nv)."""
     starts = [dofs.start for _, dofs in ball_joints(model) if model.dof_frictionloss[dofs.start] > 0.0]
     if not starts:
         return None
@@ -63,7 +66,7 @@ def balls_of(model: mujoco.MjModel, velocity: Array) -> BallFriction | None:
 
 
 def directions(model: mujoco.MjModel, velocity: Array) -> Array:
-    """Of dry friction (nv,) for a velocity (nv,): what it opposes, one for a whole joint."""
+    """Directions (nv,) of velocities (nv,), which dry friction opposes: the sign, or for a ball the unit vector."""
     along = np.sign(velocity)
     for _, dofs in ball_joints(model):
         speed = np.linalg.norm(velocity[dofs])
@@ -72,7 +75,7 @@ def directions(model: mujoco.MjModel, velocity: Array) -> Array:
 
 
 def refuse_too_light(model: mujoco.MjModel, home: Array) -> None:
-    """Raise BenchError for a ball joint whose friction turns a body too fast in one step for its axis to be followed.
+    """Raise BenchError for a ball joint whose friction or damping accelerates a light body too much in one step.
 
     home: pose (nq,) with all loops closed. A rod without inertia about its line is such a body.
     """
@@ -94,7 +97,7 @@ def refuse_too_light(model: mujoco.MjModel, home: Array) -> None:
 
 
 def _mobility(model: mujoco.MjModel, pose: Array) -> Array:
-    """Accelerations (nv, nv) by torques in all joints, loops closed."""
+    """Accelerations (nv, nv) per unit torque in each joint, loops closed."""
     data = mujoco.MjData(model)
     data.qpos[:] = pose
     _, jacobian = loop_rows(model, data)

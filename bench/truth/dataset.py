@@ -1,4 +1,4 @@
-"""A simulation as a dataset, in memory or as a folder with the truth."""
+"""A simulation as a dataset, in memory, or as a folder and a file with the truth."""
 
 from pathlib import Path
 
@@ -18,7 +18,7 @@ from bench.truth.simulate import SimulatedRecording, Simulation
 
 
 def as_dataset(simulation: Simulation) -> Dataset:
-    """What an identification may know of a simulation: its log and what is declared, nothing true."""
+    """The part of a simulation that an identification may know: its logs and the declared values, not the truth."""
     scenario, m = simulation.scenario, len(simulation.robot.joints)
     redundant = simulation.robot.redundant
     declared = scenario.settings.controller.declared
@@ -44,7 +44,7 @@ def as_dataset(simulation: Simulation) -> Dataset:
 
 
 def _law(simulation: Simulation) -> ControlLaw:
-    """The controller's law; MuJoCo's velocity is the backward difference of its positions over a step."""
+    """The control law; MuJoCo's velocity is the backward difference of its positions over a step."""
     drive = simulation.machine.drive
     n = len(simulation.robot.joints)
     kp, kv, ka = ((values / drive.nominal_gains)[:n] for values in (drive.kp, drive.kv, drive.feedforward))
@@ -52,7 +52,9 @@ def _law(simulation: Simulation) -> ControlLaw:
 
 
 def _extra_columns(recording: SimulatedRecording, robot: Robot, *, references: bool) -> dict[str, np.ndarray]:
-    """Positions of redundant motors' joints; references: of the others, where the controller's law is declared."""
+    """Positions of the joints of redundant motors, and with `references` the reference positions of the other
+    joints.
+    """
     first = len(robot.joints)
     columns = {
         position_column(actuator.joint): recording.log.position[:, first + r]
@@ -65,7 +67,7 @@ def _extra_columns(recording: SimulatedRecording, robot: Robot, *, references: b
 
 
 def truth_path(folder: str | Path) -> Path:
-    """Where the truth of the dataset in `folder` lies: DIR.truth.json, next to DIR."""
+    """The path of the truth of the dataset in `folder`: DIR.truth.json, next to DIR."""
     folder = Path(folder).resolve()
     return folder.with_name(f"{folder.name}.truth.json")
 
@@ -74,7 +76,7 @@ def write_simulation(simulation: Simulation, folder: str | Path) -> Path:
     """Write the dataset folder and, next to it, its truth; returns the path of the truth.
 
     The folder appears whole or not at all. A simulated dataset of that name is replaced.
-    Raises BenchError if `folder` is there and holds no simulated dataset, or cannot be written.
+    Raises BenchError if `folder` has other content than a simulated dataset, or cannot be written.
     """
     target = Path(folder).resolve()
     empty = not target.exists() or (target.is_dir() and not any(target.iterdir()))
@@ -99,7 +101,7 @@ def _write_folder(simulation: Simulation, folder: Path) -> None:
         log = recording.log
         write_recording(file, log.time, log.position, log.current, scenario.robot.driven, recorded.extra)
     entries = [
-        # a simulation knows its units: where masses are large, currents may be, too
+        # the units of a simulation are known: with large masses, currents may be large as well
         RecordingEntry(
             r.name, r.use, r.payload, ("units",) if np.abs(r.current).max() > LARGEST_CURRENT else ()
         )

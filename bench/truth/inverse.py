@@ -1,4 +1,4 @@
-"""What the motors have to supply for a given movement of their joints, loops closed."""
+"""Inverse dynamics: torques of the motors for a given motion of their joints, loops closed."""
 
 from dataclasses import dataclass, replace
 
@@ -13,7 +13,7 @@ from bench.truth.machine import Machine, build_machine
 from bench.truth.simulate import SimulatedRecording, Simulation
 
 Array = NDArray[np.float64]
-NUDGE = 1e-5  # s: the loops' Jacobian is differentiated over this much of the movement
+NUDGE = 1e-5  # s: time step of the numerical derivative of the loop Jacobian
 
 
 def motor_torque(
@@ -21,10 +21,9 @@ def motor_torque(
 ) -> Array:
     """Torque (S, n) for positions, velocities and accelerations (S, n) of the actuated joints that move independently.
 
-    poses: (S, nq) from which the loops are closed, each near the one of its sample, so that the assembly mode is kept.
-    Counted are inertia, weight, and of what MuJoCo has
-    itself damping, springs, dry friction that slides, and actuators other than the motors; not counted are
-    laws of hidden effects, and springs and play in drives.
+    poses: (S, nq) from which the loops are closed, each near that of its sample, so that the assembly mode is kept.
+    Included are inertia, weight, MuJoCo's damping, springs and dry friction in sliding, and actuators other than the
+    motors; not included are laws of hidden effects, and springs and play in drives.
     Raises BenchError if the loops do not close.
     """
     model = machine.models[payload]
@@ -55,7 +54,7 @@ def motor_torque(
 
 
 def powers(machine: Machine, payload: str | None, poses: Array, torque: Array) -> Array:
-    """Torques (S, n) of the joints that move independently which have the same powers as those of all motors (S, N).
+    """Torques (S, n) at the independent joints with the same power as the torques (S, N) of all motors.
 
     poses: (S, nq). Without redundant motors these are the torques themselves.
     """
@@ -71,9 +70,9 @@ def powers(machine: Machine, payload: str | None, poses: Array, torque: Array) -
 
 
 def _bent(model: mujoco.MjModel, data: mujoco.MjData, held: Array, velocity: Array) -> Array:
-    """Accelerations of the passive joints that keep the loops closed while the others move evenly.
+    """Accelerations of the passive joints that keep the loops closed at constant velocity of the others.
 
-    held (m, passive): their columns of the loops' Jacobian.
+    held: columns (m, passive) of the loop Jacobian.
     """
     start = data.qpos.copy()
     ends = []
@@ -87,16 +86,16 @@ def _bent(model: mujoco.MjModel, data: mujoco.MjData, held: Array, velocity: Arr
     return np.asarray(-np.linalg.lstsq(held, change, rcond=None)[0], dtype=np.float64)
 
 
-RATE = 100.0  # Hz: poses a second at which the torque is computed
+RATE = 100.0  # Hz: rate of the poses at which the torque is computed
 
 
 @dataclass(frozen=True, eq=False)
 class HiddenTorque:
-    """What only a simulation can tell of one recording, S samples.
+    """True signals of one simulated recording, S samples.
 
-    time (S,) s; torque (S, n) N·m or N: what the motors supply beyond the same movement of the rigid robot;
-    loop_gap (S, loops) m: how far the loops really open; reference (S, n) rad or m: what the controller was asked
-    to follow. What redundant motors give counts by its power at the others.
+    time (S,) s; torque (S, n) N·m or N: torque of the motors beyond that of the rigid robot in the same motion;
+    loop_gap (S, loops) m: true gaps of the loops; reference (S, n) rad or m: the controller's reference. Torques of
+    redundant motors are converted to the independent joints by equal power.
     """
 
     time: Array
@@ -106,16 +105,16 @@ class HiddenTorque:
 
 
 def plain_machine(simulation: Simulation) -> Machine:
-    """The machine of a simulation with nothing hidden."""
+    """The machine of a simulation without hidden effects."""
     settings = simulation.scenario.settings.model_copy(update={"hidden": ()})
     return build_machine(replace(simulation.scenario, settings=settings))
 
 
 def hidden_torque(simulation: Simulation, recording: SimulatedRecording, plain: Machine) -> HiddenTorque:
-    """True gain times current, less the torque of the same movement of the machine with nothing hidden.
+    """True gain times current minus the torque of the same motion without hidden effects.
 
-    The movement is that of the encoders: a spring or play in a drive, a wrong zero and a wrong length count as
-    hidden torque, as a rigid model sees them. plain: see `plain_machine`.
+    The motion is that of the encoders, so a spring or play in a drive, a wrong zero and a wrong length appear as
+    hidden torque, as they do to a rigid model. plain: see `plain_machine`.
     """
     machine, motion = simulation.machine, recording.motion
     rate = (len(motion.time) - 1) / (motion.time[-1] - motion.time[0])

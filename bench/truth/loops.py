@@ -1,4 +1,4 @@
-"""How far the loops of a simulated machine stand open."""
+"""Gaps of the loops of a simulated machine."""
 
 from collections.abc import Mapping, Sequence
 
@@ -8,7 +8,7 @@ from mujoco.batch import Batch
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
-CHUNK = 2000  # poses at a time
+CHUNK = 2000  # poses that are computed at once
 POINTS = ("xpos", "xmat", "site_xpos")
 
 
@@ -27,9 +27,9 @@ def loop_gaps(model: mujoco.MjModel, qpos: Array) -> Array:
 
 
 def gaps_between(model: mujoco.MjModel, points: Mapping[str, Array]) -> Array:
-    """The same (N, loops) from the places of bodies and sites: what MuJoCo names as in `POINTS`, (N, …) each.
+    """The same (N, loops) from positions of bodies and sites: MuJoCo's arrays named in `POINTS`, (N, …) each.
 
-    For a weld, the distance of the two points that it joins; its rotation is not counted.
+    For a weld, the distance of the two points that it joins, without its rotation.
     """
     loops = _loops(model)
     gaps = np.zeros((len(points["xpos"]), len(loops)))
@@ -40,7 +40,7 @@ def gaps_between(model: mujoco.MjModel, points: Mapping[str, Array]) -> Array:
 
 
 def batch_gaps(models: Sequence[mujoco.MjModel], points: Mapping[str, Array]) -> Array:
-    """The same (R, samples, loops) of R machines, from places (R, samples, …)."""
+    """The same (R, samples, loops) for R machines, from positions (R, samples, …)."""
     each = [
         gaps_between(model, {k: point[i] for k, point in points.items()}) for i, model in enumerate(models)
     ]
@@ -57,7 +57,7 @@ def _halves(model: mujoco.MjModel, loop: int, points: Mapping[str, Array]) -> tu
     ids = int(model.eq_obj1id[loop]), int(model.eq_obj2id[loop])
     if model.eq_objtype[loop] == int(mujoco.mjtObj.mjOBJ_SITE):
         return points["site_xpos"][:, ids[0]], points["site_xpos"][:, ids[1]]
-    # connect: anchors in body 1 and body 2; weld: anchor in body 2 first, then its place in body 1
+    # connect: anchors in body 1 and body 2; weld: anchor in body 2 first, then its position in body 1
     first, second = model.eq_data[loop, 0:3], model.eq_data[loop, 3:6]
     if model.eq_type[loop] == int(mujoco.mjtEq.mjEQ_WELD):
         first, second = second, first

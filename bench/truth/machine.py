@@ -31,14 +31,14 @@ from bench.truth.streams import stream
 
 Array = NDArray[np.float64]
 
-LOOP_SOFTNESS = 0.002  # s: time constant of a loop's closure; 0.02 to 0.7 µm of opening for a small robot
+LOOP_SOFTNESS = 0.002  # s: time constant of a closure constraint; gaps of 0.02 to 0.7 µm for a small robot
 CLOSING = (
     mujoco.mjtEq.mjEQ_CONNECT,
     mujoco.mjtEq.mjEQ_WELD,
     mujoco.mjtEq.mjEQ_JOINT,
     mujoco.mjtEq.mjEQ_TENDON,
 )
-ACTING = ("gravity", "wind", "magnetic", "density", "viscosity")  # of the file's options
+ACTING = ("gravity", "wind", "magnetic", "density", "viscosity")  # options of the file that are kept
 ROBOT_SWITCHES = sum(
     int(flag)
     for flag in (
@@ -48,19 +48,19 @@ ROBOT_SWITCHES = sum(
         mujoco.mjtDisableBit.mjDSBL_GRAVITY,
     )
 )
-RIGID = (0.9999, 0.99999, 0.001, 0.5, 2.0)  # solimp: next to no compliance
-SOFTEST = 1e3  # over the mass of the whole machine: what a loop may give way by, as MuJoCo counts it
-SOFTEST_TURN = 10.0  # over that mass times the square of its longest link
-SOFTEST_SIDE = 100.0  # of a coupling, over what its heavier side would hold
-LIGHTEST, SMALLEST = 1e-6, 1e-3  # kg, m: of a machine
+RIGID = (0.9999, 0.99999, 0.001, 0.5, 2.0)  # solimp: almost no compliance
+SOFTEST = 1e3  # over the mass of the machine: largest inverse weight of a body in a closure
+SOFTEST_TURN = 10.0  # the same for rotation, over that mass times the square of its longest link
+SOFTEST_SIDE = 100.0  # largest inverse weight of a coupling's lighter side over that of the heavier one
+LIGHTEST, SMALLEST = 1e-6, 1e-3  # kg, m: least mass and size assumed for a machine
 
 
 @dataclass(frozen=True, eq=False)
 class Drive:
     """Motors and joint controller, arrays (n,).
 
-    force = true gain · i,  i = (kp (q_ref − q) + kv (q̇_ref − q̇) + ff) / nominal gain,
-    ff = feedforward · q̈_ref, q as the encoders read it: the position of the motors plus offset.
+    force = true gain · i, i = (kp (q_ref − q) + kv (q̇_ref − q̇) + ff) / nominal gain, ff = feedforward · q̈_ref. q
+    is the encoder reading: the position of the motors plus offset.
     kp: N·m/rad, kv: N·m·s/rad, feedforward: kg·m², or N/m, N·s/m, kg for a slide.
     """
 
@@ -78,50 +78,51 @@ class Drive:
         return self.true_gains / self.nominal_gains
 
     def command(self, q: Array, qd: Array, qdd: Array) -> Array:
-        """What the controller makes of a reference (…, n), N·m or N.
+        """The controller's command for a reference (…, n), N·m or N, without feedback.
 
-        It subtracts kp · (position of the motors) and kv · velocity at every step.
+        At every step, kp · (position of the motors) and kv · velocity are subtracted from it.
         """
         return self.kp * (q - self.offset) + self.kv * qd + self.feedforward * qdd
 
 
 @dataclass(frozen=True, eq=False)
 class Machine:
-    """A compiled machine; the models differ in the payload only and have the same layout."""
+    """A compiled machine; the models differ only in the payload and have the same layout."""
 
     robot: Robot
     models: Mapping[str | None, mujoco.MjModel]
-    """By payload name; None is the machine without payload."""
+    """Models by payload name; None is the machine without payload."""
     drive: Drive
     payloads: Mapping[str, Payload]
-    """As they really are."""
+    """The true payloads."""
     hidden: tuple[HiddenEffect, ...]
     laws: bool
-    """Whether effects have separate laws, so that the forces of the motors are set at every step."""
+    """Whether some effect has a law that is evaluated at every step, which then also sets the forces of the motors."""
     home: Array
     """qpos (nq,) of the keyframe `home`."""
     inertia: Array
-    """kg·m² or kg (n,) that the actuated joints feel there, loops closed, nothing hidden."""
+    """Effective inertia (n,) at the actuated joints in `home`, loops closed, without hidden effects; kg·m² or kg."""
     addresses: Indices
     """Indices into qpos of the actuated joints (n,), those of redundant motors last."""
     dofs: Indices
     """Indices into qvel of the actuated joints (n,)."""
     motor_addresses: Indices
-    """Indices into qpos of what the motors turn and the encoders measure: the rotor of an actuated joint
-    that has a spring or play in its drive, the joint itself without."""
+    """Indices into qpos of the coordinates that the motors turn and the encoders measure: the rotor for an actuated
+    joint with a spring or play in its drive, otherwise the joint itself.
+    """
     motor_dofs: Indices
     """The same in qvel."""
 
     @property
     def leading(self) -> int:
-        """How many of the actuated joints, the first ones, move independently."""
+        """Number of the actuated joints that move independently; they come first."""
         return len(self.robot.joints)
 
 
 def build_machine(scenario: Scenario) -> Machine:
     """The machine of a scenario.
 
-    Raises BenchError for an effect or a joint that does not exist and for what MuJoCo refuses.
+    Raises BenchError for an unknown effect or joint, and for a model that MuJoCo refuses.
     """
     try:
         return _built(scenario)
@@ -186,7 +187,7 @@ def _built(scenario: Scenario) -> Machine:
 
 
 def _rubbing_ball(plain: mujoco.MjModel, hidden: Sequence[HiddenEffect]) -> bool:
-    """Whether a ball joint may have dry friction: by the file, or as an effect is hidden in it."""
+    """Whether a ball joint may have dry friction, from the file or from a hidden effect."""
     balls = ball_joints(plain)
     names = [name for name, _ in balls]
     return any(np.any(plain.dof_frictionloss[dofs]) for _, dofs in balls) or any(
@@ -195,7 +196,7 @@ def _rubbing_ball(plain: mujoco.MjModel, hidden: Sequence[HiddenEffect]) -> bool
 
 
 def home_pose(robot: Robot) -> Array:
-    """Pose (nq,) of the keyframe `home`, or the reference pose without one."""
+    """Pose (nq,) of the keyframe `home`, or the reference pose if there is none."""
     model = robot.mjcf_model()
     key = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_KEY, "home")
     return np.array(model.key_qpos[key] if key >= 0 else model.qpos0)
@@ -219,7 +220,7 @@ def nominal_gains(robot: Robot) -> Array:
 
 
 def _rigid_spec(robot: Robot, step: float) -> mujoco.MjSpec:
-    """The robot's MJCF without what is not the robot, set up for explicit integration and rigid loops."""
+    """The robot's MJCF without actuators, sensors and keyframes, set up for explicit integration and rigid loops."""
     spec = robot.mjcf_spec()
     for extra in (*spec.actuators, *spec.sensors, *spec.keys):
         spec.delete(extra)
@@ -228,7 +229,7 @@ def _rigid_spec(robot: Robot, step: float) -> mujoco.MjSpec:
     _set_options(spec)
     option = spec.option
     option.timestep = step
-    # explicit, so that the logged velocity is the one at which every force was evaluated
+    # explicit, so that every force is evaluated at the logged velocity
     option.integrator = mujoco.mjtIntegrator.mjINT_EULER
     option.disableflags |= mujoco.mjtDisableBit.mjDSBL_EULERDAMP | mujoco.mjtDisableBit.mjDSBL_CONTACT
     option.solver = mujoco.mjtSolver.mjSOL_NEWTON
@@ -250,9 +251,10 @@ def _rigid_spec(robot: Robot, step: float) -> mujoco.MjSpec:
 
 
 def _set_options(spec: mujoco.MjSpec) -> None:
-    """MuJoCo's options except for what acts on the robot; of the file's switches only those that are the robot's.
+    """Reset MuJoCo's options, except for physical ones and the switches that belong to the robot.
 
-    A spring, damper or friction that the file switches off is taken out, since the switch is for hidden ones as well.
+    Springs, dampers or friction that the file switches off are removed from its joints instead, since the switch
+    would also affect those of hidden effects.
     """
     plain, off = mujoco.MjSpec(), int(spec.option.disableflags)
     option = plain.option
@@ -271,10 +273,10 @@ def _set_options(spec: mujoco.MjSpec) -> None:
 
 
 def _harden_loops(model: mujoco.MjModel) -> None:
-    """Let loops hold as hard as the machine is heavy, and couplings as the heavier of their sides.
+    """Scale the stiffness of closures to the mass of the machine, and of couplings to the heavier of their sides.
 
-    MuJoCo makes a closure as soft as its bodies are light. A light frame or pin that takes the forces of the machine to
-    the ground would give way by millimetres and hundredths of a radian, the rotor of a belt as well.
+    In MuJoCo, a closure is softer the lighter its bodies are. A light frame or pin that transmits the forces of the
+    machine to the ground, or the rotor of a belt, would yield by millimetres and hundredths of a radian.
     """
     weight = max(float(model.body_mass[1:].sum()), LIGHTEST)
     size = max(float(np.linalg.norm(model.body_pos[1:], axis=1).max()), SMALLEST)
@@ -286,7 +288,7 @@ def _harden_loops(model: mujoco.MjModel) -> None:
             _harden_coupling(model.tendon_invweight0, ends[ends >= 0])
         elif kind == mujoco.mjtEq.mjEQ_JOINT:
             dofs = model.jnt_dofadr[ends[ends >= 0]]
-            if not model.dof_frictionloss[dofs].any():  # whose constraint counts by the same number
+            if not model.dof_frictionloss[dofs].any():  # the friction constraint uses the same inverse weight
                 _harden_coupling(model.dof_invweight0, dofs)
         else:
             by_site = int(model.eq_objtype[loop]) == int(mujoco.mjtObj.mjOBJ_SITE)
@@ -295,7 +297,7 @@ def _harden_loops(model: mujoco.MjModel) -> None:
 
 
 def _harden_coupling(mobility: Array, sides: Indices) -> None:
-    """Limit the mobility (k,) of the lighter side of a coupling to SOFTEST_SIDE times that of the heavier one."""
+    """Limit the inverse weight of the lighter side of a coupling to SOFTEST_SIDE times that of the heavier one."""
     mobility[sides] = np.minimum(mobility[sides], SOFTEST_SIDE * mobility[sides].min())
 
 
@@ -309,7 +311,7 @@ def _compiled(spec: mujoco.MjSpec, robot: Robot) -> mujoco.MjModel:
 
 
 def _encoder_offset(hidden: Sequence[HiddenEffect], robot: Robot) -> Array:
-    """What the encoders (n,) read too much."""
+    """Constant offsets (n,) of the encoders, rad or m."""
     offset = np.zeros(len(robot.driven))
     for effect in hidden:
         if isinstance(effect, EncoderOffset):
@@ -325,7 +327,9 @@ def _true_payload(name: str, table: PayloadTable, hidden: Sequence[HiddenEffect]
 
 
 def _drive(robot: Robot, controller: Controller, gains: Array, inertia: Array, offset: Array) -> Drive:
-    """inertia: (n,) what each actuated joint feels in the home pose."""
+    """Gains of the controller and the motors. inertia: effective inertia (n,) at each actuated joint in the home
+    pose.
+    """
     joints = robot.driven
     if controller.kp is not None and controller.kv is not None:
         kp, kv = per_joint(controller.kp, joints), per_joint(controller.kv, joints)
@@ -338,10 +342,10 @@ def _drive(robot: Robot, controller: Controller, gains: Array, inertia: Array, o
 
 
 def _add_motors(draft: Draft, drive: Drive, laws: bool) -> None:
-    """One actuator a joint, first in the model.
+    """Add an actuator for each driven joint, first in the model.
 
-    If there are laws, they set its control, which is its force. Without, its force is the controller's,
-    ratio · (control − kp q − kv q̇), with `Drive.command` as control.
+    With laws, the control is the force, which the laws set. Without laws, the force is that of the controller, ratio
+    · (control − kp q − kv q̇), with `Drive.command` as control.
     """
     for i, joint in enumerate(draft.robot.driven):
         motor = draft.spec.add_actuator(neutral(), name=f"motor:{joint}", target=draft.motor_side(joint).name)
@@ -354,7 +358,7 @@ def _add_motors(draft: Draft, drive: Drive, laws: bool) -> None:
 
 
 def _add_payload(draft: Draft, payload: Payload | None) -> None:
-    """A body fixed in the tool frame; without a payload it has no mass, so that all models are alike."""
+    """Add a body fixed in the tool frame; without a payload it has no mass, so that all models have the same layout."""
     robot = draft.robot
     site = draft.plain.site(robot.tool_site)
     parent = draft.spec.site(robot.tool_site).parent
@@ -369,7 +373,7 @@ def _add_payload(draft: Draft, payload: Payload | None) -> None:
         return
     moments, axes = np.linalg.eigh(inertia_matrix(payload.inertia))
     moments = np.maximum(moments, 0.0)
-    moments[2] = min(moments[2], moments[0] + moments[1])  # rounding must not break the triangle inequality
+    moments[2] = min(moments[2], moments[0] + moments[1])  # rounding must not violate the triangle inequality
     quaternion = np.zeros(4)
     mujoco.mju_mat2Quat(quaternion, (axes * np.linalg.det(axes)).ravel())
     body.mass, body.inertia, body.iquat = payload.mass, moments, quaternion

@@ -1,4 +1,4 @@
-"""The closed loop, step by step: what the machine really does, before any sensor."""
+"""The closed loop, step by step: the true motion of the machine."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -22,14 +22,14 @@ from bench.truth.redundant import references
 from bench.truth.stepping import States, Stepper
 
 Array = NDArray[np.float64]
-CHUNK = 2000  # steps of one call, about: bounds the memory, whatever the duration
-KEPT = 64  # parts of movements whose reference is kept, at most 0.3 MB each for six motors
+CHUNK = 2000  # approximate number of steps in one call, which limits the memory for any duration
+KEPT = 64  # parts of motions whose reference is cached, at most 0.3 MB each for six motors
 RECORD = ("qpos", "qvel", "qacc", "actuator_force", *POINTS)
 
 
 @dataclass(frozen=True)
 class Timing:
-    """How steps become samples: step in s, steps for each sample, samples of settling before time 0."""
+    """Relation of steps and samples: step in s, steps per sample, samples of settling before time 0."""
 
     step: float
     log_every: int
@@ -38,7 +38,7 @@ class Timing:
 
 @dataclass(frozen=True, eq=False)
 class MotionRun:
-    """One movement to simulate: the machine with its payload (or None), a reference, a number of samples."""
+    """One motion to simulate: the payload (or None), the reference, the number of samples."""
 
     name: str
     payload: str | None
@@ -48,13 +48,13 @@ class MotionRun:
 
 @dataclass(frozen=True, eq=False)
 class TrueMotion:
-    """The true motion of one run at the log rate, N samples; coordinates as MuJoCo has them.
+    """The true motion of one run at the log rate, N samples, in MuJoCo's coordinates.
 
-    At each sample the rigid-body equations hold to rounding between all of these, hidden effects aside.
+    At each sample, all of these satisfy the rigid-body equations to rounding, apart from hidden effects.
     """
 
     time: Array
-    """(N,) s, evenly from 0."""
+    """(N,) s, uniform from 0."""
     qpos: Array
     """(N, nq)."""
     qvel: Array
@@ -64,26 +64,25 @@ class TrueMotion:
     torque: Array
     """(N, n) torque or force of the motors."""
     current: Array
-    """(N, n) current reference as it is logged, before noise, in the drive's unit."""
+    """(N, n) logged current reference before noise, in the drive's unit."""
     misread: Array
-    """(N, n) what the encoders read more than the positions of the motors, constant offsets aside."""
+    """(N, n) encoder reading minus position of the motors, without constant offsets."""
     reference: Array
     """(N, n) reference positions of the actuated joints."""
     gaps: Array
-    """(N, loops) m, how far every loop is open."""
+    """(N, loops) gap of every loop, m."""
 
 
 def simulate_motion(
     machine: Machine, runs: Sequence[MotionRun], timing: Timing, threads: int = 2, progress: Progress = SILENT
 ) -> tuple[TrueMotion, ...]:
-    """The motion of every run, all of them side by side; the number of threads changes nothing but the time.
+    """The motion of every run, simulated in parallel; the number of threads only affects the computing time.
 
-    A run begins with the loops closed at the start of its trajectory, at rest, and is held there by the
-    controller for `timing.settle` samples before time 0. A run that is shorter than another one is held at
-    its end meanwhile.
+    A run begins at rest at the start of its trajectory with the loops closed. The controller holds it there for
+    `timing.settle` samples before time 0. A shorter run is held at its end until the others finish.
     Raises BenchError if the loops do not close at the start or the simulation diverges.
     """
-    # threads that meet after every step take longer than what they share
+    # with laws, synchronising threads after every step costs more than it saves
     batch = Batch(machine.models[None], len(runs), 1 if machine.laws else max(1, min(threads, len(runs))))
     models = [machine.models[run.payload] for run in runs]
     batch.set_models(models)
@@ -117,7 +116,7 @@ def simulate_motion(
 
 
 def _times(timing: Timing, first: int, last: int) -> Array:
-    """Instants of all steps from one sample to another, s."""
+    """Times of all steps from sample `first` to `last`, s."""
     steps = np.arange(first * timing.log_every, last * timing.log_every)
     return timing.step * (steps - timing.settle * timing.log_every).astype(np.float64)
 
@@ -126,7 +125,7 @@ def _times(timing: Timing, first: int, last: int) -> Array:
 def _reference(
     robot: Robot, trajectory: FourierTrajectory, timing: Timing, first: int, last: int
 ) -> tuple[Array, ...]:
-    """Positions, velocities and accelerations at these instants; other machines of a sweep have the same ones."""
+    """Positions, velocities and accelerations at these times; cached, since the machines of a sweep share them."""
     evaluated = references(robot, trajectory)(_times(timing, first, last))
     for array in evaluated:
         array.setflags(write=False)
@@ -134,7 +133,7 @@ def _reference(
 
 
 def _first_pose(machine: Machine, run: MotionRun) -> Array:
-    """Loops closed; where a spring or play is between motor and joint, it carries the weight."""
+    """Initial pose with the loops closed and, in drives with a spring or play, the spring loaded by the weight."""
     model = machine.models[run.payload]
     home = np.concatenate([machine.home, np.zeros(model.nq - len(machine.home))])
     m = machine.leading
@@ -151,7 +150,7 @@ def _first_pose(machine: Machine, run: MotionRun) -> Array:
 
 
 def _winding(machine: Machine, model: mujoco.MjModel, torque: Array) -> Array:
-    """How far the motors (n,) turn ahead of their joints to pass on a torque (n,)."""
+    """Displacement (n,) of the motors relative to their joints that transmits a torque (n,)."""
     winding = np.zeros(len(torque))
     for i, joint in enumerate(machine.robot.joints):
         if machine.motor_addresses[i] != machine.addresses[i]:
@@ -165,13 +164,13 @@ def _winding(machine: Machine, model: mujoco.MjModel, torque: Array) -> Array:
 def _roll_out(
     batch: Batch, machine: Machine, models: Sequence[mujoco.MjModel], command: Array, every: int
 ) -> States:
-    """Take the steps of command (R, steps, n) in one call and keep one in `every`."""
+    """Simulate all steps of command (R, steps, n) in one call and keep one of `every`."""
     motors = command.shape[2]
     control = np.zeros((*command.shape[:2], batch.model.nu))
     control[:, :, :motors] = command
     before = {name: batch.bind(name).copy()[:, None] for name in ("qpos", "qvel")}
     out = batch.rollout(command.shape[1], control, record=RECORD)
-    # states are recorded after their step; forces, accelerations and places of bodies before it
+    # states are recorded after their step; forces, accelerations and body positions before it
     qpos, qvel = (
         np.concatenate([before[name], out[name][:, every - 1 : -1 : every]], axis=1) for name in before
     )

@@ -1,4 +1,4 @@
-"""MuJoCo without its clock, and without its warnings."""
+"""MuJoCo without its timers, and without its warnings."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -7,10 +7,10 @@ import mujoco
 
 
 def stop_step_timers() -> None:
-    """Do without it for the rest of the process: it is a tenth of a five-bar's time. `MjData.timer` then stays
-    constant.
+    """Disable MuJoCo's timers for the rest of the process: they take a tenth of the time of a five-bar.
 
-    For processes that the bench starts: MuJoCo has no way to bring its clock back. One that the caller has set stays.
+    `MjData.timer` then stays constant. This is only for processes that the bench starts, since MuJoCo cannot restore
+    its default clock. A clock that the caller has set is kept.
     """
     if mujoco.get_mjcb_time() is None:
         mujoco.set_mjcb_time(None)
@@ -18,7 +18,7 @@ def stop_step_timers() -> None:
 
 @contextmanager
 def unwarned() -> Iterator[None]:
-    """No warning goes to the screen and to a file MUJOCO_LOG.TXT: the error that `simulate` raises says it."""
+    """Suppress MuJoCo's warnings on the screen and in the file MUJOCO_LOG.TXT: `simulate` raises an error instead."""
     before = mujoco.get_mju_user_warning()
     mujoco.set_mju_user_warning(lambda _: None)
     try:

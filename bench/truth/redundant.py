@@ -1,4 +1,4 @@
-"""What the controller asks of motors beyond the degrees of freedom: to move as the others' references make them."""
+"""References of redundant motors: their motion follows from the references of the others."""
 
 from __future__ import annotations
 
@@ -19,17 +19,17 @@ if TYPE_CHECKING:
     from scipy.interpolate import BSpline
 
 Array = NDArray[np.float64]
-NODES = 0.01  # s between poses that are closed; a spline of the fifth order lies between
+NODES = 0.01  # s between closed poses, which a quintic spline interpolates
 KEPT = 32
 
 Evaluated = tuple[Array, Array, Array]
 
 
 def references(robot: Robot, trajectory: FourierTrajectory) -> Callable[[Array], Evaluated]:
-    """Positions, velocities and accelerations (N, n) of all joints with a motor at given times (N,).
+    """Positions, velocities and accelerations (N, n) of all driven joints, as a function of times (N,).
 
-    Those that do not move independently follow the trajectory of the others, loops closed; outside of its duration
-    they stand.
+    Joints that do not move independently follow the trajectory of the others with closed loops; outside of its
+    duration they are at rest.
     """
     if not robot.redundant:
         return trajectory.evaluate
@@ -49,7 +49,7 @@ def references(robot: Robot, trajectory: FourierTrajectory) -> Callable[[Array],
 @lru_cache(maxsize=KEPT)
 def _followed(robot: Robot, trajectory: FourierTrajectory) -> BSpline:
     """Positions of the redundant motors' joints along the trajectory."""
-    from scipy.interpolate import make_interp_spline  # noqa: PLC0415 - slow to import, and seldom needed
+    from scipy.interpolate import make_interp_spline  # noqa: PLC0415 - slow to import, and rarely needed
 
     model = robot.mjcf_model()
     model.opt.jacobian = int(mujoco.mjtJacobian.mjJAC_DENSE)

@@ -1,4 +1,4 @@
-"""The truth about a simulation, as plain data for truth.json: what a perfect identification would find."""
+"""The truth about a simulation, as plain data for truth.json: what a perfect identification would estimate."""
 
 from collections.abc import Sequence
 from dataclasses import asdict
@@ -19,7 +19,7 @@ Array = NDArray[np.float64]
 
 
 def truth(simulation: Simulation) -> dict[str, Any]:
-    """Everything that was true of the machine, its payloads and its sensors; SI units, inertias in kg·m².
+    """The true values of the machine, its payloads and its sensors; SI units, inertias in kg·m².
 
     The same scenario gives the same data, to the last bit. An inertia is Ixx Iyy Izz Ixy Ixz Iyz at the
     centre of mass, in the axes of the body.
@@ -65,7 +65,7 @@ def _drive_gains(machine: Machine) -> dict[str, Any]:
 
 
 def _weight(payload: Payload) -> dict[str, Any]:
-    """What a hidden effect may have changed."""
+    """The true mass and inertia, which a hidden effect may have changed."""
     inertia = np.zeros(6) if payload.inertia is None else payload.inertia
     return {"mass": payload.mass, "inertia": inertia.tolist()}
 

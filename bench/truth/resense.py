@@ -1,4 +1,4 @@
-"""The same true motion, logged again: other noise, other sensors, another seed."""
+"""Log the same true motion again, with other noise, other sensors or another seed."""
 
 from collections.abc import Mapping
 from dataclasses import replace
@@ -16,9 +16,9 @@ from bench.truth.simulate import Simulation, simulate
 def sense_again(simulation: Simulation, scenario: Scenario, zero: np.ndarray | float = 0.0) -> Simulation:
     """Log the motion of `simulation` with the sensors and the seed of `scenario`.
 
-    Only these two may differ between the scenarios; what moves the machine is taken as it was. zero (n,): a position of
-    each joint, rad or m, at which a step of its encoder is centred. The errors of an encoder follow from motion and
-    steps alone: at the same zero they are the same for every seed.
+    The scenarios may differ only in these two; the motion is not simulated again. zero (n,): for each joint, a
+    position, rad or m, at which a step of its encoder is centred. Quantisation errors follow from motion and steps
+    alone: with the same zero they are the same for every seed.
     """
     settings = scenario.settings
     recordings = []
@@ -37,10 +37,10 @@ def sense_again(simulation: Simulation, scenario: Scenario, zero: np.ndarray | f
 
 
 def repeated(truth: Mapping[str, Any], origin: str, threads: int = 2) -> Simulation:
-    """Simulate once more what a truth file describes.
+    """Repeat the simulation that a truth file describes.
 
-    origin: the file, for messages. Raises BenchError where it is damaged or of another version, and what
-    `simulate` raises.
+    origin: the file, for messages. Raises BenchError if it is damaged or of another version, and the errors of
+    `simulate`.
     """
     scenario = recorded_scenario(truth, origin)
     try:

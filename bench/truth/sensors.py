@@ -1,4 +1,4 @@
-"""From the true motion to what a robot's controller logs."""
+"""Sensors: from the true motion to the log of the controller."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -15,7 +15,7 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class Log:
-    """What is logged of one run, N samples of n joints, and how far it is from the truth."""
+    """The log of one run, N samples of n joints, and its errors."""
 
     time: Array
     """(N,) s."""
@@ -44,8 +44,8 @@ def sense(
 ) -> Log:
     """Log the true time (N,), positions and current references (N, n) of the recording `name`.
 
-    Noise comes first, then quantisation to whole steps. Every channel has a separate random stream, from
-    the seed, the recording's name and the channel's: no recording depends on another.
+    Noise is added first, then values are quantised to whole steps. Every channel has a separate random stream, from
+    the seed and the names of recording and channel, so that no recording depends on another.
     """
     position_noise = per_joint(sensors.position_noise, joints)
     current_noise = _current_noise(sensors, joints, current)

@@ -1,4 +1,4 @@
-"""A scenario, simulated: the true motions, and what is logged of them."""
+"""Simulate a scenario: the true motions and their logs."""
 
 import time
 from collections.abc import Mapping
@@ -21,7 +21,7 @@ from bench.truth.sensors import Log, sense
 
 Array = NDArray[np.float64]
 
-LARGEST_GAP = 1e-4  # m: a loop that opens farther is no loop
+LARGEST_GAP = 1e-4  # m: a loop with a wider gap counts as broken
 LARGEST_TRACKING_ERROR = {HINGE: 0.3, SLIDE: 0.1}  # rad, m
 
 
@@ -33,7 +33,9 @@ class SimulatedRecording:
     trajectory: FourierTrajectory
     motion: TrueMotion
     position: Array
-    """(N, n) what perfect encoders read: the true positions of the actuated joints, hidden effects aside."""
+    """(N, n) readings of encoders without noise and quantisation: true positions of the motors plus errors by hidden
+    effects.
+    """
     current: Array
     """(N, n) true current references, in the drive's unit."""
     loop_gap: float
@@ -56,11 +58,11 @@ class Simulation:
     steps: int
     """Steps of the simulation, over all recordings."""
     seconds: float
-    """What the closed loop took, of computing time."""
+    """Computing time of the closed loop, s."""
 
     @property
     def robot(self) -> Robot:
-        """The robot as the dataset names it."""
+        """The robot of the scenario."""
         return self.scenario.robot
 
     @property
@@ -78,10 +80,10 @@ def simulate(
     """Simulate all recordings of a scenario; the same scenario gives the same numbers to the last bit.
 
     trajectories: by recording name; without them those of `resolve_trajectories`.
-    threads: of the computation; the result does not depend on it. progress: informed of every finished part.
+    threads: number for the computation, without influence on the result. progress: reports every finished part.
     Raises BenchError if the machine cannot be built, the simulation diverges, a loop opens by more than the
-    tolerance `loop_gap` of the scenario (1e-4 m if it has none), the robot is lost by its controller or a
-    joint reaches its end stop.
+    tolerance `loop_gap` of the scenario (1e-4 m if it has none), the tracking error exceeds its limit, or a joint
+    reaches its end stop.
     """
     settings = scenario.settings
     given = resolve_trajectories(scenario) if trajectories is None else trajectories

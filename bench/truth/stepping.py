@@ -1,4 +1,4 @@
-"""The closed loop one step at a time, for machines with effects that MuJoCo does not have itself."""
+"""The closed loop step by step, for machines with effects that MuJoCo does not model."""
 
 import copy
 from collections.abc import Callable, Iterator, Sequence
@@ -24,14 +24,14 @@ class JointLaw:
     """One law for some of the actuated joints."""
 
     columns: slice
-    """Of the arrays (R, n) of the actuated joints."""
+    """Columns of the arrays (R, n) of the actuated joints."""
     value: Law
 
 
 def joint_laws(
     hidden: Sequence[HiddenEffect], name: str, signals: Signals, dofs: Indices
 ) -> tuple[JointLaw, ...]:
-    """The laws `name` of all effects that have one; equal effects in several joints are one law.
+    """The laws `name` of all effects that have one; the same effect in several joints is one law.
 
     signals: of all actuated joints.  dofs: (n,) their velocity indices.
     """
@@ -51,7 +51,7 @@ def joint_laws(
 
 
 def _groups(effects: Sequence[JointEffect], joints: Sequence[str]) -> Iterator[list[JointEffect]]:
-    """Effects of one kind, each joint at most once, in the order of `joints`."""
+    """Groups of effects of one kind, with each joint at most once, in the order of `joints`."""
     remaining = list(effects)
     while remaining:
         group: dict[str, JointEffect] = {}
@@ -65,7 +65,9 @@ def _groups(effects: Sequence[JointEffect], joints: Sequence[str]) -> Iterator[l
 def _evenly_spaced(
     group: list[JointEffect], joints: Sequence[str], dofs: Indices
 ) -> Iterator[tuple[slice, list[JointEffect]]]:
-    """The group if its joints and their velocities are evenly spaced, so that views serve; else one by one."""
+    """The whole group if its joints and their velocities are evenly spaced, so that views suffice; else each effect
+    alone.
+    """
     numbers = np.array([joints.index(effect.joint) for effect in group])
     columns = as_slice(numbers)
     if columns is not None and as_slice(dofs[numbers]) is not None:
@@ -77,14 +79,14 @@ def _evenly_spaced(
 
 @dataclass(frozen=True, eq=False)
 class BearingFriction:
-    """The dry friction of one joint of R runs: where it is among the velocities, and its size (R,) at a step."""
+    """The dry friction of one joint in R runs: its velocity index, and its size (R,) at a step."""
 
     dof: int
     size: Callable[[], Array]
 
 
 def bearings_of(machine: Machine, batch: Batch) -> tuple[BearingFriction, ...]:
-    """One for each joint with such friction, that of the joint itself included."""
+    """The friction of each joint with a `bearing_friction`, including the joint's other dry friction."""
     model = machine.models[None]
     by_joint: dict[str, list[JointEffect]] = {}
     for effect in machine.hidden:
@@ -104,7 +106,7 @@ def bearings_of(machine: Machine, batch: Batch) -> tuple[BearingFriction, ...]:
 
 
 def _size(effects: list[JointEffect], across: Array, base: float) -> Callable[[], Array]:
-    """Of a joint's friction; across: live force (R, 2) in the site's x and y, whose z is the joint's axis."""
+    """Size of a joint's friction. across: live force (R, 2) in x and y of the site, whose z is the joint's axis."""
     parameters = [
         {
             field.name: np.array([getattr(effect, field.name)])
@@ -128,18 +130,18 @@ def _size(effects: list[JointEffect], across: Array, base: float) -> Callable[[]
 
 @dataclass(frozen=True, eq=False)
 class States:
-    """Samples of all runs, (R, samples, …); all of one instant."""
+    """Samples of all runs, (R, samples, …), all at the same times."""
 
     qpos: Array
     qvel: Array
     qacc: Array
     torque: Array
     current: Array
-    """As it is logged."""
+    """The logged current reference."""
     misread: Array
-    """What the encoders read more than the motors' positions, constant offsets aside."""
+    """Encoder reading minus position of the motors, without constant offsets."""
     gaps: Array
-    """(R, samples, loops), as `gaps_between` has them."""
+    """(R, samples, loops), as from `gaps_between`."""
 
 
 class _Kept:
@@ -149,29 +151,29 @@ class _Kept:
         self._pairs = [(np.empty((len(array), samples, *array.shape[1:])), array) for array in live]
 
     def keep(self, sample: int) -> None:
-        """What the arrays hold now is this sample."""
+        """Store the present values of the arrays as this sample."""
         for values, live in self._pairs:
             values[:, sample] = live
 
     def first(self, samples: int) -> tuple[Array, ...]:
-        """The samples that were kept, the first so many."""
+        """The first `samples` stored samples."""
         return tuple(values[:, :samples] for values, _ in self._pairs)
 
 
 class Stepper:
-    """A batch of R runs of a machine with laws; the laws keep their states from call to call.
+    """A batch of R runs of a machine with laws; the laws keep their states between calls.
 
-    At every step: the controller commands a current reference from what its encoders read, as a drive without
-    hidden effects would; their rate is that since the step before. The laws make of it what is logged, what flows, and
-    what torque the motors give; then follow the opposing torques, and the sizes of dry frictions, which MuJoCo's
-    friction constraints apply.
+    At every step, the controller computes a current reference from the encoder readings, as for a drive without
+    hidden effects; the rate of encoder errors is their change since the previous step. The laws convert the reference
+    to the logged current, the actual current and the torques of the motors. Then follow the opposing torques, and the
+    sizes of dry friction, which MuJoCo's friction constraints apply.
     """
 
     def __init__(self, batch: Batch, machine: Machine, runs: Sequence[tuple[str, str | None]]) -> None:
         """runs: (R,) names of the recordings and of their payloads."""
         self._batch, self._machine = batch, machine
         self._names = tuple(name for name, _ in runs)
-        # copies, since two runs with one payload may have different frictions
+        # copies, since two runs with the same payload may have different friction
         self._models = [copy.copy(machine.models[payload]) for _, payload in runs]
         batch.set_models(self._models)
         qpos, qvel, self._applied = (batch.bind(name) for name in ("qpos", "qvel", "qfrc_applied"))
@@ -210,14 +212,14 @@ class Stepper:
         self._bearings = bearings_of(machine, batch)
         self._balls = balls_of(machine.models[None], qvel)
         self._dry_friction = np.stack([model.dof_frictionloss[machine.motor_dofs] for model in self._models])
-        # the arrays of the models themselves: looking them up takes longer than a law does
+        # arrays of the models: looking them up would take longer than a law
         self._frictions = [model.dof_frictionloss for model in self._models]
         self._friction_at = as_slice(machine.motor_dofs) or machine.motor_dofs
 
     def advance(self, time: Array, command: Array, every: int) -> States:
-        """Take steps at the times (steps,) with command (R, steps, n), and keep one in `every`.
+        """Simulate steps at the times (steps,) with command (R, steps, n), and keep one of `every`.
 
-        Stops early where MuJoCo warns, as `batch.warning` tells.
+        Stops early if MuJoCo warns; see `batch.warning`.
         Raises BenchError if dry friction would be negative.
         """
         drive = self._machine.drive
@@ -257,7 +259,7 @@ class Stepper:
             if keep:
                 after.keep(sample)
                 sample += 1
-                if np.count_nonzero(warning):  # diverged: the caller tells
+                if np.count_nonzero(warning):  # diverged: the caller reports it
                     break
         qpos, qvel = before.first(sample)
         qacc, forces, logged, misread, *points = after.first(sample)
@@ -265,14 +267,14 @@ class Stepper:
         return States(qpos, qvel, qacc, forces, logged, misread, gaps)
 
     def _live(self, source: Array, indices: NDArray[np.signedinteger]) -> Array:
-        """Columns of source, brought up to date at every step."""
+        """Columns of source, updated at every step."""
         columns, refresh = live_columns(source, indices)
         if refresh is not None:
             self._refresh.append(refresh)
         return columns
 
     def _misreading(self) -> None:
-        """Bring up to date what the encoders read too much, and its rate since the step before."""
+        """Update the errors of the encoders, and their rate since the previous step."""
         before = self._misread.copy()
         self._misread[:] = 0.0
         for law in self._encoders:
@@ -289,7 +291,7 @@ class Stepper:
             np.subtract(forces, law(), out=forces)
 
     def _set_friction(self, check: bool) -> None:
-        """Give the friction constraints of each run their size at this step."""
+        """Set the friction constraints of each run to their size at this step."""
         size = self._dry_friction.copy()
         for law in self._dry:
             size[:, law.columns] += law.value()

@@ -1,4 +1,4 @@
-"""Effects that the simulated machine can have and that its log does not tell."""
+"""Effects that the simulated machine may have and that its dataset does not declare."""
 
 from collections.abc import Mapping
 

@@ -1,4 +1,4 @@
-"""What a hidden effect is: a change of the MuJoCo model, or laws that are evaluated at every step."""
+"""Base classes of hidden effects: a change of the MuJoCo model, or laws that are evaluated at every step."""
 
 from __future__ import annotations
 
@@ -27,13 +27,13 @@ class JointMovement:
     joint: str
     slide: bool
     time: Array
-    """(N,) in each recording from 0."""
+    """(N,) from 0 in each recording."""
     period: float
     position: Array
     velocity: Array
     acceleration: Array
     torque: Array
-    """Of the motor, as its first and second derivative with time below."""
+    """Of the motor; the next two are its first and second time derivatives."""
     torque_rate: Array
     torque_bend: Array
     current: Array
@@ -41,7 +41,7 @@ class JointMovement:
     other_torques: Array
     """Sum of the torques of the other motors."""
     inertia: float
-    """That the joint feels at home, loops closed."""
+    """Effective inertia at the joint in the home pose, loops closed."""
     armature: float
     stiffness: float
     """kp of the controller."""
@@ -50,16 +50,16 @@ class JointMovement:
 
     @property
     def duration(self) -> float:
-        """Of the longest recording, s."""
+        """Duration of the longest recording, s."""
         return float(self.time.max())
 
     @property
     def span(self) -> float:
-        """From the least to the greatest position."""
+        """Difference of the largest and the smallest position."""
         return float(np.ptp(self.position))
 
     def too_large(self, effect: str, share: float, why: str) -> BenchError:
-        """What is said where an effect cannot have such a share of the torque."""
+        """The error for an effect that cannot have such a share of the torque."""
         return BenchError(
             f"{effect} of joint {self.joint}: a share of {share:g} of its torque is too large: {why}"
         )
@@ -71,7 +71,7 @@ def rms(values: Array) -> float:
 
 
 def wave_sizes(j: JointMovement, factor: np.ndarray, share: float) -> Sizes:
-    """a, b and harmonic of a wave times a factor (N,); it falls towards the greatest position, positive all along.
+    """a, b and harmonic of a wave times a factor (N,); the wave is positive and falls towards the largest position.
 
     One harmonic in the position of a hinge, unless it turns so far that this would change its sign.
     """
@@ -84,7 +84,7 @@ def wave_sizes(j: JointMovement, factor: np.ndarray, share: float) -> Sizes:
 
 
 Law = Callable[[], Array]
-"""What an effect makes of its signals at the present step; it may keep a state from step to step."""
+"""An effect's output at the present step, as a function of its signals; it may keep a state between steps."""
 
 Parameters = Mapping[str, Array]
 """Parameters of an effect in m joints, by name, (m,) each."""
@@ -92,7 +92,7 @@ Parameters = Mapping[str, Array]
 
 @dataclass(eq=False)
 class Clock:
-    """The time of the present step, s; 0 where the log begins."""
+    """The time of the present step, s; 0 at the start of the log."""
 
     time: float = 0.0
 
@@ -101,8 +101,8 @@ class Clock:
 class Signals:
     """State of m motors in R recordings at the present step, (R, m) each.
 
-    A motor moves as its joint does unless there is a spring or play between; its encoder tells its position.
-    The arrays are views that change from step to step.
+    A motor moves with its joint unless there is a spring or play between them. Its encoder measures the motor's
+    position. The arrays are views that change at every step.
     """
 
     step: float
@@ -116,16 +116,16 @@ class Signals:
     """rad or m."""
     velocity: Array
     acceleration: Array
-    """One step ago: that of the present step is not known before its forces are."""
+    """One step ago, since the acceleration of the present step depends on its forces."""
     current: Array
-    """What flows, in the drive's unit."""
+    """The actual current, in the drive's unit."""
     torque: Array
     """Of the motor."""
     all_torques: Array
     """(R, n) of all motors."""
 
     def columns(self, columns: slice) -> Signals:
-        """The same for some of the joints."""
+        """The same signals for some of the joints."""
         views = {
             name: getattr(self, name)[:, columns]
             for name in ("position", "velocity", "acceleration", "current", "torque")
@@ -141,14 +141,14 @@ def harmonic(p: Parameters, position: Array, wave_number: Array) -> Array:
 
 PAYLOAD_BODY = "payload of the scenario"
 MOTOR_SIDE = "hidden:motor side:"
-"""Before the name of a joint: the rotor of its motor, where a spring or play is between the two."""
+"""Prefix of a joint's name for the rotor of its motor, if there is a spring or play between the two."""
 
-NO_MOTOR = 1e-9  # N·m/A: a DC motor must have some; its braking is the square of it
+NO_MOTOR = 1e-9  # N·m/A: MuJoCo requires a motor constant; braking grows with its square
 
 
 @dataclass(frozen=True, eq=False)
 class Draft:
-    """A machine while it is built: its uncompiled model, and the robot before anything was hidden in it."""
+    """A machine under construction: its uncompiled model, and the robot without hidden effects."""
 
     spec: mujoco.MjSpec
     robot: Robot
@@ -156,7 +156,7 @@ class Draft:
     home: Array
     """qpos (nq,) of `plain` in the keyframe `home`."""
     inertia: Mapping[str, float]
-    """kg·m² or kg that each actuated joint feels at home, loops closed."""
+    """Effective inertia at each actuated joint in the home pose, loops closed, kg·m² or kg."""
     payloads: tuple[str, ...]
     """Names of the payloads of the scenario."""
 
@@ -166,12 +166,14 @@ class Draft:
         return float(self.spec.option.timestep)
 
     def motor_side(self, joint: str) -> mujoco.MjsJoint:
-        """The joint in which the motor of an actuated joint turns: its rotor's, or the joint itself."""
+        """The joint that the motor of an actuated joint turns: that of its rotor, or the joint itself."""
         rotor = self.spec.joint(MOTOR_SIDE + joint)
         return self.spec.joint(joint) if rotor is None else rotor
 
     def motor_inertia(self, joint: str) -> float:
-        """kg·m² or kg that the motor of an actuated joint turns at home: all it feels, or its rotor alone."""
+        """Inertia, kg·m² or kg, that the motor of an actuated joint turns at home: that at the joint, or of its rotor
+        alone.
+        """
         rotor = self.spec.joint(MOTOR_SIDE + joint)
         return self.inertia[joint] if rotor is None else float(rotor.armature)
 
@@ -180,29 +182,30 @@ class Draft:
 class HiddenEffect:
     """An effect of the whole machine; the fields of a subclass are its parameters, in SI units.
 
-    An effect overrides what it needs of the methods below. Those that return a law are given the parameters
-    of m joints at once, (m,) each, so that a law is written once for one joint or all of them.
+    An effect overrides the methods below that it needs. Those that return a law receive the parameters of m joints at
+    once, (m,) each, so that the same law serves one joint or several.
     """
 
     name: ClassVar[str]
     positive: ClassVar[tuple[str, ...]] = ()
     """Parameters that must be greater than 0."""
     not_negative: ClassVar[tuple[str, ...]] = ()
-    """Parameters that physics keeps from being negative."""
+    """Parameters that physically cannot be negative."""
     changes_drives: ClassVar[bool] = False
-    """Whether it changes what the motors turn, so that it comes before them."""
+    """Whether it changes what the motors turn; it is then applied before the motors are added."""
     in_catalogue: ClassVar[bool] = True
-    """False: something that no model is expected to know."""
+    """False for a law that no identified model is expected to contain."""
     law: ClassVar[str] = ""
-    """In a line, for the table of scenarios/README.md."""
+    """One line for the table of scenarios/README.md."""
     needs: ClassVar[Literal["tool", "payload", "motors"] | None] = None
-    """What a machine must have for it in addition to the joint: a tool site, a payload, or several motors."""
+    """What a machine needs for it in addition to the joint: a tool site, a payload, or several motors."""
     shares: ClassVar[tuple[float, float]] = (0.004, 0.1)
-    """Torque of it over the torque of its motor, RMS over RMS, that a trial may hide: others where a model takes most
-    of it up, so that less is seen of it, or where more would be a broken machine (play of degrees, links that are
-    centimetres off, a drive that swings within the motion's frequencies)."""
+    """Range of its torque over that of its motor, RMS over RMS, in a trial. It is higher for effects that the other
+    parameters mostly absorb, and lower if more would mean a broken machine (play of degrees, links wrong by
+    centimetres, a drive that resonates within the motion's frequencies).
+    """
     scaled: ClassVar[tuple[str, float] | None] = None
-    """A parameter with which its torques grow in proportion, and a value to begin with when its size is looked for."""
+    """A parameter to which its torques are proportional, and the initial value of the search for its size."""
 
     def change(self, draft: Draft) -> None:
         """Add the effect to the uncompiled model."""
@@ -211,7 +214,7 @@ class HiddenEffect:
         """Change the compiled model."""
 
     def weigh(self, payload: Payload) -> Payload:
-        """The payload that is really there, where `payload` is declared."""
+        """The true payload if `payload` is declared."""
         return payload
 
 
@@ -219,43 +222,45 @@ class HiddenEffect:
 class JointEffect(HiddenEffect):
     """An effect in one joint of the machine.
 
-    Where a spring or play is between a motor and its joint, the joint's friction is that of motor and gear, on
-    the motor's side (Albu-Schäffer, Ott and Hirzinger, "A unified passivity-based control framework for position,
-    torque and impedance control of flexible joint robots", IJRR 26, 2007); so are all laws of this class.
+    If there is a spring or play between a motor and its joint, friction acts on the motor's side, as that of motor
+    and gear (Albu-Schäffer, Ott and Hirzinger, "A unified passivity-based control framework for position, torque and
+    impedance control of flexible joint robots", IJRR 26, 2007); all laws of this class do.
 
-    A torque opposes the motion: the motor has to supply it in addition to what the rigid body needs,
-    g i = τ_rigid + law. Torques represent forces where the joint is a slide.
+    A torque is positive if the motor has to supply it in addition to that of the rigid body, g i = τ_rigid + law.
+    Torques represent forces where the joint is a slide.
     """
 
     where: ClassVar[Literal["actuated", "passive", "any"]] = "actuated"
-    """The joints that can have it. All actuated, or all passive ones have it if none is named."""
+    """The joints that may have it. If no joint is named, all actuated (or all passive) joints have it."""
     in_balls: ClassVar[bool] = False
-    """Whether ball joints can have it, too: of those at passive joints, each coordinate of the angular velocity."""
+    """Whether passive ball joints may have it as well, in each coordinate of the angular velocity."""
     joint: str
 
     @staticmethod
     def sized(j: JointMovement, share: float) -> Sizes | None:  # noqa: ARG004
-        """Parameters for which the RMS of its torque is `share` of that of the joint's torque; None: no rule."""
+        """Parameters for which the RMS of its torque is `share` times that of the joint's torque; None without such a
+        rule.
+        """
         return None
 
     @staticmethod
     def encoder(p: Parameters, s: Signals) -> Law | None:  # noqa: ARG004
-        """What the encoder reads more than s.position, (R, m)."""
+        """Error of the encoder, to be added to s.position, (R, m)."""
         return None
 
     @staticmethod
     def log(p: Parameters, s: Signals) -> Law | None:  # noqa: ARG004
-        """What is logged instead of the current reference s.current, (R, m)."""
+        """The logged value that replaces the current reference s.current, (R, m)."""
         return None
 
     @staticmethod
     def current(p: Parameters, s: Signals) -> Law | None:  # noqa: ARG004
-        """What flows instead of s.current, (R, m), in the drive's unit."""
+        """The actual current that replaces s.current, (R, m), in the drive's unit."""
         return None
 
     @staticmethod
     def gain(p: Parameters, s: Signals) -> Law | None:  # noqa: ARG004
-        """Factor of the true drive gain, (R, m), at the current s.current that flows."""
+        """Factor of the true drive gain, (R, m), at the actual current s.current."""
         return None
 
     @staticmethod
@@ -265,18 +270,22 @@ class JointEffect(HiddenEffect):
 
     @staticmethod
     def dry_friction(p: Parameters, s: Signals) -> Law | None:  # noqa: ARG004
-        """Size (R, m) of a dry friction, which opposes the motion and holds the joint at standstill."""
+        """Size (R, m) of a dry friction that opposes the motion and holds the joint at standstill."""
         return None
 
     @staticmethod
     def bearing_friction(p: Parameters, force: Array) -> Array | None:  # noqa: ARG004
-        """Size (R, m) of a dry friction in passive joints that bear these forces (R, m), N, across their axes."""
+        """Size (R, m) of a dry friction in passive joints with bearing forces `force` (R, m), N, perpendicular to
+        their axes.
+        """
         return None
 
 
 @dataclass(frozen=True)
 class DryFriction(JointEffect):
-    """A dry friction whose size a law gives: the joint's friction constraint holds it at standstill."""
+    """A dry friction whose size a law computes; the joint's friction constraint applies it and holds the joint at
+    standstill.
+    """
 
     def change(self, draft: Draft) -> None:
         hard_friction(draft, self.joint)
@@ -300,10 +309,9 @@ def hard_friction(draft: Draft, joint: str) -> None:
 def harden_friction(joint: mujoco.MjsJoint, step: float) -> None:
     """Make the constraint of a joint's dry friction as hard as the step allows, s.
 
-    MuJoCo's friction constraint brings a slow joint to rest within the time constant of its `solref`. With
-    two steps, the shortest that is stable, the full friction acts to rounding as soon as a joint moves faster
-    than a few times (acceleration that it gives to the joint) · step, some 1e-3 rad/s. With the default of
-    0.02 s that would take 0.1 rad/s.
+    MuJoCo's friction constraint brings a slow joint to rest within the time constant of its `solref`. With two steps,
+    the shortest stable value, the full friction acts to rounding once the joint is faster than a few times
+    (acceleration by the friction) · step, about 1e-3 rad/s. With the default of 0.02 s it would take 0.1 rad/s.
     """
     joint.solref_friction = [2 * step, 1.0]
     joint.solimp_friction = [0.9999, 0.99999, 0.001, 0.5, 2.0]
@@ -318,7 +326,7 @@ def add_damping(draft: Draft, joint: str, linear: float, quadratic: float = 0.0)
 
 
 def add_affine_actuator(draft: Draft, name: str, joint: mujoco.MjsJoint, bias: tuple[float, float]) -> None:
-    """An actuator that nobody commands; its force on the joint is bias[0] + bias[1] · position."""
+    """Add an actuator without command; its force on the joint is bias[0] + bias[1] · position."""
     actuator = draft.spec.add_actuator(neutral(), name=free_name(draft, name), target=joint.name)
     actuator.trntype = mujoco.mjtTrn.mjTRN_JOINT
     actuator.gaintype = mujoco.mjtGain.mjGAIN_FIXED
@@ -334,7 +342,7 @@ def add_dc_motor(
     lugre: Sequence[float] = (0.0, 0.0, 0.0, 0.0, 0.0),
     cogging: Sequence[float] = (0.0, 0.0, 0.0),
 ) -> None:
-    """A DC motor without current, for its friction and its cogging alone.
+    """Add a DC motor without current, only for its friction and cogging.
 
     lugre: stiffness and damping of the bristles, Coulomb and static friction, Stribeck velocity.
     cogging: amplitude, periods in 2π rad, phase: amplitude · sin(periods · position + phase) on the joint.
@@ -351,13 +359,13 @@ def add_dc_motor(
 
 
 def free_name(draft: Draft, name: str) -> str:
-    """`name`, numbered so that no other actuator has it."""
+    """`name` with a prefix and a number that no other actuator has."""
     taken = {actuator.name for actuator in draft.spec.actuators}
     return next(n for n in (f"hidden:{name}:{i}" for i in range(len(taken) + 1)) if n not in taken)
 
 
 def refuse_fast_swing(draft: Draft, effect: JointEffect, stiffness: float, inertia: float) -> None:
-    """BenchError if an inertia on a spring would swing too fast for the simulation's step."""
+    """Raise BenchError if an inertia on a spring would oscillate too fast for the simulation's step."""
     if np.sqrt(stiffness / inertia) * draft.step > 0.5:
         raise BenchError(
             f"{effect.name} of joint {effect.joint}: {inertia:.2g} on {stiffness:g} swings too fast for a step of"

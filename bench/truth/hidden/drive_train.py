@@ -1,4 +1,4 @@
-"""A motor and a joint that do not turn alike: what drive flexibility and backlash have in common."""
+"""A motor that moves relative to its joint: the common part of drive flexibility and backlash."""
 
 from dataclasses import dataclass
 from typing import ClassVar
@@ -11,7 +11,7 @@ from bench.basics.errors import BenchError
 from bench.dataset.mjcf_neutral import neutral
 from bench.truth.hidden.base import MOTOR_SIDE, Draft, JointEffect, refuse_fast_swing
 
-NO_MASS = 1e-12  # kg and kg·m²: a body must have some; the rotor's inertia is its joint's armature
+NO_MASS = 1e-12  # kg and kg·m²: MuJoCo requires values; the rotor's inertia is its joint's armature
 
 
 @dataclass(frozen=True)
@@ -19,7 +19,7 @@ class DriveTrain(JointEffect):
     """The motor's rotor, and a spring and a damper from it to the joint; the encoder is on the rotor.
 
     The armature that the joint has in the MJCF is the rotor's. The rotor is a separate body in the
-    world, with its axis through its centre of mass, so that it feels only its motor and its spring.
+    world, with its axis through its centre of mass, so that only its motor and its spring act on it.
     """
 
     positive: ClassVar[tuple[str, ...]] = ("stiffness",)
@@ -29,11 +29,10 @@ class DriveTrain(JointEffect):
     def add_rotor(
         self, draft: Draft, stiffness: float, damping: float, rotor_inertia: float, play: float
     ) -> None:
-        """Add the rotor; no torque passes while motor and joint are less than play / 2 apart, damping aside.
+        """Add the rotor; while motor and joint are less than play / 2 apart, only damping acts between them.
 
         stiffness, damping: at the joint.  rotor_inertia: in addition to the joint's armature.
-        Raises BenchError if the joint has such a drive already, the rotor has no inertia, or it swings too
-        fast.
+        Raises BenchError if the joint already has such a drive, the rotor has no inertia, or it oscillates too fast.
         """
         spec, name = draft.spec, MOTOR_SIDE + self.joint
         joint = spec.joint(self.joint)
@@ -58,5 +57,5 @@ class DriveTrain(JointEffect):
 
 
 def _linear(polynomial: ArrayLike, coefficient: float) -> ArrayLike:
-    """A polynomial of MuJoCo, or a plain number, with a linear term only."""
+    """A coefficient of MuJoCo's tendon, a polynomial or a number, with a linear term only."""
     return [coefficient, *np.zeros(np.size(polynomial) - 1)] if np.ndim(polynomial) else coefficient

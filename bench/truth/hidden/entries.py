@@ -1,4 +1,4 @@
-"""From the [[hidden]] entries of a scenario to effects."""
+"""Convert the [[hidden]] entries of a scenario to effects."""
 
 import inspect
 import sys
@@ -19,10 +19,11 @@ from bench.truth.hidden import HIDDEN_EFFECTS, HiddenEffect, JointEffect
 def hidden_effects(
     entries: Sequence[Hidden], actuated: Sequence[str], model: mujoco.MjModel
 ) -> tuple[HiddenEffect, ...]:
-    """The effects of the entries, one a joint; without a joint, in all joints that can have it.
+    """The effects of the entries, one for each joint; an entry without a joint applies to all joints that may have
+    it.
 
-    model: the robot's; its hinges and slides that are not `actuated` are passive, and its ball joints where
-    the effect can be in them.
+    model: the robot's; its hinges and slides that are not `actuated` are passive, and so are its ball joints for
+    effects that they may have.
     Raises BenchError for an effect, a joint or a parameter that does not exist, and for a missing or wrong
     parameter.
     """
@@ -106,7 +107,7 @@ PREFIX = "bench_hidden_effects_"
 def hidden_in(path: Path) -> dict[str, type[HiddenEffect]]:
     """The hidden effects that a Python file defines, by name: its subclasses of HiddenEffect or JointEffect.
 
-    The file is run. Raises BenchError that names the file, and the line where it can.
+    The file is run. Raises BenchError that names the file and, if known, the line.
     """
     return _hidden_of(read_source(path), path)
 
@@ -130,7 +131,9 @@ def _hidden_of(source: str, path: Path) -> dict[str, type[HiddenEffect]]:
 
 
 def _reducer(source: str, path: Path) -> Callable[[Any], tuple[Any, ...]]:
-    """How such an effect goes to another process, which has not run its file: with the file's text."""
+    """The __reduce__ of such an effect: it is pickled with the text of its file, since another process has not run
+    the file.
+    """
 
     def reduced(effect: Any) -> tuple[Any, ...]:
         values = {field.name: getattr(effect, field.name) for field in fields(effect)}

@@ -1,4 +1,4 @@
-"""A movement without hidden effects, against which the size of an effect is measured."""
+"""A simulated motion without hidden effects, relative to which the sizes of effects are defined."""
 
 from dataclasses import dataclass
 from functools import cached_property
@@ -13,18 +13,18 @@ from bench.truth.inverse import motor_torque
 from bench.truth.simulate import Simulation
 
 Array = NDArray[np.float64]
-SAMPLES = 40  # of each recording, at which torques are compared
+SAMPLES = 40  # number of samples of each recording at which torques are compared
 
 
 @dataclass(frozen=True, eq=False)
 class ReferenceSamples:
-    """Some samples (S,) of one recording; torque (S, n): what the motors have to supply there."""
+    """Some samples (S,) of one recording; torque (S, n): torques of the motors at these samples."""
 
     payload: str | None
     rows: NDArray[np.signedinteger]
     """Of the recording."""
     first: int
-    """Row of the recording's first sample, all recordings one after the other."""
+    """Row of the recording's first sample in the concatenation of all recordings."""
     pose: Array
     q: Array
     qd: Array
@@ -45,7 +45,7 @@ class Reference:
 
     @cached_property
     def samples(self) -> tuple[ReferenceSamples, ...]:
-        """Some of every recording: what effects change is compared with them."""
+        """Samples of every recording, as the baseline for the changes by effects."""
         machine = self.simulation.machine
         m = machine.leading
         collected, first = [], 0
@@ -61,11 +61,11 @@ class Reference:
         return tuple(collected)
 
     def torque(self) -> Array:
-        """(N, n) of the motors, all recordings one after the other."""
+        """Torques (N, n) of the motors, all recordings concatenated."""
         return np.concatenate([recording.motion.torque for recording in self.simulation.recordings])
 
     def movement(self, joint: str) -> JointMovement:
-        """What an actuated joint and its motor do; BenchError for any other joint."""
+        """The motion of an actuated joint and its motor; BenchError for any other joint."""
         machine = self.simulation.machine
         if joint not in machine.robot.driven:
             raise BenchError(f"no actuated joint {joint!r}; there are {', '.join(machine.robot.driven)}")

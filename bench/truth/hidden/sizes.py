@@ -1,4 +1,4 @@
-"""How large an effect must be to matter: parameters for a given share of the torque, for any robot."""
+"""The size of an effect: parameters for a given share of the torque, for any robot."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import replace
@@ -17,19 +17,19 @@ from bench.truth.machine import build_machine
 from bench.truth.simulate import Simulation, simulate
 
 Array = NDArray[np.float64]
-DIGITS = 4  # that a parameter is given with
+DIGITS = 4  # significant digits of a parameter
 
 
 def typical(effect: str, reference: Reference, share: float, joint: str | None = None) -> dict[str, float]:
-    """Parameters of an effect whose torque is about `share` of what the motor gives, RMS over RMS.
+    """Parameters of an effect whose torque is about `share` of the motor's torque, RMS over RMS.
 
-    reference: the same movements without hidden effects; no robot has special rules.
-    joint: for an effect in a joint; the share is of its motor's torque, or of all motors' if it has none.
-    For an effect of the whole machine, or in all passive joints, None; the share is of all motors' torque.
-    An effect of the drive counts as the torque that it seems to take away: a delay, the change of the
-    current during that time; a drive that gives way, the change of torque from the joint being elsewhere.
+    reference: the same motion without hidden effects; the rules are the same for all robots. joint: the joint of the
+    effect; the share refers to the torque of its motor, or of all motors if it has none. None for an effect of the
+    whole machine or in all passive joints; the share then refers to the torque of all motors. An effect of the drive
+    counts as an equivalent torque: for a delay, from the change of the current during the delay; for a flexible
+    drive, from the displacement of the joint.
 
-    Raises BenchError for an effect or a joint that there is not, or a share that the effect cannot have.
+    Raises BenchError for an unknown effect or joint, or a share that the effect cannot have.
     """
     if not (np.isfinite(share) and share > 0):
         raise BenchError(f"the share of an effect should be greater than 0, not {share!r}")
@@ -48,13 +48,15 @@ def typical(effect: str, reference: Reference, share: float, joint: str | None =
     return {name: float(f"{value:.{DIGITS}g}") for name, value in sizes.items()}
 
 
-CLOSE = 0.02  # of the wished share
+CLOSE = 0.02  # of the requested share
 FURTHEST = np.log(100.0)  # step of a search, as a logarithm
-ROTOR = 0.1  # of the inertia that the joint feels
+ROTOR = 0.1  # of the effective inertia at the joint
 
 
 def passive_spring_size(reference: Reference, effect: str, joint: str | None, share: float) -> Sizes:
-    """Relaxed in the middle of the movement, or all of them at joint position zero."""
+    """A spring relaxed at the mean position of its joint; springs of all passive joints are relaxed at
+    position zero.
+    """
     q0 = 0.0
     if joint is not None:
         address = int(reference.simulation.machine.models[None].joint(joint).qposadr[0])
@@ -63,7 +65,7 @@ def passive_spring_size(reference: Reference, effect: str, joint: str | None, sh
 
 
 def base_tilt_size(reference: Reference, effect: str, _joint: str | None, share: float) -> Sizes:
-    """About the axis that the motors feel more."""
+    """A tilt about the axis with the larger effect on the motors."""
     keys = ("about_x", "about_y")
     felt = {key: _felt(reference, effect, None, None, {key: 0.02}) for key in keys}
     key = max(keys, key=lambda k: felt[k])
@@ -71,7 +73,9 @@ def base_tilt_size(reference: Reference, effect: str, _joint: str | None, share:
 
 
 def platform_force_size(reference: Reference, effect: str, _joint: str | None, share: float) -> Sizes:
-    """A constant force, level where the motors feel that, along the axis that they feel most."""
+    """A constant horizontal force along x or y, whichever has the larger effect on the motors; along z if that is
+    less than a fifth of the effect of a force along z.
+    """
     felt = {key: _felt(reference, effect, None, None, {key: 1.0}) for key in ("fx", "fy", "fz")}
     level = max(("fx", "fy"), key=lambda k: felt[k])
     key = level if felt[level] > 0.2 * felt["fz"] else "fz"
@@ -79,7 +83,7 @@ def platform_force_size(reference: Reference, effect: str, _joint: str | None, s
 
 
 def encoder_offset_size(reference: Reference, _effect: str, joint: str | None, share: float) -> Sizes:
-    """As if the joint had moved elsewhere."""
+    """The change of torque for a joint position shifted by the offset."""
     movement = _movement(reference, joint)
     offset = 0.01
 
@@ -95,7 +99,7 @@ def encoder_offset_size(reference: Reference, _effect: str, joint: str | None, s
 
 
 def drive_flexibility_size(reference: Reference, _effect: str, joint: str | None, share: float) -> Sizes:
-    """As if the joint moved as far from its motor as the spring gives way; the rotor's inertia aside."""
+    """The change of torque for a joint displaced by the deflection of the spring, without the rotor's inertia."""
     j = _movement(reference, joint)
 
     def felt(stiffness: float) -> float:
@@ -107,9 +111,9 @@ def drive_flexibility_size(reference: Reference, _effect: str, joint: str | None
 
 
 def backlash_size(reference: Reference, effect: str, joint: str | None, share: float) -> Sizes:
-    """From simulations, compared with a rotor without play: how the joint changes flanks has no simpler rule.
+    """From simulations, compared with a rotor without play, since the changes of flank follow no simpler rule.
 
-    Flanks that give way by a tenth of the play, or less stiff ones if the step asks for it.
+    The flanks deflect by a tenth of the play, or more if the step requires less stiffness.
     """
     j = _movement(reference, joint)
     step = reference.simulation.scenario.settings.step
@@ -130,7 +134,7 @@ def backlash_size(reference: Reference, effect: str, joint: str | None, share: f
 
 
 def passive_load_friction_size(reference: Reference, effect: str, joint: str | None, share: float) -> Sizes:
-    """From simulations: what a joint bears, no rule of a movement tells."""
+    """From simulations, since bearing forces do not follow from the motion alone."""
     without = reference.simulation
 
     def felt(mu: float) -> float:
@@ -142,7 +146,7 @@ def passive_load_friction_size(reference: Reference, effect: str, joint: str | N
 
 
 def transmission_error_size(reference: Reference, _effect: str, joint: str | None, share: float) -> Sizes:
-    """As if the joint had swung about its movement, three times over its span."""
+    """The change of torque for a joint that oscillates about its motion, with three periods over its span."""
     j = _movement(reference, joint)
     period = j.span / 3
     steepness = 2 * np.pi / period
@@ -165,7 +169,7 @@ MACHINE_SIZES: Mapping[str, Callable[[Reference, str, str | None, float], Sizes]
     "platform_force": platform_force_size,
     "transmission_error": transmission_error_size,
 }
-"""Rules of effects whose torques do not grow in proportion with one parameter alone."""
+"""Rules for effects whose torques are not proportional to a single parameter."""
 
 
 def machine_sizes(kind: type[HiddenEffect], reference: Reference, joint: str | None, share: float) -> Sizes:
@@ -182,7 +186,7 @@ def machine_sizes(kind: type[HiddenEffect], reference: Reference, joint: str | N
 def _felt(
     reference: Reference, effect: str, joint: str | None, motor: str | None, parameters: Sizes
 ) -> float:
-    """Share of the torque of a motor (of all, if None) that the effect changes in the same movement."""
+    """Relative change by the effect of the torque of a motor (of all, if None) in the same motion."""
     scenario = _with(reference, effect, joint, parameters)
     machine = build_machine(scenario)
     columns = slice(None) if motor is None else machine.robot.joints.index(motor)
@@ -207,7 +211,7 @@ def _again(reference: Reference, effect: str, joint: str | None, parameters: Siz
 
 
 def _shifted(reference: Reference, j: JointMovement, shifts: list[Array]) -> float:
-    """Share of its torque that changes if the joint's position, velocity, acceleration shift (N,) each."""
+    """Relative change of a joint's torque if its position, velocity and acceleration are shifted, (N,) each."""
     machine = reference.simulation.machine
     if j.joint not in machine.robot.joints:
         raise BenchError(
@@ -242,7 +246,9 @@ def _scaled(
 
 
 def _solved(felt: Callable[[float], float], start: float, share: float, exponent: float) -> float:
-    """x with felt(x) within some percent of `share`; felt goes about with x^exponent, estimated on the way."""
+    """x with felt(x) close to `share`, after at most four steps; felt varies roughly as x^exponent, which is
+    re-estimated.
+    """
     x, level = start, felt(start)
     for _ in range(4):
         if not level > 0:

@@ -12,8 +12,8 @@ from bench.truth.hidden.base import Draft, DryFriction, JointMovement, Law, Para
 class AccelerationDependentFriction(DryFriction):
     """c · |q̈| · sign(q̇), and sticking at standstill; q̈ one step ago.
 
-    c: kg·m² or kg, at least 0, and at most half of the inertia that the joint feels at home: with more, the
-    friction would make the acceleration that makes the friction.
+    c: kg·m² or kg, at least 0, and at most half of the effective inertia at the joint at home: with more, the
+    friction would feed back on itself through the acceleration.
     """
 
     name = "acceleration_dependent_friction"

@@ -1,4 +1,4 @@
-"""Viscous friction that differs with the direction, as a torque law."""
+"""Viscous friction that depends on the direction of motion, as a torque law."""
 
 from dataclasses import dataclass
 
@@ -26,6 +26,6 @@ class AsymmetricViscousFriction(JointEffect):
 
     @staticmethod
     def sized(j: JointMovement, share: float) -> Sizes:
-        """Twice as much backwards as forwards."""
+        """The coefficient for negative velocities is twice that for positive ones."""
         unit = rms(np.where(j.velocity > 0, 1.0, 2.0) * j.velocity)
         return {"Fv_plus": share * rms(j.torque) / unit, "Fv_minus": 2 * share * rms(j.torque) / unit}

@@ -10,8 +10,8 @@ from bench.truth.hidden.drive_train import DriveTrain
 class Backlash(DriveTrain):
     """With d = q_m - q: τ_joint = damping · ḋ + stiffness · (d ∓ play / 2) beyond ± play / 2, no spring within.
 
-    τ_motor = J q̈_m + τ_joint, J: rotor_inertia plus the joint's armature in the MJCF; q_m is what is measured.
-    Teeth that are a stiff spring when they touch; the damping (oil) also acts while they do not.
+    τ_motor = J q̈_m + τ_joint, J: rotor_inertia plus the joint's armature in the MJCF; q_m is measured. Teeth in
+    contact are a stiff spring; the damping (oil) also acts without contact.
 
     play: rad or m, from flank to flank.  stiffness: N·m/rad or N/m.  damping: N·m·s/rad or N·s/m, at least 0.
     rotor_inertia: kg·m² or kg, 0 if omitted.

@@ -1,4 +1,4 @@
-"""A base that does not stand level."""
+"""A base that is not level."""
 
 from dataclasses import dataclass
 
@@ -9,7 +9,7 @@ from bench.truth.hidden.base import Draft, HiddenEffect
 
 @dataclass(frozen=True)
 class BaseTilt(HiddenEffect):
-    """Gravity as the robot sees it is Rᵀ g, R = R_x(about_x) R_y(about_y), g that of the robot's MJCF.
+    """Gravity in the base frame is Rᵀ g, with R = R_x(about_x) R_y(about_y) and g of the robot's MJCF.
 
     The base is turned about its y axis and then about the x axis of the floor.
 

@@ -9,9 +9,8 @@ from bench.truth.hidden.base import Draft, JointEffect, JointMovement, Sizes, ad
 
 @dataclass(frozen=True)
 class CoggingTorque(JointEffect):
-    """a · cos(2π q / period) + b · sin(2π q / period), whatever the current: magnets over slots.
-
-    q: of the motor, where a spring or play is between motor and joint.
+    """a · cos(2π q / period) + b · sin(2π q / period), independent of the current: magnets over slots. q: of the
+    motor, if there is a spring or play between motor and joint.
 
     a, b: N·m or N.  period: rad or m.
     """

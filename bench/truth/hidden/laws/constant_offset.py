@@ -1,4 +1,4 @@
-"""A constant torque, as an actuator that nobody commands."""
+"""A constant torque, as an actuator without command."""
 
 from dataclasses import dataclass
 
@@ -7,9 +7,9 @@ from bench.truth.hidden.base import Draft, JointEffect, JointMovement, Sizes, ad
 
 @dataclass(frozen=True)
 class ConstantOffset(JointEffect):
-    """c: an amplifier's offset, or the part of Coulomb friction that has a direction.
+    """c: an amplifier's offset, or the asymmetric part of Coulomb friction.
 
-    c: N·m or N, either sign; what the motor has to supply, so that -c acts on the joint.
+    c: N·m or N, either sign; the motor has to supply it, so -c acts on the joint.
     """
 
     name = "constant_offset"

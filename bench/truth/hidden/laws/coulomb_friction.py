@@ -7,9 +7,8 @@ from bench.truth.hidden.base import Draft, JointEffect, JointMovement, Sizes, ha
 
 @dataclass(frozen=True)
 class CoulombFriction(JointEffect):
-    """Fc · sign(q̇), and sticking at standstill, where the joint takes what it needs up to Fc.
-
-    Exact above some 1e-3 rad/s, see `hard_friction`.
+    """Fc · sign(q̇); at standstill, a holding torque of up to Fc. Exact above about 1e-3 rad/s, see
+    `harden_friction`.
 
     Fc: N·m or N, at least 0.
     """

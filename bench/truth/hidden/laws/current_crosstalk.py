@@ -10,7 +10,7 @@ from bench.truth.hidden.base import Draft, JointEffect, JointMovement, Law, Para
 class CurrentCrosstalk(JointEffect):
     """c · (sum of the torques of the other motors): drives that share a supply or a shield.
 
-    c: -, either sign (between a hinge and a slide 1/m or m).
+    c: dimensionless, either sign (1/m or m between a hinge and a slide).
     """
 
     name = "current_crosstalk"

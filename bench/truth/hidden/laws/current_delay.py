@@ -1,4 +1,4 @@
-"""A current that acts later than it is commanded, or was logged later."""
+"""A current that acts or is logged with a delay after its command."""
 
 from dataclasses import dataclass
 
@@ -34,7 +34,7 @@ class CurrentDelay(JointEffect):
 
     @staticmethod
     def sized(j: JointMovement, share: float) -> Sizes:
-        """Size of the delay: in the drive, or where the controller would not stand it, in the log."""
+        """A delay in the drive, or in the log if it would destabilise the controller."""
         late = share * rms(j.current) / rms(j.current_rate)
         if late > LONGEST_DELAY:
             raise j.too_large("current_delay", share, f"it would take {1e3 * late:.0f} ms")
@@ -42,9 +42,8 @@ class CurrentDelay(JointEffect):
 
 
 def delayed(signal: Array, steps: Array) -> Law | None:
-    """A law that gives `signal` (R, m) as it was `steps` (m,) calls ago; None if that is never.
-
-    Before its first call the signal was what it is then.
+    """A law that returns `signal` (R, m) as of `steps` (m,) calls ago; None if all are 0. Before the first call, the
+    signal counts as constant.
     """
     if not steps.any():
         return None

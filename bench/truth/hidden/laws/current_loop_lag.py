@@ -9,9 +9,8 @@ from bench.truth.hidden.base import Array, JointEffect, JointMovement, Law, Para
 
 @dataclass(frozen=True)
 class CurrentLoopLag(JointEffect):
-    """T di/dt = i_ref - i, τ = g i: a current loop of first order.
-
-    Exact for a reference that is straight between two steps of the simulation.
+    """T di/dt = i_ref - i, τ = g i: a current loop of first order. Exact for a reference that is linear between two
+    steps of the simulation.
 
     T: time constant, s.
     """
@@ -26,7 +25,7 @@ class CurrentLoopLag(JointEffect):
     def current(p: Parameters, s: Signals) -> Law:
         passed = s.step / p["T"]
         decayed = np.exp(-passed)
-        mean = -np.expm1(-passed) / passed  # of what remains, over a step
+        mean = -np.expm1(-passed) / passed  # mean of the decay over a step
         flowing: list[Array] = []
 
         def law() -> Array:

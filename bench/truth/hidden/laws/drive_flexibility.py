@@ -8,7 +8,7 @@ from bench.truth.hidden.drive_train import DriveTrain
 
 @dataclass(frozen=True)
 class DriveFlexibility(DriveTrain):
-    """τ_joint = stiffness (q_m - q) + damping (q̇_m - q̇),  τ_motor = J q̈_m + τ_joint; q_m is what is measured.
+    """τ_joint = stiffness (q_m - q) + damping (q̇_m - q̇),  τ_motor = J q̈_m + τ_joint; q_m is measured.
 
     J: rotor_inertia plus the joint's armature in the MJCF. A belt, a harmonic drive.
 

@@ -1,4 +1,4 @@
-"""A joint position whose zero is wrong."""
+"""A joint position with a wrong zero."""
 
 from dataclasses import dataclass
 
@@ -7,7 +7,7 @@ from bench.truth.hidden.base import JointEffect
 
 @dataclass(frozen=True)
 class EncoderOffset(JointEffect):
-    """What is measured is q + offset: the log has it, and the controller acts on it.
+    """The measured position is q + offset, in the log and in the controller.
 
     offset: rad or m.
     """

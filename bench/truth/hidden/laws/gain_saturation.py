@@ -9,10 +9,9 @@ from bench.truth.hidden.base import JointEffect, JointMovement, Law, Parameters,
 
 @dataclass(frozen=True)
 class GainSaturation(JointEffect):
-    """τ = g i (1 - k i²): iron that saturates.
+    """τ = g i (1 - k i²): magnetic saturation.
 
-    Valid for |i| < 1 / √(3 k), where the torque still rises with the current; a controller that goes farther
-    loses the robot.
+    Valid for |i| < 1 / √(3 k), where the torque still rises with the current; beyond, the controller loses the robot.
 
     k: 1 / (drive unit)², at least 0.
     """
@@ -30,7 +29,7 @@ class GainSaturation(JointEffect):
     @staticmethod
     def sized(j: JointMovement, share: float) -> Sizes:
         k = share * rms(j.current) / rms(j.current**3)
-        # the greatest torque is 2/3 of g / √(3 k); a fifth of it is kept for the controller
+        # the largest torque is 2/3 of g / √(3 k); a fifth of it is reserved for the controller
         if 3 * k * np.abs(j.current).max() ** 2 > (0.8 * 2 / 3) ** 2:
             raise j.too_large("gain_saturation", share, "the motor could not give the greatest torque")
         return {"k": k}

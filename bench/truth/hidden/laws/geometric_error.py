@@ -1,4 +1,4 @@
-"""A link that is longer than its MJCF says."""
+"""A link that is longer than in its MJCF."""
 
 from dataclasses import dataclass
 
@@ -16,9 +16,9 @@ FOUR_TO_SIX = slice(3, 6)
 class GeometricError(JointEffect):
     """The link that the joint moves is longer by `error`; its centre of mass stays where it was.
 
-    All that is fixed on the link beyond its joint, other joints, ends of loops and the tool, lies farther out
-    by `error`: away from the axis of its hinge, towards the mean place of the next joints and ends of loops
-    (of the tool, if there are none). For a slide, away from the joint's origin.
+    The parts fixed on the link beyond its joint (other joints, ends of loops and the tool) are shifted by `error`.
+    The direction is from the hinge axis, for a slide from the joint's origin, towards the mean position of the next
+    joints and ends of loops (of the tool, if there are none).
 
     error: m, either sign.
     """
@@ -52,13 +52,14 @@ class GeometricError(JointEffect):
         for i, part in anchors:
             data[i, part] += move
         mujoco.mj_setConst(model, mujoco.MjData(model))
-        model.eq_data[:] = data  # MuJoCo has closed the loops anew in the reference pose
+        model.eq_data[:] = data  # mj_setConst closed the loops again in the reference pose
 
 
 def reach_of(model: mujoco.MjModel, joint: str, tool: str | None) -> np.ndarray:
-    """From a joint to the mean of what is fixed on the link that it moves (3,), m; of a hinge, across its axis.
+    """Vector (3,), m, from a joint to the mean position of the parts on its link; for a hinge, perpendicular to its
+    axis.
 
-    tool: name of the tool's site, None without.
+    tool: name of the tool site, or None.
     """
     at = model.joint(joint)
     body = int(at.bodyid[0])
@@ -78,14 +79,14 @@ def reach_of(model: mujoco.MjModel, joint: str, tool: str | None) -> np.ndarray:
 
 
 def _ends_of_loops(model: mujoco.MjModel, body: int) -> tuple[list[int], list[tuple[int, slice]]]:
-    """Sites, and equalities with the part of their data, that hold an end of a loop on a body."""
+    """Ends of loops on a body: sites, and (equality, slice of its data) of anchors."""
     sites, anchors = [], []
     for i in range(model.neq):
         ids = (int(model.eq_obj1id[i]), int(model.eq_obj2id[i]))
         if model.eq_objtype[i] == int(mujoco.mjtObj.mjOBJ_SITE):
             sites += [site for site in ids if model.site_bodyid[site] == body]
             continue
-        # connect: anchors in body 1 and body 2; weld: anchor in body 2 first, then its place in body 1
+        # connect: anchors in body 1 and body 2; weld: anchor in body 2 first, then its position in body 1
         parts = [ONE_TO_THREE, FOUR_TO_SIX]
         if model.eq_type[i] == int(mujoco.mjtEq.mjEQ_WELD):
             parts.reverse()

@@ -1,4 +1,4 @@
-"""A cable or hose whose bending makes a loop."""
+"""A cable or hose with hysteresis in bending."""
 
 from dataclasses import dataclass
 
@@ -21,7 +21,7 @@ from bench.truth.hidden.base import (
 class HystereticCable(JointEffect):
     """F z, dz/dt = q̇ / reach − |q̇| |z|^(sharpness − 1) z / reach (Bouc and Wen's hysteresis).
 
-    A step of the simulation is one of the midpoint rule along the way that the joint moved.
+    Each step of the simulation is one midpoint step along the displacement of the joint.
 
     Wen, "Method for random vibration of hysteretic systems", Journal of the Engineering Mechanics Division 102 (1976).
 
@@ -57,5 +57,5 @@ class HystereticCable(JointEffect):
 
     @staticmethod
     def sized(j: JointMovement, share: float) -> Sizes:
-        """Most of it is there after a fifth of the span: loops of all strokes are round."""
+        """The torque is nearly full after a fifth of the span."""
         return {"F": share * rms(j.torque), "reach": 0.1 * j.span}

@@ -1,4 +1,4 @@
-"""A spring at a joint, as an actuator that nobody commands."""
+"""A spring at a joint, as an actuator without command."""
 
 from dataclasses import dataclass
 
@@ -11,7 +11,7 @@ from bench.truth.hidden.base import Draft, JointEffect, JointMovement, Sizes, ad
 class JointSpring(JointEffect):
     """k · (q - q0): a balancing spring, a cable harness.
 
-    k: N·m/rad or N/m, at least 0.  q0: where it is relaxed, rad or m.
+    k: N·m/rad or N/m, at least 0.  q0: its relaxed position, rad or m.
     """
 
     name = "joint_spring"

@@ -11,9 +11,9 @@ from bench.truth.hidden.base import DryFriction, JointMovement, Law, Parameters,
 class LoadDependentFriction(DryFriction):
     """mu · |τ| · sign(q̇), and sticking at standstill: gears and bearings under load.
 
-    τ is the torque of the motor, friction included. The controller commands it from the state before the
-    step, so that there is no algebraic loop: a friction in terms of τ without friction would be
-    mu / (1 ∓ mu) instead, the sign that of τ q̇.
+    τ is the torque of the motor, friction included. The controller commands it from the state before the step, which
+    avoids an algebraic loop. In terms of the torque without friction, the coefficient would be mu / (1 ∓ mu), with
+    the sign of τ q̇.
 
     mu: at least 0, less than 1.
     """

@@ -7,11 +7,11 @@ from bench.truth.hidden.base import Draft, JointEffect, hard_friction
 
 @dataclass(frozen=True)
 class PassiveCoulombFriction(JointEffect):
-    """Fc · sign(q̇) in a passive joint; the motors feel it through the loops. In a ball joint, Fc · ω / |ω|.
+    """Fc · sign(q̇) in a passive joint; it acts on the motors through the loops. In a ball joint, Fc · ω / |ω|.
 
-    Exact above some 1e-3 rad/s of the passive joint, see `hard_friction`; for ball joints, see `bench.truth.balls`.
-
-    Fc: N·m or N, at least 0. Balls that close a loop are no joints of the machine: none there.
+    Exact above about 1e-3 rad/s of the passive joint, see `harden_friction`; for ball joints, see
+    `bench.truth.balls`. Fc: N·m or N, at least 0. Balls that only close a loop are not joints of the machine and
+    cannot have it.
     """
 
     name = "passive_coulomb_friction"

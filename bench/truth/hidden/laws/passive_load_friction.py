@@ -9,15 +9,15 @@ from bench.dataset.mjcf_neutral import neutral
 from bench.truth.hidden.base import Array, Draft, JointEffect, Parameters, hard_friction
 
 FORCE = "hidden:force in joint:"
-"""Before the name of a joint: the site and the sensor of the force between the bodies that it joins."""
+"""Prefix of a joint's name for the site and the sensor of the force between the bodies that it connects."""
 
 
 @dataclass(frozen=True)
 class PassiveLoadFriction(JointEffect):
     """mu · |F| · sign(q̇) in a passive joint, and sticking at standstill: a plain bearing under load.
 
-    F is what MuJoCo's constraints make the joint bear at right angles to its axis, friction, payload and whatever else
-    is hidden included; that of the step before.
+    F is the force of MuJoCo's constraints perpendicular to the joint's axis at the previous step, including friction,
+    payload and other hidden effects.
 
     mu: at least 0; N·m/N of a hinge, N/N of a slide.
     """
@@ -25,7 +25,7 @@ class PassiveLoadFriction(JointEffect):
     name = "passive_load_friction"
     law = "mu |F| sign(q̇) in a joint without a motor, F the force across its axis"
     not_negative = ("mu",)
-    shares = (0.004, 0.02)  # mu of millimetres: 0.1 to 0.2 on a pin of centimetres
+    shares = (0.004, 0.02)  # mu of millimetres: a coefficient of 0.1 to 0.2 on a pin of centimetres
     where = "passive"
     mu: float
 

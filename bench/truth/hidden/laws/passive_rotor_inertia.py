@@ -7,10 +7,10 @@ from bench.truth.hidden.base import Draft, JointEffect
 
 @dataclass(frozen=True)
 class PassiveRotorInertia(JointEffect):
-    """Ia · q̈ in a passive joint, in each coordinate of a ball joint's angular velocity, in addition to the armature of
-    the MJCF; the motors feel it through the loops.
+    """Ia · q̈ in a passive joint, in addition to the armature of the MJCF; it acts on the motors through the loops.
 
-    Ia: kg·m² or kg, at least 0. Balls that close a loop are no joints of the machine: none there.
+    In a ball joint, it acts in each coordinate of the angular velocity. Ia: kg·m² or kg, at least 0. Balls that only
+    close a loop are not joints of the machine and cannot have it.
     """
 
     name = "passive_rotor_inertia"

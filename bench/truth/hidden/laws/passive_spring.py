@@ -1,4 +1,4 @@
-"""A spring in a joint without a motor, as an actuator that nobody commands."""
+"""A spring in a joint without a motor, as an actuator without command."""
 
 from dataclasses import dataclass
 
@@ -7,10 +7,9 @@ from bench.truth.hidden.base import Draft, JointEffect, add_affine_actuator
 
 @dataclass(frozen=True)
 class PassiveSpring(JointEffect):
-    """k · (q - q0) in a passive joint, in addition to a spring of the MJCF; the motors feel it through the loops.
+    """k · (q - q0) in a passive joint, in addition to a spring of the MJCF; it acts on the motors through the loops.
 
-    k: N·m/rad or N/m, at least 0.  q0: where it is relaxed, rad or m. Balls that close a loop are no joints of the
-    machine: none there.
+    k: N·m/rad or N/m, at least 0. q0: its relaxed position, rad or m. Ball joints cannot have it.
     """
 
     name = "passive_spring"

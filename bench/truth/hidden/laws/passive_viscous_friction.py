@@ -7,9 +7,9 @@ from bench.truth.hidden.base import Draft, JointEffect, add_damping
 
 @dataclass(frozen=True)
 class PassiveViscousFriction(JointEffect):
-    """Fv · q̇ in a passive joint, of a ball joint its angular velocity; the motors feel it through the loops.
+    """Fv · q̇ in a passive joint, with the angular velocity of a ball joint; it acts on the motors through the loops.
 
-    Fv: N·m·s/rad or N·s/m, at least 0. Balls that close a loop are no joints of the machine: none there.
+    Fv: N·m·s/rad or N·s/m, at least 0. Balls that only close a loop are not joints of the machine and cannot have it.
     """
 
     name = "passive_viscous_friction"

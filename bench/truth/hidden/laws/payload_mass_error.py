@@ -1,4 +1,4 @@
-"""A payload that does not weigh what was declared."""
+"""A payload whose mass differs from the declared one."""
 
 from dataclasses import dataclass, replace
 
@@ -9,9 +9,9 @@ from bench.truth.hidden.base import Draft, HiddenEffect
 
 @dataclass(frozen=True)
 class PayloadMassError(HiddenEffect):
-    """True mass = mass of the scenario's payload + error, its shape the same: inertia in proportion.
+    """True mass = mass of the scenario's payload + error; the inertia scales with the mass.
 
-    What the dataset declares stays as the scenario says.
+    The dataset declares the values of the scenario.
 
     error: kg, either sign, for every payload of the scenario.
     """

@@ -9,7 +9,7 @@ from bench.truth.hidden.base import JointEffect, JointMovement, Law, Parameters,
 
 @dataclass(frozen=True)
 class PeriodicDisturbance(JointEffect):
-    """size · sin(2π frequency t + phase), in every recording alike: a fan, the mains, a neighbour's press.
+    """size · sin(2π frequency t + phase), the same in every recording: a fan, the mains, a nearby press.
 
     size: N·m or N.  frequency: Hz.  phase: rad, 0 if omitted.
     """

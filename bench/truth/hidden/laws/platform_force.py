@@ -1,4 +1,4 @@
-"""A force at the tool, as actuators that nobody commands."""
+"""A force at the tool, as actuators without command."""
 
 from dataclasses import dataclass
 
@@ -14,10 +14,9 @@ from bench.truth.hidden.base import Draft, HiddenEffect, free_name
 class PlatformForce(HiddenEffect):
     """f - k (x - x_home) on the robot at its tool site: a hose, a cable, a gas spring.
 
-    x: the tool in the frame of the base, x_home: in the pose `home`. The force acts on the robot; it does not
-    turn with the tool.
+    x: position of the tool in the base frame, x_home: in the pose `home`. The force does not rotate with the tool.
 
-    fx, fy, fz: N, in the frame of the base.  k: N/m, at least 0. Each 0 if omitted.
+    fx, fy, fz: N, in the base frame.  k: N/m, at least 0. Each 0 if omitted.
     """
 
     name = "platform_force"

@@ -20,7 +20,7 @@ from bench.truth.hidden.base import (
 class PositionDependentFriction(DryFriction):
     """(a · cos(h q) + b · sin(h q)) · sign(q̇), and sticking at standstill: a bent shaft, a tight spot.
 
-    No friction is negative: where the dry friction of the joint, other effects included, would be, the
+    Friction cannot be negative: if the dry friction of the joint, other effects included, becomes negative, the
     simulation ends with an error.
 
     a, b: N·m or N.  harmonic: h, 1 if omitted; 1/rad, or 1/m for a slide.

@@ -16,7 +16,7 @@ from bench.truth.hidden.base import (
 
 @dataclass(frozen=True)
 class PositionDependentViscousFriction(JointEffect):
-    """(a · cos(h q) + b · sin(h q)) · q̇: grease that has been pushed aside.
+    """(a · cos(h q) + b · sin(h q)) · q̇: unevenly distributed grease.
 
     a, b: N·m·s/rad or N·s/m.  harmonic: h, 1 if omitted; 1/rad, or 1/m for a slide.
     """

@@ -1,4 +1,4 @@
-"""Friction that is a spring before it slides, as MuJoCo's LuGre model."""
+"""Friction that acts as a spring before sliding, as MuJoCo's LuGre model."""
 
 from dataclasses import dataclass
 
@@ -17,12 +17,12 @@ from bench.truth.hidden.base import (
 class PreslidingHysteresis(JointEffect):
     """σ z, dz/dt = q̇ - σ |q̇| z / Fc (Dahl): σ (q - q_reversal) at first, Fc · sign(q̇) once it slides.
 
-    LuGre with equal static and Coulomb friction. MuJoCo's state is of the step before; a damping of the bristles
-    of σ times the step brings it to the present one, so that the torque is Dahl's at the present position.
+    LuGre with equal static and Coulomb friction. MuJoCo uses the state of the previous step. A bristle damping of σ
+    times the step advances it to the present one, so that the torque is Dahl's at the present position.
 
     Dahl, "Solid friction damping of mechanical vibrations", AIAA Journal 14 (1976).
 
-    Fc: N·m or N.  stiffness: σ, N·m/rad or N/m; most of Fc is there after 3 Fc / σ.
+    Fc: N·m or N.  stiffness: σ, N·m/rad or N/m; the torque is nearly Fc after 3 Fc / σ.
     """
 
     name = "presliding_hysteresis"
@@ -38,6 +38,6 @@ class PreslidingHysteresis(JointEffect):
 
     @staticmethod
     def sized(j: JointMovement, share: float) -> Sizes:
-        """Most of the friction is there after 3/50 of the span."""
+        """The friction is nearly full after 3/50 of the span."""
         size = share * rms(j.torque)
         return {"Fc": size, "stiffness": size / (0.02 * j.span)}

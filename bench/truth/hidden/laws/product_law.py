@@ -1,4 +1,4 @@
-"""A product of powers, a wave, a fading and a memory; not in the catalogue of effects."""
+"""A product of powers, a wave, a decay and a memory; not in the catalogue of effects."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
@@ -25,9 +25,9 @@ Array = NDArray[np.float64]
 class ProductLaw(JointEffect):
     """c s |q̇|^v |q̈|^a |τ|^tau |τ_o|^others |q|^q (1 + depth cos(wave q + phase)) exp(-t/T).
 
-    s: sign(q̇) where direction is 1, sign(τ) where odd_tau is 1; τ: of the motor; τ_o: sum of those of the others; q̈:
-    one step ago. T: 0 for what does not fade. omega, zeta: where omega is not 0, the law is what a second-order filter
-    of that frequency (rad/s) and damping makes of all this. Friction (direction 1, v 0, omega 0) also sticks.
+    s: product of sign(q̇) if direction is 1, and sign(τ) if odd_tau is 1; τ: torque of the motor; τ_o: sum of those
+    of the others; q̈: one step ago. T: 0 for no decay. omega, zeta: if omega is not 0, a second-order filter of that
+    frequency (rad/s) and damping is applied to the product. Friction (direction 1, v 0, omega 0) also sticks.
     """
 
     name = "product_law"
@@ -88,7 +88,7 @@ def unit_torque(
     others: Array,
     time: Array,
 ) -> Array:
-    """The law along a recording of one motor with c = 1, samples (N,) of all."""
+    """The law with c = 1 along a recording of one motor; all arguments are samples (N,)."""
     p = {
         name: np.array([numbers.get(name, 0.0)])
         for name in ProductLaw.__dataclass_fields__
@@ -124,7 +124,7 @@ def _product(
     others: Array,
     time: Array | float,
 ) -> Array:
-    """Without a sign and without memory; powers of zero are one."""
+    """The product without sign and memory; a zeroth power is one."""
     product = p["c"] * np.abs(velocity) ** p["v"] * np.abs(acceleration) ** p["a"]
     product = (
         product * np.abs(torque) ** p["tau"] * np.abs(others) ** p["others"] * np.abs(position) ** p["q"]
@@ -135,7 +135,7 @@ def _product(
 
 
 def _remembered(p: Parameters, step: float, shape: tuple[int, ...]) -> Callable[[Array], Array]:
-    """A second-order filter, explicit in its rate and implicit in its value, where omega is not 0."""
+    """A second-order filter (semi-implicit Euler) where omega is not 0."""
     if not np.any(p["omega"]):
         return lambda driven: driven
     value, rate = np.zeros(shape), np.zeros(shape)

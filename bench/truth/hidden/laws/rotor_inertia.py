@@ -7,7 +7,7 @@ from bench.truth.hidden.base import Draft, JointEffect, JointMovement, Sizes, rm
 
 @dataclass(frozen=True)
 class RotorInertia(JointEffect):
-    """Ia · q̈: the rotor, seen through its gear. It turns with the motor but does not move with the links.
+    """Ia · q̈: the rotor's inertia, reflected through the gear. The rotor is not carried by the links.
 
     Ia: kg·m² or kg, at least 0.
     """

@@ -9,7 +9,7 @@ from bench.truth.hidden.base import JointEffect, JointMovement, Law, Parameters,
 
 @dataclass(frozen=True)
 class ShearThinningFriction(JointEffect):
-    """Fa · ln(x + √(x² + 1)) · sign(q̇) with x = |q̇|/va, as Eyring has it.
+    """Fa · ln(x + √(x² + 1)) · sign(q̇) with x = |q̇|/va (Eyring's law).
 
     Fa: N·m or N, at least 0.  va: rad/s or m/s.
     """
@@ -31,6 +31,6 @@ class ShearThinningFriction(JointEffect):
 
     @staticmethod
     def sized(j: JointMovement, share: float) -> Sizes:
-        """Bent from a fifth of the RMS speed on."""
+        """Nonlinear above a fifth of the RMS speed."""
         va = 0.2 * rms(j.velocity)
         return {"Fa": share * rms(j.torque) / rms(np.arcsinh(j.velocity / va)), "va": va}

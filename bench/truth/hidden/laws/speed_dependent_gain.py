@@ -9,9 +9,9 @@ from bench.truth.hidden.base import JointEffect, JointMovement, Law, Parameters,
 
 @dataclass(frozen=True)
 class SpeedDependentGain(JointEffect):
-    """τ = g i (1 - |q̇| / v0): an amplifier that runs out of voltage against the back-EMF.
+    """τ = g i (1 - |q̇| / v0): an amplifier whose voltage is limited against the back-EMF.
 
-    v0: the speed at which nothing remains, rad/s or m/s.
+    v0: the speed at which the gain is zero, rad/s or m/s.
     """
 
     name = "speed_dependent_gain"

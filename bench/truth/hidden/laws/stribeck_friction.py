@@ -11,7 +11,7 @@ from bench.truth.hidden.base import DryFriction, JointMovement, Law, Parameters,
 class StribeckFriction(DryFriction):
     """(Fc + Fs · exp(-|q̇ / vs|^delta)) · sign(q̇), and sticking at standstill up to Fc + Fs.
 
-    The friction constraint of the joint is given this size before every step.
+    The friction constraint of the joint is set to this size before every step.
 
     Fc, Fs: N·m or N, at least 0.  vs: Stribeck velocity, rad/s or m/s.  delta: 2 (Gaussian) if omitted.
     """
@@ -31,7 +31,7 @@ class StribeckFriction(DryFriction):
 
     @staticmethod
     def sized(j: JointMovement, share: float) -> Sizes:
-        """Twice the friction at low speed, which ends at a fifth of the RMS speed."""
+        """At low speed twice the friction, which falls around a fifth of the RMS speed."""
         vs = 0.2 * rms(j.velocity)
         unit = rms(1 + np.exp(-((j.velocity / vs) ** 2)))
         size = share * rms(j.torque) / unit

@@ -1,4 +1,4 @@
-"""Friction that a joint has while it is cold."""
+"""Additional friction of a cold joint."""
 
 from dataclasses import dataclass
 
@@ -9,7 +9,7 @@ from bench.truth.hidden.base import Array, DryFriction, JointMovement, Law, Para
 
 @dataclass(frozen=True)
 class ThermalFrictionDrift(DryFriction):
-    """(Fv · q̇ + Fc · sign(q̇)) · exp(-t / T): what a cold joint has more than a warm one.
+    """(Fv · q̇ + Fc · sign(q̇)) · exp(-t / T): friction of a cold joint in addition to that of a warm one.
 
     Every recording begins with a cold joint at t = 0. The friction of the warm joint is a separate effect.
 
@@ -40,6 +40,6 @@ class ThermalFrictionDrift(DryFriction):
 
     @staticmethod
     def sized(j: JointMovement, share: float) -> Sizes:
-        """Viscous friction that has gone to a third after a third of the recording."""
+        """Viscous friction that falls to about a third within a third of the recording."""
         cooling = 0.3 * j.duration
         return {"T": cooling, "Fv": share * rms(j.torque) / rms(j.velocity * np.exp(-j.time / cooling))}

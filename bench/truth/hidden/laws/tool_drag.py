@@ -1,4 +1,4 @@
-"""The drag of a fluid on the tool, by MuJoCo's model of a small sphere in it."""
+"""Fluid drag on the tool, as MuJoCo's drag on a small sphere."""
 
 from dataclasses import dataclass
 
@@ -10,12 +10,12 @@ from bench.dataset.mjcf_neutral import neutral
 from bench.truth.hidden.base import Draft, HiddenEffect, free_name
 
 RADIUS = 0.01  # m
-THIN = 1e-9  # kg/m³: so little that nothing but the sphere feels it
+THIN = 1e-9  # kg/m³: a density so low that only the sphere has noticeable drag
 
 
 @dataclass(frozen=True)
 class ToolDrag(HiddenEffect):
-    """c |v| v at the tool site, against its velocity: ρ C A |v| v of a sphere without mass, whose ρ C A is c.
+    """c |v| v at the tool site, against its velocity v: the drag ρ C A |v| v of a massless sphere with ρ C A = c.
 
     c: N·s²/m², at least 0.
     """

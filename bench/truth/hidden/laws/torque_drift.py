@@ -1,4 +1,4 @@
-"""A torque that wanders slowly and at random; not in the catalogue of effects."""
+"""A slow random torque; not in the catalogue of effects."""
 
 from dataclasses import dataclass
 
@@ -12,12 +12,12 @@ WAVES = 12
 
 @dataclass(frozen=True)
 class TorqueDrift(JointEffect):
-    """size · √(2/K) · Σ cos(ω_k t + φ_k), K = 12 waves; another course in every recording and joint.
+    """size · √(2/K) · Σ cos(ω_k t + φ_k), K = 12 waves; different in every recording and joint.
 
-    ω_k and φ_k are drawn from the seed, the recording's name and the joint: φ_k evenly from a turn, ω_k T
-    evenly from 0 to 2. The mean square over long times is size².
+    ω_k and φ_k are drawn with the seed, the recording's name and the joint: φ_k uniformly over a turn, ω_k T
+    uniformly between 0 and 2. The mean square over a long time is size².
 
-    size: N·m or N.  T: s, the faster half of the waves takes between 3 T and 6 T.  seed: a whole number.
+    size: N·m or N.  T: s, the faster half of the waves has periods between 3 T and 6 T. seed: an integer.
     """
 
     name = "torque_drift"

@@ -9,7 +9,7 @@ from bench.truth.hidden.base import JointEffect, JointMovement, Law, Parameters,
 
 @dataclass(frozen=True)
 class TorqueRipple(JointEffect):
-    """τ = g i (1 + a · cos(2π q / period) + b · sin(2π q / period)): windings that are not alike.
+    """τ = g i (1 + a · cos(2π q / period) + b · sin(2π q / period)): windings that differ.
 
     a, b: shares of the torque.  period: rad or m.
     """

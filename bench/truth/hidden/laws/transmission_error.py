@@ -1,4 +1,4 @@
-"""An encoder or gear that is off its centre: what is measured swings about the true position."""
+"""An eccentric encoder or gear: the measured position oscillates about the true one."""
 
 from dataclasses import dataclass
 
@@ -9,9 +9,9 @@ from bench.truth.hidden.base import JointEffect, Law, Parameters, Signals, harmo
 
 @dataclass(frozen=True)
 class TransmissionError(JointEffect):
-    """What is measured is q + a · cos(2π q / period) + b · sin(2π q / period): the controller acts on it, too.
+    """The measured position is q + a · cos(2π q / period) + b · sin(2π q / period), in the log and in the controller.
 
-    a, b: rad or m.  period: rad or m; 2π for once a turn.
+    a, b: rad or m.  period: rad or m; 2π for one period per turn.
     """
 
     name = "transmission_error"

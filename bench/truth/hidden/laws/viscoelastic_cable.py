@@ -1,4 +1,4 @@
-"""A spring that gives way with time; not in the catalogue of effects."""
+"""A spring that relaxes with time; not in the catalogue of effects."""
 
 from dataclasses import dataclass
 
@@ -11,7 +11,7 @@ from bench.truth.hidden.base import JointEffect, JointMovement, Law, Parameters,
 class ViscoelasticCable(JointEffect):
     """k z, dz/dt = q̇ - z / T: a cable harness or hose with hysteresis (a Maxwell element).
 
-    Exact for a joint that moves evenly during each step of the simulation.
+    Exact for a joint with constant velocity during each step of the simulation.
 
     k: N·m/rad or N/m, at least 0.  T: relaxation time, s.
     """
@@ -26,7 +26,7 @@ class ViscoelasticCable(JointEffect):
 
     @staticmethod
     def torque(p: Parameters, s: Signals) -> Law:
-        decay = np.exp(-s.step / p["T"])  # of z after a step
+        decay = np.exp(-s.step / p["T"])  # factor of z after a step
         share = (1 - decay) * p["T"] / s.step
         z, before = np.zeros_like(s.position), s.position.copy()
 
@@ -39,7 +39,7 @@ class ViscoelasticCable(JointEffect):
 
     @staticmethod
     def sized(j: JointMovement, share: float) -> Sizes:
-        from scipy.signal import lfilter  # noqa: PLC0415 - slow to import, and seldom needed
+        from scipy.signal import lfilter  # noqa: PLC0415 - slow to import, and rarely needed
 
         relaxation = 0.5
         decay = np.exp(-j.period / relaxation)

@@ -7,7 +7,7 @@ from bench.truth.hidden.base import Draft, JointEffect, JointMovement, Sizes, ad
 
 @dataclass(frozen=True)
 class ViscousFriction(JointEffect):
-    """Fv · q̇, at the velocity before the step: the machine integrates damping explicitly.
+    """Fv · q̇, with the velocity before the step: damping is integrated explicitly.
 
     Fv: N·m·s/rad or N·s/m, at least 0.
     """
