@@ -1,8 +1,8 @@
 """The estimators side by side: `python -m bench.studies.estimators -o results/estimators`.
 
-Robots, noise of currents and encoders, filters that were given wrongly, bad seconds in the currents, controllers: bias,
-spread, coverage and time of each estimator, over seeds: other noise of the currents, and encoders whose steps lie
-elsewhere. Workers do not change the answers.
+Bias, spread, coverage and computing time of each estimator, for different robots, noise of currents and encoders,
+unsuitable filters, bad seconds in the currents, and controllers. Seeds differ in the noise of the currents and in the
+positions of the encoder steps. The number of workers does not affect the results.
 """
 
 import json
@@ -39,14 +39,14 @@ from bench.truth.resense import sense_again
 from bench.truth.simulate import Simulation, simulate
 
 ROBOTS = ("two_link", "five_bar", "delta")
-DURATION = 10.0  # s, of each of two recordings, one with the payload
-BAD = ("stuck", "offset", "noisy")  # what a bad second is, in turn
+DURATION = 10.0  # s: each of two recordings, one with the payload
+BAD = ("stuck", "offset", "noisy")  # kinds of bad seconds
 
 
 @dataclass(frozen=True)
 class Condition:
-    """What is unlike the first case: sensors and controller of the scenario, filters of the fit, how many seconds of
-    each recording are bad at one motor, and the simulation's step, s.
+    """Differences from the first case: sensors and controller of the scenario, filters of the fit, number of bad
+    seconds in each recording (each at one motor), and the simulation's step, s.
     """
 
     name: str
@@ -81,11 +81,11 @@ CASES = (
 
 @dataclass(frozen=True)
 class EstimatorRow:
-    """One estimator on one robot in one case; relative to the true gains, of the joint where it is largest.
+    """One estimator on one robot in one case; errors are relative to the true gains, of the joint with the largest.
 
-    bias: mean error; spread: standard deviation of it; error: median over seeds of the largest error of a gain; within:
-    share of 95 % intervals that hold the truth; seconds: processor time of the fit, median. failed: seeds that came to
-    nothing, with the reason of the first.
+    bias: mean error; spread: standard deviation of the error; error: median over seeds of the largest error of a
+    gain; within: share of 95 % intervals that contain the truth; seconds: median processor time of the fit. failed:
+    number of seeds without a result; reason: of the first of them.
     """
 
     robot: str
@@ -102,7 +102,7 @@ class EstimatorRow:
 
 
 def changes(robot: str, case: Condition, seed: int) -> dict[str, Any]:
-    """The robot's built-in scenario in a case: two recordings, the controller's law declared."""
+    """Changes to the robot's built-in scenario for a case: two recordings, declared control law."""
     payload = next(iter(load_scenario(robot).settings.payloads))
     design = {"optimise": True, "duration": DURATION, "ramp": 0.5}
     step = {} if case.step is None else {"step": case.step}
@@ -118,7 +118,9 @@ def changes(robot: str, case: Condition, seed: int) -> dict[str, Any]:
 
 
 def with_bad_seconds(dataset: Dataset, count: int, seed: int) -> Dataset:
-    """So many seconds of each recording spoilt at a motor each: current stuck, off by twice its deviation, or noise."""
+    """The dataset with `count` bad seconds in each recording, each at one motor: current stuck, offset by twice its
+    standard deviation, or with noise of that size.
+    """
     random = np.random.default_rng([seed, count])
     recordings = []
     for recording in dataset.recordings:
@@ -153,14 +155,14 @@ def _simulated(robot: str, controller: tuple[tuple[str, float], ...], step: floa
 
 
 def steps_at(robot: str, seed: int) -> np.ndarray:
-    """Where the encoders' steps lie, (n,) rad or m: anywhere, as they do on a machine."""
+    """Random positions (n,) of the encoder steps, rad or m, as on a real machine."""
     random = np.random.default_rng([seed, len(ROBOTS)])
     return random.uniform(0.0, 0.1, len(load_scenario(robot).robot.driven))
 
 
 @on_one_thread
 def rows_of(robot: str, case: Condition, methods: Sequence[str], seeds: int) -> list[EstimatorRow]:
-    """Every method on the same data of a robot in a case, seeds 1 to so many."""
+    """Every method on the same data of a robot in a case, for seeds 1 to `seeds`."""
     simulation = _simulated(robot, tuple(case.controller.items()), case.step)
     truth = true_gains(simulation.scenario)
     runs: dict[str, list[tuple[np.ndarray, np.ndarray, float]]] = {method: [] for method in methods}
@@ -211,7 +213,7 @@ def _row(
 
 
 def markdown(rows: Sequence[EstimatorRow]) -> str:
-    """A table for each robot and case, estimators below each other."""
+    """A table for each robot, with a row for each case and estimator."""
     text = ["# Estimators", "", EXPLANATION, ""]
     for robot in dict.fromkeys(row.robot for row in rows):
         text += [f"## {robot}", "", "| case | estimator | bias | spread | largest error | within | seconds |"]

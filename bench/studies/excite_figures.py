@@ -1,7 +1,7 @@
-"""What `bench excite` is worth, robot by robot: `python -m bench.studies.excite_figures -o results/excite`.
+"""The benefit of `bench excite` by robot: `python -m bench.studies.excite_figures -o results/excite`.
 
-Designed motions compared with the median of 50 random ones inside the same limits and time; forecast standard errors
-with the spread of repeated simulations.
+Designed motions are compared with the median of 50 random ones with the same limits and duration, and predicted
+standard errors with the spread over repeated simulations.
 """
 
 import json
@@ -59,9 +59,11 @@ DURATION = 10.0  # s
 
 
 def with_other_currents(prepared: Prepared, dataset: Dataset) -> Prepared | None:
-    """What `prepare` makes of a dataset whose recordings are all fitted, from another one with the same positions.
+    """The result of `prepare` for a dataset whose recordings are all fitted, from that of another one with the same
+    positions.
 
-    None where it would make something else: other positions, recordings or filters, effects, redundant motors.
+    None if the result would differ in more than the currents: other positions, recordings or filters, effects,
+    redundant motors.
     """
     before = [measured.recording for measured in prepared.measured]
     recordings = dataset.recordings
@@ -92,7 +94,7 @@ def with_other_currents(prepared: Prepared, dataset: Dataset) -> Prepared | None
 
 @dataclass(frozen=True)
 class ForecastOutcome:
-    """One unknown: its forecast standard error, and the standard deviation of its estimates over all repetitions."""
+    """One unknown: its predicted standard error, and the standard deviation of its estimates over all repetitions."""
 
     name: str
     expected: float
@@ -100,15 +102,16 @@ class ForecastOutcome:
 
     @property
     def ratio(self) -> float:
-        """Observed over expected: 1 where the forecast came true."""
+        """Observed over expected; 1 if the prediction is right."""
         return self.observed / self.expected
 
 
 @dataclass(frozen=True)
 class ForecastTrial:
-    """A forecast compared with repeated simulations. outcomes: of all unknowns that it says are determined;
-    repetitions: of the logs; independent: how many of the unknowns count as independent, by the correlations of their
-    estimates.
+    """A forecast compared with repeated simulations.
+
+    outcomes: for all unknowns with a predicted standard error; repetitions: number of logs; independent: effective
+    number of independent unknowns, from the correlations of their estimates.
     """
 
     outcomes: tuple[ForecastOutcome, ...]
@@ -117,24 +120,24 @@ class ForecastTrial:
 
     @property
     def pooled(self) -> float:
-        """The root mean square of all ratios: 1 where the forecast is right on the whole."""
+        """The root mean square of all ratios; 1 if the forecast is right overall."""
         return float(np.sqrt(np.mean([outcome.ratio**2 for outcome in self.outcomes])))
 
     @property
     def pooled_by_chance(self) -> tuple[float, float]:
-        """Between which a share CONFIDENCE of such trials has `pooled` over its true value."""
+        """Interval that contains `pooled` over its true value in a share CONFIDENCE of such trials."""
         return by_chance(self.repetitions, independent=self.independent)
 
     @property
     def every_by_chance(self) -> tuple[float, float]:
-        """Between which a share CONFIDENCE of such trials, at least, has every ratio over its true value."""
+        """Interval that contains every ratio over its true value in at least a share CONFIDENCE of such trials."""
         return by_chance(self.repetitions, at_once=len(self.outcomes))
 
 
 def by_chance(repetitions: int, *, independent: float = 1.0, at_once: int = 1) -> tuple[float, float]:
-    """How far chance takes a standard deviation, over the true one, with probability CONFIDENCE: chi-square.
+    """Interval of a sample standard deviation over the true one with probability CONFIDENCE, from chi-square.
 
-    independent: how many estimates of it are pooled; at_once: how many keep to it together (Bonferroni).
+    independent: number of pooled estimates; at_once: number that are in the interval simultaneously (Bonferroni).
     """
     freedom = (repetitions - 1) * independent
     outside = (1.0 - CONFIDENCE) / at_once
@@ -145,7 +148,7 @@ def by_chance(repetitions: int, *, independent: float = 1.0, at_once: int = 1) -
 def monte_carlo(
     plan: ExperimentPlan, expectation: Forecast, repetitions: int, seed: int = 0, progress: Progress = SILENT
 ) -> ForecastTrial:
-    """Simulate the planned motions once, log them `repetitions` times with other noise, identify each.
+    """Simulate the planned motions once, log them `repetitions` times with different noise, and identify each log.
 
     Raises BenchError for fewer than two repetitions.
     """
@@ -173,13 +176,15 @@ def monte_carlo(
 
 
 def _independent(estimates: np.ndarray) -> float:
-    """Of how many independent estimates the mean square of those in the columns has the freedom (Satterthwaite)."""
+    """Effective number of independent estimates among the columns, for the degrees of freedom of their mean square
+    (Satterthwaite).
+    """
     correlations = np.atleast_2d(np.corrcoef(estimates, rowvar=False))
     return float(len(correlations) ** 2 / (correlations**2).sum())
 
 
 def planned_scenario(plan: ExperimentPlan, seed: int) -> Scenario:
-    """The experiment as a scenario, without the recordings that only check."""
+    """The experiment as a scenario, without the recordings for validation."""
     whole = scenario_of(plan)
     fitted = tuple(recording for recording in whole.settings.recordings if recording.use == "identify")
     return _seeded(replace(whole, settings=whole.settings.model_copy(update={"recordings": fitted})), seed)
@@ -190,7 +195,7 @@ def _seeded(scenario: Scenario, seed: int) -> Scenario:
 
 
 def _prepared(dataset: Dataset, plan: ExperimentPlan, before: Prepared | None) -> Prepared:
-    """The equations of a log; before: of another one of the same motions, where there is one."""
+    """The equations of a log. before: those of another log of the same motions, or None."""
     known = None if before is None else with_other_currents(before, dataset)
     if known is not None:
         return known
@@ -222,13 +227,13 @@ Figures = Mapping[str, Any]
 
 
 def kept_figures(folder: Path, robots: Sequence[str]) -> list[Figures]:
-    """The figures of those robots that have a file in the folder."""
+    """The figures of the robots with a file in the folder."""
     files = [folder / f"{robot}.json" for robot in robots]
     return [json.loads(file.read_text(encoding="utf-8")) for file in files if file.is_file()]
 
 
 def write_page(folder: Path, robots: Sequence[str]) -> None:
-    """Write the page next to the figures of which it is made."""
+    """Write the page of all figures into their folder."""
     write_text_atomically(folder / PAGE, page(kept_figures(folder, robots)))
 
 
@@ -258,7 +263,7 @@ def _true(figures: Figures) -> Sequence[str]:
 
 
 def with_interval(figures: Figures, name: str) -> str:
-    """Such as 0.99 [0.97, 1.01]."""
+    """A figure with its interval, such as 0.99 [0.97, 1.01]."""
     return f"{figures[name]:.2f} " + "[{:.2f}, {:.2f}]".format(*figures[f"{name}_interval"])
 
 
@@ -280,7 +285,9 @@ def table_of(robot: str) -> ExperimentTable:
 
 
 def figures_of(robot: str, steps: int, seed: int, repetitions: int) -> dict[str, Any]:
-    """One robot: design, random motions, and (with repetitions) how the forecast came true."""
+    """Figures of one robot: design, random motions, and (with repetitions) a comparison of the forecast with
+    simulations.
+    """
     plan = plan_experiment(load_robot(robot), table_of(robot), Aim(steps=steps, seed=seed))
     figures: dict[str, Any] = {
         "robot": robot,

@@ -1,4 +1,4 @@
-"""The independent pieces of one computation on all processors."""
+"""Distribute the independent pieces of one computation over all processors."""
 
 from __future__ import annotations
 
@@ -13,12 +13,12 @@ from bench.basics.mapper import Item, Result
 from bench.basics.mapper import Shared as Common
 from bench.studies.sweep.pool import ON_ALL_CORES, Pool, Shared, Workers
 
-START = 1.0  # s that processes take to start: shorter work ends before, longer work takes at most that much longer
+START = 1.0  # s: about the time that processes take to start, which shorter work need not wait for
 
 
 @dataclass(frozen=True)
 class _Piece:
-    """One item; a user's mistake is part of the answer."""
+    """One item; a BenchError is returned as part of the result."""
 
     work: Callable[[Any, Any], Any]
     item: Any
@@ -31,7 +31,7 @@ class _Piece:
 
 
 class PooledMapper:
-    """A `Mapper` in this process until its work has taken START, then in several; `with` ends these."""
+    """A `Mapper` that works in this process until its work has taken `start` s, then in several; `with` ends these."""
 
     def __init__(self, workers: Workers = ON_ALL_CORES, start: float = START) -> None:
         self._workers, self._start = workers, start
@@ -54,7 +54,7 @@ class PooledMapper:
     def map(
         self, work: Callable[[Common, Item], Result], shared: Common, items: Sequence[Item]
     ) -> Iterator[Result]:
-        """See `Mapper`. A single item needs no other process."""
+        """See `Mapper`. A single item is computed in this process."""
         for at, item in enumerate(items):
             if len(items) > 1 and self._workers.count > 1 and self._spent >= self._start:
                 yield from self._pooled(work, shared, items[at:])

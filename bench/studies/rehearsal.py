@@ -1,4 +1,4 @@
-"""A planned experiment on the simulated machine, before its scenario is written: a drive with which it runs."""
+"""Simulate a planned experiment before its scenario is written, to choose a drive with which it runs."""
 
 import tomllib
 from collections.abc import Sequence
@@ -16,7 +16,7 @@ from bench.truth.simulate import simulate
 
 @dataclass(frozen=True)
 class Refused:
-    """A drive with which a planned scenario does not run, and why."""
+    """A drive with which a planned scenario does not run, and the reason."""
 
     drive: SimulatedDrive
     why: str
@@ -24,8 +24,8 @@ class Refused:
 
 @dataclass(frozen=True)
 class Rehearsal:
-    """drive: for the scenario; runs: whether every recording of it was simulated to its end; refused: the drives that
-    were tried before it, or all where none runs.
+    """drive: for the scenario; runs: whether every recording was simulated to its end; refused: the drives tried
+    before it, or all if none runs.
     """
 
     drive: SimulatedDrive
@@ -36,8 +36,8 @@ class Rehearsal:
 def rehearse(
     plan: ExperimentPlan, drives: Sequence[SimulatedDrive] = DRIVES, progress: Progress = SILENT
 ) -> Rehearsal:
-    """The first of the drives with which all recordings of a plan, of every payload, can be simulated; the first of all
-    where none can.
+    """The first of the drives with which all recordings of a plan can be simulated; the first drive if there
+    is none.
     """
     refused: list[Refused] = []
     for drive in drives:
@@ -52,7 +52,7 @@ def rehearse(
 
 
 def scenario_of(plan: ExperimentPlan, drive: SimulatedDrive = FIRST) -> Scenario:
-    """The scenario that is written for a plan, with its motions in it."""
+    """The scenario that is written for a plan, including its motions."""
     content = tomllib.loads(scenario_text(plan, drive))
     for entry, recording in zip(content["recordings"], plan.recordings, strict=True):
         del entry["trajectory_file"]
@@ -61,7 +61,7 @@ def scenario_of(plan: ExperimentPlan, drive: SimulatedDrive = FIRST) -> Scenario
 
 
 def rehearsal_sentence(rehearsal: Rehearsal) -> str:
-    """What a scenario differs in from the drive that is tried first, or that none runs; "" where the first one runs."""
+    """A sentence on the drive that replaces the first one, or that none runs; "" if the first one runs."""
     if not rehearsal.refused:
         return ""
     if rehearsal.runs:

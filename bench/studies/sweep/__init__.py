@@ -1,1 +1,1 @@
-"""Scenarios in numbers: truth and identification side by side."""
+"""Sweeps: many runs of scenarios, with truth and identification compared in a table."""

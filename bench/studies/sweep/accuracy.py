@@ -1,4 +1,4 @@
-"""How near an identification came to the truth of its simulation, and the true values of its parameters."""
+"""Errors of an identification relative to the truth of its simulation, and the true values of its parameters."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any
@@ -22,11 +22,11 @@ STATES = 80
 
 
 def accuracy(simulation: Simulation, result: Identification) -> Metrics:
-    """Errors of gains and currents, one number a name.
+    """Errors of gains and currents, condition number and loop gap, one number by name.
 
-    gain_error: largest |gain / true gain - 1|, and gain_error.JOINT with its sign; gain_std.JOINT: relative;
-    gain_within.JOINT: 1 where the 95 % interval holds the truth. noise_floor.identify and .validate: what a
-    perfect model would leave of the currents, because their noise is all that it cannot know.
+    gain_error: largest |gain / true gain - 1|, and gain_error.JOINT with its sign; gain_std.JOINT: over the true
+    gain; gain_within.JOINT: 1 if the 95 % interval contains the truth. noise_floor.identify and .validate: relative
+    error of a perfect model, due only to the noise of the currents.
     """
     joints = list(result.drive_gains)
     truth = dict(zip(joints, true_gains(simulation.scenario), strict=True))
@@ -75,8 +75,8 @@ def _current_noise(recording: SimulatedRecording, settings: FilterSettings) -> n
 def true_base_parameters(model: IdentificationModel, truth: Mapping[str, Any]) -> np.ndarray:
     """Base parameters (nb,) of the simulated machine, from the contents of its truth file.
 
-    Bodies fixed to others count with them; rotor inertias (armature) appear in the base parameters that take
-    them up, found by least squares at random noise-free states.
+    Bodies fixed to others are merged with them. Rotor inertias (armature) are distributed to base parameters by least
+    squares at random noise-free states.
     """
     geometry = model.geometry
     standard = np.zeros(10 * len(geometry.joints))

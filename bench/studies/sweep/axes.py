@@ -1,4 +1,4 @@
-"""The axes of a sweep: what varies, and which values it takes."""
+"""The axes of a sweep: settings that vary, and their values."""
 
 from __future__ import annotations
 
@@ -15,9 +15,9 @@ from bench.truth.hidden import HIDDEN_EFFECTS
 from bench.truth.streams import stream
 
 Value: TypeAlias = Any
-"""What TOML holds: a number, a string, a list or a table."""
+"""A value in TOML: a number, a string, a list or a table."""
 
-MOST_VALUES = 100_000  # of one axis: more is a mistake in a unit
+MOST_VALUES = 100_000  # of one axis: more indicates a mistake in a unit
 DRAWS = ("uniform", "log_uniform", "normal", "choice")
 Finite = Annotated[float, Field(allow_inf_nan=False)]
 
@@ -44,7 +44,7 @@ class Range(UserTable):
         return self
 
     def values(self) -> tuple[Value, ...]:
-        """The values, both ends included; whole numbers stay whole with a whole step."""
+        """The values, both ends included; integers if start and step are integers."""
         if self.step is not None:
             count = int(np.floor((self.stop - self.start) / self.step * (1 + 1e-9))) + 1
             numbers = self.start + self.step * np.arange(count)
@@ -62,7 +62,7 @@ class Cases(UserTable):
 
 
 class Hideable(UserTable):
-    """{ effects = "catalogue" } or "all" of those that can be hidden; without = [ … ] leaves some out."""
+    """{ effects = "catalogue" } or "all" effects that can be hidden; without = [ … ] omits some."""
 
     effects: Literal["catalogue", "all"]
     without: tuple[str, ...] = ()
@@ -80,7 +80,7 @@ class Hideable(UserTable):
 
 
 class Even(UserTable):
-    """{ draw = "uniform", from = -0.1, to = 0.1 }: evenly between two ends."""
+    """{ draw = "uniform", from = -0.1, to = 0.1 }: uniform between two ends."""
 
     draw: Literal["uniform", "log_uniform"]
     start: Annotated[Finite, Field(alias="from")]
@@ -115,7 +115,7 @@ class Normal(UserTable):
 
 
 class ChoiceDraw(UserTable):
-    """{ draw = "choice", values = [ … ] }: one of a list, each as likely."""
+    """{ draw = "choice", values = [ … ] }: one of a list, with equal probability."""
 
     draw: Literal["choice"]
     values: Annotated[tuple[Any, ...], Field(min_length=1)]
@@ -133,12 +133,12 @@ KEYS = (
     "draw",
     "cases",
     "effects",
-)  # a table with one of these is an axis, another one holds axes
+)  # a table with one of these is an axis, any other contains axes
 
 
 @dataclass(frozen=True)
 class Point:
-    """One value of an axis: how it is named in tables, and its settings."""
+    """One value of an axis: its label in tables, and its settings."""
 
     label: Value
     settings: Mapping[str, Value]
@@ -153,7 +153,7 @@ class GridAxis:
 
     @property
     def paths(self) -> frozenset[str]:
-        """Every setting that the axis touches."""
+        """All settings that the axis changes."""
         return frozenset(path for point in self.points for path in point.settings)
 
 
@@ -170,7 +170,7 @@ class DrawnAxis:
         return frozenset((self.name,))
 
     def value(self, seed: int) -> Value:
-        """The value of a seed; it depends on the seed and the axis' name alone."""
+        """The value for a seed; it depends only on the seed and the name of the axis."""
         return self.draw.value(stream(seed, "axis", self.name))
 
 
@@ -178,7 +178,7 @@ Axis: TypeAlias = GridAxis | DrawnAxis
 
 
 def read_axes(table: Mapping[str, Any], where: str) -> tuple[Axis, ...]:
-    """The axes of the table [axes], nested or with dotted names; BenchError names the axis at fault."""
+    """The axes of the table [axes], nested or with dotted names; BenchError names the faulty axis."""
     axes: list[Axis] = []
     for name, value in _leaves(table, ""):
         key = f"{where}: axes.{name}"

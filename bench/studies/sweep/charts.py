@@ -1,4 +1,4 @@
-"""Charts of a sweep: a metric against an axis, and how a metric spreads over all runs."""
+"""Charts of a sweep: a metric against an axis, and the distribution of a metric over all runs."""
 
 from collections.abc import Collection, Sequence
 from pathlib import Path
@@ -24,25 +24,25 @@ from bench.studies.sweep.summary import Spread, SummaryPart, rank, summarise_in_
 
 ROLES: tuple[Role, ...] = ("one", "two", "three", "four", "five", "six", "seven")
 COVERAGE = 0.95
-STEP = 0.008  # between lines, of the axis
-STEP_OF_NAMES = 0.1  # the same, of the room of a name
+STEP = 0.008  # offset between lines, as a share of the axis
+STEP_OF_NAMES = 0.1  # the same on an axis of names, as a share of the room of a name
 SLABS = 24
 
 Points = list[tuple[Any, Spread]]
 
 
 def value_text(metric: str, value: float) -> str:
-    """A metric's value as it is set: relative ones in percent."""
+    """A metric's value as text; relative ones in percent."""
     return share(value) if is_relative(metric) else short(value, 3)
 
 
 def point_label(value: Any) -> str:
-    """A value of an axis, as it is set."""
+    """A value of an axis, as text."""
     return short(value, 5) if isinstance(value, float) else str(value)
 
 
 def metric_axis(metric: str, **more: Any) -> Axis:
-    """The axis of a metric: what it is in words, and its unit."""
+    """The axis of a metric: its title and its unit."""
     unit = "%" if is_relative(metric) else metric_of(metric).unit
     return Axis(begun(metric_title(metric)), unit, **more)
 
@@ -58,9 +58,9 @@ def plot_chart(
 ) -> Chart:
     """Median and middle 90 % of a metric against an axis, a line for each value of another one.
 
-    Of a share: the mean with its 95 % interval. picked: axes with several values, each tried with all of the
-    others: where x and lines are of them, a point can be chosen for its runs. logarithmic: the axis of y; by default
-    where its values span a wide range. Raises BenchError if the table has no such column.
+    For a share, the mean with its 95 % interval. picked: axes with several values, in all combinations; if x and
+    lines are among them, a point can be chosen to show its runs. logarithmic: scale of the y axis; by default
+    logarithmic if its values span a wide range. Raises BenchError if the table has no such column.
     """
     pick = {x, *([lines] if lines else [])} <= set(picked)
     by_line = _points(table, x, y, lines)
@@ -69,7 +69,7 @@ def plot_chart(
     across, at = _across(x, values)
     series = []
     for i, (name, points) in enumerate(by_line.items()):
-        # lines are side by side, or their whiskers would hide each other
+        # lines are side by side, since their whiskers would overlap
         offset = i - (len(by_line) - 1) / 2.0 if len(by_line) <= len(ROLES) else 0.0
         place = _moved(np.array([at[value] for value, _ in points]), list(at.values()), offset, across)
         line_pick = {} if lines is None else {lines: point_label(name)}
@@ -112,7 +112,7 @@ def spread_chart(metric: str, values: Sequence[Any]) -> Chart:
 
 
 def _points(table: Path, x: str, y: str, lines: str | None) -> dict[Any, Points]:
-    """Points by the value of `lines`: values of x with the spread of y; both rising where they are numbers."""
+    """Points by the value of `lines`: values of x with the spread of y; numbers are in rising order."""
     points: dict[Any, Points] = {}
     for line in summarise_in_parts(table, [x, *([lines] if lines else [])], [y]).lines:
         at, *names = line.values
@@ -123,7 +123,7 @@ def _points(table: Path, x: str, y: str, lines: str | None) -> dict[Any, Points]
 
 
 def _across(x: str, values: Sequence[Any]) -> tuple[Axis, dict[Any, float]]:
-    """The axis along which a metric is drawn, and where each value lies on it."""
+    """The horizontal axis, and the position of each value on it."""
     words, unit = axis_parts(x)
     if not all(isinstance(value, int | float) and not isinstance(value, bool) for value in values):
         names = tuple(str(value).replace("_", " ") for value in values)
@@ -135,7 +135,7 @@ def _across(x: str, values: Sequence[Any]) -> tuple[Axis, dict[Any, float]]:
 
 
 def _moved(x: np.ndarray, every: Sequence[float], offset: float, across: Axis) -> np.ndarray:
-    """Places along an axis, moved a little for lines that are side by side."""
+    """Positions along an axis, shifted slightly for lines that are side by side."""
     if across.scale == "band":
         return x + offset * STEP_OF_NAMES
     low, high = min(every), max(every)

@@ -1,4 +1,4 @@
-"""The command `bench check`: reference scenarios run again and compared, or taken as the new reference."""
+"""The command `bench check`: run reference scenarios again, and compare them with the reference or replace it."""
 
 import os
 import tempfile
@@ -45,7 +45,9 @@ COLORS = {"worse": "red", "over its limit": "red", "better": "green", "new": "ye
 
 @dataclass(frozen=True)
 class CheckOptions:
-    """What to check: all seeds or the quick set, which sweeps (all if none), where they and the reference are."""
+    """What to check: all seeds or the quick set, names of sweeps (empty: all), folders of sweeps and of the
+    reference.
+    """
 
     reference: Path
     full: bool = False
@@ -56,7 +58,7 @@ class CheckOptions:
 
 
 def check_accuracy(options: CheckOptions, console: Console, make_work: Callable[[Sweep], Work]) -> int:
-    """Run, compare, print; 1 if anything got worse, changed its scenario or has no reference."""
+    """Run, compare, print; return 1 if a figure is worse, a scenario has changed, or a reference is missing."""
     start = time.monotonic()
     comparisons: list[ReferenceComparison] = []
     alarms = []
@@ -97,7 +99,7 @@ def check_accuracy(options: CheckOptions, console: Console, make_work: Callable[
 def update_reference(
     options: CheckOptions, reason: str, console: Console, make_work: Callable[[Sweep], Work]
 ) -> None:
-    """Run all seeds and keep what they give as the reference, with the reason."""
+    """Run all seeds and save their results as the reference, with the reason."""
     if not reason.strip():
         raise BenchError("check --update: give the reason for the change with --reason")
     for name, sweep, plan, lines in _measured(options, make_work):
@@ -123,9 +125,9 @@ def _chosen(options: CheckOptions) -> dict[str, tuple[Sweep, Plan]]:
 def _measured(
     options: CheckOptions, make_work: Callable[[Sweep], Work]
 ) -> Iterator[tuple[str, Sweep, Plan, dict[str, ReferenceLine]]]:
-    """Name, sweep, runs and what they gave, one sweep after the other.
+    """Name, sweep, plan and results, one sweep after the other.
 
-    All have the same workers, and trajectories that several of them need are designed once.
+    All sweeps share the workers, and trajectories that several of them need are designed once.
     """
     chosen = _chosen(options)
     works = {name: make_work(sweep) for name, (sweep, _) in chosen.items()}
@@ -143,7 +145,7 @@ def _measured(
 
 
 def _design(plans: Sequence[tuple[Work, Plan]], pool: Pool, folder: Path) -> None:
-    """Design all trajectories at the same time; one that fails is reported by its sweep, which says why."""
+    """Design all trajectories in parallel; a failure is reported later by the sweep that needs the trajectory."""
     wanted: dict[str, Task] = {}
     for work, plan in plans:
         for run in map(plan.run, range(plan.size)):
@@ -161,7 +163,7 @@ def _design(plans: Sequence[tuple[Work, Plan]], pool: Pool, folder: Path) -> Non
 
 
 def _print(console: Console, comparisons: list[ReferenceComparison], *, verbose: bool) -> None:
-    """What changed; with `verbose` everything."""
+    """Print the changes, or with `verbose` all figures."""
     worth_telling = [comparison for comparison in comparisons if verbose or comparison.verdict != "same"]
     if not worth_telling:
         return

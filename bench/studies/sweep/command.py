@@ -31,29 +31,29 @@ from bench.studies.sweep.work import identification_work
 from bench.truth.dataset import as_dataset
 from bench.truth.simulate import simulate
 
-TRIAL = 3.0  # s of movement
-PART = 0.4  # of it, for a second measurement: what takes as long however short the movement is shows
-ROUNDS = 2.0  # of a diagnosis: one for the effect that is identified, one that finds no more
-DESIGN_SECONDS = 5.0  # of one design, about
+TRIAL = 3.0  # s of motion
+PART = 0.4  # share of it for a second measurement, which shows the time that does not depend on the duration
+ROUNDS = 2.0  # of a diagnosis: one that identifies an effect, one that identifies no more
+DESIGN_SECONDS = 5.0  # approximate time of one design
 MOST_REASONS = 5
 
 
 @dataclass(frozen=True)
 class Extent:
-    """Counts; seconds of computing for each, where a trial could tell, on one core."""
+    """Number of each kind of task, and its computing time on one core, s, None if a trial could not measure it."""
 
     runs: int
     sets: int
-    """Of equations: runs that differ by estimator share one."""
+    """Sets of equations: runs that differ only in the estimator share one."""
     motions: int
-    """Simulations: sets that differ by noise or filter share one."""
+    """Simulations: sets that differ only in noise or filter share one."""
     designs: int
-    """Of exciting trajectories."""
+    """Designs of exciting trajectories."""
     motion_seconds: float | None
     set_seconds: float | None
 
     def seconds(self, workers: int) -> float | None:
-        """About how long it takes."""
+        """Approximate computing time with a number of workers, s."""
         if self.motion_seconds is None or self.set_seconds is None:
             return None
         together = self.motions * self.motion_seconds + self.sets * self.set_seconds
@@ -61,7 +61,7 @@ class Extent:
 
 
 def extent(plan: Plan, *, trial: bool = True) -> Extent:
-    """Count, and try out a few seconds of the first run's movement (without `trial`, count only)."""
+    """Count the tasks, and with `trial` measure their time on a few seconds of the first run's motion."""
     axes, seeds = plan.sweep.axes, len(plan.sweep.seeds)
     first = plan.run(0)
     drawn_gains = bool((first.content.get("gains") or {}).get("error_within"))
@@ -99,7 +99,7 @@ def _optimised(content: Any) -> bool:
 
 
 def _trial(plan: Plan) -> tuple[float | None, float | None]:
-    """Seconds of one simulation and of one set of equations, extrapolated from short random movements."""
+    """Seconds of one simulation and of one set of equations, extrapolated from short random motions."""
     run = plan.run(0)
     content = without_share(run.content)
     whole = scenario_from_dict(content, run.base)
@@ -120,7 +120,7 @@ def _trial(plan: Plan) -> tuple[float | None, float | None]:
         part = replace(whole_data, recordings=logs)
         _, short_time, long_time = (_identifying(data, run) for data in (part, part, whole_data))
         diagnosing = ROUNDS * _diagnosing(whole_data, run) if run.identify["diagnose"] else 0.0
-    except BenchError:  # too short a movement may be too little for this robot, and says nothing
+    except BenchError:  # a short motion may not suffice for this robot, which says nothing about the sweep
         return None, None
     more = sum(durations) / len(durations) - TRIAL
     slope = max(0.0, long_time - short_time) / ((1 - PART) * TRIAL)
@@ -128,14 +128,14 @@ def _trial(plan: Plan) -> tuple[float | None, float | None]:
 
 
 def _identifying(dataset: Dataset, run: Run) -> float:
-    """Seconds that an identification takes."""
+    """Computing time of an identification, s."""
     start = time.perf_counter()
     fit(prepare(problem_of(dataset, run.identify["effects"])), run.identify["method"])
     return time.perf_counter() - start
 
 
 def _diagnosing(dataset: Dataset, run: Run) -> float:
-    """Seconds that a look at every effect takes, however long the movement is."""
+    """Computing time of a diagnosis with the catalogue, s, which hardly depends on the duration of the motion."""
     start = time.perf_counter()
     diagnose_with_catalogue(problem_of(dataset, run.identify["effects"]))
     return time.perf_counter() - start

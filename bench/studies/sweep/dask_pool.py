@@ -1,4 +1,4 @@
-"""Workers on a cluster: Dask distributed, behind the same interface as the processes of this machine."""
+"""Workers on a cluster: Dask distributed, with the same interface as the processes of this machine."""
 
 import queue
 import time
@@ -19,14 +19,14 @@ except ImportError as error:
 
 CONNECTING = 20.0  # s
 COUNT_EVERY = 5.0  # s between two counts of the workers
-MOST_SHARED = 8  # values that stay on the cluster
-SENDINGS = 5  # of a value, or a task, whose worker dies meanwhile
+MOST_SHARED = 8  # number of shared values that are kept on the cluster
+SENDINGS = 5  # attempts to send a value or a task whose worker dies
 
 
 class DaskPool(Pool):
-    """The workers of an existing scheduler. A worker that dies costs its runs only, which are tried again.
+    """The workers of an existing scheduler. If a worker dies, only its runs are lost, and they are repeated.
 
-    Dask tries a task again whose worker died, `distributed.scheduler.allowed-failures` times.
+    Dask repeats a task whose worker died `distributed.scheduler.allowed-failures` times.
     Raises BenchError if there is no scheduler, no worker, or a worker with another version of this program.
     """
 
@@ -38,7 +38,7 @@ class DaskPool(Pool):
             raise BenchError(f"no Dask scheduler at {address}: {error}") from error
         self._done: queue.Queue[int] = queue.Queue()
         self._futures: dict[int, Any] = {}
-        self._tasks: dict[int, tuple[Task, Shared | None, int]] = {}  # with how often it was sent
+        self._tasks: dict[int, tuple[Task, Shared | None, int]] = {}  # last: how often it was sent
         self._shared: dict[str, Any] = {}
         self._counted, self._slots = -COUNT_EVERY, 0
         try:
@@ -53,7 +53,7 @@ class DaskPool(Pool):
 
     @property
     def slots(self) -> int:
-        """How many threads all workers have now."""
+        """Current number of threads of all workers."""
         if time.monotonic() - self._counted > COUNT_EVERY:
             try:
                 self._slots = sum(self._client.nthreads().values())
@@ -90,14 +90,14 @@ class DaskPool(Pool):
             if value is not None:
                 outcomes.append(Outcome(key, *value))
             elif ended[key].status != "error" and self._client.status == "running" and sendings < SENDINGS:
-                # a worker died with its value, or with the shared one
+                # a worker died that held its value or the shared value
                 self._send(key, task, shared, sendings + 1)
             else:
                 outcomes.append(self._failed(key, ended[key]))
         return outcomes
 
     def close(self) -> None:
-        """Give up what is under way and leave the cluster as it was."""
+        """Cancel running tasks and disconnect from the cluster."""
         self._client.cancel(list(self._futures.values()))
         self._futures.clear()
         self._tasks.clear()
@@ -105,9 +105,9 @@ class DaskPool(Pool):
         self._client.close()
 
     def _placed(self, shared: Shared) -> Any:
-        """The value on the cluster, sent once; the oldest give way."""
+        """The value on the cluster, sent once; the oldest values are removed."""
         if shared.name in self._shared and self._shared[shared.name].status != "finished":
-            del self._shared[shared.name]  # lost with the worker that had it
+            del self._shared[shared.name]  # lost with the worker that held it
         if shared.name not in self._shared:
             while len(self._shared) >= MOST_SHARED:
                 del self._shared[next(iter(self._shared))]
@@ -115,7 +115,7 @@ class DaskPool(Pool):
         return self._shared[shared.name]
 
     def _scattered(self, value: Any) -> Any:
-        """Send a value; the worker that it goes to may die meanwhile, and another takes it then."""
+        """Send a value; if the receiving worker dies, it is sent to another."""
         for _ in range(SENDINGS):
             try:
                 return self._client.scatter(value, hash=False, timeout=CONNECTING)
@@ -124,9 +124,9 @@ class DaskPool(Pool):
         raise self._gone()
 
     def _gathered(self, futures: dict[int, Any]) -> dict[int, tuple[Any, str | None] | None]:
-        """What `attempt` gave, by key, fetched together; None where the worker is gone that had it, and the next, too.
+        """Results of `attempt` by key, fetched together; None or missing if the worker that held a result is lost.
 
-        As long as the scheduler is there, an answer that takes its time is waited for.
+        A slow answer is awaited as long as the scheduler is connected.
         """
 
         async def gather() -> Any:
@@ -147,7 +147,7 @@ class DaskPool(Pool):
         return {}
 
     def _failed(self, key: int, future: Any) -> Outcome:
-        """Why a task has no value."""
+        """The outcome of a task without a value, with the reason."""
         try:
             error = future.exception(timeout=CONNECTING) if future.status == "error" else None
         except (OSError, TimeoutError) as lost:
@@ -165,7 +165,7 @@ class DaskPool(Pool):
 
 
 def _check_versions(client: Any) -> None:
-    """Every worker must run the same program: numbers of two versions do not belong in one table."""
+    """Raise BenchError unless all workers run the same versions as this process, so that a table has one version."""
     local_versions = versions()
     for worker, worker_versions in client.run(versions).items():
         if worker_versions != local_versions:

@@ -1,7 +1,7 @@
 """Hidden effects by their share of the torque: the same axis for every effect and every robot.
 
-`hidden_effect` names an effect and `hidden_share` says how much of the motors' torque it takes (RMS over RMS,
-0.1: a tenth); `hidden_joint` one joint instead of all. The parameters follow from the movement itself.
+`hidden_effect` names an effect, and `hidden_share` is its share of the motors' torque (RMS over RMS; 0.1 is a tenth).
+`hidden_joint` selects one joint instead of all. The parameters follow from the motion.
 """
 
 from collections.abc import Mapping
@@ -20,7 +20,7 @@ KEYS = ("hidden_effect", "hidden_share", "hidden_joint")
 
 
 def without_share(content: Mapping[str, Any]) -> dict[str, Any]:
-    """The content of a scenario file without these keys. Raises BenchError if they do not go together."""
+    """The content of a scenario file without these keys. Raises BenchError if they are inconsistent or invalid."""
     effect, share = content.get("hidden_effect"), content.get("hidden_share")
     if (effect is None) != (share is None):
         raise BenchError("hidden_effect and hidden_share go together")
@@ -36,7 +36,7 @@ def without_share(content: Mapping[str, Any]) -> dict[str, Any]:
 def with_sized_effect(
     content: Mapping[str, Any], name: str, trajectories: Mapping[str, FourierTrajectory]
 ) -> dict[str, Any]:
-    """The content with the effect among its `hidden` entries, sized for the movement; share 0: without it."""
+    """The content with the effect in its `hidden` entries, sized for the motion; without it if the share is 0."""
     plain = without_share(content)
     if not content.get("hidden_share"):
         return plain
@@ -56,7 +56,7 @@ def with_sized_effect(
 
 
 class _ShareKey(dict[str, Any]):
-    """A mapping compared by what it prints."""
+    """A mapping that is hashed and compared by its repr."""
 
     def __hash__(self) -> int:  # type: ignore[override]
         return hash(repr(self))

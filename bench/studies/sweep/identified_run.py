@@ -1,4 +1,4 @@
-"""A run that has been identified, with the truth: the basis of all metrics."""
+"""An identified run with its truth: the basis of all metrics."""
 
 from __future__ import annotations
 
@@ -16,12 +16,12 @@ if TYPE_CHECKING:
     from bench.identification.result import Identification
     from bench.truth.simulate import Simulation
 
-WELL_KNOWN = 0.03  # relative deviation below which a parameter counts as essential, about
+WELL_KNOWN = 0.03  # relative standard error below which a parameter counts as well determined
 
 
 @dataclass(frozen=True, eq=False)
 class IdentifiedRun:
-    """One run of a sweep. record: the groups of metrics that are asked for."""
+    """One run of a sweep. record: the requested groups of metrics."""
 
     simulation: Simulation
     prepared: Prepared
@@ -31,7 +31,7 @@ class IdentifiedRun:
     @cached_property
     def accuracy(self) -> dict[str, float]:
         """Errors of gains and currents, by column: see `bench.studies.sweep.accuracy`."""
-        from bench.studies.sweep.accuracy import accuracy  # noqa: PLC0415 - a table is described without MuJoCo
+        from bench.studies.sweep.accuracy import accuracy  # noqa: PLC0415 - descriptions need no MuJoCo
 
         return accuracy(self.simulation, self.result)
 
@@ -50,7 +50,7 @@ class IdentifiedRun:
         return dict(zip(model.base.names, values, strict=True))
 
     def worst_parameter(self) -> float:
-        """Largest relative deviation of a parameter that the data determine well; NaN without any."""
+        """Largest relative error of a parameter that the data determine well; NaN if there is none."""
         true = self.true_parameters
         errors = [
             abs(parameter.value / true[parameter.name] - 1.0)
@@ -60,7 +60,7 @@ class IdentifiedRun:
         return max(errors, default=float("nan"))
 
     def parameters_within(self) -> float:
-        """Share of the parameters whose 95 % interval holds the truth; NaN without any."""
+        """Share of the parameters whose 95 % interval contains the truth; NaN if there are none."""
         true = self.true_parameters
         within = [
             abs(parameter.value - true[parameter.name]) <= WITHIN_95 * parameter.std
@@ -70,7 +70,9 @@ class IdentifiedRun:
         return float(np.mean(within)) if within else float("nan")
 
     def parameter_columns(self) -> dict[str, float]:
-        """Every base parameter with its standard error and its true value, by the name behind the dot."""
+        """Every base parameter with its standard error and its true value, by the part of the column's name after the
+        dot.
+        """
         columns = {}
         for parameter in self.result.parameters:
             columns[parameter.name] = parameter.value

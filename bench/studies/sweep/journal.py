@@ -1,4 +1,4 @@
-"""Finished runs, kept as they come: one line of JSON each, whole or not there."""
+"""A journal of finished runs: one complete line of JSON for each."""
 
 import json
 import os
@@ -14,16 +14,16 @@ from bench.basics.errors import BenchError
 
 Row = dict[str, Any]
 """One line of the table: column -> number, text, truth or None."""
-OK, FAILED = "ok", "failed"  # what a row has under `status`
-BETWEEN = " + "  # names in one cell
-TO_DISK_EVERY = 1.0  # s: a killed process loses nothing, a power failure at most this
+OK, FAILED = "ok", "failed"  # values of a row's `status`
+BETWEEN = " + "  # separator of names in one cell
+TO_DISK_EVERY = 1.0  # s: a power failure loses at most this much, a killed process nothing
 
 
 class Journal:
-    """An append-only file of rows, which have a number each under `run`.
+    """An append-only file of rows; the number of each row is under `run`.
 
-    A line that was cut off by a kill is dropped when the file is opened again. In memory it keeps where each
-    row begins, eight bytes a run.
+    A line that was cut off by a kill is dropped when the file is opened again. The start of each row is kept in
+    memory, eight bytes per run.
     """
 
     def __init__(self, path: Path, size: int) -> None:
@@ -32,7 +32,7 @@ class Journal:
         self.count = 0
         self.failed: set[int] = set()
         end = self._read_back()
-        self._file: FileIO = path.open("ab", buffering=0)  # nothing waits for a later moment to be written
+        self._file: FileIO = path.open("ab", buffering=0)  # rows are written immediately
         self._file.truncate(end)
         self._end = end
         self._synced = time.monotonic()
@@ -41,7 +41,7 @@ class Journal:
         return self._starts[number] >= 0
 
     def append(self, rows: Sequence[Row]) -> None:
-        """Keep rows: once this returns, a kill does not lose them. Raises OSError if the disk is full."""
+        """Append rows. After this returns, a kill cannot lose them. Raises OSError if the disk is full."""
         for row in rows:
             line = json.dumps(row, separators=(",", ":")).encode() + b"\n"
             if self._file.write(line) < len(line):
@@ -61,7 +61,7 @@ class Journal:
                     yield json.loads(file.readline())
 
     def close(self) -> None:
-        """Bring everything to disk."""
+        """Flush to disk and close."""
         os.fsync(self._file.fileno())
         self._file.close()
 
@@ -75,7 +75,7 @@ class Journal:
         self._starts[number] = start
 
     def _read_back(self) -> int:
-        """Note the rows that are there; returns where the last whole line ends."""
+        """Index the existing rows; returns the end of the last complete line, bytes."""
         if not self.path.exists():
             return 0
         end = 0
@@ -92,10 +92,10 @@ class Journal:
 
 
 def cell_of(names: Iterable[str]) -> str:
-    """Names as a text; none as an empty one."""
+    """Names as one text, empty for no names."""
     return BETWEEN.join(names)
 
 
 def names_in(cell: str) -> tuple[str, ...]:
-    """The names of such a text."""
+    """The inverse of `cell_of`."""
     return tuple(cell.split(BETWEEN)) if cell else ()

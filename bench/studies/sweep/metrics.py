@@ -1,4 +1,4 @@
-"""Every metric of a sweep: what it measures, how it is reported, what records it; titles of metrics and axes."""
+"""The metrics of a sweep: what each measures, how it is reported and computed; titles of metrics and axes."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
@@ -10,18 +10,18 @@ from bench.effects.display_names import spoken
 from bench.studies.sweep.identified_run import IdentifiedRun
 
 Of = Literal["", "joint", "joint or all", "use"]
-"""The part behind its dot: nothing or what its text says, a joint, a joint or nothing, identify or validate."""
+"""The part of the name after the dot: none or as in `parts`, a joint, a joint or none, identify or validate."""
 
 USES: Mapping[str, str] = {"identify": "fitted", "validate": "not fitted"}
 
 
 @dataclass(frozen=True)
 class Metric:
-    """What a metric measures; parts: what may stand behind its name; title: as people call it.
+    """A metric. measures: in words; parts: what may follow its name after a dot; title: for people.
 
-    unit: SI, empty for a number; relative: given in percent; share: of successes, its mean is a coverage. of: see `Of`.
-    group: of `record`, that it belongs to, empty where it is always there. value: how it follows from an answer and the
-    truth; values: those with a name behind the dot. Neither where `accuracy` has it.
+    unit: SI, empty for a dimensionless number; relative: reported in percent; share: of successes, whose mean is a
+    coverage. of: see `Of`. group: the group of `record` that it belongs to, empty if it is always recorded. value:
+    computes it from a run; values: computes those with a name after the dot. Both are None if `accuracy` computes it.
     """
 
     measures: str
@@ -144,12 +144,12 @@ NONE = Metric("")
 
 
 def metric_of(column: str) -> Metric:
-    """The metric that a column of a table is of; one with nothing known of it where there is none."""
+    """The metric of a column of a table; `NONE` if the column is not a metric."""
     return METRICS.get(column.partition(".")[0], NONE)
 
 
 def what_is_measured(column: str) -> str:
-    """What a column measures, without a capital; of none of the metrics its name."""
+    """What a column measures, in lower case; its name if it is not a metric."""
     return metric_of(column).measures or column
 
 
@@ -180,20 +180,20 @@ AXIS_TITLES: Mapping[str, tuple[str, str]] = {
 
 
 def metric_title(metric: str) -> str:
-    """A metric in words; what it is of, such as a joint, behind it."""
+    """A metric in words, followed by the part after the dot, such as a joint."""
     head, _, of = metric.partition(".")
     title = metric_of(metric).title or head.replace("_", " ")
     return f"{title}, {USES.get(of, of.replace('_', ' '))}" if of else title
 
 
 def axis_title(axis: str) -> str:
-    """An axis in words with its unit: a key of a scenario by what it is, or the part behind its last dot."""
+    """An axis in words with its unit; for an unknown key, the part after its last dot."""
     words, unit = axis_parts(axis)
     return f"{words} [{unit}]" if unit else words
 
 
 def axis_words(axis: str) -> str:
-    """The same in a sentence, without its unit."""
+    """The same without its unit, for a sentence."""
     return axis_parts(axis)[0]
 
 

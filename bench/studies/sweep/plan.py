@@ -1,4 +1,4 @@
-"""The runs of a sweep, by number: computed when asked for; and settings by dotted path."""
+"""The runs of a sweep by number, computed on demand, and settings by dotted path."""
 
 import hashlib
 import json
@@ -14,7 +14,7 @@ from bench.scenario.file import find_scenario, read_with_bases, with_absolute_pa
 from bench.studies.sweep.axes import Axis, DrawnAxis, GridAxis, Value
 from bench.studies.sweep.sweep_file import IDENTIFY, LARGEST, Sweep
 
-NAMES = ("name", "effect")  # an element of a list of tables goes by one of these keys, or by its number
+NAMES = ("name", "effect")  # an element of a list of tables is named by one of these keys, or by its number
 MOVEMENT, MACHINE, SENSING, FITTING, METHOD = range(5)
 SENSED = ("sensors",)
 FITTED = ("filter", "effects")
@@ -24,10 +24,10 @@ NOT_MOTION = ("seed", "sensors", "filter", "tolerances", "description", "file_fo
 
 
 def with_setting(content: Mapping[str, Any], path: str, value: Any) -> dict[str, Any]:
-    """`content` with the setting at `path`; what is not touched is shared, not copied.
+    """`content` with the setting at `path`; unchanged parts are shared, not copied.
 
-    Tables that are missing are made; a list element goes by its number, or by its `name` or `effect`.
-    Raises BenchError if the path leads through something else.
+    Missing tables are created; a list element is named by its number, or by its `name` or `effect`. Raises BenchError
+    if a list has no such element.
     """
     return dict(_with(content, path.split("."), value, path))
 
@@ -44,7 +44,7 @@ def _with(container: Any, parts: Sequence[str], value: Any, path: str) -> Any:
             raise BenchError(f"{path}: the list has no {head!r}; it has {known}")
         below = _with(container[at], rest, value, path) if rest else value
         return [*container[:at], below, *container[at + 1 :]]
-    # a number that represents all joints gives way to a table
+    # a number for all joints is replaced by a table
     return {head: _with({}, rest, value, path) if rest else value}
 
 
@@ -61,7 +61,9 @@ def flat_settings(content: Any, prefix: str = "") -> Iterator[tuple[str, Any]]:
 
 
 def plain(value: Any) -> Any:
-    """A value for one cell of a table: numbers, text and truth as they are, the rest as JSON text."""
+    """A value for one cell of a table: numbers, text, booleans and None unchanged, lists of text joined, the rest as
+    JSON text.
+    """
     if value is None or isinstance(value, bool | int | float | str):
         return value
     if isinstance(value, Sequence) and all(isinstance(x, str) for x in value):
@@ -77,7 +79,7 @@ def _position(elements: Sequence[Any], name: str) -> int | None:
 
 
 def _element_name(elements: Sequence[Any], index: int) -> str:
-    """The element's `name` or `effect` where no other element has the same, otherwise its number."""
+    """The element's `name` or `effect` if no other element has the same, otherwise its number."""
     for key in NAMES:
         names = [element.get(key) if isinstance(element, Mapping) else None for element in elements]
         its_name = names[index]
@@ -88,11 +90,11 @@ def _element_name(elements: Sequence[Any], index: int) -> str:
 
 @dataclass(frozen=True)
 class Run:
-    """One run: a scenario, and how it is identified.
+    """One run: a scenario and the settings of its identification.
 
-    number: its row in the table. axes: name -> value as tables show it. content: of a scenario file, base
-    worked in. identify: method, effects, deviations, essential, fit_gains. design, motion, equations: digests
-    of all that the trajectories, the motion and the prepared equations depend on; runs that share one share
+    number: its row in the table. axes: name -> value as in tables. content: of a scenario file, merged with its base.
+    identify: method, effects, deviations, essential, fit_gains, diagnose. design, motion, equations: digests of
+    everything that the trajectories, the motion and the prepared equations depend on; runs with the same digest share
     the work.
     """
 
@@ -110,7 +112,7 @@ class Run:
 
 @dataclass(frozen=True)
 class Plan:
-    """The runs of a sweep, ordered so that those that share work are side by side."""
+    """The runs of a sweep, ordered so that runs that share work are adjacent."""
 
     sweep: Sweep
 
@@ -123,12 +125,12 @@ class Plan:
 
     @cached_property
     def shape(self) -> tuple[int, ...]:
-        """How many values each of `axes` has."""
+        """Number of values of each of `axes`."""
         return tuple(len(self.sweep.seeds if axis is None else axis.points) for axis in self.axes)
 
     @property
     def size(self) -> int:
-        """How many runs."""
+        """Number of runs."""
         return prod(self.shape)
 
     @cached_property
@@ -173,13 +175,13 @@ class Plan:
         )
 
     def tasks(self, is_done: Callable[[int], bool] = lambda _: False) -> Iterator[tuple[Run, ...]]:
-        """All runs that are not done, in order; those with the same equations together."""
+        """All runs that are not done, in order; runs with the same equations form one task."""
         wanted = (self.run(i) for i in range(self.size) if not is_done(i))
         for _, same in groupby(wanted, key=lambda run: run.equations):
             yield tuple(same)
 
     def _values(self, number: int) -> tuple[int, dict[str, Value], dict[str, Value]]:
-        """Seed, settings by path and labels by axis at a number, the last axis fastest."""
+        """Seed, settings by path and labels by axis of a run number; the last axis varies fastest."""
         if not 0 <= number < self.size:
             raise IndexError(number)
         seed = 0
@@ -211,7 +213,7 @@ class Plan:
         return {}
 
     def _based(self, base: str) -> dict[str, Any]:
-        """The content of a base scenario with the settings that all runs change."""
+        """The content of a base scenario with the settings common to all runs."""
         if base not in self._bases:
             folder = self.sweep.path.parent
             content = read_with_bases(find_scenario(base, folder))
@@ -222,7 +224,9 @@ class Plan:
 
 
 def make_plan(sweep: Sweep) -> Plan:
-    """The plan of a sweep. Raises BenchError if two axes touch the same setting or the runs are too many."""
+    """The plan of a sweep. Raises BenchError if an axis varies the seed, two axes vary the same setting, or there are
+    too many runs.
+    """
     owner: dict[str, str] = {}
     for axis in sweep.axes:
         for path in axis.paths:
@@ -242,7 +246,7 @@ def make_plan(sweep: Sweep) -> Plan:
 
 
 def level(axis: Axis) -> int:
-    """How much has to be done anew where an axis moves on: MOVEMENT most, METHOD least."""
+    """How much work is repeated for a new value of an axis: most for MOVEMENT, least for METHOD."""
     return min(map(_level, axis.paths), default=METHOD)
 
 
@@ -257,13 +261,13 @@ def _level(path: str) -> int:
 
 
 def _declarations(payloads: Mapping[str, Any]) -> tuple[dict[str, Any], dict[str, Any]]:
-    """Payloads as they are, and what the dataset says of them."""
+    """The true payloads, and those that the dataset declares."""
     true = {name: {k: v for k, v in table.items() if k != "declared"} for name, table in payloads.items()}
     return true, {name: table.get("declared") for name, table in payloads.items()}
 
 
 def digest(value: Any) -> str:
-    """Sixteen hexadecimal digits that tell values apart."""
+    """Sixteen hexadecimal digits that distinguish values."""
     text = json.dumps(value, sort_keys=True, separators=(",", ":"), default=list)
     return hashlib.sha256(text.encode()).hexdigest()[:16]
 

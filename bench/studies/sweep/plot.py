@@ -10,7 +10,7 @@ from bench.document.figures.draw import draw
 from bench.document.figures.write import write_figure
 from bench.studies.sweep.charts import plot_chart
 
-MANY_NAMES = 6  # along x, from which on they stand aslant
+MANY_NAMES = 6  # along x: this many or more are slanted
 
 
 def plot_sweep(

@@ -1,4 +1,4 @@
-"""Workers that run tasks: processes on this machine, behind the interface that a cluster has as well."""
+"""Workers that run tasks: processes on this machine, with the same interface as a cluster."""
 
 from __future__ import annotations
 
@@ -19,8 +19,8 @@ from typing import Any, Protocol, Self, TypeAlias
 from bench.basics.errors import BenchError
 
 Task: TypeAlias = Callable[[Any], Any]
-"""Something to work out from what it shares with other tasks, or from None: a `partial`, which can be pickled."""
-ATTEMPTS = 3  # a task whose worker dies is tried again, this many times in all
+"""A function of the value shared with other tasks, or of None: a `partial`, which can be pickled."""
+ATTEMPTS = 3  # attempts in all at a task whose worker dies
 ONE_THREAD = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMEXPR_NUM_THREADS")
 PRELOADED = ["bench.studies.sweep.work"]
 FORKED = "forkserver" in multiprocessing.get_all_start_methods()
@@ -28,7 +28,9 @@ FORKED = "forkserver" in multiprocessing.get_all_start_methods()
 
 @dataclass(frozen=True)
 class Shared:
-    """A value that many tasks need, such as a simulation: sent to each worker once. `name` tells values apart."""
+    """A value that many tasks need, such as a simulation. It is sent to each worker once. `name` distinguishes
+    values.
+    """
 
     name: str
     value: Any
@@ -36,7 +38,7 @@ class Shared:
 
 @dataclass(frozen=True)
 class Outcome:
-    """A task that has ended: with a value, or with the reason why there is none."""
+    """A finished task, with its value or the reason for its failure."""
 
     key: int
     value: Any
@@ -44,20 +46,20 @@ class Outcome:
 
 
 class Pool(Protocol):
-    """What runs tasks; the end of a `with` stops it."""
+    """Workers that run tasks; the end of a `with` stops them."""
 
     @property
     def slots(self) -> int:
-        """How many tasks run at the same time."""
+        """Number of tasks that run at the same time."""
 
     def submit(self, key: int, task: Task, shared: Shared | None = None) -> None:
-        """Queue a task under a key of the caller's, with the value that it is to be called with."""
+        """Queue a task under a key of the caller, with the value that it is called with."""
 
     def outcomes(self) -> list[Outcome]:
         """Wait until a task ends, at most for a second, and return all that have ended."""
 
     def close(self) -> None:
-        """Stop, whatever is running."""
+        """Stop, including running tasks."""
 
     def __enter__(self) -> Self:
         return self
@@ -72,9 +74,9 @@ class _Worker:
     connection: Connection
     job: _Job | None = None
     ready: bool = False
-    """Whether it has said that it runs."""
+    """Whether it has reported that it runs."""
     holds: str | None = None
-    """Name of the shared value that it was sent last."""
+    """Name of the shared value that was last sent to it."""
 
 
 @dataclass
@@ -86,7 +88,7 @@ class _Job:
 
 
 class LocalPool(Pool):
-    """Worker processes on this machine; one that dies is replaced, and its task tried again."""
+    """Worker processes on this machine; one that dies is replaced, and its task repeated."""
 
     def __init__(self, workers: int) -> None:
         self._queue: deque[_Job] = deque()
@@ -98,7 +100,7 @@ class LocalPool(Pool):
 
     @property
     def slots(self) -> int:
-        """How many workers."""
+        """Number of workers."""
         return len(self._workers)
 
     @property
@@ -169,7 +171,7 @@ class LocalPool(Pool):
         worker.job = None
 
     def _replace(self, index: int) -> None:
-        """Put a new worker in place of a dead one, and its task back into the queue."""
+        """Replace a dead worker, and put its task back into the queue."""
         worker = self._workers[index]
         worker.process.join()
         worker.connection.close()
@@ -192,10 +194,10 @@ class LocalPool(Pool):
 
 
 def attempt(task: Task, shared: Any = None) -> tuple[Any, str | None]:
-    """The value of a task, or None and the reason why there is none."""
+    """The value of a task and None, or None and the reason for its failure."""
     try:
         return task(shared), None
-    except Exception as error:  # noqa: BLE001 - however a run fails, it is recorded and the others go on
+    except Exception as error:  # noqa: BLE001 - any failure of a run is recorded, and the others continue
         if isinstance(error, BenchError):
             return None, str(error)
         where = traceback.extract_tb(error.__traceback__)[-1]
@@ -203,8 +205,8 @@ def attempt(task: Task, shared: Any = None) -> tuple[Any, str | None]:
 
 
 def _work(connection: Connection) -> None:
-    """What a worker process does until the other end of its connection is gone."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # the parent decides what an interrupt means
+    """The loop of a worker process, which ends when its connection is closed."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # the parent handles interrupts
     try:
         held: Shared | None = None
         connection.send(None)
@@ -217,9 +219,9 @@ def _work(connection: Connection) -> None:
 
 
 def start_server() -> None:
-    """Begin to import what workers need, in addition to whatever this process does meanwhile.
+    """Begin to import in the background what workers need.
 
-    Workers are forked from a server that has imported everything once; where there is none, they are spawned.
+    Workers are forked from a server that has imported everything once; without a fork server, they are spawned.
     """
     if FORKED:
         forkserver.set_forkserver_preload(PRELOADED)
@@ -229,9 +231,9 @@ def start_server() -> None:
 
 @contextmanager
 def _without_main() -> Iterator[None]:
-    """Processes started inside do not run the main program again: nothing that they work on is defined there.
+    """Processes started inside do not run the main program again, since their tasks are not defined there.
 
-    A script without the usual guard, or one that came from a pipe, can thus run a sweep.
+    A script without the `__main__` guard, or one read from a pipe, can thus run a sweep.
     """
     main = sys.modules["__main__"]
     hidden = {name: getattr(main, name) for name in ("__file__", "__spec__") if hasattr(main, name)}
@@ -247,7 +249,7 @@ def _without_main() -> Iterator[None]:
 
 @contextmanager
 def _one_thread_each() -> Iterator[None]:
-    """Processes started inside have one thread for linear algebra: there is a worker for every core."""
+    """Processes started inside use one thread for linear algebra, since there is a worker for every core."""
     before = {name: os.environ.get(name) for name in ONE_THREAD}
     os.environ.update(dict.fromkeys(ONE_THREAD, "1"))
     try:
@@ -262,18 +264,20 @@ def _one_thread_each() -> Iterator[None]:
 
 @dataclass(frozen=True)
 class Workers:
-    """What the command was given. processes: on this machine, None for one a core; scheduler: an address instead."""
+    """The workers that a command requests. processes: number on this machine, None for one per core; scheduler: an
+    address of a cluster instead.
+    """
 
     processes: int | None = None
     scheduler: str | None = None
 
     @property
     def count(self) -> int:
-        """How many processes of this machine there are to be."""
+        """Number of processes on this machine."""
         return self.processes or len(os.sched_getaffinity(0))
 
     def warm_up(self) -> None:
-        """Begin to import what processes of this machine need, in addition to whatever comes before they start."""
+        """Begin to import in the background what processes on this machine need."""
         if self.scheduler is None:
             start_server()
 

@@ -1,4 +1,4 @@
-"""A sweep checked before it starts: what run 900 would trip over is known now."""
+"""Check a sweep before it starts, so that an error in run 900 is reported at once."""
 
 from collections.abc import Collection, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
@@ -26,7 +26,7 @@ MOST_BUILT = 8
 
 
 def check_asked(plan: Plan, joints: Iterable[str]) -> None:
-    """Check every metric of `show` and every axis of `plots`; joints: of all robots of the sweep.
+    """Check every metric of `show` and every metric and axis of `plots`; joints: of all robots of the sweep.
 
     Raises BenchError, one line that names the metric and the cure.
     """
@@ -49,7 +49,7 @@ def check_asked(plan: Plan, joints: Iterable[str]) -> None:
 
 
 def _fault(plan: Plan, metric: str, joints: list[str]) -> str | None:
-    """What is wrong with a metric, or None."""
+    """The fault of a metric, or None."""
     name, _, of = metric.partition(".")
     table = plan.sweep.table
     if name not in METRICS:
@@ -78,13 +78,13 @@ class _Seen:
     robots: dict[str, Robot] = field(default_factory=dict)
     effects: set[str] = field(default_factory=set)
     payloads: set[str] = field(default_factory=set)
-    """On the tool in some recording."""
+    """Payloads on the tool in some recording."""
 
 
 def check_plan(plan: Plan) -> None:
     """Check every grid point and every draw (3000 of each at most), and build some of the machines.
 
-    Raises BenchError, one line that names the run and what is wrong with it.
+    Raises BenchError, one line that names the run and its fault.
     """
     seen = _Seen()
     scenarios: dict[str, tuple[Run, Scenario]] = {}
@@ -132,7 +132,7 @@ def _checked(run: Run, seen: _Seen) -> Scenario:
 
 
 def _check_joints(run: Run, scenario: Scenario) -> None:
-    """Joints that are named exist, and gains keep their sign: an error of 20 % is 0.2."""
+    """Raise BenchError if a named joint does not exist or a gain changes its sign (an error of 20 % is 0.2)."""
     robot, joint = scenario.robot, run.content.get("hidden_joint")
     if joint is not None and joint not in robot.driven:
         raise BenchError(f"hidden_joint: no actuated joint {joint!r}; there are {', '.join(robot.driven)}")
@@ -144,7 +144,7 @@ def _check_joints(run: Run, scenario: Scenario) -> None:
 
 
 def _check_payloads(plan: Plan, used: Collection[str]) -> None:
-    """A payload that an axis varies is on the tool in some recording."""
+    """Raise BenchError if an axis varies a payload that no recording has."""
     for axis in plan.sweep.axes:
         for path in axis.paths:
             head, *rest = path.split(".")
@@ -156,7 +156,7 @@ def _check_payloads(plan: Plan, used: Collection[str]) -> None:
 
 
 def fixed_declarations(plan: Plan) -> list[str]:
-    """A note on each property of a payload that an axis varies, while the dataset goes on declaring one value."""
+    """A note on each property of a payload that an axis varies while the dataset declares a fixed value."""
     axis_of = {path: axis.name for axis in plan.sweep.axes for path in axis.paths}
     payloads = plan.run(0).content.get("payloads") or {}
     notes = []
@@ -188,7 +188,7 @@ def _representative(plan: Plan) -> Iterator[int]:
 
 
 def _spread(count: int, most: int) -> Sequence[int]:
-    """At most `most` of the indices below count, the first and the last among them."""
+    """At most `most` of the indices below `count`, including the first and the last."""
     return sorted({int(i) for i in np.linspace(0, count - 1, min(count, most)).round()})
 
 

@@ -1,4 +1,4 @@
-"""How far a sweep is: rate, time remaining, failures."""
+"""Progress of a sweep: rate, remaining time, failures."""
 
 import time
 from collections.abc import Iterator
@@ -19,12 +19,12 @@ from rich.text import Text
 
 from bench.studies.sweep.journal import Journal
 
-SAY_EVERY = 30.0  # s between lines where there is no terminal to draw a bar on
+SAY_EVERY = 30.0  # s between lines if the output is not a terminal
 
 
 class _Rate(ProgressColumn):
     def render(self, task: Task) -> Text:
-        """Runs per second, or per minute where they are slow."""
+        """Runs per second, or per minute if they are slow."""
         return Text(rate_text(_mean_rate(task)), "dim")
 
 
@@ -44,18 +44,18 @@ class _Failures(ProgressColumn):
 
 
 class ShownProgress(Protocol):
-    """Where finished runs are reported, and what goes on before there are any."""
+    """Receives reports of finished runs, and of the phases before them."""
 
     def __call__(self, journal: Journal) -> None:
         """Show how many runs are finished."""
 
     def phase(self, name: str) -> None:
-        """Show what goes on."""
+        """Show the current phase."""
 
 
 @contextmanager
 def shown_progress(console: Console, total: int) -> Iterator[ShownProgress]:
-    """A bar on a terminal, a line every half minute elsewhere; nothing on a console that is quiet."""
+    """A bar on a terminal, otherwise a line every half minute; nothing on a quiet console."""
     if not console.is_terminal:
         yield _Spoken(console, total)
         return
@@ -73,12 +73,12 @@ def shown_progress(console: Console, total: int) -> Iterator[ShownProgress]:
 
 
 def progress_console(quiet: bool) -> Console:
-    """The standard error, where bars are drawn; quiet: nothing is."""
+    """Standard error, for progress bars; quiet: without output."""
     return Console(stderr=True, quiet=quiet)
 
 
 class _Bar:
-    """Runs that are finished of all, or the phase that comes before."""
+    """A bar with the number of finished runs, or the phase before them."""
 
     def __init__(self, progress: Progress, total: int) -> None:
         self._progress = progress
@@ -101,7 +101,7 @@ class _Bar:
 
 
 class _Spoken:
-    """Lines, where there is no terminal to draw a bar on."""
+    """Lines of text for output that is not a terminal."""
 
     def __init__(self, console: Console, total: int) -> None:
         self._console, self._total = console, total
@@ -123,7 +123,7 @@ class _Spoken:
         )
 
     def phase(self, name: str) -> None:
-        """A log lists finished runs only."""
+        """Not shown, since a log only lists finished runs."""
 
 
 def rate_text(rate: float) -> str:
@@ -134,7 +134,7 @@ def rate_text(rate: float) -> str:
 
 
 def duration_text(seconds: float) -> str:
-    """A duration as people say it."""
+    """A duration in s, min or h."""
     if seconds < 100:
         return f"{seconds:.0f} s"
     if seconds < 6000:
@@ -143,7 +143,7 @@ def duration_text(seconds: float) -> str:
 
 
 def _mean_rate(task: Task) -> float:
-    """Runs per second since the start; runs kept from an earlier start say nothing about it."""
+    """Runs per second since the start, without runs kept from earlier."""
     before = task.fields["before"]
     return 0.0 if before is None else _rate(task.completed - before, task.elapsed or 0.0)
 

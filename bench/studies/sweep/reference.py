@@ -1,4 +1,4 @@
-"""Reference scenarios, what they gave when somebody last said that it was right, and how results compare with that."""
+"""Reference scenarios, their accepted results, and the comparison of new results with these."""
 
 import json
 from collections.abc import Mapping, Sequence
@@ -18,28 +18,28 @@ from bench.studies.sweep.plan import Plan, digest, make_plan
 from bench.studies.sweep.sweep_file import Sweep, SweepTable, load_sweep
 from bench.studies.sweep.table import column_names, read_table
 
-DIGITS = 9  # of the values kept
+DIGITS = 9  # significant digits of stored values
 Tolerance = Annotated[float, Field(ge=0, allow_inf_nan=False)]
 ALARMS = ("worse", "over its limit")
 COVERAGE = 0.95
-RELATIVE_SPREAD = 0.01  # least spread, as a share of the value: where one seed is all there is
+RELATIVE_SPREAD = 0.01  # least spread, as a share of the value, for example with a single seed
 LEAST_SPREAD = 1e-12
 LIMITS = {"identify_error": "error.identify", "validate_error": "error.validate"}
-"""Tolerances of scenarios whose metric has another name; the others have theirs."""
+"""Tolerance of a scenario -> its metric, if the name differs."""
 
 
 class ReferenceTable(SweepTable):
-    """A sweep that is compared with the reference. The scenario's [tolerances] hold for every run."""
+    """A sweep that is compared with the reference. The scenario's [tolerances] apply to every run."""
 
     quick: Annotated[int, Field(ge=0)] = 0
-    """How many of the seeds the quick set takes; with 0 it leaves the sweep out."""
+    """Number of seeds in the quick set; with 0 it omits the sweep."""
     tolerances: Mapping[str, Tolerance] = {}
-    """By how much a metric may change before it counts, in units of its spread from seed to seed."""
+    """Largest change of a metric that does not count, in units of its spread between seeds."""
 
 
 @dataclass(frozen=True)
 class ReferenceLine:
-    """Values by metric of the runs that differ by their seed only, in the order of `seeds`."""
+    """Values by metric of the runs that differ only in their seed, in the order of `seeds`."""
 
     seeds: tuple[int, ...]
     values: Mapping[str, tuple[float | None, ...]]
@@ -47,17 +47,17 @@ class ReferenceLine:
 
 @dataclass(frozen=True)
 class SweepReference:
-    """What a sweep gave: a line for each combination of its axes, why it was taken, and by which program."""
+    """Accepted results of a sweep: a line for each combination of its axes, the reason, and the program's version."""
 
     content: str
-    """Tells whether the sweep and its scenarios are still the same."""
+    """Digest of the sweep and its scenarios, which shows whether they have changed."""
     reason: str
     program: Mapping[str, str]
     lines: Mapping[str, ReferenceLine]
 
 
 def reference_sweeps(folder: Path | None = None) -> dict[str, Sweep]:
-    """Name -> sweep, sorted, of the project or of a folder of the user."""
+    """Name -> sweep, sorted, from `folder` or the project's catalogue. Raises BenchError if there is none."""
     paths = sorted((folder or catalogue_folder("scenarios") / "reference").glob("*.toml"))
     if not paths:
         raise BenchError(f"{folder}: holds no reference scenarios (*.toml)")
@@ -65,7 +65,7 @@ def reference_sweeps(folder: Path | None = None) -> dict[str, Sweep]:
 
 
 def reference_folder() -> Path:
-    """Where the project keeps its references; BenchError where only the package is installed."""
+    """The project's folder of references; BenchError if only the package is installed."""
     folder = Path(__file__).resolve().parents[3] / "results" / "reference"
     if not folder.is_dir():
         raise BenchError("no results/reference next to the package: give the folder with --reference")
@@ -80,7 +80,7 @@ def tolerances_of(sweep: Sweep) -> Mapping[str, float]:
 
 
 def chosen_plan(sweep: Sweep, *, full: bool) -> Plan | None:
-    """The runs to compare, all seeds or those of the quick set; None if that has none."""
+    """The runs to compare, with all seeds or those of the quick set; None if that omits the sweep."""
     table = sweep.table
     assert isinstance(table, ReferenceTable)
     if full:
@@ -92,14 +92,14 @@ def chosen_plan(sweep: Sweep, *, full: bool) -> Plan | None:
 
 
 def content_of(sweep: Sweep) -> str:
-    """Digest of everything that the runs depend on but the seeds."""
+    """Digest of everything that the runs depend on, except for the seeds."""
     table = sweep.table.model_copy(update={"seeds": (1,)})
     plan = make_plan(replace(sweep, table=table))
     return digest([[run.content, run.identify, run.axes] for run in map(plan.run, range(plan.size))])
 
 
 def measured_lines(plan: Plan, table: Path, metrics: Sequence[str]) -> dict[str, ReferenceLine]:
-    """What a finished sweep gave, by the label of its axes' values; None for a failed run."""
+    """Results of a finished sweep by the label of its axes' values; a value is None for a failed run."""
     axes = list(plan.axis_names)
     known = set(column_names(table))
     columns = read_table(table, ["seed", *axes, *(metric for metric in metrics if metric in known)])
@@ -117,7 +117,7 @@ def measured_lines(plan: Plan, table: Path, metrics: Sequence[str]) -> dict[str,
 
 
 def save_reference(path: Path, reference: SweepReference) -> None:
-    """Write a reference as text that shows line by line what a change of it changes."""
+    """Write a reference as JSON with one metric per line, so that a diff shows each change."""
     lines = [
         f"  {json.dumps(label)}: {{\n"
         + ",\n".join(
@@ -141,7 +141,7 @@ def save_reference(path: Path, reference: SweepReference) -> None:
 
 
 def load_reference(path: Path) -> SweepReference | None:
-    """Read it again; None if there is none. Raises BenchError if it is no reference."""
+    """Read a reference; None if there is no file. Raises BenchError if the file is not a reference."""
     if not path.is_file():
         return None
     try:
@@ -156,7 +156,7 @@ def load_reference(path: Path) -> SweepReference | None:
 
 
 def new_reference(sweep: Sweep, lines: Mapping[str, ReferenceLine], reason: str) -> SweepReference:
-    """What a sweep gave just now."""
+    """A reference of new results."""
     return SweepReference(content_of(sweep), reason, versions().columns(), lines)
 
 
@@ -171,9 +171,9 @@ Verdict = Literal["same", "better", "worse", "over its limit", "new"]
 class ReferenceComparison:
     """One metric of one reference scenario.
 
-    reference, now: means over the same seeds; of a share of intervals that hold the truth, the coverage.
-    change: for the worse if positive, in units of the spread from seed to seed; None without a reference.
-    limit: what no run may exceed; None where there is none.
+    reference, now: means over the same seeds; for a share of intervals that contain the truth, the coverage. change:
+    positive for the worse, in units of the spread between seeds; None without a reference. limit: for every single
+    run, or None.
     """
 
     sweep: str
@@ -195,7 +195,7 @@ def compare_line(
     tolerances: Mapping[str, float],
     limits: Mapping[str, float],
 ) -> list[ReferenceComparison]:
-    """Every metric that has a tolerance, seed by seed; `limits`: what no run may exceed."""
+    """Compare every metric that has a tolerance, seed by seed. limits: for every single run."""
     comparisons = []
     for metric, tolerance in tolerances.items():
         values = _by_seed(now, metric)
@@ -219,7 +219,7 @@ def compare_line(
 
 
 def limits_of(tolerances: Mapping[str, float]) -> dict[str, float]:
-    """A scenario's tolerances by the names of metrics."""
+    """A scenario's tolerances by metric."""
     return {LIMITS.get(name, name): value for name, value in tolerances.items()}
 
 
@@ -231,7 +231,7 @@ def _by_seed(line: ReferenceLine, metric: str) -> dict[int, float | None]:
 def _change(
     metric: str, old: Sequence[float | None], new: Sequence[float | None], everything: Sequence[float | None]
 ) -> float:
-    """How much worse, in spreads; infinite where a run fails that did not."""
+    """Change for the worse in units of the spread; infinite if a run fails that did not fail before."""
     if any(a is not None and b is None for a, b in zip(old, new, strict=True)):
         return float("inf")
     pairs = [(a, b) for a, b in zip(old, new, strict=True) if a is not None and b is not None]

@@ -1,4 +1,4 @@
-"""Runs of a sweep made once more: its folder keeps the file, the trajectories and the table, no recordings."""
+"""Simulate runs of a sweep again: its folder keeps the file, the trajectories and the table, but no recordings."""
 
 import math
 from dataclasses import dataclass
@@ -29,7 +29,7 @@ class Again:
 
     @property
     def title(self) -> str:
-        """The run in a few words: its number, where it is on the axes, its seed."""
+        """The run in a few words: its number, its values on the axes, its seed."""
         axes = [f"{name} {value}" for name, value in self.run.axes.items()]
         return ", ".join([f"run {self.run.number}", *axes, f"seed {self.run.seed}"])
 
@@ -40,14 +40,14 @@ def is_sweep_folder(folder: Path) -> bool:
 
 
 def plan_of(folder: Path) -> Plan:
-    """The plan that a folder's results came from. Raises BenchError where its file cannot be read any more."""
+    """The plan of a folder's results. Raises BenchError if its file cannot be read any more."""
     return make_plan(load_sweep(folder / FILE))
 
 
 def telling_runs(folder: Path, plan: Plan, count: int = SHOWN) -> list[int]:
-    """Numbers of the runs with the smallest, the middle and the largest of the sweep's first metric, rising.
+    """Numbers of `count` runs, evenly spaced from the smallest to the largest value of the sweep's first metric.
 
-    Raises BenchError for a sweep that has not ended or of which no run came to anything.
+    Raises BenchError for a sweep that has not ended or without a successful run.
     """
     table = table_in(folder)
     known = column_names(table)
@@ -68,9 +68,9 @@ def telling_runs(folder: Path, plan: Plan, count: int = SHOWN) -> list[int]:
 
 
 def run_again(folder: Path, plan: Plan, number: int) -> Again:
-    """Simulate a run once more, as it was to the last bit.
+    """Simulate a run again, with identical results to the last bit.
 
-    Raises BenchError for a number that the sweep does not have, and what simulating raises.
+    Raises BenchError for a number that the sweep does not have, and the errors of the simulation.
     """
     if not 0 <= number < plan.size:
         raise BenchError(f"{folder}: no run {number}; there are 0 to {plan.size - 1}")

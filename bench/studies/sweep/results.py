@@ -1,4 +1,4 @@
-"""What a sweep leaves in its folder next to the table: summary and figures."""
+"""Files of a sweep's folder in addition to the table: summary and figures."""
 
 from collections.abc import Sequence
 from pathlib import Path
@@ -24,7 +24,7 @@ def table_in(folder: Path) -> Path:
 
 
 def failed_runs(table: Path) -> dict[str, list[int]]:
-    """Numbers of the runs that came to nothing by their reason, the most frequent first."""
+    """Numbers of the failed runs by reason, the most frequent first."""
     columns = read_table(table, ["run", "status", "reason"])
     reasons: dict[str, list[int]] = {}
     for run, status, reason in zip(*columns.values(), strict=True):
@@ -34,7 +34,7 @@ def failed_runs(table: Path) -> dict[str, list[int]]:
 
 
 def write_table_summary(table: Path, axes: Sequence[str], metrics: Sequence[str]) -> tuple[Summary, Path]:
-    """Summary of a table by some axes, and the Markdown file next to the table that it is written to."""
+    """Write the summary of a table by some axes as Markdown next to the table; return the summary and the file."""
     summary = summarise_in_parts(table, axes, metrics)
     name = " ".join(metrics) + (f" by {' '.join(axes)}" if axes else "")
     path = table.with_name(f"{_file_name(name)}.md")
@@ -43,8 +43,8 @@ def write_table_summary(table: Path, axes: Sequence[str], metrics: Sequence[str]
 
 
 def pooled_axes(table: Path, axes: Sequence[str]) -> dict[str, int]:
-    """Axes of the sweep that a summary by these throws together, with how many values each has; of a table that
-    has no sweep, none.
+    """Axes of the sweep that a summary by `axes` pools, with their number of values; empty for a table without a
+    sweep.
     """
     file = table.with_name(FILE)
     if not file.is_file():
@@ -58,7 +58,7 @@ def pooled_axes(table: Path, axes: Sequence[str]) -> dict[str, int]:
 
 
 def write_summary(plan: Plan, folder: Path) -> Summary:
-    """Write summary.md by all axes of the grid, with the metrics that the sweep's file asks for."""
+    """Write summary.md by all axes of the grid, with the metrics that the sweep's file requests."""
     table = folder / TABLE
     known = column_names(table)
     metrics = [metric for metric in plan.sweep.table.show if metric in known]
@@ -70,8 +70,8 @@ def write_summary(plan: Plan, folder: Path) -> Summary:
 
 
 def write_plots(plan: Plan, folder: Path) -> list[Path]:
-    """Draw the figures that the sweep's file asks for, or the first metrics against the first axis."""
-    from bench.studies.sweep.plot import plot_sweep  # noqa: PLC0415 - a table is read without matplotlib, too
+    """Draw the figures that the sweep's file requests, or those of `default_plots`."""
+    from bench.studies.sweep.plot import plot_sweep  # noqa: PLC0415 - a table can be read without matplotlib
 
     table = folder / TABLE
     known = column_names(table)
@@ -86,7 +86,7 @@ def write_plots(plan: Plan, folder: Path) -> list[Path]:
 def default_plots(plan: Plan) -> Sequence[PlotTable]:
     """The first two metrics against the axis with the most values, a line for each value of the next.
 
-    Against what was drawn, or the seed, where nothing else varies; none where there is one run.
+    If no grid axis varies, against a drawn axis or the seed; empty if there is only one run.
     """
     axes = sorted(
         (axis for axis in plan.sweep.grid if len(axis.points) > 1), key=lambda axis: -len(axis.points)

@@ -1,4 +1,4 @@
-"""Running a plan: what is shared goes first, what needs it follows, finished runs are kept as they come."""
+"""Run a plan: shared tasks first, then the runs that need them; finished runs are stored at once."""
 
 import json
 from collections import deque
@@ -13,27 +13,27 @@ from bench.studies.sweep.journal import Journal, Row
 from bench.studies.sweep.plan import Run
 from bench.studies.sweep.pool import Outcome, Pool, Shared, Task
 
-LOOK_AHEAD = 4  # sets of equations for each worker: shared motions are simulated while these are worked off
+LOOK_AHEAD = 4  # sets of equations per worker: shared motions are simulated while these are processed
 FEWEST_AHEAD = 8
-KEPT = -1  # in place of the key of a task: a design that was there already
+KEPT = -1  # replaces the key of a task for a design that exists already
 
 Report = Callable[[Journal], None]
 """Called whenever runs are finished."""
 Phase = Callable[[str], None]
-"""Called with what goes on before any run is finished."""
+"""Called with the current phase before any run is finished."""
 
 
 def silent(_: str) -> None:
-    """Tell nobody of the phase."""
+    """Ignore the phase."""
 
 
 @dataclass(frozen=True)
 class Work:
-    """The tasks that a sweep is made of.
+    """The tasks of a sweep.
 
-    design: finds trajectories, by recording name. motion: simulates, along trajectories, a motion that several sets of
-    runs share. runs: gives a row for each of the runs, which have the same equations, from the motion that they share
-    with others, or from None where it is theirs alone. failed: the row of a run that came to nothing, with the reason.
+    design: designs trajectories, by recording name. motion: simulates a motion along trajectories that several sets
+    of runs share. runs: computes a row for each of the runs with the same equations, from the shared motion, or from
+    None if no other set shares it. failed: the row of a failed run, with the reason.
     """
 
     design: Callable[[Run], Task]
@@ -44,7 +44,7 @@ class Work:
 
 @dataclass(frozen=True)
 class _Set:
-    """Runs with the same equations; `shared`: other sets have the same motion."""
+    """Runs with the same equations. shared: whether other sets have the same motion."""
 
     runs: tuple[Run, ...]
     shared: bool
@@ -59,12 +59,12 @@ class _Set:
 
 
 Commons = dict[str, Outcome]
-"""Designs or motions by name: each is there, or the reason why it is not."""
+"""Designs or motions by name: the value, or the reason for its failure."""
 
 
 @dataclass(frozen=True)
 class _CommonJob:
-    """What finds a design or a motion."""
+    """A task that computes a design or a motion."""
 
     results: Commons
     name: str
@@ -72,7 +72,7 @@ class _CommonJob:
 
 @dataclass(frozen=True)
 class _RunJob:
-    """What makes rows."""
+    """A task that computes rows."""
 
     runs: tuple[Run, ...]
     design: Any
@@ -80,10 +80,10 @@ class _RunJob:
 
 
 class Driver:
-    """Runs all that is asked for, and keeps the rows.
+    """Runs all tasks and stores the rows.
 
-    At any time it holds a window of sets of runs, whatever the number of runs. tasks: runs in order, those with the
-    same equations together. designs: folder in which trajectories are kept.
+    It holds only a window of sets in memory, independently of the number of runs. tasks: runs in order, grouped by
+    equations. designs: folder of stored trajectories.
     """
 
     def __init__(
@@ -102,9 +102,11 @@ class Driver:
         self._next = 0
 
     def run(self, report: Report, phase: Phase = silent) -> None:
-        """Work until nothing remains; what a finished run costs does not depend on how many are under way."""
+        """Work until all runs are finished. The cost of a finished run does not depend on the number of
+        pending runs.
+        """
         more_to_come = True
-        while more_to_come or self._ready or self._jobs:  # no set waits where nothing is under way
+        while more_to_come or self._ready or self._jobs:  # no set waits if no task is running
             while more_to_come and len(self._waiting) + len(self._ready) < self._limit:
                 following = next(self._sets, None)
                 more_to_come = following is not None
@@ -119,7 +121,7 @@ class Driver:
             report(self._journal)
 
     def _placed(self, run_set: _Set) -> bool:
-        """Take the next step towards the runs of a set; whether they need no more than a free slot, or have failed."""
+        """Take the next step for a set; return whether its runs only need a free slot, or have failed."""
         first = run_set.runs[0]
         if (
             run_set.design not in self._designs
@@ -146,7 +148,7 @@ class Driver:
         return True
 
     def _doing(self) -> str:
-        """What the runs that come next are waiting for."""
+        """The phase that the next runs are waiting for."""
         if any(stage is self._designs for stage in self._asked.values()):
             return "designing trajectories"
         return "simulating shared motions" if self._asked and not self._running else "runs"
@@ -177,16 +179,16 @@ class Driver:
         self._running -= 1
         if outcome.fault is None:
             self._journal.append(outcome.value)
-        elif len(job.runs) > 1:  # one of them is at fault: find out which
+        elif len(job.runs) > 1:  # one of them fails: run each alone
             for run in job.runs:
                 self._submit_runs(_RunJob((run,), job.design, job.motion))
         else:
             self._fail(job.runs, outcome.fault)
 
     def _take_common(self, job: _CommonJob, outcome: Outcome) -> None:
-        """Go on with the sets that waited for a design or a motion; what no set waits for is given up.
+        """Continue the sets that waited for a design or a motion, and discard those that no set waits for.
 
-        Sets that share something are side by side: those that are still to come need what the last ones need.
+        Sets that share a value are adjacent, so later sets need at most the values that waiting sets need.
         """
         del self._asked[job.name]
         job.results[job.name] = outcome
@@ -202,7 +204,7 @@ class Driver:
 
 
 def _sets(tasks: Iterable[tuple[Run, ...]]) -> Iterator[_Set]:
-    """Sets of runs with the same equations, in order; motions are compared with the sets before and after."""
+    """Sets of runs with the same equations, in order; a motion is shared if an adjacent set has the same."""
     before, current = "", None
     for following in tasks:
         if current is not None:
@@ -214,13 +216,13 @@ def _sets(tasks: Iterable[tuple[Run, ...]]) -> Iterator[_Set]:
 
 
 def keep_design(folder: Path, name: str, trajectories: Mapping[str, FourierTrajectory]) -> None:
-    """Write trajectories, by recording name, to the last bit."""
+    """Store trajectories, by recording name, exactly to the last bit."""
     content = {recording: trajectory.to_dict() for recording, trajectory in trajectories.items()}
     write_json_atomically(folder / f"{name}.json", content)
 
 
 def kept_design(folder: Path, name: str) -> dict[str, FourierTrajectory] | None:
-    """Read them again; None if there are none of that name."""
+    """Read stored trajectories; None if there are none of that name."""
     path = folder / f"{name}.json"
     if not path.is_file():
         return None

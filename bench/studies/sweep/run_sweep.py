@@ -1,4 +1,4 @@
-"""A sweep from its file to its table."""
+"""Run a sweep and write its table."""
 
 import json
 from collections.abc import Callable, Iterator
@@ -26,7 +26,7 @@ class Finished:
     runs: int
     failed: int
     kept: int = 0
-    """Of the runs, those that were there already."""
+    """Number of runs kept from before."""
 
 
 def run_sweep(
@@ -41,12 +41,11 @@ def run_sweep(
     phase: Phase = silent,
     resumed: Callable[[int], None] = lambda _kept: None,
 ) -> Finished:
-    """Run what is not there yet and write the table. designs: folder of trajectories; the sweep's by default.
+    """Run the missing runs and write the table. designs: folder of trajectories, by default that of the sweep.
 
-    report: called whenever runs are finished; phase: what goes on until then; resumed: called
-    before anything runs how many runs are there from before.
-
-    Started again on the same folder after whatever end it goes on, and the table is the same to the last bit.
+    report: called whenever runs are finished; phase: called with the phase until then; resumed: called before the
+    start with the number of runs kept from before. Started again on the same folder after any interruption, it
+    continues, and the table is the same to the last bit.
     Raises BenchError if the folder belongs to another sweep, or cannot be written.
     """
     with written(folder):
@@ -69,7 +68,7 @@ def run_sweep(
 
 @contextmanager
 def written(folder: Path) -> Iterator[None]:
-    """What goes wrong with writing into the folder of a sweep, a full disk or no permission, is reported in a line."""
+    """Turn errors of writing into the folder of a sweep, such as a full disk, into a BenchError of one line."""
     try:
         yield
     except OSError as error:
@@ -78,7 +77,7 @@ def written(folder: Path) -> Iterator[None]:
 
 
 def _claim(plan: Plan, folder: Path) -> None:
-    """Mark a folder as that of this sweep."""
+    """Mark a folder as belonging to this sweep; BenchError if it has other content."""
     record = folder / RECORD
     content = {
         "sweep": plan.sweep.name,
@@ -101,7 +100,7 @@ def _claim(plan: Plan, folder: Path) -> None:
 
 
 def plan_digest(plan: Plan) -> str:
-    """Tells sweeps apart by what their runs depend on: the file, and the scenarios that it builds on."""
+    """Digest of everything that the runs depend on: the sweep's file and its scenarios."""
     runs = (plan.run(0), plan.run(plan.size - 1))
     table = plan.sweep.table.model_dump(mode="json", exclude={"description", "show", "plots"})
     return digest([table, [[run.content, run.axes] for run in runs]])

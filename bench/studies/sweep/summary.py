@@ -17,10 +17,10 @@ from bench.studies.sweep.metrics import is_relative, is_share
 from bench.studies.sweep.table import read_table
 
 SPREAD = (0.05, 0.95)
-PARTS = 12  # a drawn axis, which has another value in every run, is cut into as many parts of equal count
+PARTS = 12  # number of parts of equal count for a drawn axis, which has a different value in every run
 MOST_VALUES = 40
-GAP = 2  # blanks between columns
-WIDE = 132  # columns where nobody's terminal sets a limit
+GAP = 2  # characters between columns
+WIDE = 132  # characters: width without a terminal
 
 Columns = list[tuple[str, list[str]]]
 """Headers and cells."""
@@ -30,7 +30,7 @@ Columns = list[tuple[str, list[str]]]
 class Spread:
     """A metric over the runs of one cell. middle: median; low, high: 5 % and 95 % quantiles.
 
-    Of a share: the mean, and its 95 % interval.
+    For a share: the mean and its 95 % interval.
     """
 
     count: int
@@ -41,7 +41,7 @@ class Spread:
 
 @dataclass(frozen=True)
 class SummaryPart:
-    """Values of an axis that are too many to stand alone: the least, the median and the largest of them."""
+    """One part of an axis with many values: its smallest, median and largest value."""
 
     low: float
     middle: float
@@ -63,7 +63,7 @@ class SummaryLine:
 
 @dataclass(frozen=True)
 class Summary:
-    """A table by axes, in the order in which their values come first."""
+    """A table summarised by axes; lines in the order of the first occurrence of their values."""
 
     axes: tuple[str, ...]
     metrics: tuple[str, ...]
@@ -73,17 +73,17 @@ class Summary:
 def summarise(table: Path, axes: Sequence[str], metrics: Sequence[str]) -> Summary:
     """Summary of a Parquet table of runs, a line for each combination of the axes' values.
 
-    Raises BenchError if the table has no such column, or one of numbers where a number is needed.
+    Raises BenchError if a column is missing or a metric is not numeric.
     """
     columns = read_table(table, ["status", *dict.fromkeys((*axes, *metrics))])
     return _summary(table, columns, [(axis, columns[axis]) for axis in axes], metrics)
 
 
 def summarise_in_parts(table: Path, axes: Sequence[str], metrics: Sequence[str]) -> Summary:
-    """The same for any columns as axes: one of numbers is cut into 12 parts, see `Part`,
-    if there are more than 40, or more than 12 of which most are of a single run.
+    """The same with any columns as axes: a column of numbers is cut into 12 parts, see `SummaryPart`, if it has more
+    than 40 values, or more than 12 that mostly occur once.
 
-    Axes of numbers rise from line to line, the first axis slowest.
+    Lines are sorted by the numbers of the axes, the first axis slowest.
     """
     columns = read_table(table, ["status", *dict.fromkeys((*axes, *metrics))])
     summary = _summary(table, columns, [(axis, _in_parts(columns[axis])) for axis in axes], metrics)
@@ -92,7 +92,7 @@ def summarise_in_parts(table: Path, axes: Sequence[str], metrics: Sequence[str])
 
 
 def _in_parts(values: Sequence[Any]) -> list[Any]:
-    """Numbers (n,) replaced by the part that they are in, if they are many; None stays None."""
+    """Values (n,), replaced by their part if they are many numbers; None stays None."""
     known = [value for value in values if value is not None]
     distinct = len(set(known))
     many = distinct > MOST_VALUES or (distinct > PARTS and 2 * distinct > len(known))
@@ -106,7 +106,7 @@ def _in_parts(values: Sequence[Any]) -> list[Any]:
 
 
 def rank(value: Any) -> tuple[int, float]:
-    """Numbers by size, everything else after them as it came."""
+    """Sort key: numbers by size, then everything else in its order."""
     if isinstance(value, SummaryPart):
         return 0, value.middle
     return (0, float(value)) if isinstance(value, int | float) else (1, 0.0)
@@ -134,7 +134,7 @@ def _summary(
 
 
 def spread(metric: str, values: np.ndarray) -> Spread:
-    """The spread of the values (n,) that are numbers."""
+    """The spread of the values (n,) that are not NaN."""
     known = values[~np.isnan(values)]
     if not len(known):
         return Spread(0, *[float("nan")] * 3)
@@ -160,9 +160,10 @@ def _numbers(table: Path, name: str, values: Sequence[Any]) -> np.ndarray:
 
 
 def print_summary(summary: Summary, console: Console) -> None:
-    """Rows by axes; of each metric the median and in brackets the middle 90 %, of a share its mean.
+    """Print rows by axes: the median of each metric with the middle 90 % in brackets, for a share the mean with its
+    interval.
 
-    Metrics that do not fit into the console side by side follow in further tables.
+    Metrics that do not fit the width of the console follow in further tables.
     """
     axes = [_column(_short(axis, summary.axes), values) for axis, values in _axis_columns(summary)]
     counts = [_column(name, values) for name, values in _count_columns(summary)]
@@ -180,7 +181,7 @@ def print_summary(summary: Summary, console: Console) -> None:
 
 
 def summary_markdown(summary: Summary) -> str:
-    """The same as a Markdown table, with a line on what the numbers are."""
+    """The same as a Markdown table, with a line that explains the numbers."""
     axes, numbers = _axis_columns(summary), _count_columns(summary) + _metric_columns(summary)
     columns = axes + numbers
     lines = [
@@ -192,7 +193,7 @@ def summary_markdown(summary: Summary) -> str:
 
 
 def explanation(summary: Summary) -> str:
-    """What the numbers of a summary are."""
+    """An explanation of the numbers of a summary."""
     text = "Median, and in brackets the middle 90 % of the runs."
     if any(is_share(metric) for metric in summary.metrics):
         text += " Of a share: the mean, and in brackets its 95 % interval (Jeffreys)."
@@ -200,7 +201,7 @@ def explanation(summary: Summary) -> str:
 
 
 def number(value: float, digits: int = 3) -> str:
-    """A number to a few significant digits, large whole numbers in full."""
+    """A number to a few significant digits; larger ones rounded to an integer."""
     short = f"{value:.{digits}g}"
     return short if abs(float(short)) < 10**digits else f"{value:.0f}"
 
@@ -230,7 +231,7 @@ def _table(left_columns: list[_Column], right_columns: list[_Column]) -> Table:
 
 
 def _short(axis: str, axes: Sequence[str]) -> str:
-    """The last part of an axis' name where no other axis ends alike."""
+    """The last part of an axis' name if it is unambiguous, else the whole name."""
     last = axis.rpartition(".")[2]
     return (
         last
@@ -272,7 +273,7 @@ def _cell(metric: str, spread: Spread) -> str:
 
 
 def table_console() -> Console:
-    """The standard output: as wide as its terminal, or as $COLUMNS says, or `WIDE` for a file or a log."""
+    """Standard output, as wide as the terminal or $COLUMNS, or `WIDE` for a file or a log."""
     console = Console()
     if console.is_terminal or os.environ.get("COLUMNS", "").isdecimal():
         return console

@@ -1,4 +1,4 @@
-"""A sweep file: a base scenario, what varies, how it is identified, and what is recorded."""
+"""A sweep file: a base scenario, its axes, settings of the identification, and recorded metrics."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -13,11 +13,11 @@ from bench.dataset.catalogue import catalogue_folder
 from bench.identification.estimators import DEFAULT_METHOD
 from bench.studies.sweep.axes import Axis, GridAxis, read_axes
 
-LARGEST = 1_000_000  # runs: more is a mistake in an axis
+LARGEST = 1_000_000  # runs: more indicates a mistake in an axis
 
 
 class IdentifyTable(UserTable):
-    """[identify]: how every run is identified, unless an axis says otherwise."""
+    """[identify]: settings of the identification of every run, unless an axis changes them."""
 
     method: str = DEFAULT_METHOD
     effects: tuple[str, ...] = ()
@@ -25,7 +25,7 @@ class IdentifyTable(UserTable):
     essential: StrictBool = False
     fit_gains: StrictBool | None = None
     diagnose: StrictBool = False
-    """Whether to look for missing effects as well."""
+    """Whether to diagnose missing effects as well."""
 
 
 IDENTIFY = frozenset(IdentifyTable.model_fields)
@@ -41,15 +41,15 @@ class PlotTable(UserTable):
 
 
 class SweepTable(UserTable):
-    """The whole file."""
+    """The keys of a sweep file."""
 
     description: str = ""
     base: str
-    """The scenario that all runs start from: a built-in name, or a path relative to this file."""
+    """The base scenario of all runs: a built-in name, or a path relative to this file."""
     seeds: int | tuple[int, ...] = 1
-    """How many (1, 2, 3, …), or which."""
+    """The number of seeds (1, 2, 3, …), or a list of them."""
     design: Literal["once", "each"] = "once"
-    """Exciting trajectories: designed once for the base, or anew for every payload and limit that varies."""
+    """Exciting trajectories: designed once for the base, or for each value of payloads and limits."""
     record: tuple[Literal["accuracy", "gains", "parameters", "effects"], ...] = ("accuracy",)
     show: tuple[str, ...] = ("gain_error", "gain_within", "validate_error_over_noise_floor")
     """Metrics of the summary."""
@@ -75,7 +75,7 @@ class SweepTable(UserTable):
 
 @dataclass(frozen=True)
 class Sweep:
-    """A sweep file that has been read."""
+    """A sweep file after reading."""
 
     name: str
     """The file's name without its suffix."""
@@ -96,14 +96,14 @@ class Sweep:
 
 
 def built_in_sweeps() -> Mapping[str, Path]:
-    """Name -> TOML file of every sweep that comes along, sorted by name."""
+    """Name -> TOML file of every built-in sweep, sorted by name."""
     return {path.stem: path for path in sorted((catalogue_folder("scenarios") / "sweeps").glob("*.toml"))}
 
 
 def load_sweep(sweep: str | Path, kind: type[SweepTable] = SweepTable) -> Sweep:
     """Read a sweep: a built-in name or a path. Raises BenchError, one line naming file and key.
 
-    kind: the tables that the file may hold, where it is more than a sweep.
+    kind: the model of the file, if it has more keys than a sweep.
     """
     built_in = built_in_sweeps()
     path = built_in[sweep] if isinstance(sweep, str) and sweep in built_in else Path(sweep).expanduser()

@@ -1,4 +1,4 @@
-"""The table of a sweep: one Parquet file, a row a run."""
+"""The table of a sweep: one Parquet file with a row for each run."""
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from itertools import islice
@@ -12,15 +12,15 @@ from bench.basics.errors import BenchError
 from bench.basics.files.atomic import atomic_path
 from bench.studies.sweep.journal import Journal, Row
 
-BATCH = 1000  # rows in memory at a time
+BATCH = 1000  # rows in memory at once
 FIRST = ("run", "status", "reason", "scenario", "seed")
 LAST = ("commit", "version.")
 
 
 def write_table(journal: Journal, path: Path, axes: Sequence[str], metadata: Mapping[str, str]) -> None:
-    """Write all rows by number. The same rows give the same file to the last bit, in whatever order they came.
+    """Write all rows by number. The same rows give the same file to the last bit, in any order of arrival.
 
-    Columns: what every run has, the axes, metrics and other settings by name, versions last.
+    Columns: those of every run, the axes, then metrics and other settings by name, and versions last.
     """
     kinds: dict[str, set[type]] = {}
     for row in journal.rows():
@@ -39,7 +39,7 @@ def write_table(journal: Journal, path: Path, axes: Sequence[str], metadata: Map
 
 
 def write_rows(path: Path, rows: Sequence[Row]) -> None:
-    """Write rows that may have different columns, whole or not at all; what a row lacks is None."""
+    """Write rows that may have different columns, whole or not at all; missing values are None."""
     names = list(dict.fromkeys(name for row in rows for name in row))
     columns: dict[str, list[Any]] = {name: [row.get(name) for row in rows] for name in names}
     with atomic_path(path) as partial:

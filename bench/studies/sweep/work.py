@@ -1,4 +1,4 @@
-"""The work of a sweep, as functions from one plain value to the next: what workers run."""
+"""The tasks of a sweep that workers run, as functions of plain values."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
@@ -35,7 +35,7 @@ from bench.truth.simulate import Simulation, simulate
 def measure(
     simulation: Simulation, prepared: Prepared, result: Identification, record: Sequence[str]
 ) -> Metrics:
-    """Metrics of one identification. record: groups of them, see `SweepTable`."""
+    """Metrics of one identification. record: groups of metrics, see `SweepTable`."""
     run = IdentifiedRun(simulation, prepared, result, record)
     metrics: Metrics = dict(run.accuracy)
     for name, metric in METRICS.items():
@@ -49,13 +49,13 @@ def measure(
 
 
 def diagnosis_metrics(simulation: Simulation, prepared: Prepared) -> dict[str, float | str]:
-    """Effects missed and invented, the identified names, and the gain error of the model with them.
+    """Number of missed and invented effects, names of the identified ones, and the gain error of the model with them.
 
-    An effect that the data cannot tell from the true one counts as identified.
+    An effect that the data cannot distinguish from the true one counts as identified.
     """
     modelled = tuple(dict.fromkeys(instance.request for instance in prepared.effects))
     problem = problem_of(prepared.dataset, modelled, filters=prepared.settings)
-    diagnosis = find_missing_effects(problem, discover=False)  # effects of the catalogue are what counts
+    diagnosis = find_missing_effects(problem, discover=False)  # only effects of the catalogue count
     hidden = {effect.name for effect in simulation.machine.hidden} - {
         instance.name for instance in prepared.effects
     }
@@ -80,22 +80,22 @@ Trajectories = Mapping[str, FourierTrajectory]
 
 
 def designed(run: Run, _: None = None) -> Trajectories:
-    """Find the trajectories of a run, by recording name."""
+    """Design the trajectories of a run, by recording name."""
     return resolve_trajectories(_scenario(run, without_share(run.design_content)), designer)
 
 
 def shared_motion(run: Run, trajectories: Trajectories, _: None = None) -> Simulation:
-    """Simulate the motion that several tasks share, without what sensing it again does not need."""
+    """Simulate the motion that several tasks share, reduced to the signals that `sense_again` needs."""
     return slim(_simulated(run, trajectories))
 
 
 def rows_of(
     runs: tuple[Run, ...], trajectories: Trajectories, record: Sequence[str], motion: Simulation | None = None
 ) -> list[Row]:
-    """Identify from one set of equations, in one or several ways: a row a run.
+    """Identify one set of equations with the settings of each run: a row for each run.
 
-    A run that fails for a reason that can be named has it in its row. motion: simulated already, because others need
-    it too; None: to be simulated.
+    A run that fails with a BenchError has the reason in its row. motion: a simulation shared with other tasks; with
+    None, it is simulated.
     """
     first = runs[0]
     try:
@@ -136,12 +136,14 @@ def identification_work(sweep: Sweep) -> Work:
 
 
 def failed_row(run: Run, reason: str) -> Row:
-    """The row of a run that came to nothing."""
+    """The row of a failed run."""
     return _row(run, {}) | {"status": FAILED, "reason": " ".join(reason.split())}
 
 
 def slim(simulation: Simulation) -> Simulation:
-    """A simulation with what `sense_again` needs, a few megabytes: time, positions, current references."""
+    """A simulation reduced to the signals that `sense_again` needs (time, positions, current references), a few
+    megabytes.
+    """
     nothing = np.empty((0, 0))
     recordings = tuple(
         replace(

@@ -1,1 +1,1 @@
-"""How far a diagnosis can be trusted: machines with hidden effects, diagnosed without access to the truth."""
+"""Reliability of a diagnosis: machines with hidden effects, diagnosed without access to the truth."""

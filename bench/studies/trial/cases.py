@@ -1,4 +1,4 @@
-"""The blind datasets of a trial, drawn from seeds: what is hidden, how large, behind how much noise."""
+"""The blind datasets of a trial, drawn from seeds: hidden effects, their sizes, noise."""
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
@@ -18,41 +18,41 @@ from bench.truth.hidden.base import HiddenEffect
 
 Kind = Literal["nothing", "one", "two", "three", "outside", "unknown"]
 KINDS: dict[Kind, int] = {"nothing": 0, "one": 1, "two": 2, "three": 3, "outside": 1, "unknown": 1}
-"""Kinds of datasets, with the number of effects that each hides."""
+"""Kinds of datasets, with the number of hidden effects."""
 
 DATASETS_A_SEED = 10
-"""Datasets for each seed of the kinds that do not go through the effects one by one."""
+"""Datasets per seed, for kinds that do not hide each effect in turn."""
 
 SHARES = HiddenEffect.shares
-"""Torque of an effect over the torque of its motor, RMS over RMS; drawn evenly on a logarithmic scale."""
+"""Range of an effect's torque over that of its motor, RMS over RMS; drawn uniformly on a logarithmic scale."""
 
 SHARES_OF = {
     name: effect.shares for name, effect in sorted(HIDDEN_EFFECTS.items()) if effect.shares != SHARES
 }
-"""The same of those that bring one."""
+"""The same for effects with a different range."""
 
 SETS_FROM = 0.6
-"""Where the sizes in sets begin in these ranges, on the logarithmic scale: in sets only large effects count."""
+"""Lower end of the sizes in sets within these ranges, on the logarithmic scale: in sets only large effects count."""
 
 UNKNOWN_SHARES = (0.02, 0.1)
-"""The same of laws that no model knows."""
+"""The same for laws that no model contains."""
 
 NOISE = (0.002, 0.02)
-"""Noise of the current over its RMS; drawn likewise."""
+"""Range of the current noise over the current's RMS; drawn likewise."""
 
 RULES = (SHARES, SHARES_OF, SETS_FROM, NOISE)
-"""What draws depend on in addition to their seeds."""
+"""Constants that draws depend on in addition to their seeds."""
 
 ENCODER_BITS = (18, 20, 22)
 GAIN_ERROR = 0.1
-"""Largest deviation of a true gain from the nominal one."""
+"""Largest relative deviation of a true gain from the nominal one."""
 
 
 @dataclass(frozen=True)
 class Hide:
-    """An effect to be hidden: in which joints (none: the machine as a whole), and with what share of the torque.
+    """An effect to hide, its joints (empty: the whole machine) and its share of the torque.
 
-    numbers: of a law that is drawn with its numbers.
+    numbers: parameters of a law that is drawn with them.
     """
 
     effect: str
@@ -63,7 +63,7 @@ class Hide:
 
 @dataclass(frozen=True)
 class Case:
-    """One blind dataset. seed: of the sensors' noise and of the gains. drawn_from: effects asked for; empty: all."""
+    """One blind dataset. seed: of the sensor noise and of the gains. drawn_from: the requested effects; empty: all."""
 
     kind: Kind
     index: int
@@ -75,19 +75,19 @@ class Case:
 
     @property
     def effects(self) -> tuple[str, ...]:
-        """Names of what is drawn; companions are not among them."""
+        """Names of the drawn effects, without companions."""
         return tuple(hide.effect for hide in self.hides)
 
 
 def datasets_a_seed(setup: Setup, kind: Kind, effects: Sequence[str] = ()) -> int:
-    """How many datasets of a kind there are for each seed."""
+    """Number of datasets of a kind for each seed."""
     if kind in ("one", "outside"):
         return len(chosen_effects(setup, kind, effects))
     return DATASETS_A_SEED
 
 
 def chosen_effects(setup: Setup, kind: Kind, effects: Sequence[str] = ()) -> tuple[str, ...]:
-    """The effects that datasets of a kind are drawn from: all, or those of `effects` that are of that kind.
+    """The effects from which datasets of a kind are drawn: all of that kind, or those in `effects`.
 
     Raises BenchError for an effect that this robot cannot have.
     """
@@ -101,9 +101,9 @@ def chosen_effects(setup: Setup, kind: Kind, effects: Sequence[str] = ()) -> tup
 
 
 def draw_case(setup: Setup, kind: Kind, index: int, effects: Sequence[str] = ()) -> Case:
-    """The dataset of that index, the same wherever and in whatever order it is drawn.
+    """The dataset of an index, independent of process and order.
 
-    One effect alone goes through all effects in turn. effects: draw from these; empty: from all.
+    Kinds with one effect take all effects in turn. effects: draw from these; empty: from all.
     """
     known = chosen_effects(setup, kind, effects)
     if kind == "unknown":
@@ -127,7 +127,7 @@ def draw_case(setup: Setup, kind: Kind, index: int, effects: Sequence[str] = ())
 
 
 def _unknown_case(setup: Setup, index: int) -> Case:
-    """A law that no model knows, in one joint, with none, one or two known effects."""
+    """A law that no model contains, in one joint, with zero, one or two known effects."""
     random = _random(setup.name, "unknown", LAW, index)
     joint = str(random.choice(setup.motors))
     numbers = drawn_law(index, len(setup.motors), random)
@@ -183,10 +183,10 @@ MOVED = ("robot", "design", "recordings", "payloads")
 
 @dataclass(frozen=True)
 class TrialPlan:
-    """All cases of one kind; with more seeds, those of fewer seeds stay as they are.
+    """All cases of one kind; more seeds add cases without changing the others.
 
-    effects: what is drawn from; empty: all that the robot can have. first: number of the first case; sets that begin
-    far enough from each other have no case in common.
+    effects: draw from these; empty: all that the robot can have. first: number of the first case; plans with
+    sufficiently different first numbers have no case in common.
     """
 
     setup: Setup
@@ -197,12 +197,12 @@ class TrialPlan:
 
     @property
     def numbers(self) -> range:
-        """Of its cases."""
+        """Numbers of its cases."""
         return range(self.first, self.first + self.size)
 
     @property
     def size(self) -> int:
-        """How many cases."""
+        """Number of cases."""
         return self.seeds * datasets_a_seed(self.setup, self.kind, self.effects)
 
     def case(self, number: int) -> Case:
@@ -210,7 +210,7 @@ class TrialPlan:
         return draw_case(self.setup, self.kind, number, self.effects)
 
     def run(self, number: int) -> Run:
-        """The case as a run: all have their trajectories and the movement with nothing hidden in common."""
+        """The case as a run: all cases share the trajectories and the motion without hidden effects."""
         return Run(
             number=number,
             seed=number,

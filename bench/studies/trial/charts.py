@@ -1,4 +1,4 @@
-"""Charts of a trial: what was named for what, misses by size, intervals, remaining errors."""
+"""Charts of a trial: confusion matrix, misses by size, intervals, remaining errors."""
 
 from collections.abc import Sequence
 from pathlib import Path
@@ -19,11 +19,11 @@ from bench.studies.trial.target import FLOOR_FACTOR, Share
 
 COVERAGE = 0.95
 CELL, SIZE = 0.26, (6.4, 3.8)  # inches
-LETTERS = 14  # of a class in a line
+LETTERS = 14  # characters of a class per line
 
 
 def confusion_chart(summary: TrialSummary) -> Chart:
-    """Hidden effect down, first named across; the shade is the share of a row's cases."""
+    """Rows: hidden effects; columns: first named effects. The shade is the share of a row's cases."""
     hidden = [name for name in summary.confusion if name != NOTHING]
     hidden += [NOTHING] * (NOTHING in summary.confusion)
     named = {name for line in summary.confusion.values() for name in line}
@@ -53,7 +53,7 @@ def confusion_chart(summary: TrialSummary) -> Chart:
 
 
 def misses_chart(summary: TrialSummary) -> Chart:
-    """Share of effects that are not named first, by their error over the noise floor."""
+    """Share of effects not named first, by their error over the noise floor."""
     classes = [miss for miss in summary.misses if miss.first.of]
     series = (
         _missed("not named first", "before", -0.1, [miss.first for miss in classes]),
@@ -69,7 +69,7 @@ def misses_chart(summary: TrialSummary) -> Chart:
 
 
 def coverage_chart(summary: TrialSummary) -> Chart:
-    """Share of the 95 % intervals that hold the truth, for each parameter."""
+    """Share of the 95 % intervals that contain the truth, for each parameter."""
     within = [covered.within for covered in summary.coverage]
     shares = Spans(
         "share, with its 95 % interval",
@@ -94,7 +94,7 @@ def coverage_chart(summary: TrialSummary) -> Chart:
 
 
 def errors_chart(rows: Sequence[Row]) -> Chart | None:
-    """Error over the noise floor before and after, a dot a case; None without any hidden effect."""
+    """Error over the noise floor before and after the diagnosis, a dot for each case; None without such cases."""
     done = [
         row
         for row in rows
@@ -131,7 +131,7 @@ def _missed(name: str, role: Role, shift: float, shares: Sequence[Share]) -> Whi
 
 
 def write_trial_figures(summary: TrialSummary, rows: Sequence[Row], folder: Path) -> list[Path]:
-    """Draw what there are cases for: ROBOT_confusion.png, ROBOT_misses.png, ROBOT_errors.png."""
+    """Draw the figures that have cases: ROBOT_confusion.png, ROBOT_misses.png, ROBOT_errors.png."""
     figures = {}
     if set(summary.confusion) - {NOTHING}:
         figures["confusion"] = _matrix(confusion_chart(summary), summary.robot)

@@ -33,9 +33,10 @@ ALL = "all effects"
 
 
 def check_numbers(rows: Sequence[Row]) -> None:
-    """Raise BenchError where two rows have one number among the datasets of their kind, drawn from the same effects.
+    """Raise BenchError if two rows of the same kind, drawn from the same effects, have the same number.
 
-    A number means another dataset where others are drawn from, as with `--effects`. Older rows do not say which: all.
+    The dataset of a number depends on the effects that are drawn from, see `--effects`. Older rows without this
+    information count as drawn from all.
     """
     taken: set[tuple[str, str, int]] = set()
     for row in rows:
@@ -51,9 +52,9 @@ def check_numbers(rows: Sequence[Row]) -> None:
 
 @dataclass(frozen=True)
 class Drawn:
-    """Which datasets a trial is of: effects and kinds (none: all), `seeds` of each from number `first` on.
+    """The datasets of a trial: effects and kinds (empty: all), `seeds` of each kind, from number `first`.
 
-    discover: search laws even where a diagnosis leaves nothing.
+    discover: search for laws even if nothing remains unexplained.
     """
 
     effects: Sequence[str] = ()
@@ -84,12 +85,12 @@ def run_command(
     start = time.monotonic()
 
     bars = progress_console(quiet)
-    bars.quiet = quiet or not bars.is_terminal  # a log lists finished kinds only
+    bars.quiet = quiet or not bars.is_terminal  # a log only lists finished kinds
     shown: list[ShownProgress] = []
     with ExitStack() as stack:
 
         def progress(plan: TrialPlan) -> Report:
-            stack.close()  # the bar of the kind before
+            stack.close()  # the bar of the previous kind
             console.print(
                 f"[bold]{setup.name}[/], {plan.kind}: {plural(plan.size, 'dataset')}", highlight=False
             )
@@ -127,9 +128,9 @@ def run_command(
 def write_results(
     robot: str, rows: Sequence[Row], folder: Path, seconds: float
 ) -> tuple[TrialSummary, list[Path]]:
-    """Write ROBOT.parquet, ROBOT.md and the figures; returns the figures of the trial and the files.
+    """Write ROBOT.parquet, ROBOT.md and the figures; returns the summary and the files.
 
-    Raises BenchError where two rows have one number.
+    Raises BenchError if two rows have the same number.
     """
     check_numbers(rows)
     unknown = [row for row in rows if row["kind"] == "unknown"]
@@ -149,7 +150,7 @@ def write_results(
 
 
 def show(summary: TrialSummary, console: Console) -> None:
-    """Print the figures."""
+    """Print the tables of a summary."""
     width = min(console.width, TEXT.width)
     for i, part in enumerate(parts(summary)):
         console.print(Text(part.title, "bold"))
@@ -165,7 +166,7 @@ def show(summary: TrialSummary, console: Console) -> None:
 
 
 def scenario_seconds(setup: Setup) -> float:
-    """Duration of the longest designed movement, s; 0 if none is designed."""
+    """Duration of the longest designed motion, s; 0 if none is designed."""
     durations = [
         float({**setup.content.get("design", {}), **recording["design"]}.get("duration", 0.0))
         for recording in setup.content["recordings"]
@@ -182,7 +183,7 @@ def _kinds(kinds: Sequence[str]) -> tuple[Kind, ...]:
 
 
 def _check(setup: Setup, request: TrialRequest) -> None:
-    """Find out before anything runs what a case would trip over."""
+    """Raise BenchError before the start for requests and scenarios that would fail in a case."""
     for kind in request.kinds:
         chosen_effects(setup, kind, request.effects)
     if not request.plans:

@@ -1,4 +1,4 @@
-"""Which effects make sense together in one machine, and which need company."""
+"""Effects that make sense together in one machine, and effects that need others."""
 
 from collections.abc import Callable, Iterable, Mapping
 from functools import cache
@@ -16,13 +16,13 @@ RIVALS: tuple[frozenset[str], ...] = (
     frozenset({"constant_offset", "passive_spring"}),
     frozenset({"encoder_offset", "geometric_error"}),
 )
-"""Of each group a machine has one at most: they are two names for the same part."""
+"""A machine has at most one effect of each group, since they describe the same part."""
 
 ALONE = frozenset({"payload_mass_error", "rotor_inertia"})
-"""Not hidden together with others: a robot's parameters take them up, so that they would add nothing to find."""
+"""Not hidden together with others: base parameters absorb them, so they could not be identified."""
 
 COMPANION_SIZE = 1.5
-"""The companion, against the largest value of the effect that needs it."""
+"""Size of the companion over the largest value of the effect that needs it."""
 
 Sizes = Mapping[str, float]
 COMPANIONS: Mapping[str, Mapping[str, Callable[[Sizes], Sizes]]] = {
@@ -32,11 +32,12 @@ COMPANIONS: Mapping[str, Mapping[str, Callable[[Sizes], Sizes]]] = {
         }
     }
 }
-"""Effects that cannot be without others: friction that varies around the turn, but nowhere drives. For each other its
-sizes, from those of the effect."""
+"""Effects that need others, such as friction that varies with position, whose total must not become negative. For
+each companion, its sizes from those of the effect.
+"""
 
 PARTS: dict[str, tuple[str, ...]] = {"backlash": ("drive_flexibility",)}
-"""Effects that are part of others and may be named in addition to them: flanks that touch also give way."""
+"""Effects that are part of others and may be named in addition: flanks in contact are also flexible."""
 
 
 def compatible(effects: Iterable[str]) -> bool:
@@ -48,13 +49,13 @@ def compatible(effects: Iterable[str]) -> bool:
 
 
 def exclusive(name: str, other: str) -> bool:
-    """Whether a machine has one of these two at most: rivals, or of effects of which some contain the others."""
+    """Whether a machine has at most one of these two: rivals, or effects of which one contains the other."""
     return other in _kin(name)
 
 
 @cache
 def _kin(effect: str) -> frozenset[str]:
-    """An effect with all that it contains or that contain it, their rivals, and so on."""
+    """An effect and all effects connected to it by rivalry or containment."""
     groups = [*RIVALS, *(frozenset({name, *law.contains}) for name, law in CATALOGUE.items() if law.contains)]
     kin = frozenset({effect})
     while wider := frozenset().union(*(group for group in groups if kin & group)) - kin:
@@ -63,7 +64,7 @@ def _kin(effect: str) -> frozenset[str]:
 
 
 def expected(effects: Iterable[str]) -> tuple[str, ...]:
-    """The effects with the companions that are hidden with them."""
+    """The effects and the companions that are hidden with them."""
     names = list(dict.fromkeys(effects))
     for name in tuple(names):
         names += [word for word in COMPANIONS.get(name, ()) if word not in names]
@@ -71,5 +72,5 @@ def expected(effects: Iterable[str]) -> tuple[str, ...]:
 
 
 def optional(effects: Iterable[str]) -> frozenset[str]:
-    """Effects that may be named in addition to these, and need not be."""
+    """Effects that may be named in addition to these, but need not be."""
     return frozenset(part for name in effects for part in PARTS.get(name, ()))

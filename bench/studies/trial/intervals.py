@@ -21,7 +21,7 @@ Conversion = Callable[[True_], float]
 OTHERWISE: Mapping[str, Mapping[str, Conversion]] = {
     "backlash": {"b": lambda p: p["play"]},
     "base_tilt": {"tilt_x": lambda p: p["about_x"], "tilt_y": lambda p: p["about_y"]},
-    "cogging_torque": {"periods": lambda p: 2 * np.pi / p["period"]},  # in a turn of a hinge
+    "cogging_torque": {"periods": lambda p: 2 * np.pi / p["period"]},  # per turn of a hinge
     "drive_flexibility": {
         "C": lambda p: 1 / p["stiffness"],
         "CIa": lambda p: (p["rotor_inertia"] or np.nan) / p["stiffness"],
@@ -42,18 +42,18 @@ OTHERWISE: Mapping[str, Mapping[str, Conversion]] = {
     "torque_ripple": {"periods": lambda p: 2 * np.pi / p["period"]},
     "transmission_error": {"periods": lambda p: 2 * np.pi / p["period"]},
 }
-"""Effect -> the model's parameter -> its true value from the parameters of the hidden effect, where these have another
-name or another value.
+"""Effect -> parameter of the model -> its true value from the parameters of the hidden effect, if name or value
+differ.
 
-SI units on both sides; nan where the entry does not tell, as of a rotor whose inertia is the joint's in the MJCF.
-Angles of hinges. For slides the periods are per metre, without 2 pi; see `true_values`.
+SI units on both sides; nan if the entry does not contain the value, such as the inertia of a rotor that is the
+joint's armature in the MJCF. Periods are for hinges; for slides they are per metre, without 2 pi, see `true_values`.
 """
 
-SAME = 0.03  # of the RMS speed: two joints whose rates differ less turn alike, even where one length is wrong
+SAME = 0.03  # of the RMS speed: joints whose rates differ by less move alike, even if a length is wrong
 
 
 def true_values(effect: str, hidden: True_, *, slide: bool = False) -> dict[str, float]:
-    """The model's parameters of an effect, as they truly are; empty for an effect that no model knows."""
+    """The true values of a model's parameters of an effect; empty for an effect that no model contains."""
     if effect not in CATALOGUE or effect not in HIDDEN_EFFECTS:
         return {}
     parameters = {
@@ -69,9 +69,9 @@ def true_values(effect: str, hidden: True_, *, slide: bool = False) -> dict[str,
 
 
 def as_logged(hidden: Sequence[Mapping[str, Any]]) -> list[dict[str, Any]]:
-    """Hidden effects in terms of the positions that are logged, which a hidden encoder offset shifts.
+    """Hidden effects in terms of the logged positions, which a hidden encoder offset shifts.
 
-    With the logged position p = q + offset, a cos(w q) + b sin(w q) and k (q - q0) have other a, b and q0 in p.
+    With the logged position p = q + offset, a cos(w q) + b sin(w q) and k (q - q0) have different a, b and q0.
     """
     offsets = {entry.get("joint"): entry["offset"] for entry in hidden if entry["effect"] == "encoder_offset"}
     return [_shifted(dict(entry), offsets.get(entry.get("joint"), 0.0)) for entry in hidden]
@@ -93,9 +93,10 @@ def _shifted(entry: dict[str, Any], offset: float) -> dict[str, Any]:
 
 
 def moving_alike(simulation: Simulation, joints: Sequence[str]) -> dict[str, str]:
-    """For each of these joints the first of them that moves like it, or against it: itself, if it moves alone.
+    """For each joint the first joint that moves like it or opposite to it, such as the rods of a parallelogram; else
+    itself.
 
-    The rods of a parallelogram do. The motors see the sum of their frictions.
+    The motors see only the sum of the friction in such joints.
     """
     model = simulation.machine.models[None]
     rates = {
@@ -120,9 +121,9 @@ def moving_alike(simulation: Simulation, joints: Sequence[str]) -> dict[str, str
 def intervals(
     setup: Setup, hidden: Sequence[Entry], result: Identification, alike: Mapping[str, str]
 ) -> list[Mapping[str, Any]]:
-    """Estimated value, deviation and truth of the parameters of the hidden effects that the model has.
+    """Estimate, standard error and truth of the parameters of hidden effects that the model contains.
 
-    alike: see `moving_alike`; the true friction of passive joints that move alike is the sum of theirs.
+    alike: see `moving_alike`; the true values of passive joints that move alike are summed.
     """
     true: dict[tuple[str, str, str], float] = {}
     for effect, place, entry in hidden_places(setup, as_logged(hidden)):

@@ -1,4 +1,4 @@
-"""A diagnosis, and the law that it discovered, compared with what was hidden."""
+"""Compare a diagnosis, and a law that it discovered, with the hidden effects."""
 
 import json
 from collections.abc import Collection, Mapping, Sequence
@@ -25,23 +25,23 @@ from bench.truth.simulate import Simulation
 
 @dataclass(frozen=True)
 class Named:
-    """What a diagnosis says of one effect: its verdict, and what it may be instead."""
+    """One effect in a diagnosis: its verdict and its alternatives."""
 
     effect: str
     verdict: str
     alternatives: tuple[str, ...]
 
     def may_be(self, effect: str) -> bool:
-        """Whether it names the effect, or is openly undecided between it and others."""
+        """Whether it names the effect, or explicitly lists it as an indistinguishable alternative."""
         return effect == self.effect or (self.verdict == "indistinguishable" and effect in self.alternatives)
 
 
 @dataclass(frozen=True)
 class Judgement:
-    """Right or wrong.
+    """The score of a diagnosis.
 
-    first, first_undecided: the first effect that is named is hidden; or may be. exact, exact_undecided: the whole
-    set, likewise. wrong: named although not hidden, with the verdict `missing`.
+    first: the first named effect is hidden; first_undecided: it is, or an alternative of it is. exact,
+    exact_undecided: the same for the whole set. wrong: effects named with the verdict `missing` that are not hidden.
     """
 
     first: bool
@@ -57,10 +57,10 @@ def judgement_of(
     missing: Sequence[Named],
     parts: Collection[str] = frozenset(),
 ) -> Judgement:
-    """Hold a diagnosis (`missing`, strongest first) against the truth.
+    """Compare a diagnosis (`missing`, strongest first) with the truth.
 
-    drawn: effects that are hidden; expected: with their companions, which count in sets, but not as the first.
-    parts: of what is hidden without a name. Effects that are part of a hidden one neither help nor harm.
+    drawn: hidden effects; expected: these with their companions, which count in sets, but not as the first. parts:
+    effects that are part of an unnamed hidden law. Effects that are part of a hidden one do not affect the score.
     """
     companions = {name for effect in drawn for name in COMPANIONS.get(effect, ())} - set(drawn)
     aside = (optional(drawn) | set(parts)) - set(expected)
@@ -78,7 +78,7 @@ def judgement_of(
 
 
 def _matches(missing: Sequence[Named], expected: Sequence[str]) -> bool:
-    """Whether the named effects can be the hidden ones, each for one of them."""
+    """Whether the named effects can be matched one to one with the hidden ones."""
     if len(missing) != len(expected):
         return False
     return any(
@@ -111,17 +111,17 @@ VARIABLES = {
     "wave": "position",
     "T": "time",
 }
-"""What a hidden law goes by, by its numbers that are not zero."""
+"""Number of a hidden law -> variable that the law depends on if the number is not zero."""
 
 
 def law_columns(simulation: Simulation, diagnosis: Diagnosis, prepared: Prepared) -> Row:
-    """How near a discovered law is to the hidden one: in torque, on recordings not fitted, and in structure.
+    """Errors of a discovered law: in torque, on recordings that are not fitted, and in structure.
 
-    law.error: RMS, over that of the hidden law's torque, of the difference between all that was identified and all that
-    was hidden at its motor, where that moves; so a law counts whole of which a part was identified under its name, and
-    what is wrong with known effects there counts, too. law.alone: the same without the known effects that are
-    identified there by their names, whose errors may be many times a small law; one of which the law is a part stays.
-    law.elsewhere: laws at motors that have none.
+    law.error: RMS of the difference between all identified and all hidden effects at the motor of the law while it
+    moves, over the RMS of the hidden law's torque. It credits parts of the law that are identified as known effects,
+    and includes the errors of known effects. law.alone: the same without the known effects that are identified there
+    by name, whose errors may be many times a small law, except for those that are a part of the law. law.elsewhere:
+    number of laws at motors that have none.
     """
     joint, numbers = _hidden_law(simulation)
     laws = [law for law in diagnosis.discovered if law.place == joint]
@@ -145,7 +145,7 @@ def law_columns(simulation: Simulation, diagnosis: Diagnosis, prepared: Prepared
 
 
 def _hidden_law(simulation: Simulation) -> tuple[str, dict[str, float]]:
-    """The motor and the numbers of the law."""
+    """The motor and the parameters of the hidden law."""
     hidden = next(effect for effect in simulation.scenario.settings.hidden if effect.effect == LAW)
     return str(hidden.joint), {name: float(value) for name, value in hidden.parameters.items()}
 
@@ -153,9 +153,9 @@ def _hidden_law(simulation: Simulation) -> tuple[str, dict[str, float]]:
 def _torque_error(
     simulation: Simulation, diagnosis: Diagnosis, prepared: Prepared, joint: str, but: Collection[str]
 ) -> float:
-    """Over the law's torque, what is wrong with all at its motor but the known effects of these names.
+    """RMS error of all effects at the law's motor, except for those named in `but`, over the RMS of the law's torque.
 
-    What was hidden is interpolated where the motor reverses and decimated, like the estimate.
+    The true torque is interpolated at reversals of the motor and decimated, like the estimate.
     """
     motor = simulation.robot.joints.index(joint)
     model, values = _identified_model(diagnosis, prepared, but)
@@ -178,7 +178,7 @@ def _torque_error(
 def _identified_model(
     diagnosis: Diagnosis, prepared: Prepared, but: Collection[str]
 ) -> tuple[Prepared, np.ndarray]:
-    """The model that was identified, and the values of its effects' columns in their order, zero for some of them."""
+    """The identified model, and the values of its effect columns in order, zero for the effects in `but`."""
     catalogue = {**CATALOGUE, **law_effects(diagnosis.discovered)}
     fitted = diagnosis.after.effect_parameters
     places = places_in(prepared.model.geometry, prepared.dataset.weighed)
@@ -200,7 +200,9 @@ def _identified_model(
 def _true_torques(
     simulation: Simulation, name: str, motor: int, but: Collection[str]
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Of the hidden law and of the other known effects at its motor, along a recording's true motion (N,); time s."""
+    """Torques (N,) of the hidden law and of the known effects at its motor except for `but`, along a recording's true
+    motion, and time (N,), s.
+    """
     _, numbers = _hidden_law(simulation)
     motion = next(
         recording.motion for recording in simulation.recordings if recording.name == Path(name).stem
@@ -222,7 +224,7 @@ def _true_torques(
 
 
 def _alike(numbers: Mapping[str, float], laws: Sequence[Discovered]) -> bool:
-    """Whether the identified laws go by the same variables, and oppose the motion if the hidden one does."""
+    """Whether the identified laws depend on the same variables, and oppose the motion if the hidden one does."""
     wanted = {variable for name, variable in VARIABLES.items() if numbers.get(name)}
     looks = [each for law in laws for term in law.terms for each in term.looks_at]
     seen = {f"{look.what} of others" if look.motor else look.what for look in looks}

@@ -1,4 +1,4 @@
-"""The figures of a trial as a page of text."""
+"""The results of a trial as tables and as a page in Markdown."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -20,21 +20,21 @@ COUNTED = (
     f"fitted to at least {LARGE:g} × the noise floor."
 )
 
-ANOTHER = 100.0  # standard errors from the truth: the fit ended at another value, and how far says no more
+ANOTHER = 100.0  # standard errors: beyond, the fit ended at another solution, and the distance is meaningless
 
 FOLDED = frozenset({"figure", "must be", "kept"})  # columns that may wrap
 
 
 @dataclass(frozen=True)
 class MarkdownPart:
-    """A table under a title; none of its rows is without cases."""
+    """A table with a title; every row has cases."""
 
     title: str
     table: Table
 
 
 def parts(summary: TrialSummary) -> list[MarkdownPart]:
-    """What there are cases of, as tables; what was not tried is omitted."""
+    """The tables that have rows."""
     rendered = [
         MarkdownPart("Figures, and what they must reach", targets_table(summary)),
         MarkdownPart("Named first, one effect hidden or none", confusion_table(summary)),
@@ -49,7 +49,7 @@ def parts(summary: TrialSummary) -> list[MarkdownPart]:
 
 
 def targets_table(summary: TrialSummary) -> Table:
-    """Every figure that was tried next to its bound; in bold what is surely not kept."""
+    """Every figure with cases and its bound; in bold if the bound is certainly missed."""
     tried = [target for target in summary.targets if target.reached is not None]
     heads = ("figure", "reached", "must be", "kept", "cases", "95 % interval")
     cells = zip(*map(target_cells, tried), strict=True) if tried else [()] * len(heads)
@@ -61,7 +61,7 @@ def targets_table(summary: TrialSummary) -> Table:
 
 
 def confusion_table(summary: TrialSummary) -> Table:
-    """Hidden effect, cases, share that is named first, what is named instead, cases openly undecided."""
+    """Hidden effect, cases, share named first, effects named instead, cases explicitly undecided."""
     rows = []
     for hidden, named in summary.confusion.items():
         unnamed = Share(named.get(hidden, 0), sum(named.values()))
@@ -81,7 +81,7 @@ def confusion_table(summary: TrialSummary) -> Table:
 
 
 def absorbed_table(summary: TrialSummary) -> Table:
-    """Effects that no data can show, and in how many cases nothing else was named."""
+    """Absorbed effects, and the number of cases in which nothing else was named."""
     return Table(
         (
             Column("hidden", list(summary.absorbed), "effect"),
@@ -92,7 +92,7 @@ def absorbed_table(summary: TrialSummary) -> Table:
 
 
 def misses_table(summary: TrialSummary) -> Table:
-    """How many effects were named first, by their error; classes without a case are omitted."""
+    """Share of effects named first, by class of their error; classes without a case are omitted."""
     tried = [miss for miss in summary.misses if miss.first.of]
     return Table(
         (
@@ -105,7 +105,7 @@ def misses_table(summary: TrialSummary) -> Table:
 
 
 def coverage_table(summary: TrialSummary) -> Table:
-    """How many intervals of every parameter hold the truth."""
+    """Share of the intervals of every parameter that contain the truth."""
     return Table(
         (
             Column("effect", [coverage.effect for coverage in summary.coverage], "effect"),
@@ -128,12 +128,12 @@ def coverage_table(summary: TrialSummary) -> Table:
 
 
 def deviation_text(deviation: float) -> str:
-    """How far estimates are from the truth, in standard errors; of what is another value altogether, no number."""
+    """The median deviation of estimates in standard errors; no number beyond ANOTHER."""
     return f"over {ANOTHER:g}" if deviation > ANOTHER else f"{deviation:.2f}"
 
 
 def failures_table(summary: TrialSummary) -> Table:
-    """Why cases came to nothing, the most frequent reason first."""
+    """Reasons of failed cases, the most frequent first."""
     ranked = sorted(summary.failed.items(), key=lambda pair: -pair[1])
     return Table(
         (
@@ -157,7 +157,7 @@ def trial_markdown(summary: TrialSummary, notes: Mapping[str, str], pictures: Se
 
 
 def target_cells(target: Target) -> tuple[str, str, str, str, str, str]:
-    """Name, value, bound, whether it is reached, cases, interval."""
+    """Name, value, bound, whether the bound is kept, cases, interval."""
     bounds = []
     kept = "" if target.kept is None else target.kept.value
     value = f"{100.0 * target.value:.1f} %" if target.share else f"{target.value:.4g}"
@@ -185,10 +185,10 @@ def target_cells(target: Target) -> tuple[str, str, str, str, str, str]:
 
 
 def size_text(miss: Miss) -> str:
-    """A class of sizes."""
+    """A class of sizes, as text."""
     return f"above {miss.above:g}" if miss.below == float("inf") else f"{miss.above:g} to {miss.below:g}"
 
 
 def percent(share: Share) -> str:
-    """A share in percent; nothing of nothing."""
+    """A share in percent; empty without cases."""
     return f"{100.0 * share.value:.0f} %" if share.of else ""

@@ -1,4 +1,4 @@
-"""From a case to a machine: parameters of the hidden effects that have the size asked for."""
+"""From a case to a machine: parameters of the hidden effects for the requested sizes."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
@@ -20,22 +20,22 @@ from bench.truth.hidden.sizes import typical
 from bench.truth.quiet import stop_step_timers
 from bench.truth.simulate import Simulation, simulate
 
-ATTEMPTS = 4  # an effect that the machine does not stand is halved, and again
+ATTEMPTS = 4  # simulations: if one fails, the effects are halved for the next
 Entry = dict[str, Any]
-"""One of the [[hidden]] of a scenario."""
+"""One [[hidden]] entry of a scenario."""
 
 
 def reference_scenario(setup: Setup) -> Scenario:
-    """The movements with nothing hidden."""
+    """The scenario without hidden effects."""
     return scenario_from_dict(setup.content, setup.name)
 
 
 def realised(
     setup: Setup, case: Case, reference: Reference, trajectories: Mapping[str, FourierTrajectory]
 ) -> tuple[Case, Simulation]:
-    """The simulated machine of a case, and the case as it came out: shares are halved until the machine tolerates them.
+    """The case as realised, and its simulation: shares are halved until the simulation succeeds.
 
-    Raises BenchError if it does not stand them in the end either.
+    Raises BenchError if the last attempt fails as well.
     """
     stop_step_timers()
     for _ in range(ATTEMPTS - 1):
@@ -52,7 +52,7 @@ def case_scenario(setup: Setup, case: Case, reference: Reference) -> Scenario:
 
 
 def check_scenario(setup: Setup, case: Case) -> None:
-    """Raise BenchError where the movements and sensors of all cases, of which this is one, do not suit the robot."""
+    """Raise BenchError if the motions and sensors, which all cases share, do not suit the robot."""
     sensors = setup.content.get("sensors", {})
     robot = load_robot(setup.content["robot"])
     turns = {motor.joint: units_of_gain(motor.gain_unit).rotates for motor in robot.motors}
@@ -86,7 +86,7 @@ def _scenario(setup: Setup, case: Case, hidden: Sequence[Entry]) -> Scenario:
 
 
 def entries(hide: Hide, reference: Reference) -> list[Entry]:
-    """The effect in each of its joints with the size asked for, and what it requires."""
+    """Entries of the effect in each of its joints with the requested size, and of its companions."""
     if where(hide.effect) == "passive" and len(hide.joints) > 1:
         return [_entry(hide.effect, None, typical(hide.effect, reference, hide.share))]
     all_entries: list[Entry] = []
@@ -107,9 +107,9 @@ def _entry(effect: str, joint: str | None, sizes: Mapping[str, float]) -> Entry:
 
 
 def hidden_places(setup: Setup, hidden: Sequence[Entry]) -> list[tuple[str, str, Entry]]:
-    """Effect and place, as a model names them, of every hidden entry; outside the catalogue none.
+    """(effect, place, entry) of every hidden entry in the catalogue, named as in a model.
 
-    An effect that has another as a part of it counts for both.
+    An effect that has another as a part also gets a triple for that part.
     """
     triples = []
     for entry in hidden:

@@ -1,4 +1,4 @@
-"""A trial from its cases to its rows, kept as they come."""
+"""Run the cases of a trial and store their rows."""
 
 import json
 from collections.abc import Callable, Mapping, Sequence
@@ -21,10 +21,10 @@ DESIGNS = "designs"
 
 @dataclass(frozen=True)
 class TrialRequest:
-    """What a trial goes through. seeds: see `datasets_a_seed`. effects: drawn from these; empty: from all.
+    """The request for a trial. seeds: see `datasets_a_seed`. effects: draw from these; empty: from all.
 
-    first: number of the first dataset of every kind.
-    given: what its command named besides (robot, scenario, duration), only to be printed again.
+    first: number of the first dataset of every kind. given: other arguments of the command (robot, scenario,
+    duration), only for display.
     """
 
     setup: Setup
@@ -36,7 +36,7 @@ class TrialRequest:
 
     @property
     def plans(self) -> tuple[TrialPlan, ...]:
-        """One for each kind that has any case."""
+        """A plan for each kind with at least one case."""
         plans = (TrialPlan(self.setup, kind, self.seeds, self.effects, self.first) for kind in self.kinds)
         return tuple(plan for plan in plans if plan.size)
 
@@ -48,10 +48,10 @@ def run_trial(
     progress: Callable[[TrialPlan], Report],
     phase: Phase = silent,
 ) -> list[Row]:
-    """Work off all cases that are not in `folder` yet; returns all rows of this robot that are there.
+    """Run all cases that are not yet in `folder`; returns all rows in it.
 
-    Started again after whatever end it goes on; more seeds or further kinds add to what is there, and the rows
-    are the same whatever the number of workers. Raises BenchError if the folder is that of another trial.
+    After an interruption, it continues. More seeds or kinds add rows, which do not depend on the number of workers.
+    Raises BenchError if the folder belongs to another trial.
     """
     for plan in request.plans:
         _claim(plan, folder, request.given)
@@ -70,7 +70,7 @@ def run_trial(
 
 
 def read_rows(folder: Path, kinds: Sequence[Kind] = tuple(KINDS)) -> list[Row]:
-    """The rows of all cases that are finished, by kind and number."""
+    """The rows of all finished cases, by kind and number."""
     rows: list[Row] = []
     for kind in kinds:
         path = _journal_path(folder, kind)
@@ -85,7 +85,7 @@ def _journal_path(folder: Path, kind: Kind) -> Path:
 
 
 def _rows_there(folder: Path, kind: Kind) -> int:
-    """One more than the largest number of a whole row."""
+    """One more than the largest number of a complete row."""
     path = _journal_path(folder, kind)
     if not path.is_file():
         return 0
@@ -94,7 +94,9 @@ def _rows_there(folder: Path, kind: Kind) -> int:
 
 
 def _claim(plan: TrialPlan, folder: Path, given: Mapping[str, str | float]) -> None:
-    """Mark the cases of a kind in a folder as those of this trial, whatever the number of seeds."""
+    """Mark the cases of a kind in a folder as belonging to this trial, for any number of seeds; BenchError if they do
+    not.
+    """
     record = folder / f"{plan.kind}.json"
     content = {
         "robot": plan.setup.name,

@@ -1,4 +1,4 @@
-"""The robot of a trial: its movements, and what can be hidden where."""
+"""The robot of a trial: its motions, and the effects that can be hidden in it."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -27,17 +27,17 @@ MOVEMENTS = (
     ("unloaded_check", "validate"),
     ("loaded_check", "validate"),
 )
-PAYLOAD_SHARE = 0.25  # of all that moves
+PAYLOAD_SHARE = 0.25  # of the mass of all bodies
 
 
 @dataclass(frozen=True)
 class Setup:
-    """Everything that the cases of a trial have in common.
+    """The common part of all cases of a trial.
 
-    name: of the robot. content: of a scenario file, nothing hidden. motors: actuated joints. passive: joints without a
-    motor. links: joint -> body that it moves, of those that extend to one side: there, longer has one meaning. effects:
-    what can be hidden in this robot, by name, those outside the catalogue included. discover: whether laws are searched
-    where nothing remains, too.
+    name: of the robot. content: of a scenario file without hidden effects. motors: actuated joints. passive: joints
+    without a motor. links: joint -> body that it moves, only for bodies that extend in one direction, so that a
+    longer link is unambiguous. effects: names of all effects that can be hidden in this robot, including those
+    outside the catalogue. discover: whether to search for laws even if nothing remains unexplained.
     """
 
     name: str
@@ -56,15 +56,15 @@ class Setup:
 
     @property
     def outside(self) -> tuple[str, ...]:
-        """Effects that no model knows."""
+        """Effects that no model contains."""
         return tuple(name for name in self.effects if not HIDDEN_EFFECTS[name].in_catalogue)
 
 
 def make_setup(robot: str, scenario: str | None = None, duration: float | None = None) -> Setup:
-    """The trial of a robot (name or folder), with the movements of a scenario.
+    """The setup of a trial for a robot (name or folder), with the motions of a scenario.
 
-    scenario: name or file; by default the built-in one of the robot's name, otherwise movements about the home
-    pose. duration: of each movement, s; as the scenario says, if omitted.
+    scenario: name or file; by default the built-in one of the robot's name, else motions about the home pose.
+    duration: of each motion, s; by default that of the scenario.
     Raises BenchError if the robot or the scenario cannot be used.
     """
     description = load_robot(robot)
@@ -102,12 +102,12 @@ def make_setup(robot: str, scenario: str | None = None, duration: float | None =
 
 
 def _everywhere(places: Places, effect: Effect) -> bool:
-    """Whether a model can have an effect of passive joints in all of them."""
+    """Whether a model can have the effect in all passive joints, if it is one of bearings."""
     return effect.place != "bearing" or places.bearing == places.passive
 
 
 def where(effect: str) -> Where:
-    """What an effect sits in."""
+    """The kind of place of an effect."""
     kind = HIDDEN_EFFECTS[effect]
     if not issubclass(kind, JointEffect):
         return "machine"
@@ -138,7 +138,7 @@ def _possible(setup: Setup, effect: str, robot: Robot) -> bool:
 
 
 def _plain_content(robot: Robot) -> dict[str, Any]:
-    """Movements about the home pose for a robot without a scenario."""
+    """The content of a scenario with motions about the home pose."""
     model = robot.mjcf_model()
     slides = [not units_of_gain(a.gain_unit).rotates for a in robot.actuators]
     if any(slides):

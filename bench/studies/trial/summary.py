@@ -1,4 +1,4 @@
-"""What a trial has shown, from its rows."""
+"""The results of a trial, from its rows."""
 
 import json
 from collections import Counter
@@ -16,26 +16,27 @@ from bench.studies.trial.compatible import COMPANIONS, optional
 from bench.studies.trial.target import FLOOR_FACTOR, GAIN_FACTOR, LAW_FACTOR, Share, Target, TargetFigure
 
 LARGE = 3.0
-"""Of the noise floor: the error that each hidden effect must make for a case to count."""
+"""Times the noise floor: least error of each hidden effect for a case to count."""
 SIZES = (0.0, 1.5, 3.0, 6.0, 12.0, np.inf)
-"""Bounds of the classes of an effect's error over the noise floor."""
+"""Bounds of the classes of an effect's error, over the noise floor."""
 NOTHING, SOMETHING, A_LAW = "nothing", "unexplained", "a law"
-"""The entries of the confusion matrix for no hidden effect or no alarm, for an alarm without a name, and for a law that
-was found and has none."""
+"""Entries of the confusion matrix for no hidden effect or no alarm, for an alarm without a name, and for an
+identified law without a name.
+"""
 
 
 def placed(rows: Sequence[Row]) -> Share:
-    """Of the effects at motors that were hidden and named, how many were named at the very motors that have them.
+    """Share of the hidden and named effects at motors that were named at exactly the motors that have them.
 
-    rows: cases with effects of the catalogue. A motor too many or too few counts as wrong. Effects of joints without a
-    motor, of bodies, payloads and the whole robot are not counted: what they are named at is where they show.
+    rows: cases with effects of the catalogue. A motor too many or too few counts as wrong. Effects of passive joints,
+    bodies, payloads and the whole robot do not count, since the motors listed for them only show the effect.
     """
     right = [named == hidden for row in rows for hidden, named in _at_motors(row)]
     return Share(sum(right), len(right))
 
 
 def _at_motors(row: Row) -> Iterator[tuple[set[str], set[str]]]:
-    """The motors that have a hidden effect, and those at which it was named."""
+    """For each hidden and named effect at motors, the true motors and the named ones."""
     named = {verdict["effect"]: set(verdict["actuators"]) for verdict in json.loads(row["verdicts"])}
     missing = names_in(row["missing"])
     for effect, joints in zip(names_in(row["hidden"]), names_in(row["joints"]), strict=True):
@@ -45,7 +46,7 @@ def _at_motors(row: Row) -> Iterator[tuple[set[str], set[str]]]:
 
 @dataclass(frozen=True)
 class Miss:
-    """Effects that stand alone, of one class of size: how many were named first, strictly and with the undecided."""
+    """Single hidden effects of one class of size: shares named first, strictly and including undecided cases."""
 
     above: float
     below: float
@@ -55,9 +56,9 @@ class Miss:
 
 @dataclass(frozen=True)
 class Coverage:
-    """Intervals of one parameter of an effect that hold the truth.
+    """Share of the intervals of one parameter of an effect that contain the truth.
 
-    deviation: median of |estimate - truth|, in standard deviations; 0.67 where these are right.
+    deviation: median of |estimate - truth| in standard errors; 0.67 if these are right.
     """
 
     effect: str
@@ -70,11 +71,10 @@ class Coverage:
 class TrialSummary:
     """All figures of a trial.
 
-    confusion: hidden effect -> what was named first -> count, of large effects alone, those that no
-    model knows after the others, and of nothing hidden.
-    undecided: hidden effect -> cases in which it was an openly listed alternative. absorbed: effect -> cases in
-    which the diagnosis said so, of how many. small: cases with something hidden that do not count, since it is too
-    small.
+    confusion: hidden effect -> first named effect -> count, for single large effects (those outside the catalogue
+    last) and for nothing hidden. undecided: hidden effect -> number of cases in which it was an explicit alternative.
+    absorbed: hidden effect -> share of its absorbed cases in which nothing was named. small: number of cases that do
+    not count, because a hidden effect is too small.
     """
 
     robot: str
@@ -90,7 +90,7 @@ class TrialSummary:
 
 
 def summarised(robot: str, rows: Sequence[Row]) -> TrialSummary:
-    """The figures of these rows; a case that failed counts as failed and nowhere else."""
+    """The figures of these rows; a failed case only counts as failed."""
     done = [row for row in rows if row["status"] == "ok"]
     seen = [row for row in done if not row["absorbed"]]
     hidden = [row for row in seen if row["kind"] != "nothing"]
@@ -118,7 +118,9 @@ def summarised(robot: str, rows: Sequence[Row]) -> TrialSummary:
 
 
 def first_named(row: Row) -> str:
-    """The effect that a diagnosis names first, companions of the hidden one aside; a law where it names none."""
+    """The first effect that a diagnosis names, without companions and parts of the hidden ones; else A_LAW, SOMETHING
+    or NOTHING.
+    """
     drawn = names_in(row["hidden"])
     companions = {name for effect in drawn for name in COMPANIONS.get(effect, ())} | optional(drawn)
     companions -= set(drawn)
@@ -140,7 +142,7 @@ def _targets(done: Sequence[Row], large: Sequence[Row]) -> tuple[Target, ...]:
 
     hiding = [row for row in large if row["kind"] != "outside"]
     places = placed(hiding)
-    searched = [row for row in of("outside") if row.get("laws") is not None]  # an older trial has no laws
+    searched = [row for row in of("outside") if row.get("laws") is not None]  # older trials lack the column
     targets = [
         share(TargetFigure.ONE_FIRST, of("one"), lambda r: r["first"], least=0.95),
         share(TargetFigure.ONE_UNDECIDED, of("one"), lambda r: r["first_undecided"]),
@@ -194,12 +196,12 @@ def _gain_targets(rows: Sequence[Row]) -> list[Target]:
 
 
 def alarm(row: Row) -> bool:
-    """An effect, a law, or that the rest is unexplained."""
+    """Whether a diagnosis names an effect, identifies a law, or reports an unexplained rest."""
     return bool(row["missing"]) or bool(row["unexplained"]) or bool(_laws(row))
 
 
 def honest(row: Row) -> bool:
-    """No name that is wrong, and something said: a law, or that the rest is unexplained."""
+    """Whether a diagnosis identifies a law or reports an unexplained rest, without a wrong name."""
     return bool(row["unexplained"] or _laws(row)) and not row["wrong"]
 
 
@@ -208,7 +210,7 @@ def _law_at_floor(row: Row) -> bool:
 
 
 def _laws(row: Row) -> int:
-    """How many laws were identified."""
+    """Number of identified laws."""
     return int(row.get("laws") or 0)
 
 

@@ -1,4 +1,4 @@
-"""The figures of a trial, and what they must reach."""
+"""The figures of a trial, and their bounds."""
 
 from dataclasses import dataclass
 from enum import Enum
@@ -14,7 +14,7 @@ LAW_FACTOR = 1.5
 
 
 class Attained(Enum):
-    """Whether what must be reached is surely reached, in words."""
+    """Whether a bound is certainly kept, in words."""
 
     YES = "yes"
     NO = "no"
@@ -22,9 +22,9 @@ class Attained(Enum):
 
 
 class TargetFigure(Enum):
-    """What a trial measures, in words. main: the others stand below one of these, and say more of it.
+    """A figure of a trial, in words. main: a main figure; the others follow one and add details to it.
 
-    relative: a deviation as a share of the true value, though no share of cases.
+    relative: a deviation relative to the true value, not a share of cases.
     """
 
     words: str
@@ -63,7 +63,7 @@ class TargetFigure(Enum):
     STABLE_LOG = "certain verdicts that stay without the last log"
 
     def __new__(cls, words: str, main: bool = False, relative: bool = False) -> Self:
-        """Members are different even where their words are the same."""
+        """Number the members, so that those with the same words are distinct."""
         member = object.__new__(cls)
         member._value_, member.words = len(cls.__members__), words
         member.main, member.relative = main, relative
@@ -72,14 +72,14 @@ class TargetFigure(Enum):
 
 @dataclass(frozen=True)
 class Share:
-    """Some of some, with a 95 % interval (Wilson 1927)."""
+    """A share of cases, with a 95 % interval (Wilson 1927)."""
 
     count: int
     of: int
 
     @property
     def value(self) -> float:
-        """The share; nan of nothing."""
+        """The share; nan without cases."""
         return self.count / self.of if self.of else float("nan")
 
     @property
@@ -95,7 +95,7 @@ class Share:
 
 @dataclass(frozen=True)
 class Target:
-    """A figure with what it must reach; `share` where it is one."""
+    """A figure with its bounds; `share` if it is a share of cases."""
 
     figure: TargetFigure
     value: float
@@ -105,7 +105,7 @@ class Target:
 
     @property
     def reached(self) -> bool | None:
-        """Whether it was reached; None where nothing was tried."""
+        """Whether the value is within its bounds; None without cases."""
         if not np.isfinite(self.value):
             return None
         return (self.least is None or self.value >= self.least) and (
@@ -114,7 +114,7 @@ class Target:
 
     @property
     def kept(self) -> Attained | None:
-        """Whether it is where the cases are enough to say so; None without a bound or any case."""
+        """Whether the bound is kept, if there are enough cases to say so; None without a bound or without cases."""
         if self.reached is None or (self.least is None and self.most is None):
             return None
         if self.share is None:
@@ -128,7 +128,7 @@ class Target:
         return Attained.YES if self._enough(self.share) else Attained.TOO_FEW
 
     def _enough(self, share: Share) -> bool:
-        """Whether so many cases can show that the bound is kept: if all were as they should be."""
+        """Whether this number of cases could show that the bound is kept, if all were successful."""
         if self.least is not None and self.most is not None:
             low, high = share.interval
             return high - low <= self.most - self.least

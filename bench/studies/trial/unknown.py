@@ -11,7 +11,7 @@ from bench.truth.hidden.reference import Reference
 
 LAW = "product_law"
 KNOWN_EFFECTS = (0, 1, 2)
-"""How many known effects accompany a law, in turn."""
+"""Numbers of known effects that accompany a law, in turn."""
 
 Along = Callable[[Mapping[str, float], np.ndarray, np.ndarray], np.ndarray]
 
@@ -22,21 +22,21 @@ TORQUES: Mapping[str, Along] = {
     "joint_spring": lambda p, q, _v: p["k"] * (q - p["q0"]),
     "quadratic_drag": lambda p, _q, v: p["c"] * v * np.abs(v),
 }
-"""Known effects that any machine may have in addition: their torque (N,) of parameters, positions and velocities."""
+"""Known effects that any machine may have in addition: torque (N,) from parameters, positions and velocities."""
 
 FRICTIONS = tuple(TORQUES)
 
 POWERS = ("v", "a", "tau", "others", "q")
 
 STEEPEST = 0.5
-"""Of a joint's inertia: how fast a torque may grow with the acceleration that it makes."""
+"""Of a joint's inertia: largest slope of a law's torque over acceleration."""
 
 Numbers = dict[str, float]
 Draw = Callable[[np.random.Generator], Numbers]
 
 
 def _odd_exponent(random: np.random.Generator) -> float:
-    """Far enough from those that have names."""
+    """An exponent far enough from those of named laws."""
     low, high = ((0.4, 0.7), (1.3, 1.7), (2.3, 2.8))[int(random.integers(3))]
     return float(random.uniform(low, high))
 
@@ -82,20 +82,20 @@ FAMILIES: Mapping[str, Draw] = {
     },
     "drag that fades": lambda r: {"direction": 1.0, "v": 2.0, "T": float(r.uniform(2.0, 6.0))},
 }
-"""Kinds of laws; each draws its numbers."""
+"""Kinds of laws; each draws its parameters."""
 
 
 def drawn_law(index: int, motors: int, random: np.random.Generator) -> Numbers:
-    """The numbers of the law of that index: all families in turn."""
+    """The parameters of the law of an index; the index goes through all families in turn."""
     known = [name for name in FAMILIES if motors > 1 or name != "friction by the other motors"]
     numbers = FAMILIES[known[index % len(known)]](random)
     return {name: float(f"{value:.4g}") for name, value in numbers.items()}
 
 
 def sized(numbers: Mapping[str, float], reference: Reference, joint: str, share: float) -> Numbers:
-    """The law with the coefficient that makes its torque a share of its motor's, RMS over RMS.
+    """The law's parameters with the coefficient for a share of its motor's torque, RMS over RMS.
 
-    Raises BenchError where it would grow too fast with the acceleration that it makes.
+    Raises BenchError if the torque would grow too fast with the acceleration.
     """
     unit = law_along(numbers, reference, joint)
     movement = reference.movement(joint)
@@ -109,9 +109,9 @@ def sized(numbers: Mapping[str, float], reference: Reference, joint: str, share:
 
 
 def named_parts(numbers: Mapping[str, float]) -> frozenset[str]:
-    """Effects of the catalogue that are a summand of a law, so that to name them is not wrong.
+    """Effects of the catalogue that are a summand of a law, so that naming them is not wrong.
 
-    A law that swings about a mean is the sum of that mean, which may have a name, and of a wave.
+    A law that oscillates about a mean is the sum of that mean, which may be a known effect, and a wave.
     """
     powers = {name: value for name, value in numbers.items() if name in POWERS and value}
     if not numbers.get("depth") or not numbers.get("direction") or numbers.get("T") or numbers.get("omega"):
@@ -125,7 +125,7 @@ def named_parts(numbers: Mapping[str, float]) -> frozenset[str]:
 
 
 def law_along(numbers: Mapping[str, float], reference: Reference, joint: str) -> np.ndarray:
-    """A law's torque with c = 1 along a movement, all recordings one after the other."""
+    """A law's torque with c = 1 along a motion, all recordings concatenated."""
     m = reference.movement(joint)
     starts = np.flatnonzero(np.diff(m.time) < 0.0) + 1
     signals = (m.position, m.velocity, m.acceleration, m.torque, m.other_torques, m.time)

@@ -1,4 +1,4 @@
-"""Laws outside the catalogue, in a trial: the results as a table and a page."""
+"""Results of a trial for laws outside the catalogue, as a table and a page."""
 
 import json
 from collections.abc import Callable, Sequence
@@ -12,11 +12,11 @@ from bench.studies.sweep.table import write_rows
 from bench.studies.trial.summary import LARGE
 from bench.studies.trial.target import LAW_FACTOR, Share
 
-NEAR = 0.1  # of the torque's RMS
+NEAR = 0.1  # of the torque's RMS: largest error of a law that counts as identified
 
 
 def unknown_table(rows: Sequence[Row], nothing: Sequence[Row] = ()) -> Table:
-    """Shares of the cases that count, and what they must reach; nothing: cases with nothing hidden."""
+    """Shares of the cases that count, and their goals. nothing: cases without hidden effects."""
     done = [row for row in rows if row["status"] == "ok" and row["least_own_error_over_floor"] >= LARGE]
     alone = [row for row in done if len(names_in(row["hidden"])) == 1]
     with_known = [row for row in done if len(names_in(row["hidden"])) > 1]
@@ -61,7 +61,7 @@ def unknown_table(rows: Sequence[Row], nothing: Sequence[Row] = ()) -> Table:
 
 
 def _with_known(nothing: Sequence[Row]) -> list[Row]:
-    """Those of which it is known whether a law was claimed."""
+    """Successful cases that record whether a law was claimed."""
     return [row for row in nothing if row["status"] == "ok" and row.get("laws") is not None]
 
 
@@ -82,14 +82,14 @@ def cases_table(rows: Sequence[Row]) -> Table:
 
 
 def _formula(formulas: str | None) -> str:
-    """A law as code, so that no star or bar of it is taken for markup."""
+    """Laws as code, so that Markdown does not interpret their stars and bars."""
     return "–" if not formulas else ", ".join(f"`{entry}`" for entry in formulas.split(" | "))
 
 
 def write_unknown(robot: str, rows: Sequence[Row], folder: Path, nothing: Sequence[Row] = ()) -> list[Path]:
-    """Write ROBOT_unknown.md and .parquet; nothing where no such case was tried.
+    """Write ROBOT_unknown.md and .parquet; returns their paths, empty without such cases.
 
-    nothing: the rows of cases with nothing hidden.
+    nothing: the rows of cases without hidden effects.
     """
     if not rows:
         return []
@@ -113,7 +113,7 @@ def write_unknown(robot: str, rows: Sequence[Row], folder: Path, nothing: Sequen
 
 
 def at_floor(row: Row) -> bool:
-    """Whether the answer leaves little more than the noise."""
+    """Whether the error after the diagnosis is close to the noise floor."""
     return float(row["error_over_floor.after"]) <= LAW_FACTOR
 
 
@@ -122,7 +122,7 @@ def _near(row: Row) -> bool:
 
 
 def _error(row: Row) -> float:
-    """Of the law's torque; rows of earlier versions have it together with that of known effects alone."""
+    """Relative error of the law's torque; rows of earlier versions only have the error including known effects."""
     alone = row.get("law.alone")
     return row.get("law.error", float("nan")) if alone is None else alone
 

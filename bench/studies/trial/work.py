@@ -1,4 +1,4 @@
-"""The work of a trial: simulate, diagnose, and hold the answer against the truth."""
+"""The tasks of a trial: simulate, diagnose, and compare the diagnosis with the truth."""
 
 import json
 from collections.abc import Sequence
@@ -38,12 +38,12 @@ UNNAMED = ("outside", "unknown")
 
 
 def trial_trajectories(setup: Setup, _: None = None) -> Trajectories:
-    """Find the trajectories of all cases, by recording name."""
+    """Design the trajectories of all cases, by recording name."""
     return resolve_trajectories(reference_scenario(setup), designer)
 
 
 def undisturbed(setup: Setup, trajectories: Trajectories, _: None = None) -> Simulation:
-    """Simulate the movements with nothing hidden, against which sizes are measured: whole."""
+    """Simulate the motions without hidden effects, the reference for sizes."""
     return simulate(reference_scenario(setup), trajectories, threads=1)
 
 
@@ -52,7 +52,7 @@ def case_rows(
 ) -> list[Row]:
     """Simulate one case and diagnose it: one row.
 
-    reference: simulated already, because other cases need it too; None: to be simulated.
+    reference: a simulation shared with other cases; with None, it is simulated.
     """
     without = reference or undisturbed(setup, trajectories)
     try:
@@ -76,12 +76,12 @@ def trial_work(plan: TrialPlan) -> Work:
 
 
 def failed_row(setup: Setup, case: Case, number: int, reason: str) -> Row:
-    """The row of a case that came to nothing."""
+    """The row of a failed case."""
     return _case_columns(setup, case, number) | {"status": FAILED, "reason": " ".join(reason.split())}
 
 
 def diagnosed_row(setup: Setup, case: Case, number: int, simulation: Simulation) -> Row:
-    """Diagnose the log of a simulation, which is all that the diagnosis is given, and judge the answer."""
+    """Diagnose the dataset of a simulation, without access to the truth, and score the diagnosis."""
     dataset = as_dataset(simulation)
     diagnosis = find_missing_effects(problem_of(dataset), discover=setup.discover or None)
     hidden = [_plain_entry(hidden_effect) for hidden_effect in simulation.scenario.settings.hidden]
@@ -137,7 +137,7 @@ def _plain_entry(effect: Any) -> Entry:
 def _informed_fits(
     setup: Setup, dataset: Dataset, hidden: Sequence[Entry], effects: Sequence[str]
 ) -> tuple[Identification, dict[str, Identification]]:
-    """The fit of a model with the true effects at their places, and its fits without each of them."""
+    """The fit of a model with the true effects at their places, and a fit without each of `effects`."""
     prepared = prepare(problem_of(dataset))
     wanted = list(
         dict.fromkeys(
@@ -162,7 +162,7 @@ def _fitted(prepared: Prepared, wanted: Sequence[str]) -> Identification:
 
 
 def _error(result: Identification) -> float:
-    """Relative error on recordings that were not fitted; on the fitted ones where there are no others."""
+    """Relative error on recordings that are not fitted, or on the fitted ones if there are no others."""
     return float("nan") if result.error.reported is None else result.error.reported
 
 
@@ -173,7 +173,7 @@ def _floor(simulation: Simulation, result: Identification) -> float:
 
 def _answer(case: Case, diagnosis: Diagnosis) -> Row:
     by_name = {verdict.effect: verdict for verdict in diagnosis.ranking}
-    wanted = [name for name in expected(case.effects) if name != LAW]  # no catalogue has a name for it
+    wanted = [name for name in expected(case.effects) if name != LAW]  # it is in no catalogue
     verdicts = [
         {
             "effect": verdict.effect,
@@ -208,7 +208,7 @@ def _answer(case: Case, diagnosis: Diagnosis) -> Row:
 
 
 def _gains(simulation: Simulation, result: Identification) -> list[dict[str, Any]]:
-    """Estimate, standard deviation and truth of every drive gain."""
+    """Estimate, standard error and truth of every drive gain."""
     truth = true_gains(simulation.scenario)
     return [
         {"joint": joint, "truth": float(true), "value": gain.value, "std": gain.std}
