@@ -1,1 +1,1 @@
-"""One experiment to simulate, and the trajectories that it runs."""
+"""One simulated experiment, and its trajectories."""

@@ -1,4 +1,4 @@
-"""Reading a scenario file: its base, its relative paths, and the defaults of its designed trajectories."""
+"""Read a scenario file: merge its base, resolve relative paths, and apply the defaults of designed trajectories."""
 
 import json
 import tomllib
@@ -12,7 +12,10 @@ from bench.dataset.catalogue import built_in_robots, built_in_scenarios
 
 
 def find_scenario(scenario: str | Path, folder: Path | None = None) -> Path:
-    """The file of a built-in scenario, or of a path taken from `folder` (the working folder if None)."""
+    """The file of a built-in scenario or of a path relative to `folder` (the working folder if None).
+
+    Raises BenchError if there is none.
+    """
     built_in = built_in_scenarios()
     if isinstance(scenario, str) and scenario in built_in:
         return built_in[scenario]
@@ -24,7 +27,7 @@ def find_scenario(scenario: str | Path, folder: Path | None = None) -> Path:
 
 
 def read_with_bases(path: Path, seen: tuple[Path, ...] = ()) -> dict[str, Any]:
-    """The content of a file on top of that of its `base`, paths absolute."""
+    """The content of a file merged over that of its `base`, with absolute paths. Raises BenchError."""
     if path.resolve() in seen:
         raise BenchError(f"{path}: base: leads back to this file")
     content = with_absolute_paths(read_table(path), path.parent)
@@ -55,7 +58,7 @@ def read_table(path: Path) -> dict[str, Any]:
 def merged(base: Mapping[str, Any], change: Mapping[str, Any]) -> dict[str, Any]:
     """`base` with the keys of `change`; tables on both sides are merged, anything else is replaced.
 
-    Tolerances are replaced as a whole: they hold for one experiment, not for what is built on it.
+    Tolerances are replaced as a whole, since they apply to one experiment, not to those based on it.
     """
     result = dict(base)
     for key, value in change.items():
@@ -68,7 +71,9 @@ def merged(base: Mapping[str, Any], change: Mapping[str, Any]) -> dict[str, Any]
 
 
 def with_absolute_paths(content: dict[str, Any], folder: Path) -> dict[str, Any]:
-    """Relative paths made absolute, so that a file may build on one in another folder."""
+    """The content with relative paths made absolute, changed in place, so that a file may have a base in another
+    folder.
+    """
     robot = content.get("robot")
     if isinstance(robot, str) and robot and robot not in built_in_robots():
         content["robot"] = str((folder / Path(robot).expanduser()).resolve())
@@ -84,7 +89,9 @@ def with_absolute_paths(content: dict[str, Any], folder: Path) -> dict[str, Any]
 
 
 def with_design_defaults(content: Mapping[str, Any]) -> dict[str, Any]:
-    """Without the table `design`, which goes under the design of every recording that has one."""
+    """The content without the table `design`, whose keys become defaults for the design of every recording that has
+    one.
+    """
     worked = dict(content)
     defaults = worked.pop("design", {})
     if not isinstance(defaults, Mapping):

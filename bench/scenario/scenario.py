@@ -1,4 +1,4 @@
-"""A scenario: one experiment to simulate, as a TOML file that names everything the experiment depends on."""
+"""A scenario: one simulated experiment, as a TOML file with everything that the experiment depends on."""
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -38,7 +38,7 @@ TOLERANCES: Mapping[str, str] = {
     "validate_error": "relative error of the current, all recordings that were not fitted",
     "validate_error_over_noise_floor": "the same, over the error that the sensor noise alone leaves",
 }
-"""Every metric that a scenario may set a tolerance for, and what it measures."""
+"""Metrics for which a scenario may set a tolerance, and their meaning."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,12 +49,12 @@ class Scenario:
     """The file's name without its suffix."""
     robot: Robot
     robot_reference: str
-    """How a dataset names the robot: a built-in name, or an absolute path."""
+    """The robot's reference in a dataset: a built-in name, or an absolute path."""
     settings: ScenarioTable
 
     @property
     def log_every(self) -> int:
-        """Steps of the simulation for each sample of the log."""
+        """Steps of the simulation per sample of the log."""
         return round(1.0 / (self.settings.step * self.settings.log_rate))
 
     @property
@@ -64,17 +64,16 @@ class Scenario:
 
 
 Designer = Callable[[Scenario, Sequence[RecordingTable]], Mapping[str, FourierTrajectory]]
-"""Finds exciting trajectories, by recording name, for the recordings whose design says `optimise = true`."""
+"""Designs exciting trajectories, by recording name, for the recordings with `optimise = true` in their design."""
 
 
 def load_scenario(scenario: str | Path, overrides: Mapping[str, Any] | None = None) -> Scenario:
     """Read and check a scenario, and load its robot.
 
-    `scenario` is a built-in name or the path of a TOML file. With the key `base` (a name or a path relative
-    to the file) the file only says what differs from that scenario: tables are merged key by key, everything
-    else, lists and the table of tolerances included, is replaced. The keys of the table `design` hold for
-    every recording that has a design and does not say otherwise. `overrides` are merged
-    last, like a file with this one as its base.
+    `scenario` is a built-in name or the path of a TOML file. With the key `base` (a name or a path relative to the
+    file), the file contains only the differences from that scenario: tables are merged key by key, and everything
+    else, including lists and the table of tolerances, is replaced. The keys of the table `design` are defaults for
+    every recording that has a design. `overrides` are merged last, like a file with this one as its base.
 
     Raises BenchError, one line that names the file and the key.
     """
@@ -86,9 +85,9 @@ def load_scenario(scenario: str | Path, overrides: Mapping[str, Any] | None = No
 def scenario_from_dict(
     content: Mapping[str, Any], name: str, origin: str | None = None, robot: Robot | None = None
 ) -> Scenario:
-    """Check the content of a scenario file, its base worked in and its paths absolute.
+    """Check the content of a scenario file, merged with its base and with absolute paths.
 
-    robot: the one that the content names, where it has been loaded already.
+    origin: the file, for messages. robot: the robot that the content names, if it is already loaded.
     """
     where = origin or f"scenario {name}"
     try:
@@ -110,7 +109,7 @@ def per_joint(value: float | Mapping[str, float], joints: Sequence[str]) -> Arra
 
 
 def home_position(robot: Robot) -> Array:
-    """Positions of the actuated joints (n,) in the keyframe `home`, or in the reference pose without one."""
+    """Positions of the actuated joints (n,) in the keyframe `home`, or in the reference pose if there is none."""
     model = robot.mjcf_model()
     key = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_KEY, "home")
     qpos = model.key_qpos[key] if key >= 0 else model.qpos0
@@ -122,8 +121,9 @@ def resolve_trajectories(
 ) -> dict[str, FourierTrajectory]:
     """The trajectory of every recording, by its name: given, read from a file, random or designed.
 
-    `designer` is called once with all recordings whose design says `optimise = true`.
-    Raises BenchError if there are such recordings and no designer, or if a trajectory does not fit the robot.
+    `designer` is called once with all recordings with `optimise = true` in their design.
+    Raises BenchError if there are such recordings but no designer, or if a trajectory does not match the robot's
+    joints.
     """
     joints = scenario.robot.joints
     to_design = [r for r in scenario.settings.recordings if r.design is not None and r.design.optimise]
@@ -152,12 +152,12 @@ def design_center(robot: Robot, design: Design) -> Array:
 
 
 def payload_truth(name: str, table: PayloadTable) -> Payload:
-    """The rigid body that is really fixed to the tool."""
+    """The true rigid body at the tool."""
     return Payload(name, table.mass, np.array(table.center_of_mass), np.array(table.inertia))
 
 
 def payload_declared(name: str, table: PayloadTable) -> Payload:
-    """What the dataset says of it."""
+    """The payload as the dataset declares it."""
     if table.declared is None:
         return payload_truth(name, table)
     center, inertia = table.declared.center_of_mass, table.declared.inertia
@@ -201,7 +201,7 @@ def _random(robot: Robot, design: Design, home: Array) -> FourierTrajectory:
 
 
 def _reference_faults(settings: ScenarioTable, robot: Robot) -> Iterator[str]:
-    """What is wrong between the tables of one scenario, and between them and the robot's tool."""
+    """Inconsistencies between the tables of a scenario, and between them and the robot's tool."""
     for name in settings.tolerances:
         if name not in TOLERANCES:
             yield f"tolerances.{name}: no such metric; known are {', '.join(TOLERANCES)}"
@@ -226,7 +226,7 @@ def _reference_faults(settings: ScenarioTable, robot: Robot) -> Iterator[str]:
 
 
 def _joint_faults(settings: ScenarioTable, robot: Robot) -> Iterator[str]:
-    """Tables joint = number that do not name exactly the robot's actuated joints."""
+    """Tables joint = number that do not name exactly the robot's actuated joints, and encoder bits for slide joints."""
     tables: list[tuple[str, UserTable]] = [
         ("gains", settings.gains),
         ("controller", settings.controller),

@@ -1,4 +1,4 @@
-"""The tables of a scenario file: what each may hold, in which unit, and its default."""
+"""The tables of a scenario file: keys, units and defaults."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ FILE_NAME = r"^[A-Za-z0-9][A-Za-z0-9_.-]*$"
 
 
 def _at_most_one(table: UserTable, keys: Sequence[str]) -> None:
-    given = [key for key in keys if getattr(table, key)]  # 0 switches off what a base scenario has
+    given = [key for key in keys if getattr(table, key)]  # 0 switches off a value of the base scenario
     if len(given) > 1:
         raise ValueError(f"only one of {' and '.join(given)} can be given")
 
@@ -53,14 +53,14 @@ NotNegativePerJoint = Annotated[PerJoint, AfterValidator(_not_negative)]
 
 
 class Gains(UserTable):
-    """[gains]: the true drive gains, in one of three ways; without any of them they are the nominal ones."""
+    """[gains]: the true drive gains, given in one of three ways; by default the nominal ones."""
 
     true: PositivePerJoint | None = None
     """True gains, in the unit of the robot's gains."""
     error: PerJoint | None = None
     """true = nominal · (1 + error)."""
     error_within: Annotated[float, Field(gt=0, lt=1)] | None = None
-    """The error is drawn evenly from ± this, from the scenario's seed, for each joint."""
+    """The error of each joint is drawn uniformly from ± this, with the scenario's seed."""
 
     @model_validator(mode="after")
     def _one_way(self) -> Gains:
@@ -69,7 +69,7 @@ class Gains(UserTable):
 
 
 class DeclaredPayload(UserTable):
-    """[payloads.NAME.declared]: what the dataset says of the payload; what is omitted counts as unknown."""
+    """[payloads.NAME.declared]: values that the dataset declares for the payload; omitted ones are unknown."""
 
     mass: Positive | None = None
     center_of_mass: Vector3 | None = None
@@ -77,7 +77,7 @@ class DeclaredPayload(UserTable):
 
 
 class PayloadTable(UserTable):
-    """[payloads.NAME]: the rigid body that is really fixed at the tool site."""
+    """[payloads.NAME]: the true rigid body at the tool site."""
 
     mass: Positive
     """kg."""
@@ -86,11 +86,11 @@ class PayloadTable(UserTable):
     inertia: Vector6 = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
     """kg·m², Ixx Iyy Izz Ixy Ixz Iyz at the centre of mass, axes of the tool frame."""
     declared: DeclaredPayload | None = None
-    """Omitted, the truth is declared."""
+    """If omitted, the dataset declares the truth."""
 
 
 class Design(UserTable):
-    """A trajectory to be designed inside limits: with `optimise` for excitation, otherwise at random."""
+    """A trajectory within limits: optimised for excitation with `optimise`, otherwise random."""
 
     optimise: bool = False
     seed: Annotated[int, Field(ge=0)] = 0
@@ -101,13 +101,13 @@ class Design(UserTable):
     center: PerJoint | None = None
     """rad or m; default: the home pose."""
     span: PositivePerJoint = Field(default=...)
-    """Largest distance from the center, rad or m."""
+    """Largest deviation from the center, rad or m."""
     velocity_limit: PositivePerJoint = Field(default=...)
     acceleration_limit: PositivePerJoint | None = None
 
 
 class RecordingTable(UserTable):
-    """[[recordings]]: one movement. Exactly one of trajectory, trajectory_file and design says which."""
+    """[[recordings]]: one motion, given by exactly one of trajectory, trajectory_file and design."""
 
     name: Annotated[str, Field(pattern=FILE_NAME)]
     use: Use
@@ -130,8 +130,8 @@ class RecordingTable(UserTable):
 class Controller(UserTable):
     """[controller]: i = (kp (q_ref − q) + kv (q̇_ref − q̇) + feedforward) / nominal gain, for each joint.
 
-    Given are kp and kv, or a natural frequency and a damping ratio from which they follow with the inertia
-    that the joint sees in the home pose, loops closed, no payload.
+    Either kp and kv are given, or a natural frequency and a damping ratio, from which they follow with the effective
+    inertia at the joint in the home pose, loops closed, no payload.
     """
 
     natural_frequency: PositivePerJoint = 10.0
@@ -144,10 +144,10 @@ class Controller(UserTable):
     feedforward: Literal["none", "acceleration"] = "none"
     """"acceleration": the inertia in the home pose times the reference acceleration."""
     tracking_limit: PositivePerJoint | None = None
-    """A larger |q_ref − q| means that the robot is lost, rad or m; default: 0.3 rad or 0.1 m."""
+    """A larger |q_ref − q| ends the simulation with an error, rad or m; default: 0.3 rad or 0.1 m."""
 
     declared: bool = False
-    """Whether the dataset tells the law, and the log has the reference positions."""
+    """Whether the dataset declares the control law, and the log contains the reference positions."""
 
     @model_validator(mode="after")
     def _one_tuning(self) -> Controller:
@@ -159,12 +159,12 @@ class Controller(UserTable):
 
 
 class Sensors(UserTable):
-    """[sensors]: what lies between the true state and the log."""
+    """[sensors]: noise, quantisation and jitter between the true state and the log."""
 
     encoder_bits: Annotated[int, Field(ge=0, le=40)] = 0
     """Steps of 2π / 2^bits rad, for hinge joints; 0: continuous."""
     encoder_resolution: NotNegativePerJoint = 0.0
-    """Steps of this size, rad or m; 0: continuous."""
+    """Size of an encoder step, rad or m; 0: continuous."""
     position_noise: NotNegativePerJoint = 0.0
     """Standard deviation before quantisation, rad or m."""
     current_noise: NotNegativePerJoint = 0.0
@@ -174,7 +174,7 @@ class Sensors(UserTable):
     current_resolution: NotNegativePerJoint = 0.0
     """Steps of the logged current reference, in the drive's unit."""
     time_jitter: NotNegative = 0.0
-    """Standard deviation of the logged time stamps, s; the samples themselves are taken evenly."""
+    """Standard deviation of the logged time stamps, s; the samples themselves are uniform in time."""
 
     @model_validator(mode="after")
     def _one_of_each(self) -> Sensors:
@@ -184,7 +184,7 @@ class Sensors(UserTable):
 
 
 class Filter(UserTable):
-    """[filter]: settings of the identification; what is omitted is chosen from the data."""
+    """[filter]: settings of the identification; omitted ones are chosen from the data."""
 
     position_cutoff: Positive | None = None
     """Hz."""
@@ -193,11 +193,11 @@ class Filter(UserTable):
 
 
 class Hidden(UserTable, extra="allow"):
-    """[[hidden]]: an effect that the dataset does not tell of; the other keys are its parameters."""
+    """[[hidden]]: an effect that the dataset does not declare; the other keys are its parameters."""
 
     effect: Annotated[str, Field(min_length=1)]
     joint: str | None = None
-    """Omitted: every actuated joint."""
+    """Omitted: all actuated joints, all passive joints, or the whole machine, by the effect."""
     file: str | None = None
     """A Python file with a user-defined effect of that name, absolute or relative to the scenario."""
 
@@ -208,18 +208,18 @@ class Hidden(UserTable, extra="allow"):
 
 
 class ScenarioTable(UserTable):
-    """The whole file, without the keys `base` and `design`, which are worked in before."""
+    """The keys of a scenario file, except for `base` and `design`, which are merged before."""
 
     robot: Annotated[str, Field(min_length=1)]
     """A built-in name or a path, absolute or relative to the scenario."""
     description: str = ""
     seed: Annotated[int, Field(ge=0, strict=True)] = 0
     step: Positive = 0.00025
-    """Of the simulation, s."""
+    """Step of the simulation, s."""
     log_rate: Positive = 1000.0
-    """Of the log, Hz."""
+    """Sampling rate of the log, Hz."""
     settle: NotNegative = 0.5
-    """Time for which the controller holds the first pose before the log begins, s."""
+    """Time during which the controller holds the first pose before the log begins, s."""
     file_format: Literal["csv", "parquet"] = "csv"
     gains: Gains = Gains()
     payloads: Mapping[str, PayloadTable] = {}

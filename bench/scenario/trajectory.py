@@ -23,7 +23,7 @@ class FourierTrajectory:
 
     The blend s rises from 0 to 1 in the first `ramp` seconds and falls back to 0 in the last, as a polynomial
     of order 7: at both ends the position is `center`, and velocity, acceleration and jerk are zero.
-    Before 0 and after `duration` the joints stand at `center`.
+    Before 0 and after `duration`, the joints rest at `center`.
 
     center: (n,), a, b: (n, H), rad or m.  base_frequency: Hz.  duration, ramp: s, 2 · ramp ≤ duration.
     """
@@ -63,7 +63,7 @@ class FourierTrajectory:
             object.__setattr__(self, name, array)
 
     def __eq__(self, other: object) -> bool:
-        """Whether it is the same movement to the last bit."""
+        """Whether it is the same trajectory to the last bit."""
         return isinstance(other, FourierTrajectory) and self._content == other._content
 
     def __hash__(self) -> int:
@@ -119,14 +119,14 @@ class FourierTrajectory:
         """s, ds/dt and d²s/dt² (N,): product of the rise at the start and the fall at the end."""
         up, dup, ddup = _rise(t / self.ramp)
         down, ddown, dddown = _rise((self.duration - t) / self.ramp)
-        # 2 ramp ≤ duration: where one of the two moves, the other is 1
+        # 2 ramp ≤ duration: while one of the two changes, the other is 1
         return up * down, (dup - ddown) / self.ramp, (ddup + dddown) / self.ramp**2
 
 
 def _rise(x: Array) -> tuple[Array, Array, Array]:
     """35x⁴ − 84x⁵ + 70x⁶ − 20x⁷ on [0, 1], constant outside, with its two derivatives: (N,) each."""
     value, slope, bend = (x >= 1.0).astype(float), np.zeros(len(x)), np.zeros(len(x))
-    rising = np.flatnonzero((x > 0.0) & (x < 1.0))  # a small part of most movements, and powers are slow
+    rising = np.flatnonzero((x > 0.0) & (x < 1.0))  # a small part of most motions, and powers are slow
     x = x[rising]
     y = 1.0 - x
     value[rising] = x**4 * (35 - 84 * x + 70 * x**2 - 20 * x**3)
@@ -146,9 +146,9 @@ def random_trajectory(
     duration: float = 20.0,
     ramp: float = 1.0,
 ) -> FourierTrajectory:
-    """A trajectory with random coefficients, scaled per joint until the first of its limits is reached.
+    """A trajectory with random coefficients, scaled for each joint until the first of its limits is reached.
 
-    Coefficients are normal with deviation 1/k, so that every harmonic has the same share of the velocity.
+    Coefficients are normal with standard deviation 1/k, so that every harmonic contributes equally to the velocity.
     center: (n,) rad or m.  span: largest |q − center|.  velocity_limit, acceleration_limit: largest |q̇|, |q̈|.
     Limits are numbers, or (n,) for each joint. The same seed gives the same trajectory.
     """
@@ -169,7 +169,7 @@ def random_trajectory(
         [limit / np.abs(x).max(axis=0) for limit, x in zip(limits, (q - center, qd, qdd), strict=True)],
         axis=0,
     )
-    scale = 0.999 * scale[:, None]  # the grid misses a peak by less than this
+    scale = 0.999 * scale[:, None]  # the grid misses a peak by less than 0.1 %
     return FourierTrajectory(center, a * scale, b * scale, base_frequency, duration, ramp)
 
 
