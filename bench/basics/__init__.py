@@ -1,1 +1,1 @@
-"""The base of all rooms: errors that users meet, progress, threads, and two pieces of numerics."""
+"""The base of all rooms: errors, files, progress, threads, wording, units, and two pieces of numerics."""

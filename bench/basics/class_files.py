@@ -1,4 +1,4 @@
-"""A package with a class in each of its files."""
+"""Packages with one class in each file."""
 
 from importlib import import_module
 from pkgutil import iter_modules
@@ -7,7 +7,7 @@ from typing import Any
 
 
 def classes_of(package: ModuleType) -> dict[str, Any]:
-    """The classes by the names of their files, sorted: CoulombFriction, from coulomb_friction.py."""
+    """The classes by the names of their files, sorted; CoulombFriction is in coulomb_friction.py."""
     names = sorted(module.name for module in iter_modules(package.__path__))
     modules = {name: import_module(f"{package.__name__}.{name}") for name in names}
     return {name: vars(module)[name.title().replace("_", "")] for name, module in modules.items()}

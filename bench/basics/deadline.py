@@ -1,4 +1,4 @@
-"""When long work is to end with the best answer so far; numeric code asks it between its steps."""
+"""A deadline after which long work ends with the best answer so far; numeric code checks it between its steps."""
 
 import math
 import time
@@ -7,12 +7,12 @@ from dataclasses import dataclass
 
 
 class TimeUpError(Exception):
-    """The time is up: caught by whoever has an answer, which is the best so far."""
+    """The time is up. It is caught by a caller that has an answer, the best so far."""
 
 
 @dataclass(frozen=True)
 class Deadline:
-    """Work is to end once the clock shows `ends`; both in s, of a clock that only goes forwards."""
+    """Work ends when `clock` reaches `ends`, both in s; the clock is monotonic."""
 
     ends: float
     clock: Callable[[], float] = time.monotonic
@@ -23,7 +23,7 @@ class Deadline:
         return self.clock() >= self.ends
 
     def check(self) -> None:
-        """Raise TimeUpError where the time is up."""
+        """Raise TimeUpError if the time is up."""
         if self.passed:
             raise TimeUpError
 
@@ -32,5 +32,5 @@ NEVER = Deadline(math.inf)
 
 
 def deadline_in(seconds: float | None, clock: Callable[[], float] = time.monotonic) -> Deadline:
-    """So many seconds from now; None: never."""
+    """The deadline `seconds` from now; NEVER for None."""
     return NEVER if seconds is None else Deadline(clock() + seconds, clock)

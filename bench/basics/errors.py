@@ -1,20 +1,20 @@
-"""The one exception that a user meets, and what its message says of a misspelt name."""
+"""The exception for mistakes of users, and hints for misspelt names."""
 
 from collections.abc import Iterable, Sequence
 from difflib import get_close_matches
 
-SHORTENED = 3  # letters that are enough to tell which longer name was begun
+SHORTENED = 3  # letters that suffice to recognise the beginning of a longer name
 
 
 class BenchError(Exception):
-    """A mistake in what the user gave, reported in one line that names the culprit.
+    """A mistake in the user's input, reported in one line that names the faulty item.
 
     The command line prints the line without a traceback and exits with code 2.
     """
 
 
 class FaultsError(BenchError):
-    """Several mistakes in what the user gave, each reported in one line."""
+    """Several mistakes in the user's input, each reported in one line."""
 
     def __init__(self, lines: Iterable[str]) -> None:
         self.lines = tuple(lines)
@@ -22,18 +22,18 @@ class FaultsError(BenchError):
 
 
 def lines_of(error: BenchError) -> tuple[str, ...]:
-    """What is wrong, a line each."""
+    """The mistakes, one line each."""
     return error.lines if isinstance(error, FaultsError) else (str(error),)
 
 
 def refuse(lines: Sequence[str]) -> None:
-    """Raise BenchError with these lines, where there are any."""
+    """Raise BenchError with these lines, if there are any."""
     if lines:
         raise BenchError(lines[0]) if len(lines) == 1 else FaultsError(lines)
 
 
 def meant(name: str, known: Iterable[str], otherwise: str = "there are") -> str:
-    """The end of a message about an unknown name: the known one most like it, or all of them."""
+    """The end of a message about an unknown name: the most similar known name, or all known names."""
     names = list(known)
     near = nearest(name, names)
     if near is not None:
@@ -42,7 +42,7 @@ def meant(name: str, known: Iterable[str], otherwise: str = "there are") -> str:
 
 
 def nearest(name: str, known: Iterable[str]) -> str | None:
-    """The known name that a misspelt one is most like, or that it begins; None where none is near."""
+    """The known name that is most similar to a misspelt one, or begins with it; None if there is none."""
     names = list(known)
     near = get_close_matches(name, names, 1, cutoff=0.75)
     begun = [longer for longer in names if longer.startswith(name)] if len(name) >= SHORTENED else []

@@ -1,9 +1,9 @@
-"""How all pictures that matplotlib draws look."""
+"""The style of all matplotlib figures."""
 
 from typing import Any
 
 DPI = 120
-# Any: matplotlib types every key of these by name.
+# Any: matplotlib's type lists every key by name.
 STYLE: Any = {
     "font.size": 10.0,
     "axes.spines.top": False,

@@ -1,4 +1,4 @@
-"""A frozen value that decides in many places, and another in its place while a caller asks for that."""
+"""A frozen value that is read in many places, and that a caller can replace temporarily."""
 
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -9,7 +9,7 @@ Value = TypeVar("Value")
 
 
 class _Read:
-    """Attributes of the value in force."""
+    """Forwards attributes of the current value."""
 
     def __init__(self, value: Callable[[], Any]) -> None:
         self._value = value
@@ -19,7 +19,7 @@ class _Read:
 
 
 class InForce(Generic[Value]):
-    """read: the value in force, to be read attribute by attribute wherever it decides."""
+    """read: a proxy of the current value, for reading its attributes."""
 
     read: Value
 
@@ -28,12 +28,12 @@ class InForce(Generic[Value]):
         self.read = cast("Value", _Read(self._variable.get))
 
     def value(self) -> Value:
-        """The value in force, whole."""
+        """The current value."""
         return self._variable.get()
 
     @contextmanager
     def during(self, value: Value | None) -> Iterator[None]:
-        """Another value while the context lasts, in this thread; None: no other."""
+        """Replace the value inside the context, in this thread; None keeps it."""
         token = self._variable.set(self._variable.get() if value is None else value)
         try:
             yield

@@ -1,4 +1,4 @@
-"""Piecewise polynomials through samples. scipy.interpolate has the same, and takes half a second to import."""
+"""Piecewise polynomials through samples, as in scipy.interpolate, which takes half a second to import."""
 
 from dataclasses import dataclass
 from functools import lru_cache
@@ -10,7 +10,7 @@ from scipy.linalg.lapack import dgtsv, dgttrf, dgttrs
 FloatArray = NDArray[np.float64]
 Given = NDArray[np.floating]
 
-FEWEST = 4  # knots of a cubic spline whose two outermost pieces at either end are one polynomial
+FEWEST = 4  # knots of a "not-a-knot" cubic spline, whose two outermost pieces at each end are one polynomial
 
 
 @dataclass(frozen=True)
@@ -24,13 +24,14 @@ class PiecewisePolynomial:
     knots: Given
 
     def __call__(self, t: Given) -> FloatArray:
-        """Values (N, ...) at t (N,); outside the knots the outermost pieces go on."""
+        """Values (N, ...) at t (N,); outside the knots, the outermost pieces are extrapolated."""
         if np.any(t[1:] < t[:-1]):
             order = np.argsort(t, kind="stable")
             values = np.empty((len(t), *self.coefficients.shape[2:]))
             values[order] = self(t[order])
             return values
-        # In rising order a piece's samples follow each other: it is repeated along them, column by column.
+        # With rising t, the samples of a piece are adjacent: its coefficients are repeated along them, column by
+        # column.
         first, last = np.searchsorted(self.knots[1:-1], t[[0, -1]], side="right") if len(t) else (0, 0)
         asked = slice(int(first), int(last) + 1)
         counts = np.diff(
@@ -70,9 +71,10 @@ def cubic_spline(t: Given, values: Given) -> PiecewisePolynomial:
 
 
 def spline_at_every(values: FloatArray, every: int, count: int) -> FloatArray:
-    """The same spline through values (K, ...), `every` samples apart from the first one on, at all of so many samples.
+    """The same spline through values (K, ...) that are `every` samples apart, evaluated at the samples 0 to `count` -
+    1.
 
-    Returns (count, ...); samples behind the last one go on as `PiecewisePolynomial` does.
+    Returns (count, ...); samples after the last value are extrapolated as in `PiecewisePolynomial`.
     """
     if len(values) < FEWEST:
         raise ValueError(f"a cubic spline through {len(values)} samples: it needs at least {FEWEST}")
@@ -94,14 +96,14 @@ def spline_at_every(values: FloatArray, every: int, count: int) -> FloatArray:
 
 
 def hermite_weights(share: FloatArray) -> FloatArray:
-    """Weights (N, 4) of a cubic's values and slopes at 0 and 1, at shares (N,) of the way."""
+    """Weights (N, 4) of a cubic's values at 0 and 1 and its slopes at 0 and 1, at positions (N,) between 0 and 1."""
     square = share * share
     rise = square * (3.0 - 2.0 * share)
     return np.stack((1.0 - rise, rise, share * (1.0 - share) ** 2, square * (share - 1.0)), axis=1)
 
 
 def _equations(step: Given) -> tuple[Given, Given, Given]:
-    """Diagonals below, on and above that of the equations for a spline's slopes, of steps (K - 1,)."""
+    """Lower, main and upper diagonal of the equations for a spline's slopes, from steps (K - 1,)."""
     diagonal = np.concatenate((step[1:2], 2.0 * (step[:-1] + step[1:]), step[-2:-1]))
     below = np.append(step[1:], step[-1] + step[-2])
     above = np.concatenate(([step[0] + step[1]], step[:-1]))
@@ -110,5 +112,5 @@ def _equations(step: Given) -> tuple[Given, Given, Given]:
 
 @lru_cache(maxsize=64)
 def _even(count: int) -> tuple[FloatArray, ...]:
-    """Their factors for so many values one apart."""
+    """The LU factors of these equations for `count` values with unit steps."""
     return tuple(dgttrf(*_equations(np.ones(count - 1)))[:5])

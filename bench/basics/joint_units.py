@@ -1,11 +1,13 @@
-"""The units at a joint: those of a hinge, N·m and rad, or of a slide, N and m; and what a gain's unit says of them."""
+"""The units at a joint, N·m and rad at a hinge or N and m at a slide, and their relation to the unit of a gain."""
 
 from dataclasses import dataclass
 
 
 @dataclass(frozen=True)
 class JointUnits:
-    """effort: of what acts, as in a gain's unit; position: of its coordinate; turn: of what repeats over it."""
+    """effort: unit of torque or force, as in a gain's unit; position: unit of the coordinate; turn: unit of periods
+    over it.
+    """
 
     effort: str
     position: str
@@ -14,7 +16,7 @@ class JointUnits:
 
     @property
     def spelled_effort(self) -> str:
-        """The effort's unit as it is printed."""
+        """The effort's unit for display."""
         return self.effort.replace("*", "·")
 
 
@@ -22,17 +24,17 @@ HINGE, SLIDE = JointUnits("N*m", "rad", "turn", rotates=True), JointUnits("N", "
 
 
 def joint_units(rotates: bool) -> JointUnits:
-    """At a hinge (True) or a slide (False)."""
+    """The units at a hinge (True) or a slide (False)."""
     return HINGE if rotates else SLIDE
 
 
 def units_of_gain(gain_unit: str) -> JointUnits:
-    """At the joint of a motor with such a gain: "N*m/A" is of a hinge, "N/A" of a slide; of a hinge where it does not
-    say, as in "1".
+    """The units at the joint of a motor with such a gain: a slide for "N/A", a hinge for "N*m/A" and for units
+    without an effort, such as "1".
     """
     return SLIDE if gain_unit.partition("/")[0] == SLIDE.effort else HINGE
 
 
 def drive_unit(gain_unit: str) -> str:
-    """The unit in which the drive gives its current, as in "A" of "N*m/A"."""
+    """The unit of the drive's current reference, such as "A" from "N*m/A"."""
     return gain_unit.partition("/")[2]

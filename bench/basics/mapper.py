@@ -1,4 +1,4 @@
-"""Who works out the independent pieces of a computation: this process one after the other, or several at once."""
+"""The interface for computing independent pieces, in this process in sequence or in several processes."""
 
 from collections.abc import Callable, Iterator, Sequence
 from typing import Protocol, TypeVar
@@ -14,13 +14,15 @@ class Mapper(Protocol):
     def map(
         self, work: Callable[[Shared, Item], Result], shared: Shared, items: Sequence[Item]
     ) -> Iterator[Result]:
-        """work(shared, item) of every item, in the order of the items. work: a function of a module, which depends on
-        nothing else, so that every process gives the same result. Raises BenchError as the first item that does.
+        """work(shared, item) for every item, in the order of the items.
+
+        work: a pure module-level function, so that every process gives the same result. Raises the BenchError of the
+        first item that raises one.
         """
 
 
 class _InTurn:
-    """A mapper that works in this process."""
+    """A mapper that works in this process, in sequence."""
 
     def map(
         self, work: Callable[[Shared, Item], Result], shared: Shared, items: Sequence[Item]

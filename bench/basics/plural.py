@@ -1,4 +1,4 @@
-"""So many of something, in words."""
+"""Counts with nouns."""
 
 
 def plural(count: int, noun: str) -> str:

@@ -1,4 +1,4 @@
-"""The word by which this program is called."""
+"""The command name of this program."""
 
 import shutil
 import sys
@@ -10,12 +10,14 @@ COMMAND, OTHER_NAME = "bench", "parabench"  # another package installs a `bench`
 
 
 def called_as() -> str:
-    """The name by which the command was called: `bench`, or `parabench` where that was typed."""
+    """The name with which the command was called: `bench` or `parabench`."""
     return OTHER_NAME if Path(sys.argv[0]).stem == OTHER_NAME else COMMAND
 
 
 def typed() -> str:
-    """What starts this program again in the user's shell: its name where the shell finds it by that, else its path."""
+    """The word that starts this program in the user's shell: its name if that is on the path, else the path of its
+    file.
+    """
     name, called = called_as(), Path(sys.argv[0])
     if called.stem != name or not called.is_file():  # `python -m bench`, or called from Python
         return name

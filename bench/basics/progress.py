@@ -1,26 +1,26 @@
-"""What long work says of how far it is, to whoever wants to show it; numeric code knows no more of it."""
+"""The interface through which long work reports its progress; numeric code knows only this interface."""
 
 from typing import Protocol
 
 
 class Progress(Protocol):
-    """Called with the phase of the work that begins, and of every step of it."""
+    """Receives the beginning of each phase of the work, and its steps."""
 
     def phase(self, name: str, total: int | None = None) -> None:
-        """A phase begins, of `total` steps; None: nobody knows how many."""
+        """Begin a phase of `total` steps; None: their number is unknown."""
 
     def advance(self, steps: int = 1) -> None:
-        """So many more steps of the phase are done."""
+        """Report `steps` more finished steps of the phase."""
 
 
 class _Silent:
-    """Tells nobody."""
+    """Ignores all reports."""
 
     def phase(self, name: str, total: int | None = None) -> None:
-        """Tell nobody."""
+        """Ignore the report."""
 
     def advance(self, steps: int = 1) -> None:
-        """Tell nobody."""
+        """Ignore the report."""
 
 
 SILENT: Progress = _Silent()

@@ -1,4 +1,4 @@
-"""Sentences from templates: those of `str.format`, with formats for lists, counts and shares."""
+"""Sentences from templates of `str.format`, with additional formats for lists, counts and shares."""
 
 from collections.abc import Sequence
 from string import Formatter
@@ -8,8 +8,9 @@ from bench.basics.plural import plural
 
 
 class _Template(Formatter):
-    """Formats of names: "" lists them, "and" and "or" join the last by that word, "quoted" puts each in quotes. Of a
-    share: "%". Of a number or of names: "?is|are", by whether it is one; of a number: "# loop", as in "2 loops".
+    """Formats. Names: "" separates them by commas, "and" and "or" join the last one by that word, "quoted" quotes
+    each. A share: "%". A number or names: "?is|are" chooses the singular or the plural. A number: "# loop", as in "2
+    loops".
     """
 
     def format_field(self, value: Any, format_spec: str) -> str:
@@ -26,12 +27,12 @@ class _Template(Formatter):
 
 
 def say(template: str, **values: Any) -> str:
-    """The sentence of a template with these values."""
+    """The template filled with these values."""
     return _Template().format(template, **values)
 
 
 def in_percent(share: float | None, digits: int = 3) -> str:
-    """A share as a percentage of so many digits, all of those before the point; "–" where there is none."""
+    """A share in percent with `digits` significant digits, but all digits before the point; "–" for None."""
     if share is None:
         return "–"
     value = 100.0 * share
@@ -39,17 +40,17 @@ def in_percent(share: float | None, digits: int = 3) -> str:
 
 
 def capital(text: str) -> str:
-    """A text that begins with a capital letter."""
+    """A text with a capital first letter."""
     return text[:1].upper() + text[1:]
 
 
 def and_list(names: Sequence[str]) -> str:
-    """Names as in "a, b and c"; "none" where there is no name."""
+    """Names as in "a, b and c"; "none" without names."""
     return _joined(names, "and")
 
 
 def or_list(names: Sequence[str]) -> str:
-    """Names as in "a, b or c"; "none" where there is no name."""
+    """Names as in "a, b or c"; "none" without names."""
     return _joined(names, "or")
 
 

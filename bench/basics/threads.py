@@ -1,7 +1,8 @@
-"""Linear algebra on as many threads as help: one.
+"""Linear algebra on one thread.
 
-The matrices of a fit are small. A BLAS that spreads them over all cores gains nothing on an idle machine, and waits for
-itself on a busy one. threadpoolctl, which scikit-learn uses for the same end, limits it for a while and gives it back.
+The matrices of a fit are small. A BLAS that distributes them over all cores gains nothing on an idle machine, and its
+threads wait for each other on a busy one. threadpoolctl, which scikit-learn uses for the same purpose, limits the
+number of threads temporarily.
 """
 
 from collections.abc import Callable
@@ -17,7 +18,7 @@ R = TypeVar("R")
 
 
 def on_one_thread(work: Callable[P, R]) -> Callable[P, R]:
-    """The function, with BLAS on one thread while it runs and as it was before once it has returned or raised."""
+    """The function with BLAS limited to one thread while it runs."""
 
     @wraps(work)
     def limited(*args: P.args, **kwargs: P.kwargs) -> R:
@@ -29,5 +30,5 @@ def on_one_thread(work: Callable[P, R]) -> Callable[P, R]:
 
 @lru_cache(maxsize=1)
 def _controller() -> ThreadpoolController:
-    """The libraries that are loaded when it is first asked for: those of numpy and scipy, which every fit imports."""
+    """The libraries loaded at the first call: those of numpy and scipy, which every fit imports."""
     return ThreadpoolController()

@@ -1,4 +1,4 @@
-"""Which program made a row."""
+"""Versions of the program and its packages."""
 
 import platform
 import subprocess
@@ -19,7 +19,7 @@ class Versions:
     commit: str
 
     def columns(self) -> dict[str, str]:
-        """Columns of the table: version.PACKAGE and commit."""
+        """Columns of a table: commit, version.python and version.PACKAGE."""
         return {
             "commit": self.commit,
             "version.python": self.python,
@@ -27,7 +27,7 @@ class Versions:
         }
 
     def named(self) -> dict[str, str]:
-        """As the `versions` of an answer: by package, and of Python, with the commit."""
+        """The `versions` of a JSON answer: by package, with Python and the commit."""
         return {**dict(self.packages), "python": self.python, "commit": self.commit}
 
 
@@ -38,7 +38,7 @@ def versions() -> Versions:
 
 
 def _version(package: str) -> str:
-    """The version of a package; "" where it is not installed, only on the path."""
+    """The version of a package; "" if it is not installed, but only on the path."""
     try:
         return version(package)
     except PackageNotFoundError:
@@ -46,7 +46,7 @@ def _version(package: str) -> str:
 
 
 def _commit() -> str:
-    """Commit of the checkout that this package is in, with "+" where files differ from it."""
+    """Commit of the checkout of this package, with "+" if files in bench or robots differ from it; "" without one."""
     root = Path(__file__).resolve().parents[2]
     if not (root / ".git").exists():
         return ""

@@ -1,1 +1,1 @@
-"""Files: CSV, tables, controllers' logs, TOML, and writing that is whole or not at all."""
+"""Files: CSV text, tables, TOML, Python files, and atomic writing."""

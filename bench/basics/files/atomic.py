@@ -1,4 +1,4 @@
-"""Files that are whole or not there: an interrupted command leaves no half-written one."""
+"""Atomic writing: an interrupted command leaves no incomplete file."""
 
 import json
 import os
@@ -14,14 +14,14 @@ from bench.basics.errors import BenchError
 
 @contextmanager
 def atomic_path(path: str | Path) -> Iterator[Path]:
-    """Give a path to write to in place of `path`, and move it there once the block ends well.
+    """Provide a temporary path to write to, and move it to `path` if the block succeeds.
 
-    The stand-in lies in the same folder and has the same suffix, so that libraries that choose a
-    format by suffix behave alike; folders that are missing are made. If the block raises, an interrupt
-    included, the stand-in is removed and `path` stays as it was. A device or a pipe (/dev/stdout) is
-    handed out as it is.
+    The temporary file is in the same folder and has the same suffix, for libraries that choose a format by suffix;
+    missing folders are created. If the block raises, including an interrupt, the temporary file is removed and `path`
+    is unchanged. A device or a pipe (/dev/stdout) is provided directly.
 
-    Raises BenchError if `path` is a folder, or cannot be written: no permission, no space, a folder that is gone.
+    Raises BenchError if `path` is a folder, or cannot be written, for example without permission or space, or if the
+    folder is gone.
     """
     path = Path(path)
     if path.is_dir():
@@ -30,7 +30,7 @@ def atomic_path(path: str | Path) -> Iterator[Path]:
         with _named(path, path):
             yield path
         return
-    target = path.resolve()  # through a symbolic link, not over it
+    target = path.resolve()  # write through a symbolic link instead of replacing it
     partial = _stand_in(target)
     with _named(path, partial, target, target.parent):
         target.parent.mkdir(parents=True, exist_ok=True)
@@ -48,9 +48,9 @@ def _stand_in(target: Path) -> Path:
 
 @contextmanager
 def _named(path: Path, *paths: Path) -> Iterator[None]:
-    """What the system says against writing, as a line that names `path`; paths: others that mean the same.
+    """Turn an OSError into a BenchError that names `path`. paths: other names of the same file.
 
-    An error that names another file is about that one, and goes on as it is.
+    An error about a different file is raised unchanged.
     """
     try:
         yield
@@ -61,9 +61,9 @@ def _named(path: Path, *paths: Path) -> Iterator[None]:
 
 
 def why_unwritable(path: Path) -> str | None:
-    """What speaks against writing a file there, or nothing: its stand-in is made and removed again.
+    """Why a file cannot be written, or None; tested by creating and removing a temporary file.
 
-    The folder has to be there.
+    The folder must exist.
     """
     if path.is_dir():
         return "it is a folder"
@@ -79,7 +79,9 @@ def why_unwritable(path: Path) -> str | None:
 
 
 def why_no_folder(folder: Path) -> str | None:
-    """The same of files in a folder, which may have to be made: one is made in the nearest that is there."""
+    """Why files cannot be written into a folder that may not exist yet, or None; tested in its nearest existing
+    parent.
+    """
     there = next(path for path in (folder, *folder.parents) if path.exists())
     if not there.is_dir():
         return f"{there} is a file: name a folder"
@@ -94,10 +96,10 @@ def why_no_folder(folder: Path) -> str | None:
 
 @contextmanager
 def whole_folder(folder: str | Path) -> Iterator[Path]:
-    """Give an empty folder to fill in place of `folder`, and move it there once the block ends well.
+    """Provide an empty temporary folder to fill, and move it to `folder` if the block succeeds.
 
-    A folder of that name is replaced; what may be replaced is for the caller to say. If the block raises, an
-    interrupt included, nothing remains and `folder` stays as it was. Raises BenchError if it cannot be written.
+    An existing folder is replaced; the caller decides whether it may be. If the block raises, including an interrupt,
+    nothing remains and `folder` is unchanged. Raises BenchError if it cannot be written.
     """
     target = Path(folder).resolve()
     mark = secrets.token_hex(4)
@@ -118,15 +120,15 @@ def whole_folder(folder: str | Path) -> Iterator[Path]:
 
 
 def write_text_atomically(path: str | Path, text: str) -> None:
-    """Write a UTF-8 text file in one step; see `atomic_path` for the errors."""
+    """Write a UTF-8 text file atomically; see `atomic_path` for the errors."""
     with atomic_path(path) as partial:
         partial.write_text(text, encoding="utf-8")
 
 
 def write_json_atomically(path: str | Path, value: Any) -> None:
-    """Write `value` as indented JSON in one step.
+    """Write `value` as indented JSON atomically.
 
-    Raises ValueError for NaN and infinity, which JSON does not have, and TypeError for what has no
-    JSON form; either before anything is written.
+    Raises ValueError for NaN and infinity, and TypeError for a value without a JSON form, both before anything is
+    written.
     """
     write_text_atomically(path, json.dumps(value, indent=2, ensure_ascii=False, allow_nan=False) + "\n")

@@ -1,7 +1,7 @@
-"""The text of a CSV file: its header, its dialect, and where a row or a cell is in it.
+"""The text of a CSV file: its header, its dialect, and the location of rows and cells.
 
-Numbers are read elsewhere and fast; this module answers which line an editor shows for a row, and what is
-written there, and it is asked only when something is wrong.
+A fast reader elsewhere parses the numbers. This module returns the line number of a row and the text of a cell,
+mainly for messages about faults.
 """
 
 import csv
@@ -17,9 +17,9 @@ from bench.basics.files.cut_off import refuse_cut_off
 from bench.basics.plural import plural
 
 DELIMITERS = ",;\t"
-# characters of a text whose cells are kept once they are asked for; of a larger one they are read anew
+# characters: the cells of a text up to this size are cached; a larger text is parsed again for each request
 KEPT = 1 << 25
-SEEN = 256  # bytes that tell whether a text is in UTF-16
+SEEN = 256  # bytes from which UTF-16 is recognised
 LINE = re.compile(r"[^\r\n]*(?:\r\n|\n|\r)|[^\r\n]+\Z")
 FOREIGN = {
     b"PAR1": "a Parquet file",
@@ -29,12 +29,12 @@ FOREIGN = {
     b"\x93NUMPY": "a NumPy file",
 }
 UTF_16 = {b"\xff\xfe": "utf-16", b"\xfe\xff": "utf-16"}
-"""First bytes of a text in UTF-16 -> its name in Python."""
+"""Byte order mark of UTF-16 -> Python's name of the encoding."""
 
 
 @dataclass(frozen=True)
 class CsvText:
-    """A file `path`: the `names` of its header, and `body`, the text after it, from line `first_line` on."""
+    """A file `path`: the `names` of its header, and the text `body` after it, which begins at line `first_line`."""
 
     path: Path
     names: tuple[str, ...]
@@ -44,19 +44,19 @@ class CsvText:
     decimal_comma: bool
 
     def line(self, row: int) -> int:
-        """Line of data row `row` (0 is the first) as an editor counts, the file's first line being 1."""
+        """Line number of data row `row` (0 is the first); the file's first line is 1."""
         return self._row(row)[0]
 
     def cell(self, row: int, column: int) -> str:
-        """What is written in a cell, without the spaces around it."""
+        """The text of a cell without surrounding spaces."""
         return self._row(row)[1][column].strip()
 
     def cells(self, column: int, rows: range) -> list[str]:
-        """What is written in some rows of a column."""
+        """The texts of a column's cells in `rows`."""
         return list(self._column(column, rows))
 
     def first_text(self, column: int, rows: range) -> tuple[int, str] | None:
-        """Row and content of the first cell of a column that is no number, None where all of these rows are."""
+        """Row and text of the first cell of a column in `rows` that is not a number; None if there is none."""
         for row, cell in zip(rows, self._column(column, rows), strict=False):
             try:
                 if cell:
@@ -66,9 +66,10 @@ class CsvText:
         return None
 
     def floats(self, column: int, rows: range, otherwise: float | None = None) -> list[float]:
-        """Some rows of a column in spellings that only Python reads, such as +1.5; empty cells are NaN.
+        """Numbers of a column in `rows`, including spellings that only Python reads, such as +1.5; empty cells are
+        NaN.
 
-        otherwise: the text itself. Raises ValueError for text without it.
+        otherwise: value for text that is not a number; with None, such text raises ValueError.
         """
         return [self._float(cell, otherwise) for cell in self._column(column, rows)]
 
@@ -87,7 +88,7 @@ class CsvText:
         return float(cell.replace(",", ".") if self.decimal_comma else cell)
 
     def ragged(self) -> str | None:
-        """What is wrong with the first line that has more or fewer values than the header has names."""
+        """A message on the first line with more or fewer values than the header has names; None if there is none."""
         rows = iter(self._all())
         for line, cells in rows:
             if len(cells) != len(self.names):
@@ -100,7 +101,7 @@ class CsvText:
         return None
 
     def _column(self, column: int, rows: range) -> Iterator[str]:
-        """The cells of a column in neighbouring rows."""
+        """The cells of a column in consecutive rows."""
         for _, cells in islice(self._all(), rows.start, rows.stop):
             yield cells[column].strip()
 
@@ -123,7 +124,7 @@ class CsvText:
         return {}
 
     def _lines(self) -> Iterator[tuple[int, list[str]]]:
-        """Line number and cells of each line that is not blank, as the fast reader counts them."""
+        """Line number and cells of each line that is not blank, in the rows of the fast reader."""
         lines = (match.group() for match in LINE.finditer(self.body))
         reader = csv.reader(lines, delimiter=self.delimiter)
         start = self.first_line
@@ -137,8 +138,8 @@ class CsvText:
 
 
 def utf_16(content: bytes) -> str | None:
-    """The name in Python of UTF-16, of the order in which a text has its bytes, by its mark or by its zeros; None where
-    it is in another encoding.
+    """Python's name of the UTF-16 variant of a text, from its byte order mark or its zero bytes; None for other
+    encodings.
     """
     for mark, name in UTF_16.items():
         if content.startswith(mark):
@@ -154,7 +155,7 @@ def utf_16(content: bytes) -> str | None:
 
 
 def decoded(path: Path, content: bytes) -> str:
-    """The text of a file; BenchError where it is none, with what it is instead or the line that is not UTF-8."""
+    """The text of a file; BenchError if it is not text, with its kind or the line that is not UTF-8."""
     for magic, kind in FOREIGN.items():
         if content.startswith(magic):
             raise BenchError(f"{path}: is {kind}, not a CSV text")
@@ -182,7 +183,7 @@ def decoded(path: Path, content: bytes) -> str:
 def split_csv(path: Path, content: bytes) -> CsvText:
     """Find header, delimiter and decimal sign of a CSV file.
 
-    Errors: BenchError when the content is not a text with a header line.
+    Errors: BenchError if the content is not text with a header line, or its last line is cut off.
     """
     text = decoded(path, content)
     opening = re.match(r"\s*", text)
@@ -206,7 +207,7 @@ def split_csv(path: Path, content: bytes) -> CsvText:
 
 
 def is_number(cell: str) -> bool:
-    """Whether a cell spells a number, with a point for the decimals."""
+    """Whether a cell is a number with a decimal point."""
     try:
         float(cell)
     except ValueError:

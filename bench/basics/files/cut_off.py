@@ -1,16 +1,17 @@
-"""A text whose last line was cut off in the middle of a number: 39 instead of 395,22."""
+"""Detect a text whose last line was cut off in the middle of a number: 39 instead of 395,22."""
 
 import re
 from pathlib import Path
 
 from bench.basics.errors import BenchError
 
-REACH = 1 << 16  # letters at either end of a text that tell how its numbers are written
-NUMBER = re.compile(r"[+-]?\d*(?:[.,](\d*(?:[eE][+-]?\d*)?))?")  # its decimals, with the exponent
+REACH = 1 << 16  # characters at both ends of a text from which the decimals of its numbers are counted
+NUMBER = re.compile(r"[+-]?\d*(?:[.,](\d*(?:[eE][+-]?\d*)?))?")  # group 1: its decimals, with the exponent
 
 
 def refuse_cut_off(path: Path, rows: str, delimiter: str) -> None:
-    """Raise BenchError where the last row has no end of line, and its last value has fewer decimals than all others.
+    """Raise BenchError if the last row has no end of line and its last value has fewer decimals than those of other
+    rows.
 
     rows: the text below the header; delimiter: " " for any blanks.
     """
@@ -27,7 +28,7 @@ def refuse_cut_off(path: Path, rows: str, delimiter: str) -> None:
 
 
 def _last_value(line: str, delimiter: str) -> str:
-    """What follows the last delimiter of a line; "" where that is no number."""
+    """The last value of a line; "" if it is not a number."""
     value = re.split(r"\s+" if delimiter == " " else re.escape(delimiter), line.rstrip())[-1].strip(' "')
     return value if NUMBER.fullmatch(value) else ""
 

@@ -1,4 +1,4 @@
-"""A Python file of the user's: read, run as a separate module, its mistakes reported with their line."""
+"""A user's Python file: read it, run it as a separate module, and report its errors with their line."""
 
 import hashlib
 import sys
@@ -21,7 +21,7 @@ MISTAKES = (
 
 
 def read_source(path: Path) -> str:
-    """The text of the file. Raises BenchError naming the file where it cannot be read."""
+    """The text of the file. Raises BenchError that names the file if it cannot be read."""
     try:
         return path.read_text(encoding="utf-8")
     except (OSError, UnicodeDecodeError) as error:
@@ -29,18 +29,18 @@ def read_source(path: Path) -> str:
 
 
 def module_name(source: str, path: Path, prefix: str) -> str:
-    """The name of the module that such a text at this path becomes: another text, another name."""
+    """The module name for a text at this path; a different text has a different name."""
     return prefix + hashlib.sha256(f"{path}\n{source}".encode()).hexdigest()[:16]
 
 
 def module_of(source: str, path: Path, prefix: str) -> types.ModuleType:
-    """Run the text of a file that is there or is yet to be written; the module stays in `sys.modules`.
+    """Run the text of a file, which need not exist yet; the module stays in `sys.modules`.
 
-    Raises BenchError that names the file, and the line where it can.
+    Raises BenchError that names the file and, if known, the line.
     """
     module = types.ModuleType(module_name(source, path, prefix))
     module.__file__ = str(path)
-    sys.modules[module.__name__] = module  # dataclasses look their module up
+    sys.modules[module.__name__] = module  # dataclasses look up their module
     try:
         exec(compile(source, str(path), "exec"), module.__dict__)
     except SyntaxError as error:
@@ -53,7 +53,7 @@ def module_of(source: str, path: Path, prefix: str) -> types.ModuleType:
 
 
 def described(error: Exception, path: Path) -> str:
-    """An error that a user's file raised, in one line with the file and the line."""
+    """An error raised by a user's file as one line, with the file and the line number."""
     lines = [
         frame.lineno for frame in traceback.extract_tb(error.__traceback__) if frame.filename == str(path)
     ]

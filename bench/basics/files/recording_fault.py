@@ -1,4 +1,4 @@
-"""A fault of a recording as an error that says, for programs, what mends it."""
+"""A fault of a recording as an error with a code for its cure."""
 
 from collections.abc import Mapping
 from enum import Enum, auto
@@ -7,7 +7,7 @@ from bench.basics.errors import BenchError
 
 
 class Remedy(Enum):
-    """What mends a fault; which words that takes depends on where the recording comes from."""
+    """The cure for a fault, as a code; its wording depends on the source of the recording."""
 
     FROM_DEGREES = auto()  # the column is in that unit
     FROM_MILLIRADIANS = auto()
@@ -19,9 +19,9 @@ class Remedy(Enum):
     FROM_NANOSECONDS = auto()
     FROM_LONGER_UNIT = auto()
     FROM_THOUSANDTHS = auto()
-    LEAVE_ROWS_OUT = auto()  # rows without a measurement, amid others
+    LEAVE_ROWS_OUT = auto()  # rows without a measurement between others
     REMOVE_ROWS = auto()  # such rows at the end, or without a time
-    OTHER_COLUMN = auto()  # this one has no measurement
+    OTHER_COLUMN = auto()  # the column has no measurement
     CUT_AT_GAPS = auto()  # samples were lost
     CUT_WHERE_BACK = auto()  # time does not rise there
 
@@ -37,15 +37,15 @@ IN_UNIT: Mapping[Remedy, tuple[str, str]] = {
     Remedy.FROM_NANOSECONDS: ("time", "ns"),
     Remedy.FROM_THOUSANDTHS: ("current", "mA"),
 }
-"""Which columns a log has in which unit, where a check takes them for that."""
+"""Remedy -> group of columns, and the unit that they appear to be in."""
 
 
 class RecordingFaultError(BenchError):
-    """What is wrong with a recording, reported as for a file of a dataset.
+    """A fault of a recording, worded as for a file of a dataset.
 
-    said: what is wrong and where; advice: what helps in a dataset, with the punctuation before it. remedy: the same as
-    a code, None where there is none. check: the name by which the check that found it is switched off. column: where
-    it is. others: all other faults of the recording, of which the message names the columns.
+    said: the fault and its place; advice: the cure in a dataset, with the preceding punctuation. remedy: the cure as
+    a code, or None. check: name of the check, with which it can be accepted. column: the faulty column. others: all
+    other faults of the recording; the message names their columns.
     """
 
     column: str
@@ -67,7 +67,7 @@ class RecordingFaultError(BenchError):
         self.column, self.others = column, others
 
     def among(self, others: tuple["RecordingFaultError", ...]) -> "RecordingFaultError":
-        """The same fault as the first of several."""
+        """The same fault with the other faults of its recording."""
         return RecordingFaultError(
             self.said, self.advice, self.remedy, self.check, column=self.column, others=others
         )

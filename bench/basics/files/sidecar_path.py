@@ -1,8 +1,8 @@
-"""Where an exported MJCF has the file of effects that it cannot hold itself."""
+"""The file for effects that an exported MJCF cannot contain."""
 
 from pathlib import Path
 
 
 def sidecar_path(path: Path) -> Path:
-    """Where it lies: NAME.twin.json next to NAME.xml."""
+    """Its path: NAME.twin.json next to NAME.xml."""
     return path.with_name(f"{path.stem}.twin.json")

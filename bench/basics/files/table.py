@@ -1,7 +1,7 @@
-"""Read a CSV or Parquet file into named columns of numbers, and name its rows as a user sees them.
+"""Read a CSV or Parquet file into named columns of numbers, and name rows as a user sees them.
 
-CSV: UTF-8 (a byte order mark is fine), one header line, comma, semicolon or tab between the values; with
-semicolon or tab a decimal comma is read too. Blank lines are skipped. Parquet: flat columns of numbers.
+CSV: UTF-8 with or without a byte order mark, one header line, values separated by comma, semicolon or tab; with
+semicolon or tab, decimal commas are allowed. Blank lines are skipped. Parquet: flat columns of numbers.
 """
 
 import io
@@ -23,8 +23,8 @@ from bench.basics.files.recording_fault import RecordingFaultError, Remedy
 from bench.basics.files.toml_input import one_line
 
 SUFFIXES = (".csv", ".parquet")
-BLOCK = 1 << 26  # bytes of a text that are read at a time
-HUGE = 1e100  # what exceeds it is no measurement, and its square no number
+BLOCK = 1 << 26  # bytes of a text that are read at once
+HUGE = 1e100  # a larger value is not a measurement, and its square may overflow
 Array = npt.NDArray[np.float64]
 
 
@@ -32,8 +32,8 @@ Array = npt.NDArray[np.float64]
 class FileTable:
     """The columns of one file, or of a part of it.
 
-    `text` is the CSV it came from, None for other files; `first_row` is the file's row (0 is the first) that the
-    part begins with; `sources` holds what the file calls a column where that is another name.
+    `text` is the CSV text, None for other files; `first_row` is the file's row (0 is the first) at which the part
+    begins; `sources` maps columns to their names in the file, if these differ.
     """
 
     path: Path
@@ -44,28 +44,28 @@ class FileTable:
 
     @property
     def columns(self) -> list[str]:
-        """Column names, in the file's order."""
+        """Column names in the order of the file."""
         return list(self.data.column_names)
 
     def row_name(self, row: int) -> str:
-        """A row (0 is the first) as the user finds it: "line 2" of a CSV, "row 0" of a Parquet file."""
+        """A row (0 is the first) as the user sees it: "line 2" of a CSV, "row 0" of a Parquet file."""
         row += self.first_row
         return f"row {row}" if self.text is None else f"line {self.text.line(row)}"
 
     def place(self, column: str, row: int | None = None) -> str:
-        """Where something is, for a message: file, column, and the row where it is one."""
+        """A place for a message: file, column and, if given, row."""
         source = self.sources.get(column, column)
         named = column if source == column else f"{column} ({source!r} of the log)"
         where = "" if row is None else f", {self.row_name(row)}"
         return f"{self.path}: column {named}{where}"
 
     def is_plain(self, column: str) -> bool:
-        """Whether the column can be kept as an extra: numbers or true and false, empty cells aside."""
+        """Whether the column contains only numbers or booleans, and empty cells."""
         kind = self.data.schema.field(column).type
         return _is_numeric(kind) or bool(pa.types.is_boolean(kind))
 
     def cells(self, column: str) -> list[str]:
-        """The cells of a column, as they are written."""
+        """The texts of a column's cells."""
         if self.text is None:
             return [str(value) for value in self.data[column].to_pylist()]
         rows = range(self.first_row, self.first_row + self.data.num_rows)
@@ -74,7 +74,7 @@ class FileTable:
     def numbers(self, column: str) -> Array:
         """The column (N,) as floats, empty cells as NaN, true as 1.
 
-        Errors: BenchError that names the row for text, BenchError with the type for what has no numbers.
+        Errors: BenchError that names the row of a text, or the type of a column without numbers.
         """
         kind = self.data.schema.field(column).type
         if self.is_plain(column):
@@ -94,7 +94,7 @@ class FileTable:
         raise BenchError(f"{self.place(column, row - self.first_row)}: {cell!r} is not a number")
 
     def stamps(self) -> Array:
-        """The time column (N,), NaN where no number is: for choosing rows, before they are checked."""
+        """The time column (N,), with NaN for cells that are not numbers, to choose rows before they are checked."""
         kind = self.data.schema.field("time").type
         if self.is_plain("time") or self.text is None:
             return self.numbers("time") if _is_numeric(kind) else np.full(self.data.num_rows, np.nan)
@@ -104,9 +104,10 @@ class FileTable:
     def finite(
         self, column: str, cure: Callable[[npt.NDArray[np.intp]], tuple[str, Remedy]] | None = None
     ) -> Array:
-        """The column (N,) as floats; RecordingFaultError that names the first row that is empty, NaN or infinite.
+        """The column (N,) as floats; RecordingFaultError that names the first row that is empty, NaN, infinite or
+        above HUGE.
 
-        cure: from the rows that are, what helps, in words and as a code.
+        cure: from the indices of these rows, the cure in words and as a code.
         """
         if pa.types.is_boolean(kind := self.data.schema.field(column).type):
             raise BenchError(f"{self.path}: column {column}: holds {kind}, not numbers")
@@ -141,8 +142,8 @@ def _is_numeric(kind: pa.DataType) -> bool:
 def read_table(path: Path) -> FileTable:
     """The table in the file `path`, CSV or Parquet by its suffix.
 
-    Errors: BenchError in one line: missing, empty, truncated, not what the suffix says, no header, no rows,
-    a column twice, a line with too few or too many values (named).
+    Errors: BenchError, one line, if the file is missing, empty, truncated, of another kind than its suffix, has no
+    header or no rows, a column twice, or a line (which is named) with too few or too many values.
     """
     suffix = path.suffix.lower()
     if suffix not in SUFFIXES:
@@ -167,14 +168,14 @@ def _checked(table: FileTable) -> FileTable:
 
 
 def release_tables() -> None:
-    """Give the memory of tables that nobody uses any more back to the system: pyarrow would hold it."""
+    """Return the memory of released tables to the system, which pyarrow would otherwise keep."""
     pa.default_memory_pool().release_unused()
 
 
 def table_of(text: CsvText) -> FileTable:
-    """The table that a text holds.
+    """The table in a text.
 
-    Errors: BenchError in one line: no rows, a column twice, a line with too few or too many values.
+    Errors: BenchError, one line, for no rows, a column twice, or a line with too few or too many values.
     """
     path = text.path
     if not re.search(r"[^ \t\n\r\v\f]", text.body):
@@ -186,10 +187,10 @@ def table_of(text: CsvText) -> FileTable:
 
 
 def _cells(text: CsvText) -> pa.Table:
-    """The cells of a text, a column's kind by all of its rows.
+    """The cells of a text; the type of a column follows from all of its rows.
 
-    A large one is read in blocks, which take less memory. Where a later block does not fit to the kinds that the first
-    one has, it is read at once.
+    A large text is read in blocks to save memory. If a later block does not match the types of the first one, it is
+    read in one block.
     """
     if len(text.body) > BLOCK:
         try:
@@ -210,7 +211,7 @@ def _parsed(text: CsvText, body: io.IOBase, block: int) -> pa.Table:
 
 
 class _Encoded(io.RawIOBase):
-    """A text that is encoded as it is read, so that it does not stand in memory twice."""
+    """A stream that encodes a text while it is read, so that memory does not hold it twice."""
 
     def __init__(self, text: str) -> None:
         self._text, self._at = text, 0
@@ -219,7 +220,7 @@ class _Encoded(io.RawIOBase):
         return True
 
     def read(self, size: int = -1) -> bytes:
-        """At most `size` bytes: a character takes up to four of them."""
+        """Read at most `size` bytes (a character takes up to four of them), or at least one character."""
         end = len(self._text) if size < 0 else self._at + max(size // 4, 1)
         part, self._at = self._text[self._at : end], end
         return part.encode()
@@ -230,7 +231,7 @@ def _read_parquet(path: Path) -> FileTable:
 
     try:
         table = FileTable(path, pq.ParquetFile(path).read(), None)
-        _ = table.columns  # names of a broken file may be no text
+        _ = table.columns  # names in a broken file may be invalid text
     except (pa.ArrowException, OSError, UnicodeDecodeError) as error:
         raise BenchError(f"{path}: is not a complete Parquet file: {one_line(error)}") from error
     return table

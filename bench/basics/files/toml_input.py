@@ -1,4 +1,4 @@
-"""Reading a TOML file that a user wrote: validated by a pydantic model, refused in one line."""
+"""Read a user's TOML file: a pydantic model validates it, and an error is reported in one line."""
 
 import re
 import tomllib
@@ -22,8 +22,8 @@ Table = TypeVar("Table", bound=UserTable)
 def read_toml(path: Path, table: type[Table]) -> Table:
     """Read `path` and validate it against `table`.
 
-    Raises BenchError, one line with the file and the key, if the file cannot be read,
-    is no TOML, or does not fit the table.
+    Raises BenchError, one line with the file and the key, if the file cannot be read, is not TOML, or does not match
+    the model.
     """
     try:
         text = path.read_text(encoding="utf-8-sig")
@@ -44,7 +44,7 @@ def read_toml(path: Path, table: type[Table]) -> Table:
 
 
 def line_of(text: str, location: tuple[int | str, ...]) -> int | None:
-    """The line of TOML, counted from one, on which a key of this location is, or its table; None if unsure."""
+    """The line of TOML, counted from 1, with the key of this location, or with its table; None if it is not located."""
     wanted = [str(part) for part in location]
     heading: list[str] = []
     counts: dict[str, int] = {}
@@ -67,14 +67,16 @@ def line_of(text: str, location: tuple[int | str, ...]) -> int | None:
 
 
 def mistakes_of(error: ValidationError) -> list[Any]:
-    """The mistakes of a pydantic validation, an unknown key first: it is usually the missing one, misspelt."""
+    """The errors of a pydantic validation, an unknown key first, since it is usually a misspelling of the missing
+    one.
+    """
     return sorted(error.errors(include_url=False), key=lambda m: m["type"] != "extra_forbidden")
 
 
 def first_mistake(error: ValidationError) -> str:
-    """The first mistake of a pydantic validation as "key: what is wrong, got value", in one line.
+    """The first error of a pydantic validation as "key: what is wrong, got value", in one line.
 
-    An unknown key goes before a missing one.
+    An unknown key takes precedence over a missing one.
     """
     mistakes = mistakes_of(error)
     first = mistakes[0]
@@ -87,7 +89,7 @@ def first_mistake(error: ValidationError) -> str:
 
 
 def key_name(location: tuple[int | str, ...]) -> str:
-    """A pydantic location as a user counts it: ("actuators", 1, "gain") -> "actuators[1].gain"."""
+    """A pydantic location as a path of keys: ("actuators", 1, "gain") -> "actuators[1].gain"."""
     name = ""
     for part in location:
         name += f"[{part}]" if isinstance(part, int) else f".{part}" if name else part
@@ -95,7 +97,7 @@ def key_name(location: tuple[int | str, ...]) -> str:
 
 
 def one_line(text: object) -> str:
-    """Any text, with its line breaks folded into single spaces."""
+    """A text with all white space, including line breaks, reduced to single spaces."""
     return " ".join(str(text).split())
 
 

@@ -1,15 +1,15 @@
-"""Lines of TOML, whose keys and values tomlkit writes; what is in a user's file stays as it is."""
+"""Lines of TOML with keys and values formatted by tomlkit, to be added to a user's file."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any
 
 Value = str | float | int | Sequence[Any] | Mapping[str, Any]
-"""Texts, numbers, lists of them, and what an inline table holds of these."""
+"""Texts, numbers, lists of these, and mappings to these as inline tables."""
 
 
 def toml_line(key: str, value: Value) -> str:
     """A key with its value; a mapping is an inline table."""
-    import tomlkit  # noqa: PLC0415 - slow to import: only once a file is written
+    import tomlkit  # noqa: PLC0415 - slow to import, needed only to write a file
 
     return f"{tomlkit.key(key).as_string()} = {_text(value)}"
 
