@@ -1,8 +1,8 @@
 """The command `bench`.
 
-Each command is in a separate file and is imported when it is asked for; `bench --help` reads
-the table below and imports none of them. To add a command: write `bench/cli/NAME.py` with a click
-command, and give it a line in `COMMANDS` with the first sentence of its docstring as its help.
+Each command is in a separate file and is imported on demand; `bench --help` reads the table below and imports none of
+them. To add a command, write `bench/cli/NAME.py` with a click command, and add a line to `COMMANDS` with the first
+sentence of its docstring as its help.
 """
 
 import os
@@ -64,7 +64,7 @@ COMMANDS = {
 BAD_INPUT = 2
 INTERRUPTED = 130  # 128 + SIGINT, as a shell reports it
 TERMINATED = 143  # 128 + SIGTERM
-OLD_MJCF = ".* is deprecated and will be removed in a future release"  # of attributes of older files
+OLD_MJCF = ".* is deprecated and will be removed in a future release"  # on attributes of older files
 
 
 @click.group(cls=LazyGroup, lazy_commands=COMMANDS, context_settings={"help_option_names": ["-h", "--help"]})
@@ -80,15 +80,15 @@ def cli() -> None:
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command `bench` and return its exit code.
 
-    `arguments` are the words after `bench`; the process's if None.
-    0: done. 2: a mistake in what the user gave, reported in one line on standard error.
-    130 and 143: interrupted or terminated; files that were being written keep their content.
-    A reader of standard output who leaves early changes nothing of this.
+    `arguments` are the words after `bench`, those of the process if None. 0: done. 1: the accuracy is worse, or all
+    runs of a study failed. 2: a mistake in the user's input, reported in one line on standard error. 130 and 143:
+    interrupted or terminated; files that were being written keep their old content. A closed standard output does not
+    change the exit code.
     """
     os.environ.setdefault(
         "MUJOCO_GL", "disable"
-    )  # no command draws with MuJoCo, whose windows take time to import
-    warnings.filterwarnings("ignore", message=OLD_MJCF, category=UserWarning)  # MuJoCo prints it, too
+    )  # no command renders with MuJoCo, whose window libraries are slow to import
+    warnings.filterwarnings("ignore", message=OLD_MJCF, category=UserWarning)  # MuJoCo prints it as well
     try:
         with _leaving_on_termination(), forgiving_output():
             result = cli.main(args=arguments, prog_name=called_as(), standalone_mode=False)
@@ -116,15 +116,15 @@ def _misused(error: click.UsageError) -> str:
 
 
 def _say(message: str, exit_code: int) -> int:
-    """Print one line, whatever line breaks the message carries, and return the exit code."""
+    """Print the message as one line, without line breaks, and return the exit code."""
     click.echo(f"bench: {' '.join(message.split())}", err=True)
     return exit_code
 
 
 @contextmanager
 def _leaving_on_termination() -> Iterator[None]:
-    """Turn SIGTERM into an exception, so that half-written files are removed on the way out."""
-    if threading.current_thread() is not threading.main_thread():  # Python handles signals there alone
+    """Turn SIGTERM into an exception, so that incomplete files are removed before the exit."""
+    if threading.current_thread() is not threading.main_thread():  # Python handles signals only there
         yield
         return
     previous = signal.signal(signal.SIGTERM, _terminate)

@@ -121,7 +121,7 @@ def _of_one(
 
 
 def _next(source: "Source", what: "Compared", model_file: Path | None) -> str:
-    """The command that makes sense after a comparison."""
+    """The suggested next command after a comparison."""
     from bench.cli.next_steps import after_errors
 
     if (step := after_errors(source, what, kept=model_file is not None)) is not None or model_file is None:
@@ -131,7 +131,7 @@ def _next(source: "Source", what: "Compared", model_file: Path | None) -> str:
 
 
 def _side_by_side(dataset: Path, model_files: tuple[Path, ...], asked: Asked, json_file: Path | None) -> None:
-    """Several models on the same recordings."""
+    """Compare several models on the same recordings."""
     from rich.console import Console
 
     from bench.dataset.dataset import load_dataset

@@ -111,7 +111,7 @@ def diagnose(  # noqa: PLR0913, PLR0917 - an argument for each option
 
 
 class _Outcome:
-    """A diagnosis on its way to files and terminal: what was written so far, and the laws among it."""
+    """Writes a diagnosis to files and terminal. written: lines on written files; laws: files of discovered laws."""
 
     def __init__(self, diagnosis: "Diagnosis", data: "Dataset", effect_files: tuple[Path, ...]) -> None:
         self.diagnosis, self.data, self.effect_files = diagnosis, data, effect_files
@@ -119,7 +119,7 @@ class _Outcome:
         self.laws: list[Path] = []
 
     def write_laws(self, model: Path | None) -> None:
-        """Write discovered laws next to the model file; from then on the diagnosis names their files."""
+        """Write discovered laws next to the model file, and store the names of these files in the diagnosis."""
         if model is None:
             return
         from bench.diagnosis.discovery.law_files import write_laws
@@ -138,7 +138,7 @@ class _Outcome:
         write_with_words(file, partial(diagnosis_json, self.diagnosis), "diagnosis", self.written)
 
     def write_model(self, file: Path | None) -> None:
-        """Write the model with what is missing."""
+        """Write the model with the missing effects."""
         if file is None:
             return
         from bench.identification.model_file import save_model
@@ -147,7 +147,7 @@ class _Outcome:
         self.written.append(wrote(file, "model with the missing effects"))
 
     def show(self, *, verbose: bool) -> None:
-        """Print the report; the values alone where it cannot be made."""
+        """Print the report, or only the values if the report fails."""
         from rich.console import Console
 
         from bench.diagnosis.as_json import verdict_json
@@ -185,7 +185,7 @@ class _Outcome:
         )
 
     def say_next(self, command: "CommandRun", model: Path | None) -> None:
-        """Say what was written, and what makes sense next."""
+        """Print the written files and the suggested next command."""
         say(self.written)
         files = (*self.effect_files, *self.laws)
         say([after_diagnosis(self.diagnosis, Path(command.dataset), command.line(), model, files)])

@@ -1,4 +1,4 @@
-"""`bench discriminate`: which motion tells two effects apart."""
+"""`bench discriminate`: design the motion that distinguishes two effects."""
 
 from pathlib import Path
 

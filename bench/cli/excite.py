@@ -1,4 +1,4 @@
-"""`bench excite`: the experiment to make, before there is any data."""
+"""`bench excite`: plan an experiment before there are any data."""
 
 from pathlib import Path
 from typing import Any
@@ -13,7 +13,7 @@ from bench.cli.progress import quiet_option, shown_progress
 
 
 def _share(_context: click.Context, option: click.Parameter, text: str | None) -> float | None:
-    """A share as 0.5% or 0.005."""
+    """Parse a share such as 0.5% or 0.005."""
     if text is None:
         return None
     try:

@@ -164,7 +164,7 @@ def identify(  # noqa: PLR0913, PLR0917 - an argument for each option
 
 
 def _gains(result: "Identification") -> dict[str, Any]:
-    """What an answer comes down to."""
+    """The main values of an answer."""
     from bench.identification.model_json import to_json
 
     answer = to_json(result, words=False)

@@ -159,7 +159,7 @@ def import_log(
 
 
 def _said_once(notes: Sequence[tuple[Path, str]]) -> list[str]:
-    """A line for each note; one that several logs have in common names the first of them."""
+    """A line for each note; a note that several logs share names the first log and the number of the others."""
     files: dict[str, list[Path]] = {}
     for path, note in notes:
         files.setdefault(note, []).append(path)
@@ -170,7 +170,7 @@ def _said_once(notes: Sequence[tuple[Path, str]]) -> list[str]:
 
 
 def _refuse_with_mapping(context: click.Context) -> None:
-    """A mapping file says it all, except for where it goes and how the command speaks."""
+    """Raise UsageError for an option that a mapping file contains itself."""
     for option in context.command.params:
         given = context.get_parameter_source(option.name or "") is not click.core.ParameterSource.DEFAULT
         if given and option.name not in BESIDE_MAPPING:
@@ -206,7 +206,7 @@ def _payload(options: Mapping[str, Any]) -> "Payload | None":
 
 
 def _request(file: Path, options: Mapping[str, Any]) -> "LogRequest":
-    """What is asked for of one log."""
+    """The request for one log."""
     from bench.dataset.logs.columns import LogMap
     from bench.dataset.logs.importing import LogRequest
     from bench.dataset.logs.log_file import Reading

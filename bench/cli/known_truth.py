@@ -1,4 +1,4 @@
-"""What a simulation knows of its recordings, to be shown with an answer: from the truth file next to the dataset."""
+"""The truth about simulated recordings, to be shown with an answer: from the truth file next to the dataset."""
 
 import json
 from collections.abc import Mapping
@@ -23,11 +23,13 @@ from bench.viewer.context import KnownTruth
 
 WHOLE_ROBOT = "robot"
 Known = tuple[Mapping[str, KnownTruth], Mapping[str, float] | None]
-"""By recording; and true gains, base parameters and parameters of hidden effects."""
+"""The truth by recording, and the true gains, base parameters and effect parameters by key (None if unknown)."""
 
 
 def known_next_to(logged: Dataset, shown: Dataset) -> Known:
-    """What is known of a dataset that a simulation wrote, nothing of others. shown: its recordings or parts of them."""
+    """The truth about a dataset that a simulation wrote; empty and None for others. shown: its recordings or parts of
+    them.
+    """
     content = _truth_next_to(logged)
     simulation = None if content is None else _simulated_again(logged, content)
     if content is None or simulation is None:
@@ -39,7 +41,7 @@ def known_next_to(logged: Dataset, shown: Dataset) -> Known:
 
 
 def known_to(simulation: Simulation, robot: Robot) -> Known:
-    """What a simulation knows of all its recordings."""
+    """The truth about all recordings of a simulation."""
     return _of_recordings(simulation), _values(robot, truth(simulation))
 
 
@@ -56,7 +58,7 @@ def _values(robot: Robot, truth: Mapping[str, Any]) -> dict[str, float]:
 
 
 def _truth_next_to(dataset: Dataset) -> dict[str, Any] | None:
-    """The content of the truth file next to a dataset's folder; None where there is none, as of a real robot."""
+    """The content of the truth file next to a dataset's folder; None if there is none, as for a real robot."""
     path = truth_path(dataset.folder)
     if not path.is_file():
         return None
@@ -70,7 +72,7 @@ def _truth_next_to(dataset: Dataset) -> dict[str, Any] | None:
 
 
 def _simulated_again(dataset: Dataset, content: Mapping[str, Any]) -> Simulation | None:
-    """The simulation that wrote a dataset; None where the dataset was changed since."""
+    """The simulation that wrote a dataset, repeated; None if the dataset has been changed since."""
     origin = str(truth_path(dataset.folder))
     simulation = repeated(content, origin)
     made = {
@@ -89,7 +91,7 @@ def _simulated_again(dataset: Dataset, content: Mapping[str, Any]) -> Simulation
 
 
 def _of_recordings(simulation: Simulation) -> dict[str, KnownTruth]:
-    """References, hidden torques and the openings of loops, by recording of the dataset."""
+    """References, hidden torques and loop gaps, by recording of the dataset."""
     plain = plain_machine(simulation)
     suffix = simulation.scenario.settings.file_format
     by_file = {}

@@ -1,4 +1,4 @@
-"""How a command ends: every step taken, what it wrote in the same words, and the command that makes sense next."""
+"""The end of a command: run all output steps, list the written files, and suggest the next command."""
 
 import io
 import json
@@ -21,12 +21,12 @@ _OUTPUT, _QUIET = "bench.standard output", "bench.quiet"
 
 
 def wrote(path: str | Path, what: str = "") -> str:
-    """A file or a folder that was written, and what it is."""
+    """The line on a written file or folder. what: its content."""
     return f"wrote {path} ({what})" if what else f"wrote {path}"
 
 
 def next_line(words: Sequence[str | Path], why: str = "") -> str:
-    """The command that makes sense next, to be copied, and what it does."""
+    """The line with the suggested next command, to be copied. why: what it does."""
     from bench.basics.shell_word import quoted
 
     line = f"next: {' '.join(quoted(word) for word in ('bench', *words))}"
@@ -34,21 +34,21 @@ def next_line(words: Sequence[str | Path], why: str = "") -> str:
 
 
 def say(lines: Sequence[str]) -> None:
-    """Print the last lines, except those about standard output; a next command as it is typed."""
+    """Print the last lines, except those about standard output; a next command starts with the word of `typed`."""
     for line in lines:
         if not line.startswith(f"wrote {STANDARD_OUTPUT} "):
             click.echo(_as_typed(line))
 
 
 def _as_typed(line: str) -> str:
-    """A next line for the name, or the path, by which this program is called."""
+    """A next line with the name or path with which this program is called."""
     from bench.basics.program import typed
 
     return line.replace("next: bench ", f"next: {typed()} ", 1) if line.startswith("next: bench ") else line
 
 
 def set_quiet(context: click.Context, _option: click.Parameter, quiet: bool) -> bool:
-    """Print only errors, if that is asked for."""
+    """Callback of --quiet: print only errors."""
     if quiet:
         _standard_output(context)
         context.meta[_QUIET] = True
@@ -57,7 +57,7 @@ def set_quiet(context: click.Context, _option: click.Parameter, quiet: bool) -> 
 
 
 def answer_on(context: click.Context, file: Path | None) -> None:
-    """With an answer on standard output, what people read goes to standard error."""
+    """If the answer goes to standard output, redirect the text for people to standard error."""
     if file == STANDARD_OUTPUT:
         _standard_output(context)
         if not context.meta.get(_QUIET):
@@ -71,9 +71,10 @@ def _standard_output(context: click.Context) -> Any:
 def write_with_words(
     path: Path, made: Callable[..., Mapping[str, Any]], what: str, written: list[str]
 ) -> None:
-    """Write an answer with its sentences; where these cannot be made, without, and the error goes on.
+    """Write an answer with its sentences, or without them if they fail; the error is then raised after writing.
 
-    made: the answer, without sentences by words=False. what: the file is; a line on it is added to those written.
+    made: returns the answer, with words=False without sentences. what: the content of the file, for the line that is
+    added to `written`.
     """
     answer = made(words=False)
     try:
@@ -84,7 +85,7 @@ def write_with_words(
 
 
 def write_answer(path: Path, answer: Mapping[str, Any]) -> None:
-    """Write an answer as JSON with the versions that gave it: to a file, whole or not at all, or to standard output."""
+    """Write an answer as JSON with the versions of the program, to a file (atomically) or to standard output."""
     from bench.basics.files.atomic import write_json_atomically
     from bench.basics.versions import versions
 
@@ -100,9 +101,9 @@ def write_answer(path: Path, answer: Mapping[str, Any]) -> None:
 def after_diagnosis(
     diagnosis: "Diagnosis", dataset: Path, again: str, model: Path | None, effect_files: Sequence[Path] = ()
 ) -> str:
-    """The step after a diagnosis. again: its command line; model: the file of `--apply`.
+    """The suggested next command after a diagnosis. again: its command line; model: the file of `--apply`.
 
-    effect_files: what the model needs in addition to the catalogue.
+    effect_files: files of effects that the model needs in addition to the catalogue.
     """
     from bench.identification.finding import MEND_FIRST
 
@@ -134,7 +135,7 @@ def after_diagnosis(
 
 
 def take_all(*steps: Callable[[], object]) -> None:
-    """Take every step in order. What steps raised is raised once all were taken; several errors together."""
+    """Take every step in order, and raise the errors of steps after the last one, several errors together."""
     errors: list[Exception] = []
     for step in steps:
         try:
@@ -151,7 +152,7 @@ def take_all(*steps: Callable[[], object]) -> None:
 
 
 def shown(report: Callable[[], object], verdict: Callable[[], Mapping[str, Any]]) -> None:
-    """Print a report; where it cannot be made, the verdict as JSON, and the error goes on."""
+    """Print a report. If it fails, print the verdict as JSON, and raise the error."""
     done = False
     try:
         report()

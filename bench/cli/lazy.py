@@ -1,4 +1,4 @@
-"""A click group that imports its commands when they are asked for, corrects misspelt names, and outlives its reader."""
+"""A click group that imports its commands on demand and suggests names; output that tolerates a closed pipe."""
 
 import importlib
 import os
@@ -17,7 +17,7 @@ from bench.cli.progress import QUIET
 
 @dataclass(frozen=True)
 class LazyCommand:
-    """Where a command is, and the line that the group's help shows for it."""
+    """The location of a command, and its line in the group's help."""
 
     target: str
     """`package.module:name` of a click command."""
@@ -36,7 +36,7 @@ class LazyCommand:
 
 
 def _may_be_quiet(command: click.Command) -> None:
-    """Give a command, or those of a group, the option that all have."""
+    """Add the option --quiet to a command, or to the commands of a group."""
     if isinstance(command, click.Group):
         for member in command.commands.values():
             _may_be_quiet(member)
@@ -54,7 +54,7 @@ class LazyGroup(click.Group):
         self.lazy_commands = lazy_commands
 
     def list_commands(self, ctx: click.Context) -> list[str]:  # noqa: ARG002 - click's signature
-        """Names, in the order of the table."""
+        """Names in the order of the table."""
         return list(self.lazy_commands)
 
     def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:  # noqa: ARG002 - click's
@@ -63,7 +63,7 @@ class LazyGroup(click.Group):
         return lazy.load() if lazy else None
 
     def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:  # noqa: ARG002 - click's
-        """List every command from the table alone, section by section."""
+        """List all commands by section, from the table, without importing them."""
         width = max(map(len, self.lazy_commands), default=0)
         for section in dict.fromkeys(lazy.section for lazy in self.lazy_commands.values()):
             with formatter.section(section):
@@ -76,7 +76,10 @@ class LazyGroup(click.Group):
 
 
 def misspelt(error: click.NoSuchOption | click.NoSuchCommand) -> str:
-    """The message. The similarity of click counts the dashes, and so takes --robots for --verbose."""
+    """The error's message with the nearest known name.
+
+    Click's similarity includes the dashes, and thus confuses --robots with --verbose.
+    """
     command = error.ctx.command if error.ctx is not None else None
     if isinstance(error, click.NoSuchCommand):
         name, known = error.command_name, _commands(command, error.ctx)
@@ -104,13 +107,13 @@ def _options(command: click.Command | None) -> list[str]:
 
 
 class Forgiving:
-    """A stream like the one inside it. Once nobody reads that any more, what is written goes nowhere."""
+    """A wrapper of a stream that discards output after the reader has closed the pipe."""
 
     def __init__(self, stream: TextIO) -> None:
         self._stream = stream
 
     def write(self, text: str) -> int:
-        """Write, if anybody reads."""
+        """Write, unless the pipe is closed."""
         try:
             return self._stream.write(text)
         except BrokenPipeError:
@@ -118,7 +121,7 @@ class Forgiving:
             return len(text)
 
     def flush(self) -> None:
-        """Flush, if anybody reads."""
+        """Flush, unless the pipe is closed."""
         try:
             self._stream.flush()
         except BrokenPipeError:
@@ -128,7 +131,7 @@ class Forgiving:
         return getattr(self._stream, name)
 
     def _let_go(self) -> None:
-        """Point the stream to nowhere, also for what lies in its buffer and is flushed when Python ends."""
+        """Redirect the stream to the null device, which also receives the buffer that Python flushes at exit."""
         nowhere = os.open(os.devnull, os.O_WRONLY)
         os.dup2(nowhere, self._stream.fileno())
         os.close(nowhere)
@@ -136,7 +139,7 @@ class Forgiving:
 
 @contextmanager
 def forgiving_output() -> Iterator[None]:
-    """Let the reader of standard output leave while inside."""
+    """Tolerate a closed standard output inside the context."""
     stream = Forgiving(sys.stdout)
     with redirect_stdout(stream):
         try:

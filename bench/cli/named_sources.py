@@ -1,4 +1,6 @@
-"""From what a user names (a dataset, a model, a folder of results or of a sweep) to what the viewer shows."""
+"""Convert a source that a user names (a dataset, a model, a folder of results or of a sweep) to content for the
+viewer.
+"""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -29,10 +31,10 @@ from bench.viewer.recording import ViewedRun
 
 
 def viewed_runs(given: Source, runs: Sequence[int] = (), *, with_truth: bool = True) -> list[ViewedRun]:
-    """One identification, or several of a sweep, with all that there is to tell of them.
+    """One identification, or several of a sweep, with all available context.
 
-    runs: of a sweep, by number; with_truth: whether what a simulation knows may be shown. Raises BenchError that says
-    what is missing.
+    runs: numbers of runs of a sweep; with_truth: whether the truth of a simulation is shown. Raises BenchError that
+    names what is missing.
     """
     source = given.path
     if source.is_file():
@@ -52,9 +54,9 @@ def viewed_runs(given: Source, runs: Sequence[int] = (), *, with_truth: bool = T
 
 
 def answer_of(given: Source) -> tuple[Dataset, Identification, Diagnosis | None]:
-    """The dataset, the model and, of a diagnosis, all that it says; without what a simulation knows.
+    """The dataset, the model and, from a saved diagnosis, the diagnosis; without the truth of a simulation.
 
-    Raises BenchError that says what is missing.
+    Raises BenchError that names what is missing.
     """
     source = given.path
     if source.is_dir() and (source / RUN_FILE).is_file():
@@ -72,7 +74,7 @@ def answer_of(given: Source) -> tuple[Dataset, Identification, Diagnosis | None]
 
 
 def _read(folder: Path) -> SavedRun:
-    """A result folder; says on standard error what was not taken from it as it was."""
+    """A result folder; prints on standard error what had to be computed again."""
     saved = read_run(folder)
     if saved.said:
         click.echo(saved.said, err=True)
@@ -101,7 +103,7 @@ def _of_model(given: Source, with_truth: bool) -> ViewedRun:
 
 
 def _applied(given: Source) -> tuple[Dataset, Identification]:
-    """A model file next to its dataset, or another one."""
+    """A model file applied to its dataset, or to the one given."""
     path = given.path
     saved = load_model(path)
     folder = given.data or saved.dataset
@@ -112,7 +114,7 @@ def _applied(given: Source) -> tuple[Dataset, Identification]:
 
 
 def _of_result(saved: SavedRun, with_truth: bool) -> ViewedRun:
-    """The model that was identified, and the errors of the models that the ladder leads over."""
+    """The identified model, and the errors of the earlier models of the ladder."""
     dataset, after, diagnosis = saved.dataset, saved.after, saved.diagnosis
     if diagnosis is None:
         return ViewedRun(after.robot, after, dataset, _context(dataset, after, truth=with_truth))
@@ -134,14 +136,14 @@ def _of_result(saved: SavedRun, with_truth: bool) -> ViewedRun:
 
 
 def _requests(diagnosis: Diagnosis, rung: LadderStep) -> tuple[str, ...]:
-    """The effects of a rung's model where the identified model has them, and those that the model had before."""
+    """The effects of a rung's model: the initial ones, and those of the rung that the identified model has."""
     initial = diagnosis.before.effects
     added = [effect for effect in diagnosis.after.effects if effect not in initial]
     return (*initial, *(name for name in added if {name, name.partition(":")[0]} & {*rung.effects}))
 
 
 def _of_sweep(folder: Path, runs: Sequence[int], with_truth: bool) -> list[ViewedRun]:
-    """Runs of a sweep, simulated and identified once more: its folder keeps no recordings."""
+    """Runs of a sweep, simulated and identified again, since its folder keeps no recordings."""
     plan = plan_of(folder)
     viewed = []
     for number in runs or telling_runs(folder, plan):
@@ -170,7 +172,7 @@ def _context(
     truth: bool,
     logged: Dataset | None = None,
 ) -> ViewContext:
-    """All that accompanies an answer. logged: the dataset as it was written, where its recordings were parted."""
+    """The context of an answer in the viewer. logged: the dataset before its recordings were split, if they were."""
     torques = (
         {effect_torque.name: effect_torque for effect_torque in effect_torques(result.recordings)}
         if result.effects

@@ -1,4 +1,4 @@
-"""The command that makes sense after one that looked at a source: a dataset, a model, a result, a sweep or a trial."""
+"""The suggested next command after one on a source: a dataset, a model, a result, a sweep or a trial."""
 
 from __future__ import annotations
 
@@ -18,12 +18,12 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Source:
-    """What a command was called with: a path and its options."""
+    """The arguments of a command: a path and its options."""
 
     path: Path
     asked: Asked
     data: Path | None = None
-    """The recordings to show a model file with."""
+    """The recordings that are shown with a model file."""
 
     def command(self, name: str, data: Path) -> str:
         """A command line on a dataset with all effects, files and filters."""
@@ -31,7 +31,7 @@ class Source:
 
     @property
     def dataset(self) -> Path | None:
-        """The folder of the source, where it is a dataset; of a model, the recordings that it is shown with."""
+        """The dataset of the source: itself if it is a dataset, the recordings of a model file, else None."""
         from bench.dataset.names import DATASET_FILE
 
         if self.path.name == DATASET_FILE or (self.path / DATASET_FILE).is_file():
@@ -40,14 +40,16 @@ class Source:
 
 
 def dataset_behind(model: Path) -> Path | None:
-    """The recordings that a model file is from; None where it does not say."""
+    """The recordings from which a model file was identified; None if it does not name them."""
     from bench.identification.model_file import load_model
 
     return load_model(model).dataset
 
 
 def after_errors(source: Source, what: Compared, *, kept: bool) -> str | None:
-    """After a model's errors: a diagnosis where more than noise remains, else a file of the model unless it is kept."""
+    """After a model's errors: a diagnosis if more than noise remains, else saving the model, None if it is already
+    saved.
+    """
     from bench.residuals.words import DIAGNOSE, KEEP, beyond_noise
 
     if beyond_noise(what):
@@ -56,7 +58,7 @@ def after_errors(source: Source, what: Compared, *, kept: bool) -> str | None:
 
 
 def after_looking(source: Source) -> str:
-    """After the viewer: of recordings, where their errors are; of a result, its figures; of a sweep, its figures."""
+    """After the viewer: a comparison for recordings or a model, the table of a sweep, the figures of a result."""
     from bench.studies.sweep.rerun_runs import is_sweep_folder
 
     data = source.dataset
@@ -70,7 +72,7 @@ def after_looking(source: Source) -> str:
 
 
 def before_figures(source: Source, name: str) -> str:
-    """After the list of figures: one of them; `--all` in place of its name draws every one."""
+    """After the list of figures: the command that draws one of them."""
     words = source.command("figures", source.path)
     if source.data is not None:
         words += f" --data {quoted(source.data)}"
@@ -81,7 +83,7 @@ def before_figures(source: Source, name: str) -> str:
 
 
 def after_figures(source: Source) -> str:
-    """After figures: of recordings, those of a diagnosis; of a model, its errors; of a result, the robot in motion."""
+    """After figures: a diagnosis for recordings, the errors of a model, the robot in motion for a result."""
     data = source.dataset
     if data == source.path:
         return f"next: {source.command('diagnose', data)}    names the physical effect that the model lacks"
@@ -91,7 +93,9 @@ def after_figures(source: Source) -> str:
 
 
 def after_page(source: Source, diagnosis: Diagnosis | None) -> str:
-    """After a page: of a dataset, what its diagnosis calls for; of what is kept, the next place to look at it."""
+    """After a page: the step after the diagnosis of a dataset, the table of a sweep, the export of a model, the
+    figures of a result.
+    """
     from bench.studies.sweep.rerun_runs import is_sweep_folder
 
     data = source.dataset
@@ -108,7 +112,7 @@ def after_page(source: Source, diagnosis: Diagnosis | None) -> str:
 
 
 def after_table(folder: Path, axes: Sequence[str], metrics: Sequence[str], pooled: Sequence[str]) -> str:
-    """After a summary: by the axes that it throws together, or its first metric as a figure."""
+    """After a summary: the same by its pooled axes, the viewer if it has no axes, or a plot of its first metric."""
     if not axes and pooled:
         by = [word for axis in pooled for word in ("--by", axis)]
         shown = [word for metric in metrics for word in ("--show", metric)]
@@ -120,16 +124,16 @@ def after_table(folder: Path, axes: Sequence[str], metrics: Sequence[str], poole
 
 
 def after_trial(table: Path) -> str:
-    """After a trial, or its page: the same with twice the seeds, which adds to what is there."""
+    """After a trial or its page: the same trial with twice the seeds, which adds datasets."""
     from bench.page.trial_page import again_line, read_trial
 
     return f"next: {again_line(read_trial(table), 2)}    adds as many datasets again"
 
 
 def after_export(model: Path, form: str, output: Path, effect_files: Sequence[Path]) -> list[str]:
-    """After an export: the written bodies along the recordings; a feed-forward, compiled.
+    """After an export: a replay of the bodies along the recordings, or the compilation of a feed-forward.
 
-    A model whose recordings are not known, or not there any more, has no next step.
+    Empty for a model whose recordings are unknown or no longer exist.
     """
     if form == "c":
         return [f"next: cc -O2 -c {quoted(output)}    compiles it for linking with a controller"]
@@ -141,7 +145,7 @@ def after_export(model: Path, form: str, output: Path, effect_files: Sequence[Pa
 
 
 def after_replay(dataset: Path, model: Path, film: Path | None, options: Sequence[str | Path]) -> str:
-    """After a replay: the same as a film, or the film. options: those that it was called with."""
+    """After a replay: the same with a recording for the viewer, or that recording. options: of the call."""
     if film is not None:
         return f"next: rerun {quoted(film)}    shows the twin in motion with the measured robot"
     target = model.with_suffix(".rrd")

@@ -57,11 +57,11 @@ def _line(words: list[str]) -> str:
 
 
 def run_command(arguments: Mapping[str, Any], progress: Progress) -> dict[str, Any]:
-    """Run a command as the shell would, in the worker; what it prints, what it says is wrong, its exit code."""
+    """Run a command in the worker as the shell would; returns its output, its errors and its exit code."""
     from bench.cli import main
     from bench.cli.progress import progress_to
 
-    os.environ["COLUMNS"] = "100"  # of tables that no terminal limits
+    os.environ["COLUMNS"] = "100"  # width of tables without a terminal
     out, err = io.StringIO(), io.StringIO()
     with progress_to(progress), contextlib.redirect_stdout(out), contextlib.redirect_stderr(err):
         code = main(arguments["words"])

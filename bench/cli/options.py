@@ -1,4 +1,4 @@
-"""Options that several commands share, the types of their values, and what a shell may complete."""
+"""Options that several commands share, the types of their values, and their shell completions."""
 
 from __future__ import annotations
 
@@ -23,28 +23,28 @@ if TYPE_CHECKING:
 
 _NAMED = "bench.files that are written"
 FILTERS = ("position_cutoff", "decimation", "filter_order", "difference_order", "keep_standstill")
-"""Of `FilterSettings`, in addition to the border."""
+"""Fields of `FilterSettings` that are options, in addition to the border."""
 
 
 def effects(_context: click.Context, _option: click.Parameter, begun: str) -> list[str]:
-    """Effects of the catalogue."""
+    """Complete effects of the catalogue."""
     from bench.effects.catalogue import CATALOGUE
 
     return _beginning(list(CATALOGUE), begun)
 
 
 def robots(_context: click.Context, _option: click.Parameter, begun: str) -> list[str]:
-    """Built-in robots."""
+    """Complete built-in robots."""
     return _beginning(list(built_in_robots()), begun)
 
 
 def scenarios(_context: click.Context, _option: click.Parameter, begun: str) -> list[str]:
-    """Built-in scenarios."""
+    """Complete built-in scenarios."""
     return _beginning(list(built_in_scenarios()), begun)
 
 
 def sweeps(_context: click.Context, _option: click.Parameter, begun: str) -> list[str]:
-    """Built-in sweeps."""
+    """Complete built-in sweeps."""
     return _beginning([path.stem for path in catalogue_folder("scenarios").glob("sweeps/*.toml")], begun)
 
 
@@ -56,7 +56,7 @@ Command = Callable[..., Any]
 
 
 def path_option(*names: str, **more: Any) -> Callable[[Command], Command]:
-    """An option that takes a path; more: see `click.option`."""
+    """An option with a path. more: see `click.option`."""
     return click.option(*names, type=click.Path(path_type=Path), **more)
 
 
@@ -85,7 +85,7 @@ cad_option = click.option(
 
 
 def nearest_option(verb: str) -> Callable[[Command], Command]:
-    """Real bodies even against the data; verb: what is done with them."""
+    """The option for physically possible bodies that contradict the data. verb: what the command does with them."""
     words = f"{verb} the nearest physically possible bodies even if the data contradict them."
     return click.option("--nearest", is_flag=True, help=words)
 
@@ -112,10 +112,9 @@ effect_file_option = path_option(
 
 
 def in_existing_folder(context: click.Context, option: click.Parameter, file: Path | None) -> Path | None:
-    """Refuse a file that cannot be written, before any work is done.
+    """Callback that raises BenchError for a file that cannot be written, before any work is done.
 
-    One in a folder that is not there is misspelt more often than meant. Two options that name one file would lose an
-    answer.
+    A missing folder is usually a misspelling. Two options with the same file would lose an answer.
     """
     if file is None or file == STANDARD_OUTPUT:
         return file
@@ -132,19 +131,19 @@ def in_existing_folder(context: click.Context, option: click.Parameter, file: Pa
 
 
 def file_or_folder(context: click.Context, option: click.Parameter, path: Path | None) -> Path | None:
-    """A file that can be written, or a folder in which one can be."""
+    """Callback for a file that can be written, or a folder in which one can be."""
     check = as_folder if path is not None and path.is_dir() else in_existing_folder
     return check(context, option, path)
 
 
 def _answer_file(context: click.Context, option: click.Parameter, file: Path | None) -> Path | None:
-    """A file in a folder that is there, or "-" for standard output."""
+    """Callback for a file in an existing folder, or "-" for standard output."""
     answer_on(context, file)
     return in_existing_folder(context, option, file)
 
 
 def as_folder(_context: click.Context, option: click.Parameter, folder: Path | None) -> Path | None:
-    """Refuse a folder that is a file, would lie in one, or cannot be written, before any work is done."""
+    """Callback that raises BenchError for a folder that cannot be written, before any work is done."""
     why = None if folder is None else why_no_folder(folder)
     if why is not None:
         raise BenchError(f"{option.opts[0]} {folder}: {why}")
@@ -152,7 +151,7 @@ def as_folder(_context: click.Context, option: click.Parameter, folder: Path | N
 
 
 def output_option(help_text: str) -> Callable[[Command], Command]:
-    """The folder that a command writes into."""
+    """The option for the output folder of a command."""
     return path_option("-o", "--output", metavar="DIR", callback=as_folder, help=help_text)
 
 
@@ -166,7 +165,7 @@ json_option = path_option(
 
 
 def _by_commas(_context: click.Context, _option: click.Parameter, given: tuple[str, ...]) -> tuple[str, ...]:
-    """Each of them, however many a text holds."""
+    """Split texts at commas."""
     return tuple(threshold for text in given for threshold in text.split(","))
 
 
@@ -182,14 +181,14 @@ rule_option = click.option(
 
 @dataclass(frozen=True)
 class Asked:
-    """What a command says of a model: its effects, files with effects of the user, and filters by name."""
+    """The model that a command requests: its effects, files with the user's effects, and filters by name."""
 
     effects: tuple[str, ...] = ()
     files: tuple[Path, ...] = ()
     filters: dict[str, Any] = field(default_factory=dict)
 
     def of(self, dataset: Dataset) -> Problem:
-        """What is asked of a dataset."""
+        """The problem of identifying this model from a dataset."""
         from bench.identification.problem import problem_of
 
         return problem_of(dataset, self.effects, self.filters, effect_files=self.files)
@@ -197,7 +196,7 @@ class Asked:
     def run(
         self, command: str, path: Path, options: dict[str, Any] | None = None, output: Path | None = None
     ) -> CommandRun:
-        """A command on a path, to be given again. options: the filters, where they are not given."""
+        """A command on a path, to be repeated later. options: by default the filters."""
         from bench.page.section_run import CommandRun
 
         files, into = tuple(map(str, self.files)), "" if output is None else str(output)
@@ -206,9 +205,9 @@ class Asked:
 
 
 def filter_options(command: Command) -> Command:
-    """The filters: each is chosen from the data's spectra unless it is given.
+    """Add the options of the filters, each of which is chosen from the data's spectra unless it is given.
 
-    With those of `with_option` and `effect_file_option` they come as one value, `asked`.
+    The command receives them, with those of `with_option` and `effect_file_option`, as one argument `asked`.
     """
 
     @wraps(command)
@@ -265,7 +264,7 @@ def _border(text: str | None) -> tuple[int, int] | None:
 
 
 def assignment(value: Callable[[str], str | float] = str) -> Callable[[str], tuple[str, str | float]]:
-    """The type of `KEY=VALUE`, a pair; the key ends at the first equals sign. value: what the other side becomes."""
+    """The type of `KEY=VALUE`, a pair; the key ends at the first equals sign. value: converts the other side."""
 
     def split(given: str) -> tuple[str, str | float]:
         key, equals, text = given.partition("=")
@@ -280,7 +279,7 @@ def assignment(value: Callable[[str], str | float] = str) -> Callable[[str], tup
 
 
 def positive(given: str) -> float:
-    """The type of a positive number; a comma in it is taken for what it is."""
+    """The type of a positive number; the error for a decimal comma suggests a point."""
     try:
         number = float(given)
     except ValueError:
@@ -292,7 +291,7 @@ def positive(given: str) -> float:
 
 
 def numbers(count: int) -> Callable[[str], tuple[float, ...]]:
-    """The type of so many numbers with commas between them."""
+    """The type of `count` numbers separated by commas."""
 
     def split(given: str) -> tuple[float, ...]:
         try:
@@ -307,7 +306,9 @@ def numbers(count: int) -> Callable[[str], tuple[float, ...]]:
 
 
 def rate(per: str) -> Callable[[str], tuple[float, str]]:
-    """The type of a positive number with a unit, as 3rad/s or 0.5m/s, or with none: (number, unit). per: s, or s2."""
+    """The type of a positive number with a unit, such as 3rad/s or 0.5m/s, or without one: (number, unit). per: s or
+    s2.
+    """
     units = (f"rad/{per}", f"m/{per}")
 
     def split(given: str) -> tuple[float, str]:
@@ -325,7 +326,7 @@ def rate(per: str) -> Callable[[str], tuple[float, str]]:
 
 
 def number_or_word(text: str) -> float | str:
-    """A number where the text is one, otherwise the text."""
+    """A number if the text is one, otherwise the text."""
     try:
         return float(text)
     except ValueError:
@@ -333,7 +334,7 @@ def number_or_word(text: str) -> float | str:
 
 
 def unique(pairs: tuple[tuple[str, Any], ...], option: str) -> dict[str, Any]:
-    """Pairs as a mapping; a key that is given twice is a usage error."""
+    """Pairs as a mapping. Raises UsageError for a repeated key."""
     keys = [key for key, _ in pairs]
     for key in keys:
         if keys.count(key) > 1:

@@ -1,4 +1,4 @@
-"""The phase, the progress and the remaining time of long work, on a terminal only."""
+"""Phase, progress and remaining time of long work, only on a terminal."""
 
 import sys
 from collections.abc import Callable, Iterator
@@ -17,16 +17,16 @@ _elsewhere: ContextVar[Progress | None] = ContextVar("progress shown elsewhere",
 
 
 def quiet_option(command: Callable[..., Any]) -> Callable[..., Any]:
-    """Show no progress, and print only errors."""
+    """Add the option --quiet: no progress, only errors."""
     return click.option("-q", "--quiet", is_flag=True, callback=set_quiet, help=QUIET)(command)
 
 
 @contextmanager
 def shown_progress(quiet: bool, phase: str = "starting") -> Iterator[Progress]:
-    """Show a bar on standard error while inside, if that is a terminal; it is gone afterwards.
+    """Show a temporary bar on standard error inside the context, if that is a terminal.
 
-    Nothing may be printed inside: it would stand in the middle of the bar. phase: the first one. Who runs a command
-    in `progress_to` is informed instead.
+    Nothing may be printed inside, since it would interrupt the bar. phase: the first one. Inside `progress_to`, its
+    receiver gets the progress instead.
     """
     if (listener := _elsewhere.get()) is not None:
         listener.phase(phase)
@@ -43,7 +43,7 @@ def shown_progress(quiet: bool, phase: str = "starting") -> Iterator[Progress]:
 
 @contextmanager
 def progress_to(progress: Progress) -> Iterator[None]:
-    """Tell the progress of commands that run inside to somebody other than the terminal."""
+    """Send the progress of commands that run inside the context to `progress` instead of the terminal."""
     before = _elsewhere.set(progress)
     try:
         yield

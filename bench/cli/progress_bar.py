@@ -1,4 +1,4 @@
-"""A line at the foot of the terminal: phase, bar, steps, elapsed and remaining time."""
+"""A line at the bottom of the terminal: phase, bar, steps, elapsed and remaining time."""
 
 from types import TracebackType
 from typing import Self
@@ -19,20 +19,20 @@ from rich.text import Text
 
 class _Steps(ProgressColumn):
     def render(self, task: Task) -> Text:
-        """Steps done of all, where it is known how many there are."""
+        """Finished and total steps, if the total is known."""
         return Text("" if task.total is None else f"{task.completed:g}/{task.total:g}", "dim")
 
 
 class _TimeLeft(TimeRemainingColumn):
     def render(self, task: Task) -> Text:
-        """Remaining time of the phase, as far as its steps show."""
+        """Remaining time of the phase, estimated from its steps."""
         if task.time_remaining is None:
             return Text("")
         return super().render(task).append(" left")
 
 
 class ProgressBar:
-    """Shows the phase that runs, on standard error, while it is entered; leaves nothing behind."""
+    """Shows the current phase on standard error inside the context; it disappears afterwards."""
 
     def __init__(self, phase: str) -> None:
         self._bars = Progress(
@@ -59,7 +59,7 @@ class ProgressBar:
         self._bars.stop()
 
     def phase(self, name: str, total: int | None = None) -> None:
-        """Show another phase from its beginning."""
+        """Begin another phase."""
         self._bars.remove_task(self._task)
         self._task = self._bars.add_task(name, total=total)
 

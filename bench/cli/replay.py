@@ -1,4 +1,4 @@
-"""`bench replay`: the exported twin compared with a dataset."""
+"""`bench replay`: compare the exported twin with a dataset."""
 
 from pathlib import Path
 

@@ -29,7 +29,7 @@ def replay_table(result: Replay) -> Table:
 
 
 def replay_report(result: Replay, console: Console) -> None:
-    """Print them, and what the twin leaves out."""
+    """Print the table, and what the twin omits."""
     heading(console, result.twin.robot, f"twin of {result.twin.model}")
     title = "Error of the twin's current, RMS(error) / RMS(measured)"
     section(console, title, printed(replay_table(result), console.width))

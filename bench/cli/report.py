@@ -1,4 +1,4 @@
-"""`bench report`: one page in one file on a dataset, a result or a model."""
+"""`bench report`: a page in one file on a dataset, a result, a model, a sweep or a trial."""
 
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -67,8 +67,8 @@ def report(
 
 
 def _written(given: "Source", output: Path, progress: Progress) -> tuple[str, str]:
-    """Write the page of what the source turns out to be; tells what of a result was worked out anew, if anything, and
-    the next step.
+    """Write the page for the kind of the source; returns a note on what had to be computed again, or "", and the next
+    step.
     """
     from bench.basics.errors import BenchError
     from bench.cli.next_steps import after_page, after_trial

@@ -1,4 +1,4 @@
-"""`bench robot`: what concerns a robot alone, without measurements."""
+"""`bench robot`: commands on a robot alone, without measurements."""
 
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal
@@ -115,7 +115,7 @@ def new(
 
 
 def _listed(parts: "MjcfParts") -> str:
-    """What the file has, by kind."""
+    """The parts of the file, by kind."""
     nouns = {"joint": "joints", "tendon": "fixed tendons", "motor": "actuators"}
     named = [
         (noun, [part.name for part in parts.motors if part.drives == kind]) for kind, noun in nouns.items()

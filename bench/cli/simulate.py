@@ -1,4 +1,4 @@
-"""`bench simulate` and `bench demo`: measurements with known truth, and what identification makes of them."""
+"""`bench simulate` and `bench demo`: simulated measurements with known truth, and their identification."""
 
 from pathlib import Path
 

@@ -1,4 +1,6 @@
-"""`bench sweep`, `table`, `plot` and `check`: many scenarios, one table, and what is made of it."""
+"""`bench sweep`, `table`, `plot` and `check`: many scenarios, their table, its summaries and plots, and the accuracy
+check.
+"""
 
 from pathlib import Path
 
@@ -171,7 +173,7 @@ def check(
 
 
 def _kept_cases(workers: int | None) -> int:
-    """1 if a case of the evaluation that was right is wrong now."""
+    """1 if a case of the evaluation that was correct is now wrong, else 0."""
     from bench.benchmarks.trust.kept_cases import check_kept_cases
     from bench.benchmarks.trust.run import TABLE
     from bench.studies.sweep.pool import Workers

@@ -1,4 +1,4 @@
-"""`bench trial`: how far a diagnosis of a robot can be trusted."""
+"""`bench trial`: the reliability of a diagnosis of a robot."""
 
 from pathlib import Path
 from typing import Any

@@ -67,7 +67,7 @@ def view(
 
 
 def open_viewer(path: Path) -> str:
-    """Open a recording in a separate window that outlives the command; says what was done, or what to do."""
+    """Open a recording in a window that stays after the command; returns what was done, or what the user can do."""
     installed = Path(sys.executable).with_name("rerun")
     program = str(installed) if installed.is_file() else shutil.which("rerun")
     if program is None:
