@@ -1,1 +1,1 @@
-"""What `import bench` gives to programs: the verbs of the command line, as functions from values to values."""
+"""The functions of `import bench`: the commands' operations as functions from values to values."""

@@ -30,8 +30,7 @@ COLUMNS = ("motor", "recording", "use", "error", "noise")
 class ModelErrors:
     """A model compared with recordings: how large its errors are, and where.
 
-    effects: those of the model. identified: what was fitted, or given as a result; None where a saved model was
-    applied.
+    effects: those of the model. identified: the identification, fitted now or given; None if a saved model was applied.
     """
 
     dataset: Dataset
@@ -52,7 +51,7 @@ class ModelErrors:
         return self.comparison.recordings
 
     def rows(self) -> list[dict[str, str | float]]:
-        """Errors as a table: one row with motor, recording, use, error and noise each, relative to the current."""
+        """One row per motor and recording: motor, recording, use, and error and noise relative to the current."""
         uses = {trace.name: trace.use for trace in self.recordings}
         return [
             {"motor": motor.joint, "recording": name, "use": uses[name], "error": error, "noise": noise}
@@ -61,7 +60,7 @@ class ModelErrors:
         ]
 
     def to_dataframe(self) -> pd.DataFrame:
-        """The same as a data frame. Needs pandas."""
+        """The rows as a data frame. Needs pandas."""
         rows = self.rows()
         return data_frame({name: [row[name] for row in rows] for name in COLUMNS})
 
@@ -85,9 +84,9 @@ def compare(
 ) -> ModelErrors:
     """Where a model fails on a dataset's recordings, motor by motor.
 
-    data: a dataset or its folder. model: a result of `identify`, which is of this dataset; a saved model or its file,
-    applied unchanged; if omitted, the model with these effects and filters is identified from the dataset. Raises
-    BenchError naming what cannot be used.
+    data: a dataset or its folder. model: a result of `identify` for this dataset, or a saved model or its file, applied
+    unchanged; if omitted, a model with these effects and filters is identified from the dataset. Raises BenchError
+    naming what cannot be used.
     """
     dataset = as_dataset(data)
     problem = problem_of(dataset, effects, filters, effect_files=effect_files)

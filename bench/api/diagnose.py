@@ -16,7 +16,7 @@ from bench.identification.problem import Filters, problem_of
 from bench.identification.tolerances import Tolerances, bounded_by
 
 TIME_LIMIT = 600.0
-"""s: several times what a search takes on a robot with six motors, and no longer than one waits for an answer."""
+"""s: several times the duration of a search on a robot with six motors, and an acceptable wait for an answer."""
 
 
 def diagnose(
@@ -33,12 +33,12 @@ def diagnose(
 ) -> Diagnosis:
     """Which physical effects the model lacks, judged on recordings that were not fitted.
 
-    data: a dataset or its folder. effects: those that the model has already, each as EFFECT or EFFECT:PLACE. filters:
-    settings by name, the others chosen from the data. effect_files: Python files with user-defined effects, which
-    compete as well as those that the dataset names. discover: whether laws that are in no catalogue compete too;
-    omitted, where the catalogue leaves something unexplained. progress: informed how far the search is. time_limit: s,
-    after which the best answer so far is given, and says what was not looked at (`finished`, `unfinished`); None:
-    without. rule, tolerances: thresholds and numerical bounds in place of the defaults.
+    data: a dataset or its folder. effects: those already in the model, each as EFFECT or EFFECT:PLACE. filters:
+    settings, or some of them by name; the others are chosen from the data. effect_files: Python files with user-defined
+    effects, which compete along with those that the dataset names. discover: whether laws outside the catalogue compete
+    too; by default, only if the catalogue leaves an error unexplained. progress: receives the state of the search.
+    time_limit: s; after it the best answer so far is returned, which says what was not examined (`finished`,
+    `unfinished`); None: no limit. rule, tolerances: thresholds and numerical bounds in place of the defaults.
     Raises BenchError naming what in dataset, robot or files cannot be used.
     """
     if time_limit is not None and not time_limit > 0.0:

@@ -20,10 +20,11 @@ def figures(
     folder: str | Path,
     names: Sequence[str] = (),
 ) -> tuple[Path, ...]:
-    """Write figures of a result as PDF and PNG, with their numbers as CSV: the paths.
+    """Write figures of a result as PDF and PNG, with their numbers as CSV; return the paths.
 
-    data: what it was identified from or compared with, or its folder. names: those to draw, or how their names begin;
-    none: every one. Raises BenchError for a name that no figure has, data that the result is not of, or no result.
+    data: the dataset that the result was identified from or compared with, or its folder. names: of the figures to
+    draw, or the beginnings of their names; by default all are drawn. Raises BenchError if no figure has such a name, if
+    the result is of other data, or if `result` is none of these types.
     """
     if not isinstance(result, Identification | Diagnosis | ModelErrors):
         raise BenchError(
@@ -40,7 +41,7 @@ def figures(
 
 
 def figures_named(available: Sequence[PaperFigure], names: Sequence[str]) -> list[PaperFigure]:
-    """The figures whose names begin so, all without any. Raises BenchError for a name that no figure has."""
+    """The figures whose names begin with one of `names`, all if it is empty. Raises BenchError if one matches none."""
     for name in names:
         if not any(figure.name.startswith(name) for figure in available):
             raise BenchError(
@@ -50,13 +51,13 @@ def figures_named(available: Sequence[PaperFigure], names: Sequence[str]) -> lis
 
 
 def figures_of(dataset: Dataset, result: Identification, diagnosis: Diagnosis | None) -> list[PaperFigure]:
-    """Every figure of a result, and of the diagnosis that it comes from, if any."""
+    """Every figure of a result, and of its diagnosis if there is one."""
     what = compared(dataset.robot, dataset.recordings, result.recordings, result.settings)
     available = figures_of_errors(what, result)
     return [*available, *(diagnosis_figures(diagnosis) if diagnosis is not None else [])]
 
 
 def figures_of_errors(what: Compared, result: Identification | None) -> list[PaperFigure]:
-    """Figures of a model's errors, and of its gains where they were fitted to what it is compared with."""
+    """Figures of a model's errors, and of its drive gains if these were fitted to the same recordings."""
     gains = [gain_figure(result)] if result is not None and result.gains_fitted else []
     return [*error_figures(what), *gains]

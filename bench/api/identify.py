@@ -38,10 +38,10 @@ def identify(  # noqa: PLR0913 - an argument for each choice
     data: a dataset or its folder. effects: names as EFFECT, EFFECT:PLACE or with @recording, added to the rigid-body
     model. method: current, robust, iv, oe, ls, wls, tls or wtls. filters: settings, or some of them by name; the others
     are chosen from the spectra. effect_files: Python files with user-defined effects. deviations: how standard errors
-    are computed. fit_gains: by default, those that the declared payloads fix; the others
-    stay nominal. essential: leave out base parameters that the data do not need. physical: only parameters that real
-    bodies can have (needs cvxpy). rule, tolerances: thresholds and numerical bounds in place of the defaults. The
-    result's findings say what limits it.
+    are computed. fit_gains: whether drive gains are unknowns; by default, those that the declared payloads fix are, and
+    the others stay nominal. essential: omit base parameters that the data do not need. physical: only physically
+    consistent parameters, those that real bodies can have (needs cvxpy). rule, tolerances: thresholds and numerical
+    bounds in place of the defaults. The result's findings say what limits it.
     Raises BenchError naming what in the data or the robot cannot be used.
     """
     dataset = as_dataset(data)

@@ -1,4 +1,4 @@
-"""What a result says, as text, in a notebook, or as a page."""
+"""Reports of a result: as text, in a notebook, or as a page."""
 
 import io
 from dataclasses import dataclass
@@ -26,7 +26,7 @@ Result = Identification | Diagnosis | ModelErrors | SavedModel
 
 @dataclass(frozen=True, repr=False)
 class Report:
-    """A result in words: `print(report)`, or shown at the end of a notebook's cell. verbose: the complete report."""
+    """A result as text: `print(report)`, or the last line of a notebook cell. verbose: the complete report."""
 
     result: Result
     verbose: bool = False
@@ -46,7 +46,11 @@ class Report:
         )
 
     def save(self, path: str | Path, data: Data) -> Path:
-        """Write the page of the result, in one file; data: what it was identified from, or its folder."""
+        """Write the page of the result as one file; return its path.
+
+        data: the dataset that the result was identified from, or its folder. Raises BenchError for a saved model, or
+        its errors.
+        """
         dataset, page = as_dataset(data), Path(path)
         diagnosis = self.result if isinstance(self.result, Diagnosis) else None
         after = diagnosis.after if diagnosis is not None else self.result
@@ -64,13 +68,16 @@ class Report:
 
 
 def report(result: Result, *, verbose: bool = False) -> Report:
-    """The result of `identify`, `compare` or `diagnose`, to be printed, shown in a notebook or saved as a page."""
+    """A result of `identify`, `compare` or `diagnose`, or a saved model, to be printed or shown in a notebook.
+
+    `Report.save` writes the page of a result. verbose: the complete report.
+    """
     return Report(result, verbose)
 
 
 @singledispatch
 def print_result(result: Any, console: Console, verbose: bool) -> None:  # noqa: ARG001 - one signature for all
-    """Print a result to a console. Raises BenchError for what is none."""
+    """Print a result to a console. Raises BenchError if it is none."""
     raise BenchError(
         f"cannot report a {type(result).__name__}: give a result of identify, compare or diagnose"
     )

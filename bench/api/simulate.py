@@ -17,10 +17,10 @@ def simulate(
     seed: int | None = None,
     progress: Progress = SILENT,
 ) -> Dataset:
-    """The dataset of a simulated scenario: what a real robot's controller would have logged, and no more.
+    """Simulate a scenario; return the dataset that a real robot's controller would have logged, without the truth.
 
-    scenario: a built-in name, or the path of a scenario file. output: a folder to write it to, with its truth next to
-    it; if omitted, nothing is written. seed: another one for gains and noise than the scenario's. Raises BenchError
+    scenario: a built-in name, or the path of a scenario file. output: a folder to write the dataset to, with its truth
+    next to it; if omitted, nothing is written. seed: replaces the scenario's, for gains and noise. Raises BenchError
     naming what in the scenario cannot be simulated.
     """
     simulation = simulation_of(scenario, seed, progress)
@@ -32,6 +32,6 @@ def simulate(
 
 
 def simulation_of(scenario: str | Path, seed: int | None, progress: Progress) -> Simulation:
-    """The same with its truth, as the command line writes it."""
+    """The simulation of a scenario with its truth, as the command line writes it."""
     loaded, trajectories = load_designed(scenario, None if seed is None else {"seed": seed}, progress)
     return run(loaded, trajectories, progress=progress)

@@ -1,4 +1,4 @@
-"""What a program hands over: a dataset or a model that is loaded, or the path of one."""
+"""Arguments of the API's functions: a dataset or a model, loaded or as a path."""
 
 from pathlib import Path
 
@@ -13,23 +13,23 @@ Data = Dataset | str | Path
 """A dataset, or the folder of one."""
 
 Model = Identification | SavedModel | str | Path
-"""A model just identified, or the file of one."""
+"""An identified or a loaded model, or the file of one."""
 
 
 def as_dataset(data: Data) -> Dataset:
-    """The dataset itself, or that of the folder. Raises BenchError naming what is wrong with it."""
+    """The dataset itself, or the one loaded from the folder. Raises BenchError naming what is wrong with it."""
     return data if isinstance(data, Dataset) else load_dataset(data)
 
 
 def as_model(model: SavedModel | str | Path) -> SavedModel:
-    """The saved model itself, or that of the file. Raises BenchError naming what is wrong with it."""
+    """The saved model itself, or the one loaded from the file. Raises BenchError naming what is wrong with it."""
     return model if isinstance(model, SavedModel) else load_model(Path(model))
 
 
 def dataset_behind(dataset: Dataset, result: Identification) -> Dataset:
-    """A dataset with the recordings that a result is of: their ends kept apart where it was judged on them.
+    """The dataset with the recordings of a result, their ends held out if the result was judged on these.
 
-    Raises BenchError naming the robot or the recording that the dataset does not have.
+    Raises BenchError naming the robot or the recording that differs, or if the result holds no currents.
     """
     cure = "give the dataset that the result was identified from, or save the result and give its file"
     if result.robot != dataset.robot.name or result.joints != tuple(dataset.robot.joints):
@@ -57,10 +57,10 @@ def dataset_behind(dataset: Dataset, result: Identification) -> Dataset:
 
 
 def save_model(result: Identification | SavedModel, path: str | Path, data: Data | None = None) -> Path:
-    """Write a model, identified or loaded, as JSON, whole or not at all: the path.
+    """Write an identified or loaded model as JSON, whole or not at all; return the path.
 
-    data: what it is from, for the file to name it; a loaded model knows it. Raises BenchError naming what cannot be
-    written, or is no model.
+    data: the dataset that it was identified from, which the file names; by default the one that a loaded model names.
+    Raises BenchError naming what cannot be written, or is no model.
     """
     if not isinstance(result, Identification | SavedModel):
         raise BenchError(

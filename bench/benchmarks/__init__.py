@@ -1,1 +1,1 @@
-"""Cost and accuracy of the bench: speed, measured machines, comparison with other programs."""
+"""Cost and accuracy of this program: speed, measured machines, evaluation, comparison with other programs."""

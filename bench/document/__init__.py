@@ -1,1 +1,1 @@
-"""Tables as values, made once from results; terminal, Markdown, pages and data frames each have one renderer."""
+"""Tables as values, made once from results, with one renderer each for terminal, Markdown, pages and data frames."""

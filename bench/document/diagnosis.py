@@ -1,4 +1,4 @@
-"""The result of a diagnosis, as tables."""
+"""Tables of a diagnosis."""
 
 from collections.abc import Sequence
 from itertools import pairwise
@@ -16,7 +16,7 @@ from bench.identification.result import Identification, Quantity
 def step_labels(steps: Sequence[Sequence[str]]) -> list[str]:
     """What each model adds to the one before, as in "the model as it is", "+ Coulomb friction".
 
-    steps: the effects of every model, by name or as they are asked for, with a place.
+    steps: the effects of every model, by name or as requested, with a place.
     """
     labels = ["the model as it is"]
     for before, after in pairwise(steps):
@@ -30,7 +30,7 @@ def step_labels(steps: Sequence[Sequence[str]]) -> list[str]:
 
 
 def ladder_table(diagnosis: Diagnosis) -> Table:
-    """Errors fitted and not fitted after each added effect, down to the noise, with bars for the latter."""
+    """Errors on fitted and not fitted recordings after each added effect, and the noise, with bars of the errors."""
     steps, floor = diagnosis.ladder, diagnosis.unexplained.noise_floor
     errors = [step.reported for step in steps]
     values = [*errors, floor]
@@ -48,9 +48,9 @@ def ladder_table(diagnosis: Diagnosis) -> Table:
 
 
 def ranking_table(diagnosis: Diagnosis, verdicts: Sequence[EffectVerdict] | None = None) -> Table:
-    """A row for each effect: verdict, evidence, errors without and with it, how large, where, alternatives.
+    """A row for each effect: verdict, probability, evidence, errors without and with it, size, places, alternatives.
 
-    Columns with nothing in them are omitted.
+    Empty columns are omitted. verdicts: the rows, by default the whole ranking.
     """
     rows = diagnosis.ranking if verdicts is None else verdicts
     absorbed = [verdict.verdict == "absorbed" for verdict in rows]
@@ -84,19 +84,19 @@ def _probability(verdict: EffectVerdict) -> str:
 
 
 def probability_text(probability: float) -> str:
-    """Two digits, without saying 0 or 1 of what is not certain."""
+    """A probability with two digits, but never as 0 or 1."""
     if probability < TEXT.probability:
         return f"< {TEXT.probability:g}"
     return f"> {1.0 - TEXT.probability:g}" if probability > 1.0 - TEXT.probability else f"{probability:.2f}"
 
 
 def something_else_words(diagnosis: Diagnosis) -> str:
-    """How probable it is that something acts that no model of the search has."""
+    """The probability that the machine has something that no model of the search contains, as a sentence."""
     return f"something else, of which no model here knows: probability {probability_text(diagnosis.something_else)}"
 
 
 def sets_table(diagnosis: Diagnosis) -> Table:
-    """A row for each of the leading sets of effects: its probability, and the error on recordings not fitted."""
+    """A row for each of the most probable sets of effects: its probability, and the error on recordings not fitted."""
     rows = diagnosis.sets
     names = [" + ".join(spoken(name) for name in row.effects) or "nothing" for row in rows]
     columns = (
@@ -108,7 +108,7 @@ def sets_table(diagnosis: Diagnosis) -> Table:
 
 
 def without_logs_table(diagnosis: Diagnosis) -> Table:
-    """A row for each log that is omitted: the effects that the others do not support, and the drive gains."""
+    """A row for each omitted log: the effects that the other logs do not support, and the drive gains."""
     rows = diagnosis.without_logs
     gone = [", ".join(spoken(name) for name in row.gone) or "none" for row in rows]
     columns = [Column("without log", [row.log for row in rows]), Column("effects not supported", gone)]
@@ -121,7 +121,7 @@ def without_logs_table(diagnosis: Diagnosis) -> Table:
 
 
 def gains_before_after(before: Identification, after: Identification) -> Table:
-    """Drive gains of the model as it is and with what is missing."""
+    """Drive gains of the model as it is and with the missing effects."""
     gains = list(after.drive_gains.values())
     moved = _before_after(
         "joint",
@@ -138,7 +138,7 @@ def gains_before_after(before: Identification, after: Identification) -> Table:
 
 
 def parameters_before_after(diagnosis: Diagnosis, most: int | None = None) -> tuple[Table, int]:
-    """Parameters of both models, and how many are omitted: those that move least compared with their deviation."""
+    """Parameters of both models, and the number omitted: those that change least in units of their standard errors."""
     before = {parameter.name: parameter for parameter in diagnosis.before.parameters}
     both: list[tuple[str, Quantity, Quantity]] = [
         (parameter.name, before[parameter.name], parameter)
@@ -153,9 +153,9 @@ def parameters_before_after(diagnosis: Diagnosis, most: int | None = None) -> tu
 
 
 def size_words(diagnosis: Diagnosis, verdict: EffectVerdict) -> str:
-    """RMS torque of an effect, the smallest and largest of its motors, and its share of the motor's torque.
+    """RMS torque of an effect, from its smallest to its largest motor, and the share of the latter's torque.
 
-    Torques of hinges and forces of slides are listed one after the other.
+    Torques of hinges and forces of slides are listed separately.
     """
     joints = sorted(verdict.size, key=lambda joint: verdict.size[joint])
     units = {joint: effort_unit(diagnosis.after, joint) for joint in joints}
@@ -164,7 +164,7 @@ def size_words(diagnosis: Diagnosis, verdict: EffectVerdict) -> str:
 
 
 def _span(diagnosis: Diagnosis, verdict: EffectVerdict, joints: Sequence[str]) -> str:
-    """Sizes of joints with one unit, in rising order, and the share of the last."""
+    """The range of sizes of joints with one unit, in rising order, and the share at the last."""
     largest, torque = joints[-1], motor_torques(diagnosis.after)
     low, high = (f"{verdict.size[joint]:.2g}" for joint in (joints[0], largest))
     text = high if low == high else f"{low}–{high}"
@@ -196,7 +196,7 @@ def _unless(absent: Sequence[bool], cells: Sequence[float | None]) -> list[float
 
 
 def _places(diagnosis: Diagnosis, verdict: EffectVerdict) -> str:
-    """Where an effect shows, in few words: the adjacent sentence has them all. With the probability of a place that is
+    """The places of an effect, abbreviated, since the sentence on it lists all; with the probability of a place that is
     not certain.
     """
     motors, places = list(diagnosis.after.drive_gains), list(verdict.actuators)
@@ -213,7 +213,7 @@ def _places(diagnosis: Diagnosis, verdict: EffectVerdict) -> str:
 
 
 def _few(alternatives: Sequence[str]) -> str:
-    """The first of many effects: the adjacent sentence has them all."""
+    """The first of many effects, since the sentence on the verdict lists all."""
     names = [spoken(alternative) for alternative in alternatives]
     if len(names) > TEXT.alternatives:
         return f"{', '.join(names[: TEXT.alternatives - 1])} and {len(names) - TEXT.alternatives + 1} more"
@@ -221,11 +221,11 @@ def _few(alternatives: Sequence[str]) -> str:
 
 
 def _taken(verdict: EffectVerdict) -> float | None:
-    """The share of the squared error that an effect takes away."""
+    """The share of the squared error that an effect removes."""
     share = error_share(verdict)
     return None if share is None else _not_rounding(share)
 
 
 def _not_rounding(value: float) -> float:
-    """Zero for what remains of a difference of equal numbers."""
+    """The value, or zero if it is only rounding."""
     return value if abs(value) > TEXT.zero else 0.0

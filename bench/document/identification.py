@@ -1,4 +1,4 @@
-"""The result of an identification, as tables."""
+"""Tables of an identification."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -28,7 +28,7 @@ from bench.identification.result import (
 
 
 def gains_table(result: Identification, truth: Truth | None = None) -> Table:
-    """Drive gains with deviation and, where they were fitted, the change against the nominal value."""
+    """Drive gains with standard errors and, if they were fitted, nominal values and the change from these."""
     joints, gains = list(result.drive_gains), list(result.drive_gains.values())
     against_nominal = (
         Column("nominal", [gain.nominal for gain in gains], "number"),
@@ -51,7 +51,7 @@ def parameters_table(
     *,
     full: bool = False,
 ) -> Table:
-    """Base and payload parameters with the main terms of their grouping, or (full) the whole grouping.
+    """Base and payload parameters with the other terms of their grouping or, if `full`, the whole grouping.
 
     before: another model, whose values are shown for comparison.
     """
@@ -68,7 +68,7 @@ def parameters_table(
 
 
 def effects_table(result: Identification, truth: Truth | None = None) -> Table:
-    """Parameters of the physical effects, by effect and place."""
+    """Parameters of the effects, by effect and place."""
     entries = flat_effects(result)
     quantities = [quantity for *_, quantity in entries]
     effects = [effect for effect, *_ in entries]
@@ -88,9 +88,10 @@ def effects_table(result: Identification, truth: Truth | None = None) -> Table:
 def errors_table(
     series: Sequence[CurrentSeries], joints: Sequence[str], noise: tuple[Sequence[float], float] | None = None
 ) -> Table:
-    """Length and errors of the modelled current by recording and motor, fitted and not fitted, with totals.
+    """Length of every recording, and its errors of the modelled current by motor, with totals of the fitted and of the
+    other recordings.
 
-    noise: relative, by motor and of all together.
+    noise: relative, by motor and of all motors together.
     """
     groups: list[tuple[str, str, str, list[CurrentSeries]]] = []
     ends = []
@@ -144,7 +145,7 @@ def errors_table(
 
 
 def kept_errors_table(error: ErrorSummary, recordings: Sequence[ModelledRecording]) -> Table:
-    """Errors that a saved model keeps of its recordings, and of all of each use together."""
+    """Errors of a saved model in its recordings, and totals by use, as its file has them."""
     rows: list[tuple[str, str, str, float | None]] = []
     marks: list[Mark] = []
     for use, total in (("identify", error.identify), ("validate", error.validate)):
@@ -188,7 +189,7 @@ def _quantities(quantities: Sequence[Quantity]) -> list[Column]:
 
 
 def _truth(quantities: Sequence[Quantity], keys: Sequence[str], truth: Truth | None) -> list[Column]:
-    """The true values and how far the estimates lie from them; none where no truth is known."""
+    """Columns of the true values and the deviations of the estimates from them; none if no truth is known."""
     known = [None if truth is None else truth.get(key) for key in keys]
     if all(value is None for value in known):
         return []

@@ -1,4 +1,4 @@
-"""Numbers, units and names as people read them; used by tables, figures and Rerun documents alike."""
+"""Numbers, units and names as text, for tables, figures and Rerun documents."""
 
 import math
 import re
@@ -12,7 +12,7 @@ from bench.identification.standard_errors import StdFrom
 
 GIVEN = "given"
 ABSORBED = "absorbed"  # by other parameters: no separate value
-UNDETERMINED = "not determined"  # a value whose deviation is so large that it says nothing
+UNDETERMINED = "not determined"  # a value with too large a standard error
 USES = {"identify": "fitted", "validate": "not fitted"}
 
 STD_FROM: dict[StdFrom, str] = {
@@ -38,7 +38,7 @@ def pretty_unit(unit: str) -> str:
 
 
 def value_and_std(value: float, std: float) -> tuple[str, str]:
-    """A value to the digits that its standard deviation supports, and the deviation to two digits."""
+    """A value to the digits that its standard deviation supports, and the deviation to two digits, or "given"."""
     if not (math.isfinite(value) and math.isfinite(std)):
         return f"{value:.5g}", f"{std:.2g}"
     if std == 0.0:
@@ -52,7 +52,7 @@ def value_and_std(value: float, std: float) -> tuple[str, str]:
 
 
 def percent(share: float | None, *, signed: bool = False) -> str:
-    """A share as a percentage of about three digits; "–" where there is none."""
+    """A share as a percentage of about three digits; "–" for None or NaN."""
     if share is None or math.isnan(share):
         return "–"
     value = 100.0 * share
@@ -73,7 +73,7 @@ def percent(share: float | None, *, signed: bool = False) -> str:
 
 
 def quantity_text(quantity: Quantity) -> str:
-    """A value with its deviation, or that it was given, is not determined, or that other parameters take it up."""
+    """A value with its standard deviation or "given"; or only "not determined" or "absorbed"."""
     pair = quantity_parts(quantity)
     if pair is None:
         return ABSORBED if math.isinf(quantity.std) else UNDETERMINED
@@ -81,45 +81,45 @@ def quantity_text(quantity: Quantity) -> str:
 
 
 def quantity_parts(quantity: Quantity) -> tuple[str, str] | None:
-    """A value, and its deviation or that it was given; None where nothing is known of it."""
+    """A value, and its standard deviation or "given"; None if the value is not determined."""
     return value_and_std(quantity.value, quantity.std) if quantity.determined else None
 
 
 def change_between(before: float, after: float) -> str:
-    """How a value changed, in percent; the difference itself where it changed its sign or was zero."""
+    """The change of a value in percent, or the difference itself if the sign changes or a value is zero."""
     if before * after > 0.0:
         return percent((after - before) / abs(before), signed=True)
     return f"{after - before:+.3g}"
 
 
 def deviations_away(quantity: Quantity, truth: float) -> float | None:
-    """How far a value lies from the truth, in standard deviations; None for a value that was given."""
+    """Deviation of a value from the truth, in standard deviations; None for a value that was given."""
     return (quantity.value - truth) / quantity.std if quantity.std else None
 
 
 def off_by(quantity: Quantity, truth: float) -> float | None:
-    """How far a value lies from the truth, as a share of the truth's size; None where that is zero."""
+    """Deviation of a value from the truth, as a share of the truth's size; None if that is zero."""
     return (quantity.value - truth) / abs(truth) if truth else None
 
 
 def gain_change(gain: DriveGain) -> float:
-    """Change of a drive gain against its nominal value, as a share of the latter."""
+    """Change of a drive gain from its nominal value, as a share of the latter."""
     return gain.value / gain.nominal - 1.0
 
 
 def is_poor(quantity: Quantity) -> bool:
-    """Whether the standard deviation is so large a share of the value that it says little."""
+    """Whether the standard deviation is too large a share of the value, above `RULE.loose`."""
     return quantity.relative_std > RULE.loose
 
 
 def other_terms(name: str, grouping: str) -> list[str]:
-    """The further standard parameters in the grouping of a base parameter, each with sign and factor."""
+    """The other standard parameters in the grouping of a base parameter, each with sign and factor."""
     terms = re.split(r" (?=[+-] )", grouping)
     return terms[1:] if terms[0] == name else terms
 
 
 def rounded_terms(terms: list[str]) -> list[str]:
-    """The same terms with factors of three digits."""
+    """The terms with their factors rounded to three digits."""
     return [
         re.sub(r"^([+-] )?(\d\S*) ", lambda m: f"{m.group(1) or ''}{float(m.group(2)):.3g} ", term)
         for term in terms
@@ -137,12 +137,12 @@ def flat_effects(result: Identification) -> list[tuple[str, str, str, Quantity]]
 
 
 def effect_key(effect: str, joint: str, parameter: str) -> str:
-    """Under which name the truth of an effect parameter is given: EFFECT:PLACE.NAME."""
+    """The key of an effect parameter in `Truth`: EFFECT:PLACE.NAME."""
     return f"{effect}:{joint}.{parameter}"
 
 
 def fit_rate(result: Identification) -> float | None:
-    """Rows per second after decimation [Hz]; None without a recording of two samples."""
+    """Rows per second after decimation [Hz]; None without a recording of at least two rows."""
     for series in result.recordings:
         if len(series.time) > 1:
             return float((len(series.time) - 1) / (series.time[-1] - series.time[0]))
@@ -150,12 +150,12 @@ def fit_rate(result: Identification) -> float | None:
 
 
 def error_where_moving(series: CurrentSeries) -> np.ndarray:
-    """Measured minus modelled current (M, n), NaN where a joint does not move: the model says nothing there."""
+    """Measured minus modelled current (M, n); NaN where a joint does not move, as the model does not apply there."""
     return np.where(series.moving, series.error, np.nan)
 
 
 def error_std(result: Identification) -> np.ndarray:
-    """Standard deviation of the error on the fitted recordings, (n,), in the drives' units."""
+    """RMS error on the fitted recordings where a joint moves, (n,), in drive units; on all if none was fitted."""
     fitted = [error_where_moving(trace) for trace in result.recordings if trace.use == "identify"]
     errors = np.concatenate(fitted or [error_where_moving(trace) for trace in result.recordings])
     count = np.maximum(np.isfinite(errors).sum(axis=0), 1)
@@ -163,7 +163,7 @@ def error_std(result: Identification) -> np.ndarray:
 
 
 def settings_lines(result: Identification) -> list[str]:
-    """Rank, conditioning and filters, one line each."""
+    """Source of the standard errors unless it is noise, rank, excluded rows, conditioning and filters, as lines."""
     moving = [trace.moving for trace in result.recordings if trace.use == "identify"]
     rows, all_rows = (sum(int(count(values)) for values in moving) for count in (np.sum, np.size))
     rate = fit_rate(result)

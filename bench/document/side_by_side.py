@@ -1,4 +1,4 @@
-"""Models side by side: their errors and gains as tables, and what is different between them in sentences."""
+"""Models side by side: tables of their errors and gains, and sentences on their differences."""
 
 from bench.document.layout import TEXT
 from bench.document.numbers import USES, change_between, percent, pretty_unit, quantity_text
@@ -9,7 +9,7 @@ from bench.residuals.side_by_side import ComparedModel, SideBySide, effect_place
 
 
 def compared_errors_table(comparison: SideBySide) -> Table:
-    """A row a use, a motor and a recording; a column a model."""
+    """Errors: a row for each use, motor and recording, a column for each model."""
     first = comparison.models[0].model.error
     rows = [USES["identify"]] if first.identify is not None else []
     rows += [USES["validate"]] if first.validate is not None else []
@@ -29,7 +29,7 @@ def compared_errors_table(comparison: SideBySide) -> Table:
 
 
 def compared_gains_table(comparison: SideBySide) -> Table:
-    """A row a motor, with the 95 % interval of its gain in every model."""
+    """Drive gains: a row for each motor, with its 95 % interval in every model."""
     gains = comparison.models[0].model.drive_gains
     columns = [
         Column(model.name, [_interval_text(model.model.drive_gains[joint]) for joint in gains])
@@ -40,7 +40,7 @@ def compared_gains_table(comparison: SideBySide) -> Table:
 
 
 def changed_sentences(comparison: SideBySide) -> list[str]:
-    """What each further model has that the first one has not, and what that does."""
+    """How each further model differs from the first one: its effects, errors, gains, parameters and filters."""
     first, *others = comparison.models
     return [sentence for other in others for sentence in _changed(first, other)]
 

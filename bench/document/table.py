@@ -1,4 +1,4 @@
-"""A table as a value: columns that know what their cells are, whatever the medium."""
+"""A table as a value: columns with the kind of their cells, independent of the medium."""
 
 from __future__ import annotations
 
@@ -40,9 +40,10 @@ Kind = Literal[
     "terms",
     "bar",
 ]
-"""What cells are: texts; sentences; names of effects, once where they repeat; verdicts; quantities, their relative
-deviation, or only their value to the digits that it supports; numbers of deviations; shares, unsigned or as a change;
-pairs of values before and after; numbers; units; terms of a grouping; shares of the longest bar.
+"""Kind of a column's cells: texts; sentences; names of effects, repeated ones blank; verdicts; quantities, with their
+standard deviations, as relative deviations, or as values to the digits that these support; numbers of standard
+deviations; shares, or signed changes; pairs of values before and after; numbers; units; terms of a grouping; shares of
+the longest bar.
 """
 
 Mark = Literal["", "strong", "weak", "poor"]
@@ -52,10 +53,9 @@ RIGHT: frozenset[Kind] = frozenset({"deviation", "true", "sigma", "share", "chan
 
 @dataclass(frozen=True)
 class Column:
-    """A header and its cells: None for what is not known, an empty text for what is not given.
+    """A header and its cells: None if unknown, an empty text for a blank cell.
 
-    rank: when it may be omitted where there is little room; 0: never, the highest rank goes first. format, unit: of
-    numbers.
+    rank: order of omission if the table is too wide, the highest rank first; 0: never. format, unit: of numbers.
     """
 
     header: str
@@ -67,7 +67,7 @@ class Column:
 
     @property
     def texts(self) -> list[str]:
-        """The cells in plain letters."""
+        """The cells as plain text."""
         if self.kind == "effect":
             before = [None, *self.cells]
             return [
@@ -77,11 +77,11 @@ class Column:
 
     @property
     def poor(self) -> list[bool]:
-        """Which cells say little, as their deviation is large."""
+        """Which cells are poorly determined; see `is_poor`."""
         return [self.kind == "deviation" and cell.std < inf and is_poor(cell) for cell in self.cells]
 
     def _text(self, cell: Any) -> str:
-        """One cell that is known, of any kind but the names of effects."""
+        """The text of a cell that is neither blank nor unknown, of any kind except "effect"."""
         number = f" {self.unit}" if self.unit else ""
         written: dict[Kind, Callable[[Any], str]] = {
             "unit": pretty_unit,
@@ -101,10 +101,10 @@ class Column:
 
 @dataclass(frozen=True)
 class Table:
-    """Columns of one length.
+    """Columns of the same length.
 
-    marks: one a row: "strong" for what counts most or sums up, "weak" for what is secondary, "poor" for what says
-    little; none: all plain. ends: rows below which a part ends.
+    marks: one per row: "strong" for the most important rows and totals, "weak" for secondary ones, "poor" for poorly
+    determined ones; empty: all plain. ends: indices of rows that end a section.
     """
 
     columns: tuple[Column, ...]
@@ -117,7 +117,7 @@ class Table:
         return self.marks or (PLAIN,) * max((len(column.cells) for column in self.columns[:1]), default=0)
 
     def to_dataframe(self) -> pd.DataFrame:
-        """The table with its numbers as they are; a quantity takes two columns. Needs pandas."""
+        """The table with unformatted numbers; a quantity takes two columns. Needs pandas."""
         columns: dict[str, list[Any]] = {}
         for column in self.columns:
             if column.kind == "quantity":

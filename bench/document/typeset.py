@@ -1,4 +1,4 @@
-"""Numbers and sentences as they are set: true minus signs, powers of ten, names as names."""
+"""Typography of numbers and sentences: true minus signs, powers of ten, capitalised names of people."""
 
 import math
 import re
@@ -8,7 +8,9 @@ from bench.effects.display_names import named_after, spoken
 
 
 def typeset(text: str) -> str:
-    """A text with true minus signs, powers of ten in place of "e-05", a space before "%", and names as names."""
+    """A text with true minus signs, powers of ten instead of "e-05", a space before "%", and capitalised names of
+    people, as in "Coulomb friction".
+    """
     text = re.sub(
         r"(?<=\d)e([+-]?\d+)\b", lambda m: f"·10{str(int(m.group(1))).translate(SUPERSCRIPT)}", text
     )
@@ -17,15 +19,15 @@ def typeset(text: str) -> str:
 
 
 def share(value: float | None, *, signed: bool = False) -> str:
-    """A share as a percentage of three digits."""
+    """A share as a typeset percentage, of about three digits."""
     return typeset(percent(value, signed=signed))
 
 
 def short(value: float, digits: int = 4) -> str:
-    """A number to some significant digits."""
+    """A number, typeset, to some significant digits; "–" if it is not finite."""
     return typeset(f"{value:.{digits}g}") if math.isfinite(value) else "–"
 
 
 def effect_name(name: str) -> str:
-    """An effect's name as it is said."""
+    """An effect's display name, typeset."""
     return typeset(spoken(name))

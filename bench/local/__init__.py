@@ -1,1 +1,1 @@
-"""A page on this machine that does what the commands do: the server, its guard, its work, and the page itself."""
+"""`bench open`: a local server and its page, from which the commands are run."""

@@ -1,4 +1,4 @@
-"""The server's answers: the page, what lies in the folder, what runs, and the files that may leave."""
+"""The server's responses: the page, the contents of the folder, the jobs, and files to download."""
 
 import asyncio
 import json
@@ -34,26 +34,26 @@ from bench.page.render import EVERY_PAGE, MACHINE
 
 ENDING = "`bench open` is being ended; start it again, what was found lies in the folder"
 ASSETS = Path(__file__).with_name("assets")
-LARGEST_REQUEST = 1 << 20  # bytes of what is not a log
+LARGEST_REQUEST = 1 << 20  # bytes of a request other than a log
 LEAVING = {".json", ".html", ".csv", ".parquet", ".toml", ".png", ".zip", ".xml", ".urdf", ".yaml", ".c"}
-NEW_DATASET = "my_data"  # what a new dataset is called, where that name is free
+NEW_DATASET = "my_data"  # default name of a new dataset, with a number if it is taken
 
 
 class EndingServer(uvicorn.Server):
-    """A server that closes what its requests wait for before it waits for its requests."""
+    """A server that, on shutdown, first ends the work on which open requests wait, then waits for these requests."""
 
     def __init__(self, config: uvicorn.Config, close: Callable[[], None]) -> None:
         super().__init__(config)
         self._close = close
 
     async def shutdown(self, sockets: list[socket.socket] | None = None) -> None:
-        """End in order."""
+        """Call `close`, then shut down."""
         await asyncio.to_thread(self._close)
         await super().shutdown(sockets)
 
 
 def answered_at_the_end(app: ASGIApp) -> ASGIApp:
-    """The application; a request that is cut off by the server's end is answered with 503, and what that means."""
+    """The application; a request interrupted by the server's shutdown is answered with status 503 and `ENDING`."""
 
     async def answered(scope: Scope, receive: Receive, send: Send) -> None:
         begun = False
@@ -97,7 +97,7 @@ SCRIPTS = (
 
 @cache
 def page_html() -> str:
-    """The page; scripts and styles are asked for apart, as its policy wants it."""
+    """The page; scripts and styles are separate requests, as its content-security policy demands."""
     scripts = "\n".join(f'<script src="assets/{name}"></script>' for name in (*EVERY_PAGE, MACHINE, *SCRIPTS))
     return (ASSETS / "open.html").read_text(encoding="utf-8").replace("<!-- scripts -->", scripts)
 
@@ -106,21 +106,21 @@ KINDS = {".js": "text/javascript", ".css": "text/css"}
 ASSET_FILES = {name: REPORT_ASSETS / name for name in (*EVERY_PAGE, MACHINE, "page.css")} | {
     name: ASSETS / name for name in (*SCRIPTS, "open.css")
 }
-"""What belongs to the page."""
+"""Scripts and styles of the page, by name."""
 
 
 Handler = Callable[[Request], Awaitable[Response]]
 
 
 class Pages:
-    """What the server knows: the folder, the jobs, and a worker that looks at files."""
+    """The server's state and its handlers. folder: that is open; jobs: commands; looker: a worker that reads files."""
 
     def __init__(self, folder: Folder, jobs: Jobs, looker: Worker, start: str, command: str) -> None:
         self.folder, self.jobs, self.looker = folder, jobs, looker
         self.start, self.command = start, command
 
     def routes(self) -> list[Route]:
-        """What can be asked for."""
+        """The routes."""
         plain: list[tuple[str, Handler, str]] = [
             ("/", self.page, "GET"),
             ("/assets/{name}", self.asset, "GET"),
@@ -142,14 +142,14 @@ class Pages:
         return Response(page_html(), media_type="text/html")
 
     async def asset(self, request: Request) -> Response:
-        """A script or the style of the page."""
+        """A script or style of the page."""
         file = ASSET_FILES.get(request.path_params["name"])
         if file is None:
             raise HTTPException(404)
         return Response(file.read_text(encoding="utf-8"), media_type=KINDS[file.suffix])
 
     async def events(self, _request: Request) -> Response:
-        """Server-sent events: the jobs as they are, now and after every change."""
+        """Server-sent events: the state of all jobs, now and after every change."""
 
         async def messages() -> AsyncIterator[str]:
             async for version in self.jobs.changes():
@@ -158,7 +158,7 @@ class Pages:
         return StreamingResponse(messages(), media_type="text/event-stream")
 
     async def contents(self, _request: Request) -> Response:
-        """What lies in the folder."""
+        """The contents of the folder."""
         entry = await asyncio.to_thread(self.folder.look)
         answer = asdict(entry)
         root = self.folder.root
@@ -172,7 +172,7 @@ class Pages:
         return JSONResponse(answer | {"command": self.command, "largest": LARGEST})
 
     async def look(self, request: Request) -> Response:
-        """Something that the worker reads."""
+        """The answer of one of the looker's functions."""
         name, asked = request.path_params["name"], await _json(request)
         arguments = self._arguments(name, asked)
         try:
@@ -184,7 +184,7 @@ class Pages:
         return JSONResponse(finite(answer))
 
     async def shown_command(self, request: Request) -> Response:
-        """The command of a step, not run."""
+        """The command of a step, without running it."""
         command = command_of(self.folder, await _json(request))
         return JSONResponse({"line": command.line, "there": command.there})
 
@@ -207,19 +207,19 @@ class Pages:
         return JSONResponse({"log": name})
 
     async def file(self, request: Request) -> Response:
-        """A file that a command wrote, to be kept; never shown as a page of this server."""
+        """A file that a command wrote, as a download; never shown as a page of this server."""
         path = self._leaving(request)
         return FileResponse(path, filename=path.name, media_type="application/octet-stream")
 
     async def show(self, request: Request) -> Response:
-        """A report, as a stranger to this server."""
+        """A report, in a sandbox without access to this server."""
         path = self._leaving(request)
         if path.suffix != ".html":
             raise HTTPException(404)
         return FileResponse(path, media_type="text/html", headers={"content-security-policy": REPORT_POLICY})
 
     async def archive(self, request: Request) -> Response:
-        """A dataset's folder."""
+        """A dataset's folder as a ZIP archive."""
         text = request.path_params["path"]
         path = self.folder.root if text == "." else self.folder.inside(text)
         if not (path / DATASET_FILE).is_file():
@@ -239,7 +239,7 @@ class Pages:
         return path
 
     def _arguments(self, name: str, asked: dict[str, Any]) -> dict[str, Any]:
-        """What a page asks to look at, with every path checked."""
+        """The arguments of a look, with every path checked."""
         inside = self.folder.inside
         if name in ("columns", "checks"):
             known = {"columns": {}, "scale": {}, "rate": None, "split_gaps": False, "accept": []} | asked
@@ -277,7 +277,7 @@ class Pages:
 
 
 def application(pages: Pages) -> Starlette:
-    """The server's answers, without its guard."""
+    """The server's application, without its guard."""
     return Starlette(
         routes=pages.routes(), exception_handlers={BenchError: _mistake, HTTPException: _missing}
     )
@@ -293,7 +293,7 @@ async def _missing(_request: Request, error: Exception) -> Response:
 
 
 async def _json(request: Request) -> dict[str, Any]:
-    """The JSON object of a request. Raises BenchError where it is none, or too large."""
+    """The JSON object of a request. Raises BenchError if it is none, or too large."""
     content = b""
     async for part in request.stream():
         content += part

@@ -1,4 +1,4 @@
-"""What an import would say of a log, column by column, with what helps; nothing is written."""
+"""The faults that an import would report in a log, column by column, with remedies; nothing is written."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -24,14 +24,15 @@ from bench.dataset.robot import Robot
 from bench.dataset.sampling import TimeFault, time_fault
 
 CUT = {"split_gaps": True}  # the remedy for lost samples, and for time that goes back
-UNTOLD = 1e3  # Hz: the rate of a log of whose time nothing is known yet
+UNTOLD = 1e3  # Hz: assumed for a log whose time is not known yet
 
 
 @dataclass(frozen=True)
 class Mapped:
-    """How a log is to be imported. scale: the units that are given, by column; split_gaps: it is cut at gaps.
+    """How a log is to be imported. columns: column of the recording -> column of the log.
 
-    topic: of a ROS bag. skip_rows: lines on top to leave out.
+    scale: the given units or factors, by column of the recording; split_gaps: whether the log is cut at gaps. topic: of
+    a ROS bag. skip_rows: lines to skip at the top.
     """
 
     columns: Mapping[str, str]
@@ -44,10 +45,10 @@ class Mapped:
 
 
 def checked(path: str, robot: Robot, mapped: Mapped) -> dict[str, Any]:
-    """Column of the recording -> {ok, problems: [{what, where, remedy}]}, for those that are mapped.
+    """Mapped column of the recording -> {ok, problems: [{what, where, remedy}]}.
 
     remedy: {"unit": its name}, {"split_gaps": true}, {"accept": the check}, or None.
-    Raises BenchError where the file is no log.
+    Raises BenchError if the file is not a log.
     """
     log = _log(Path(path), Reading(mapped.skip_rows, topic=mapped.topic))
     joints = {joint.name: joint for joint in joint_facts(robot)}
@@ -66,7 +67,7 @@ def checked(path: str, robot: Robot, mapped: Mapped) -> dict[str, Any]:
 
 
 def _log(path: Path, reading: Reading) -> LogFile:
-    """The log, which the next check of it finds read already."""
+    """The log, cached for the next check of it."""
     if not path.is_file():
         return read_log(path, reading)
     state = path.stat()
@@ -79,7 +80,7 @@ def _read_once(path: Path, _state: tuple[int, int], reading: Reading) -> LogFile
 
 
 def forget() -> None:
-    """Give back the memory of the log that was checked last."""
+    """Free the memory of the log that was checked last."""
     _read_once.cache_clear()
     release_tables()
 
@@ -87,9 +88,10 @@ def forget() -> None:
 def _pieces(
     log: LogFile, series: Mapping[str, np.ndarray], mapped: Mapped, by_target: dict[str, list[dict[str, Any]]]
 ) -> list[tuple[Mapping[str, np.ndarray], int]]:
-    """What becomes recordings, with the log's rows that they begin with: all of it, or what an import cuts it to.
+    """Parts of a log that become recordings, each with its first row: the whole log, or the parts that an import makes.
 
-    Where it is cut, rows without a measurement are no problem any more; that nothing remains is one of the time.
+    If the log is cut, rows without a measurement are no longer a problem; a log of which nothing remains is reported as
+    a problem of its time.
     """
     count = next((values.size for values in series.values()), 0)
     time = series.get("time") if mapped.rate is None else np.arange(count) / mapped.rate
@@ -116,7 +118,7 @@ def _judged(
     mapped: Mapped,
     by_target: Mapping[str, list[dict[str, Any]]],
 ) -> dict[str, list[dict[str, Any]]]:
-    """What is wrong with a piece of a log, in columns which have no fault so far. first: the row it begins with."""
+    """Problems of a piece of a log, in columns without a problem so far. first: its first row in the log."""
 
     def problem(target: str, fault: Fault | TimeFault) -> dict[str, Any]:
         row = None if fault.row is None else fault.row + first
@@ -156,7 +158,7 @@ def _judged(
 def _read(
     log: LogFile, robot: Robot, target: str, source: str, unit: str | float | None
 ) -> tuple[np.ndarray, list[dict[str, Any]]]:
-    """The values of a column in SI, and why there are none."""
+    """The values of a column in SI, and its problems; no values if they cannot be read."""
     try:
         factor = _factor(log, robot, target, source, unit)
         values = log.numbers(source) * factor
@@ -191,7 +193,10 @@ def _problem(
 
 
 def _in_place(remedy: dict[str, Any] | None, given: str | float | None) -> dict[str, Any] | None:
-    """The unit that combines one that was given and one that what came of it looks like; None where none does."""
+    """The remedy, its unit combined with the `given` one, in which the checked values were converted.
+
+    None if no unit has the combined factor.
+    """
     if remedy is None or "unit" not in remedy or given is None:
         return remedy
     like = UNITS[remedy["unit"]]
@@ -209,7 +214,7 @@ def _in_place(remedy: dict[str, Any] | None, given: str | float | None) -> dict[
 
 
 def _remedy(remedy: Remedy | None, target: str, check: str | None) -> dict[str, Any] | None:
-    """What mends a column of the page; or the name by which the check is switched off."""
+    """The remedy for a column, in the form that `checked` gives, or the name that switches the check off."""
     if remedy is not None and remedy in IN_UNIT and IN_UNIT[remedy][0] == target.partition(".")[0]:
         return {"unit": IN_UNIT[remedy][1]}
     if remedy in CUTS:

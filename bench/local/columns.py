@@ -1,4 +1,4 @@
-"""The columns of a log as a page shows them, and what they may be."""
+"""The columns of a log as the page shows them, and guesses of their meaning."""
 
 from pathlib import Path
 from typing import Any
@@ -12,14 +12,14 @@ from bench.dataset.logs.ros_bag import is_bag, joint_topics
 from bench.dataset.logs.units import stated_units, units_of
 from bench.dataset.robot import Robot
 
-POINTS = 160  # of a column's small picture
+POINTS = 160  # of a column's thumbnail
 
 
 def look_at(path: str, robot: Robot, topic: str | None = None, skip_rows: int = 0) -> dict[str, Any]:
-    """The columns of the log in a file; see `columns_of`. Raises BenchError where it cannot be read.
+    """The columns of the log in a file; see `columns_of`. Raises BenchError if it cannot be read.
 
-    topics: those of a ROS bag that hold joint states; of several, one must be named before there are columns.
-    skip_rows: lines on top of a text to leave out.
+    The answer has `topics`: those of a ROS bag that hold joint states; if there are several and `topic` is None, it has
+    no columns. skip_rows: lines to skip at the top of a text file.
     """
     topics = joint_topics(Path(path)) if is_bag(Path(path)) else ()
     if len(topics) > 1 and topic is None:
@@ -28,9 +28,9 @@ def look_at(path: str, robot: Robot, topic: str | None = None, skip_rows: int = 
 
 
 def columns_of(log: LogFile, robot: Robot) -> dict[str, Any]:
-    """Every column with its small picture; for those that a recording needs, which they may be, and in which units.
+    """Every column of a log with its thumbnail; for each column of a recording, guesses of its source and its units.
 
-    stated: the unit that the log itself gives, which an import takes unless another is given. units: the first is SI.
+    stated: units that the log itself states, which an import uses unless others are given. units: the first is SI.
     """
     names = [*log.vectors, *log.texts]
     stated = stated_units(log.units)
@@ -48,7 +48,7 @@ def columns_of(log: LogFile, robot: Robot) -> dict[str, Any]:
 
 
 def _seen(values: np.ndarray) -> dict[str, Any]:
-    """Range and a few evenly spaced values."""
+    """Range, and at most `POINTS` evenly spaced values."""
     known = values[np.isfinite(values)]
     rows = np.unique(np.linspace(0, max(values.size - 1, 0), min(POINTS, values.size)).astype(int))
     return {

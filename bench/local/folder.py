@@ -1,4 +1,4 @@
-"""The opened folder: what lies in it, and nothing outside of it; logs that come in, datasets that go out."""
+"""The opened folder: its contents, and nothing outside it; uploaded logs, and datasets to download."""
 
 import filecmp
 import os
@@ -18,22 +18,22 @@ from bench.dataset.names import DATASET_FILE, LOGS, ROBOT_FILE, RUN_FILE
 
 MODELS = (".xml",)
 MJCF = b"<mujoco"
-BEGINNING = 1 << 16  # bytes of a model file in which that is
-DEEP, MANY = 6, 5000  # levels and entries that are looked at
-RESULTS = ".results"  # what the folder of a dataset's results ends in
-MODEL = re.compile(r"(\d+-diagnosis-)?model(-\d+)?\.json")  # in it
+BEGINNING = 1 << 16  # bytes at the start of a model file that are searched for it
+DEEP, MANY = 6, 5000  # levels and entries that are visited
+RESULTS = ".results"  # ending of the folder of a dataset's results
+MODEL = re.compile(r"(\d+-diagnosis-)?model(-\d+)?\.json")  # a model file in that folder
 LONGEST = 120  # characters of a name
 NAME = re.compile(rf"[\w][\w .()+=,-]{{0,{LONGEST - 1}}}")
-UNUSUAL = re.compile(r"[^\w .()+=,-]")  # what no name has
+UNUSUAL = re.compile(r"[^\w .()+=,-]")  # a character that no name has
 LARGEST = 1 << 30  # bytes of one log
 
 
 @dataclass(frozen=True)
 class FolderEntry:
-    """What lies in the folder, as paths relative to it, with slashes.
+    """Contents of the folder, as paths relative to it, with slashes.
 
-    robots: what a command takes -> its words; runs: folders of results; models: model files next to them.
-    mjcfs: MJCF files without a robot.toml next to them.
+    robots: name or path -> label; runs: folders of results, oldest first; models: model files next to them. mjcfs: MJCF
+    files without a robot.toml next to them. cut: whether the search stopped after `MANY` entries.
     """
 
     datasets: list[str] = field(default_factory=list)
@@ -47,15 +47,15 @@ class FolderEntry:
 
 @dataclass(frozen=True)
 class Folder:
-    """The folder that was opened. robots: robot folders elsewhere that the command line named."""
+    """The opened folder. robots: robot folders named on the command line, which may be outside it."""
 
     root: Path
     robots: tuple[Path, ...] = ()
 
     def inside(self, text: str) -> Path:
-        """A path that a page names, relative to the folder.
+        """The path that a page gives relative to the folder.
 
-        Raises BenchError where it leads out of it, by itself or by symbolic links, or to a hidden file.
+        Raises BenchError if it leads out of the folder, by itself or by symbolic links, or to a hidden file.
         """
         parts = text.split("/")
         if (
@@ -68,27 +68,27 @@ class Folder:
         path = self.root.joinpath(*parts)
         try:
             outside = not path.resolve().is_relative_to(self.root.resolve())
-        except (OSError, RuntimeError):  # symbolic links in a circle
+        except (OSError, RuntimeError):  # a cycle of symbolic links
             outside = True
         if outside:
             raise BenchError(f"{text!r}: leads out of {self.root}")
         return path
 
     def name(self, text: str) -> str:
-        """A plain name for a new file or folder. Raises BenchError where it is none."""
+        """The text as the name of a new file or folder. Raises BenchError if it is not a plain name."""
         if not NAME.fullmatch(text) or text.endswith((" ", ".")):
             raise BenchError(f"{text!r}: give a name of letters, digits, spaces, and ( ) + = , . - _")
         return text
 
     def cleaned(self, text: str) -> str:
-        """A plain name that is as near to a text as one can be."""
+        """The text as a plain name: other characters become underscores, and long texts are shortened."""
         plain = UNUSUAL.sub("_", text)[:LONGEST].strip(" .")
         return plain if NAME.fullmatch(plain) else f"log{plain}"[:LONGEST].strip(" .")
 
     def taken_name(self, text: str) -> str:
-        """The plain name under which a file that is called so is taken.
+        """The plain name under which an uploaded file is kept.
 
-        Raises BenchError for a hidden file's name and for one that holds a path.
+        Raises BenchError for the name of a hidden file, or one that contains a path.
         """
         path = Path(text)
         if not text or text.startswith(".") or "/" in text or "\\" in text or "\0" in text:
@@ -101,14 +101,14 @@ class Folder:
         return f"{self.cleaned(path.stem)[: LONGEST - len(suffix)]}{suffix}"
 
     def free(self, stem: str) -> str:
-        """A name that neither a folder nor the results of one has: the stem, or the stem with a number."""
+        """A name that no file or folder and no results have: the stem, or the stem with a number."""
         names = (stem if number == 1 else f"{stem}_{number}" for number in count(1))
         return next(
             name for name in names if not any((self.root / f"{name}{end}").exists() for end in ("", RESULTS))
         )
 
     def word(self, path: Path) -> str:
-        """A path as a command is given it: from where the server was started, or in full."""
+        """A path as an argument of a command: relative to where the server was started, or absolute."""
         try:
             word = path.resolve().relative_to(Path.cwd()).as_posix()
         except ValueError:
@@ -116,7 +116,7 @@ class Folder:
         return f"./{word}" if word.startswith("-") else word  # never taken for an option
 
     def robot(self, name: str) -> str:
-        """A robot that the page chose, as a command is given it. Raises BenchError for one that is not offered."""
+        """The robot that the page chose, as an argument of a command. Raises BenchError for one that is not offered."""
         if name in built_in_robots():
             return name
         for path in self.robots:
@@ -128,7 +128,7 @@ class Folder:
         return self.word(path)
 
     def look(self) -> FolderEntry:
-        """Walk through the folder, symbolic links and hidden names aside."""
+        """Walk through the folder, except symbolic links and hidden names."""
         entry = FolderEntry(robots={name: name for name in built_in_robots()})
         entry.robots.update({str(path): f"{path.name} ({path})" for path in self.robots})
         runs: list[tuple[float, str]] = []
@@ -177,7 +177,7 @@ def _by_time(runs: list[tuple[float, str]]) -> list[str]:
 
 
 def said_time(path: Path) -> str:
-    """When a file was written, in this machine's time."""
+    """When a file was written, in local time."""
     return time.strftime("%Y-%m-%d %H:%M", time.localtime(path.stat().st_mtime))
 
 
@@ -189,15 +189,15 @@ STARTS: dict[str, tuple[bytes, ...]] = {
     ".db3": (b"SQLite format 3\0",),
     ".bag": (b"#ROSBAG",),
 }
-"""How files of a kind begin. A CSV begins with text."""
+"""First bytes of files, by suffix. A CSV file begins with text."""
 
 
 async def take(folder: Folder, name: str, content: AsyncIterator[bytes], largest: int = LARGEST) -> str:
-    """Write a log, or an MJCF, into the folder and return its path in it; a file that is there with this content stays.
+    """Write a log or an MJCF into the folder; return its name there. A file with the same content stays.
 
-    A name with characters that commands would stumble over becomes a plain one. Raises BenchError for a name of a
-    hidden file, a kind that neither has, another file of that name, content that is not of its kind, and too much of
-    it; nothing is written then.
+    Characters that are unsuitable in a command are replaced in the name. Raises BenchError, and writes nothing, for the
+    name of a hidden file, a suffix that is neither a log's nor a model's, another file of that name, content that does
+    not match the suffix or is empty, and more than `largest` bytes.
     """
     name = folder.taken_name(name)
     suffix = Path(name).suffix.lower()
@@ -240,7 +240,7 @@ def _check_beginning(name: str, suffix: str, content: bytes) -> None:
 
 
 def zip_dataset(dataset: Path, target: Path) -> None:
-    """A dataset's files as an archive: those that lie in its folder, links and hidden ones aside."""
+    """Write the files in a dataset's folder to a ZIP archive, except links and hidden files."""
     with zipfile.ZipFile(target, "w", zipfile.ZIP_DEFLATED, compresslevel=1) as archive:
         for path in sorted(dataset.iterdir()):
             if path.is_file() and not path.is_symlink() and not path.name.startswith("."):

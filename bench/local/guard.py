@@ -1,4 +1,4 @@
-"""Who may speak to the server: a browser on this machine that was given the address with its token."""
+"""Access control of the server: only a browser on this machine that has the address with its token."""
 
 import hmac
 import secrets
@@ -20,10 +20,10 @@ POLICY = (
     "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data:; connect-src 'self'; "
     "frame-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'"
 )
-"""For the page: scripts and styles of this server alone, and nothing from anywhere else."""
+"""For the page: scripts and styles of this server only."""
 
 REPORT_POLICY = "sandbox allow-scripts allow-downloads; frame-ancestors 'self'"
-"""For a report: its policy holds what is in it, and it is a stranger to this server."""
+"""For a report: its file contains the policy for its contents; the sandbox isolates it from this server."""
 
 HEADERS = {
     "cache-control": "no-store",
@@ -35,14 +35,14 @@ HEADERS = {
 
 
 def new_token() -> str:
-    """A secret that nobody guesses."""
+    """A random token that cannot be guessed."""
     return secrets.token_urlsafe(24)
 
 
 class Guard:
-    """Lets through what names this server as host, comes from its page, and has the token in front of its path.
+    """Passes on requests that name this server as host, come from its page, and have the token in front of the path.
 
-    Everything else is refused before anything of it is read. What is let through goes on without the token.
+    All others are refused before their body is read. A request that passes goes on without the token.
     """
 
     def __init__(self, app: App, token: str, port: int) -> None:
@@ -51,7 +51,7 @@ class Guard:
         self._hosts = {f"{name}:{port}" for name in (LOOPBACK, "localhost")}
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
-        """Pass one request on, or refuse it."""
+        """Pass on or refuse one request."""
         if scope["type"] == "lifespan":
             await self._app(scope, receive, send)
             return
@@ -71,9 +71,9 @@ class Guard:
 
 
 def _foreign(headers: Headers, hosts: Collection[str], method: str) -> str | None:
-    """Why a request is not from this server's page; None where it is, or where a person opens the page."""
+    """Why a request is not from this server's page; None if it is, or if a person opens the page."""
     if headers.get("host") not in hosts:
-        return "This server answers to its own name alone."  # a foreign name may point at this machine
+        return "This server answers to its own name alone."  # another name may resolve to this machine
     origin = headers.get("origin")
     if origin is not None and origin not in {f"http://{host}" for host in hosts}:
         return "This server does not answer other pages."

@@ -1,4 +1,4 @@
-"""What runs, ran and waits: one command after the other, in the order in which they were asked for."""
+"""Commands that wait, run or have ended; one runs at a time, in the order of the requests."""
 
 import asyncio
 import time
@@ -10,18 +10,18 @@ from bench.basics.errors import BenchError
 from bench.local.worker import CancelledError, DiedError, Worker
 
 State = Literal["waiting", "running", "done", "refused", "cancelled", "ended"]
-KEPT = 60  # jobs that are remembered; their results are in files
-OFTEN = 0.1  # s between two states of a job that are sent
-HEARTBEAT = 15.0  # s after which an open page is informed that nothing has changed
+KEPT = 60  # jobs that are listed; their results are in files
+OFTEN = 0.1  # s between two messages, at least
+HEARTBEAT = 15.0  # s without a change after which an open page receives a message
 
 SAID: Mapping[State, str] = {"cancelled": "Cancelled; nothing was written."}
 
 
 @dataclass
 class Job:
-    """One command. step: which step of the page asked for it; subject: the dataset or log that it is about.
+    """One command. step: the page's step that requested it; subject: the dataset, log, robot or model it works on.
 
-    line: the command as it is typed; files: what it writes, relative to the folder; error: why it did not.
+    line: the command as typed; files: what it writes, relative to the folder; error: why it failed.
     """
 
     number: int
@@ -39,7 +39,7 @@ class Job:
     began: float = field(default=0.0, repr=False)
 
     def as_json(self) -> dict[str, Any]:
-        """The job as the page gets it."""
+        """The job as the page receives it."""
         answer = asdict(self)
         began = answer.pop("began")
         if self.state == "running":
@@ -48,7 +48,7 @@ class Job:
 
 
 class Jobs:
-    """The jobs of a server; every page that is open hears of every change."""
+    """The jobs of a server; every open page receives every change."""
 
     def __init__(self, worker: Worker) -> None:
         self._worker = worker
@@ -63,7 +63,7 @@ class Jobs:
         return [job.as_json() for job in self._jobs]
 
     def start(self, step: str, subject: str, line: str, files: Mapping[str, str], words: list[str]) -> Job:
-        """Take on a command; it runs when those before it are done."""
+        """Queue a command; it runs after those before it."""
         number = self._jobs[-1].number + 1 if self._jobs else 1
         job = Job(number, step, subject, line, files)
         self._jobs = [*self._jobs, job][-KEPT:]
@@ -74,7 +74,7 @@ class Jobs:
         return job
 
     def cancel(self, number: int) -> None:
-        """End a job that runs, or take one that waits out of the queue. Raises BenchError for one that is over."""
+        """End a running job, or remove a waiting one from the queue. Raises BenchError for any other."""
         job = next((queued for queued in self._jobs if queued.number == number), None)
         if job is None or job.state not in ("waiting", "running"):
             raise BenchError(f"nothing to cancel: no command {number} runs or waits")
@@ -84,13 +84,13 @@ class Jobs:
             self._over(job, "cancelled")
 
     def tell(self) -> None:
-        """Something has changed: wake every page."""
+        """Notify every page of a change."""
         self._version += 1
         self._changed.set()
         self._changed = asyncio.Event()
 
     async def changes(self) -> AsyncIterator[int]:
-        """A number now and after every change, not more often than pages can be drawn; the same one: a heartbeat."""
+        """Yield a number now and after every change, at most once in `OFTEN`; the same number again is a heartbeat."""
         while True:
             seen = self._version
             yield seen
@@ -126,7 +126,7 @@ class Jobs:
 
 
 class _Heard:
-    """Progress of a job, reported by the thread that waits for the worker."""
+    """Progress of a job, reported from the thread that waits for the worker."""
 
     def __init__(self, jobs: Jobs, job: Job, loop: asyncio.AbstractEventLoop) -> None:
         self._jobs, self._job, self._loop = jobs, job, loop

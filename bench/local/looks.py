@@ -1,4 +1,4 @@
-"""What a page shows of files: read by the worker, never written."""
+"""What the page shows of files; the worker reads them and writes nothing."""
 
 from collections.abc import Mapping
 from dataclasses import asdict
@@ -38,38 +38,38 @@ GROUPS: Mapping[Seen | None, str] = {
     "acceleration": "Error follows the acceleration",
     None: "Effects of your own",
 }
-"""What effects have in common that show first in the same way; those that do not say are not of the catalogue."""
+"""Names for groups of effects, by the first of `Effect.seen`; effects without one are not of the catalogue."""
 MAPPED = ("columns", "scale", "rate", "split_gaps", "accept", "topic", "skip_rows")
 
 
 def columns(arguments: Mapping[str, Any], _progress: Progress) -> dict[str, Any]:
-    """The columns of a log, and what they may be."""
+    """The columns of a log, and guesses of their meaning; see `look_at`."""
     return look_at(
         arguments["log"], load_robot(arguments["robot"]), arguments["topic"], arguments["skip_rows"]
     )
 
 
 def checks(arguments: Mapping[str, Any], _progress: Progress) -> dict[str, Any]:
-    """What an import would say of each column."""
+    """The problems that an import would report for each column; see `checked`."""
     given = {key: arguments[key] for key in MAPPED}
     return checked(arguments["log"], load_robot(arguments["robot"]), Mapped(**given))
 
 
 def payload(arguments: Mapping[str, Any], _progress: Progress) -> dict[str, Any]:
-    """What is asked of a payload's mass before it is taken: words and the mass if that is in grams; else empty."""
+    """A suspiciously heavy payload: its mass, the robot's, and its mass if given in grams; otherwise empty."""
     heavy = heavy_payload(Payload("load", arguments["mass"]), load_robot(arguments["robot"]))
     return {} if heavy is None else {"mass": heavy.mass, "own": heavy.robot_mass, "if_grams": heavy.if_grams}
 
 
 def parts(arguments: Mapping[str, Any], _progress: Progress) -> dict[str, Any]:
-    """What an MJCF file has that motors may drive, and its sites."""
+    """The parts of an MJCF file that motors may drive, and its sites."""
     mjcf = mjcf_parts(arguments["model"])
     return {"motors": [asdict(part) for part in mjcf.named.values()], "sites": list(mjcf.sites)}
 
 
 def dataset(arguments: Mapping[str, Any], _progress: Progress) -> dict[str, Any]:
     """Recordings and payloads of a dataset, and the effects that its robot may have, with their places."""
-    forget()  # whatever was checked is imported by now, or is read again
+    forget()  # the checked log is imported by now, or is read again
     data = load_dataset(arguments["dataset"])
     spec = read_toml(data.folder / DATASET_FILE, DatasetSpec)
     accepted = {recording.file: list(recording.accept) for recording in spec.recordings}
@@ -96,7 +96,7 @@ def dataset(arguments: Mapping[str, Any], _progress: Progress) -> dict[str, Any]
 
 
 def curves(arguments: Mapping[str, Any], _progress: Progress) -> dict[str, Any]:
-    """The figure of measured and modelled currents, with the errors of up to two models, as in a report."""
+    """The report's figure of measured and modelled currents, with the errors of the given models."""
     data = load_dataset(arguments["dataset"])
     problem, models = problem_of(data), []
     for path, name, role in arguments["models"]:
@@ -107,7 +107,7 @@ def curves(arguments: Mapping[str, Any], _progress: Progress) -> dict[str, Any]:
 
 
 def runs(arguments: Mapping[str, Any], _progress: Progress) -> list[dict[str, Any]]:
-    """What each result folder, or model file, says in short; what cannot be read says why."""
+    """A summary of each result folder or model file; for one that cannot be read, the reason."""
     return [_run(Path(arguments["root"]), path) for path in arguments["paths"]]
 
 
@@ -170,7 +170,7 @@ def _facts(root: Path, place: str) -> dict[str, Any]:
 
 
 def _line(path: Path, run: Any) -> str:
-    """The command of a result. Raises BenchError where it is not known."""
+    """The command of a result. Raises BenchError if it is not known."""
     try:
         known = {**run, "effects": tuple(run["effects"]), "effect_files": tuple(run["effect_files"])}
         return CommandRun(**known).line(typed())

@@ -1,4 +1,4 @@
-"""Serve the page from the loopback address until somebody ends it."""
+"""Serve the page at the loopback address until interrupted."""
 
 import socket
 from collections.abc import Callable, Mapping
@@ -20,15 +20,15 @@ LOOKS = {
     name: f"bench.local.looks:{name}"
     for name in ("columns", "checks", "parts", "payload", "dataset", "curves", "machine", "runs")
 }
-"""What a page may ask of files."""
-PATIENCE = 1  # s that open pages have to hear that the server ends
+"""The looker's functions, by name."""
+PATIENCE = 1  # s for open requests to end when the server shuts down
 
 
 @dataclass(frozen=True)
 class Opened:
-    """What `bench open` was given. start: the dataset on which the page opens, relative to the folder; "" for none.
+    """Arguments of `bench open`. start: the dataset that the page opens, relative to the folder; "" for none.
 
-    command: as it was typed, to be given again.
+    command: as typed, for repetition.
     """
 
     folder: Folder
@@ -38,7 +38,7 @@ class Opened:
 
 
 def opened(path: Path, robots: tuple[Path, ...], command: str, port: int = 0) -> Opened:
-    """A folder, a dataset or nothing, checked. Raises BenchError for what cannot be opened."""
+    """The arguments, checked; `path` is a folder, a dataset or its file. Raises BenchError if it cannot be opened."""
     if path.name == DATASET_FILE:
         path = path.parent
     if path.is_file():
@@ -56,7 +56,7 @@ def opened(path: Path, robots: tuple[Path, ...], command: str, port: int = 0) ->
 def serve(asked: Opened, functions: Mapping[str, Home], ready: Callable[[str], None]) -> None:
     """Serve until interrupted. ready: called with the page's address once it can be opened.
 
-    functions: `command`, which runs one. Raises BenchError where the port is taken.
+    functions: `command`, which runs a command. Raises BenchError if the port is taken.
     """
     commander, looker = Worker(functions), Worker(LOOKS)
     with _listening(asked.port) as listener:

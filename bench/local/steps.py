@@ -1,4 +1,4 @@
-"""From what a page asks for to the command that does it, in the words that a shell takes."""
+"""From a step of the page to its command, in the words of a shell."""
 
 import re
 from collections.abc import Mapping, Sequence
@@ -21,14 +21,14 @@ Positive = Annotated[float, Field(gt=0.0, allow_inf_nan=False)]
 Finite = Annotated[float, Field(allow_inf_nan=False)]
 Form = Literal["mjcf", "urdf", "csv", "yaml", "c"]
 SUFFIXES: Mapping[Form, str] = {"mjcf": ".xml", "urdf": ".urdf", "csv": ".csv", "yaml": ".yaml", "c": ".c"}
-"""What an exported model's file ends in."""
+"""Suffix of an exported model's file."""
 _EFFECT = re.compile(r"[a-z][a-z0-9_]*(:[\w .-]+)?(@[\w .-]+)?")
 
 
 class ImportLog(UserTable):
-    """A log becomes a recording. scale: unit or factor by column; rate: of a log without a time, Hz.
+    """Import a log as a recording. scale: unit or factor by column; rate: Hz, of a log without time.
 
-    fresh: of a dataset that is not there yet. replace: what the dataset has under the log's name.
+    fresh: whether the dataset is new. replace: whether to replace the recording with the log's name.
     """
 
     step: Literal["import"]
@@ -52,7 +52,7 @@ class ImportLog(UserTable):
 
 
 class NewRobot(UserTable):
-    """A robot.toml is made for an MJCF file. motors: names and nominal gains; name: of the robot."""
+    """Write a robot.toml for an MJCF file. motors: names and nominal gains; name: of the robot."""
 
     step: Literal["new robot"]
     model: Name
@@ -63,14 +63,14 @@ class NewRobot(UserTable):
 
 
 class CheckRobot(UserTable):
-    """A robot folder is checked."""
+    """Check a robot folder."""
 
     step: Literal["robot"]
     robot: Name
 
 
 class Compare(UserTable):
-    """Where models fail: a fitted one, or one or several that were saved."""
+    """Where models fail: one fitted now, or one or more saved models."""
 
     step: Literal["compare"]
     dataset: Name
@@ -78,7 +78,7 @@ class Compare(UserTable):
 
 
 class Diagnose(UserTable):
-    """What the model lacks. effects: those that it has already."""
+    """Find what the model lacks. effects: those already in it."""
 
     step: Literal["diagnose"]
     dataset: Name
@@ -86,7 +86,7 @@ class Diagnose(UserTable):
 
 
 class Export(UserTable):
-    """A model for other programs. form: as in `bench export --to`."""
+    """Export a model for other programs. form: as in `bench export --to`."""
 
     step: Literal["export"]
     dataset: Name
@@ -95,7 +95,7 @@ class Export(UserTable):
 
 
 class Identify(UserTable):
-    """The model with these effects."""
+    """Identify the model with these effects."""
 
     step: Literal["identify"]
     dataset: Name
@@ -110,9 +110,9 @@ _ASKED: TypeAdapter[Any] = TypeAdapter(Asked)
 
 @dataclass(frozen=True)
 class Command:
-    """words: after `bench`; files: what is written and read by the page, by a name, relative to the folder.
+    """words: after `bench`; files: name -> path relative to the folder, of files that it writes and the page reads.
 
-    there: the recording that an import finds in its place, "" where there is none.
+    there: the existing recording with the name of the import, "" if there is none.
     """
 
     step: str
@@ -123,14 +123,14 @@ class Command:
 
     @property
     def line(self) -> str:
-        """As it is typed."""
+        """The command as typed."""
         return " ".join([typed(), *(quoted(word) for word in self.words)])
 
 
 def command_of(folder: Folder, asked: Mapping[str, Any]) -> Command:
-    """The command of a step. Raises BenchError that names what it cannot be made of.
+    """The command of a step. Raises BenchError naming what makes it impossible.
 
-    The folder of a dataset's results is made, so that the command can be given in a shell as well.
+    Creates the folder of the dataset's results, so that the command also works in a shell.
     """
     try:
         step = _ASKED.validate_python(asked)
@@ -183,7 +183,7 @@ def _export(folder: Folder, results: Path, step: Export) -> Command:
     (model,) = _models(folder, [step.model])
     named = (
         model if model.parent == results else model.parent
-    )  # a model inside a result is called as the result is
+    )  # a model inside a result folder is exported under that folder's name
     target = results / f"{named.name.removesuffix('.json')}{SUFFIXES[step.form]}"
     words = ["export", folder.word(model), "--to", step.form, "-o", folder.word(target)]
     sidecar = {"twin": sidecar_path(target)} if step.form == "mjcf" else {}
@@ -230,7 +230,7 @@ def _import(folder: Folder, step: ImportLog) -> Command:
 
 
 def _new_robot(folder: Folder, step: NewRobot) -> Command:
-    """Next to the MJCF; or in a folder of the robot's name, where the file lies in what was opened itself."""
+    """The robot is written next to the MJCF; or, if that is in the opened folder itself, to a folder of its name."""
     model, name = folder.inside(step.model), folder.name(step.name)
     target = model.parent if model.parent != folder.root else folder.inside(name)
     words = ["robot", "new", folder.word(model)]
@@ -249,7 +249,7 @@ def _check_robot(folder: Folder, step: CheckRobot) -> Command:
 
 
 def _payload(folder: Folder, step: ImportLog) -> list[str]:
-    """The words on what is on the tool."""
+    """Options that describe the payload."""
     if not step.payload:
         return []
     words = ["--payload", folder.name(step.payload)]
@@ -262,7 +262,7 @@ def _payload(folder: Folder, step: ImportLog) -> list[str]:
 
 
 def _results(folder: Folder, dataset: Path) -> Path:
-    """Where the results of a dataset go: a folder next to it, or in it where it is what was opened."""
+    """The folder of a dataset's results: next to the dataset, or inside it if the dataset was opened."""
     inner = dataset == folder.root
     results = dataset / RESULTS[1:] if inner else dataset.with_name(f"{dataset.name}{RESULTS}")
     if results.is_symlink():
@@ -275,7 +275,7 @@ def _results(folder: Folder, dataset: Path) -> Path:
 
 
 def _next(results: Path, kind: str) -> int:
-    """The number that no result of that kind has."""
+    """The next free number for a result of this kind."""
     pattern = re.compile(rf"{kind}-(\d+)\b.*" if kind else r"(\d+)-.*")
     taken = [int(match.group(1)) for path in results.iterdir() if (match := pattern.fullmatch(path.name))]
     return max(taken, default=0) + 1
@@ -292,7 +292,7 @@ def _effect(name: str) -> str:
 
 
 def _plain(text: str) -> str:
-    """A word after an option: it cannot be taken for another one, nor end it."""
+    """A text that may be the value of an option. Raises BenchError if it is empty, or has a NUL or a newline."""
     if not text or "\0" in text or "\n" in text:
         raise BenchError(f"{text!r}: not a column")
     return text

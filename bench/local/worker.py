@@ -1,4 +1,4 @@
-"""Work in a separate process: it keeps what it has loaded, tells its progress, and can be ended at any moment."""
+"""Work in a separate process, which keeps what it has loaded, reports progress and can be ended at any time."""
 
 import importlib
 import os
@@ -16,23 +16,23 @@ from bench.basics.errors import BenchError
 from bench.basics.progress import Progress
 
 Function = Callable[[Mapping[str, Any], Progress], Any]
-"""What a worker can do: plain arguments to a plain answer; a user's mistake is a BenchError."""
+"""A worker's function, from plain arguments to a plain answer; a user's mistake is a BenchError."""
 Home = str
-"""Where a function is, as `module:name`: the process imports it, and who asks for it need not."""
+"""The location of a function as `module:name`; only the worker's process has to import it."""
 
 GRACE = 5.0  # s that an ended process has to remove its half-written files
 
 
 class CancelledError(Exception):
-    """The work was ended because somebody asked for it, or because the worker is closed."""
+    """The work was cancelled, or the worker was closed."""
 
 
 class DiedError(Exception):
-    """The process could not start, or ended by itself: why, in words. A fault's traceback is in the terminal."""
+    """The process could not start, or ended by itself; the text says why. A fault's traceback is in the terminal."""
 
 
 class Worker:
-    """One process that runs one function at a time; it starts with the first, and again after a cancellation."""
+    """A process that runs one function at a time; started by the first call, and again after a cancellation."""
 
     def __init__(self, functions: Mapping[str, Home]) -> None:
         self._functions = dict(functions)
@@ -43,10 +43,10 @@ class Worker:
         self._busy = self._cancelled = self._gone = self._closed = False
 
     def call(self, name: str, arguments: Mapping[str, Any], progress: Progress) -> Any:
-        """Run a function and wait for its answer; progress is reported on the way.
+        """Run a function and wait for its answer. progress: receives its progress.
 
-        Raises BenchError as the function did, CancelledError after `cancel` or `close`, DiedError where the process
-        cannot start or ended itself.
+        Raises the function's BenchError, CancelledError after `cancel` or `close`, and DiedError if the process cannot
+        start or ends by itself.
         """
         with self._one_at_a_time:
             connection, fault = self._started(), ""
@@ -65,7 +65,7 @@ class Worker:
                     else:
                         return content[0]
             except (EOFError, ConnectionError) as error:
-                self._gone = True  # also where the system has not noticed yet
+                self._gone = True  # even if the system does not report it yet
                 if self._cancelled or self._closed:
                     raise CancelledError from error
                 raise DiedError(fault or self._why()) from error
@@ -74,20 +74,20 @@ class Worker:
                     self._busy = False
 
     def cancel(self) -> None:
-        """End the process if it works; its files are whole or not there. The call raises CancelledError."""
+        """End the process if it is busy, without half-written files. The running call raises CancelledError."""
         with self._changing:
             if self._process is not None and self._busy:
                 self._cancelled = True
                 self._process.terminate()
 
     def close(self) -> None:
-        """End the process for good; who waits for it hears of it."""
+        """End the process for good; a waiting call raises CancelledError."""
         with self._changing:
             self._closed = True
             self._end()
 
     def _why(self) -> str:
-        """How the process ended that said nothing of it."""
+        """Why the process ended, if it sent no reason."""
         process = self._process
         process.join(GRACE)
         code = process.exitcode
@@ -95,7 +95,9 @@ class Worker:
             ended = signal.Signals(-code).name
             memory = ", as when memory runs out" if ended == "SIGKILL" else ""
             return f"its process was ended by {ended}{memory}"
-        try_it = f"import sys; sys.path[:] = {sys.path!r}; import {__name__}"  # whether one like it can start at all
+        try_it = (
+            f"import sys; sys.path[:] = {sys.path!r}; import {__name__}"  # can such a process start at all?
+        )
         tried = subprocess.run([sys.executable, "-c", try_it], capture_output=True, text=True, check=False)
         said = tried.stderr.strip().splitlines()
         return f"its process cannot start: {said[-1]}" if said else f"its process ended with exit code {code}"
@@ -108,7 +110,7 @@ class Worker:
             if self._process is None or self._cancelled or self._gone or not self._process.is_alive():
                 self._end()
             if self._connection is None:
-                context = get_context("spawn")  # a fork of a process with threads may hang
+                context = get_context("spawn")  # a forked process with threads may hang
                 self._connection, theirs = context.Pipe()
                 self._process = context.Process(target=_serve, args=(theirs, self._functions), daemon=True)
                 try:
@@ -127,18 +129,18 @@ class Worker:
             process.terminate()
             if process.is_alive() and hasattr(signal, "SIGCONT"):
                 with suppress(ProcessLookupError):
-                    os.kill(process.pid, signal.SIGCONT)  # one that is stopped ends, too
+                    os.kill(process.pid, signal.SIGCONT)  # a stopped process ends only when continued
             process.join(GRACE)
             if process.is_alive():
                 process.kill()
                 process.join()
-        if self._connection is not None and not (self._closed and self._busy):  # who waits reads its end
+        if self._connection is not None and not (self._closed and self._busy):  # a waiting call reads its end
             self._connection.close()
             self._connection = None
 
 
 class _Told:
-    """Progress that goes through the pipe."""
+    """Progress sent through the pipe."""
 
     def __init__(self, connection: Connection) -> None:
         self._connection = connection
@@ -151,10 +153,10 @@ class _Told:
 
 
 def _serve(connection: Connection, functions: Mapping[str, Home]) -> None:
-    """What the process does: one request after the other until nobody asks any more."""
+    """Answer requests, one at a time, until the pipe is closed."""
     signal.signal(
         signal.SIGINT, signal.SIG_IGN
-    )  # Ctrl+C in the terminal is the server's, which ends this one
+    )  # Ctrl+C in the terminal goes to the server, which ends this process
     threading.Thread(target=_leave_with_parent, daemon=True).start()
     progress = _Told(connection)
     while True:
@@ -180,7 +182,7 @@ def _function(home: Home) -> Function:
 
 
 def _leave_with_parent() -> None:
-    """A killed server leaves nobody to work for: end as a terminated command does."""
+    """End this process, as a terminated command does, once the server has ended, killed or not."""
     parent = parent_process()
     if parent is not None:
         parent.join()

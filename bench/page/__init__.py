@@ -1,1 +1,1 @@
-"""One page in one file with the results of a run and the reasons for them: built from plain data, opened anywhere."""
+"""Reports: the results of a run and the evidence for them on one page, a self-contained file made from plain data."""

@@ -1,4 +1,4 @@
-"""Charts as the page's script draws them: plain data with the points and digits that an eye sees."""
+"""Charts as plain data for the page's script, with only the points and digits that are visible."""
 
 from collections.abc import Mapping
 from typing import Any
@@ -28,13 +28,13 @@ from bench.document.typeset import typeset
 from bench.page.parts import Figure, PageChart, Variant
 
 DIGITS = 1.0 / 4000.0  # of a curve's extent: finer than a pixel
-HEIGHT, TALL = 210, 330  # px, of charts that stand side by side
-LINE = 24  # px for each category, where there are many
-LONGEST_NAME = 24  # letters of a category next to others
+HEIGHT, TALL = 210, 330  # px, of charts side by side
+LINE = 24  # px for each category, if there are many
+LONGEST_NAME = 24  # letters of a category in a chart next to others
 
 
 def rounded(values: np.ndarray, extent: float | None = None) -> list[float | None]:
-    """Values (N,) to the digits that are seen in a figure of this extent (that of the values); None for NaN."""
+    """Values (N,) to the digits visible in a figure of this extent (by default the values'); None if not finite."""
     values = np.asarray(values, dtype=float)
     known = values[np.isfinite(values)]
     if extent is None:
@@ -48,7 +48,7 @@ def rounded(values: np.ndarray, extent: float | None = None) -> list[float | Non
 
 
 def significant(values: npt.ArrayLike, digits: int = 5) -> list[float | None]:
-    """Values (N,) to some significant digits, for logarithmic axes; None for NaN."""
+    """Values (N,) to some significant digits, for logarithmic axes; None if not finite."""
     return [
         float(f"{v:.{digits}g}") if np.isfinite(v) else None for v in np.asarray(values, dtype=float).tolist()
     ]
@@ -59,9 +59,9 @@ def thinned(
 ) -> tuple[dict[str, float], dict[str, list[Any]], int]:
     """Curves over evenly spaced rows, with at most about `most` points each; gaps where rows are missing.
 
-    row (M,): number of each row, rising; period: s between rows; curves: (M,) each. Returns x as {start, step} in
-    seconds, the curves' values, and how many rows lie behind two points (one: nothing is omitted). Of every
-    stretch of rows the smallest and the largest value are kept, in their order: no outlier is lost.
+    row (M,): increasing row numbers; period: s between rows; curves: (M,) each. Returns x as {start, step} in seconds,
+    the curves' values, and the number of rows that each pair of points represents (1: every row is kept). Each block of
+    rows is reduced to its smallest and largest value, in their order, so that no outlier is lost.
     """
     count = int(row[-1] - row[0]) + 1
     start = float(row[0]) * period
@@ -78,9 +78,9 @@ def thinned(
 
 
 def extremes(values: np.ndarray, width: int) -> np.ndarray:
-    """The smallest and the largest value of every stretch of `width` values, in the order in which they come.
+    """The smallest and the largest value of every block of `width` values, in the order in which they occur.
 
-    Two values a stretch, (2 ceil(N / width),); NaN where it holds nothing else.
+    Two values per block, (2 ceil(N / width),); NaN if it has only NaN.
     """
     stretches = -(-len(values) // width)
     padded = np.full(stretches * width, np.nan)
@@ -106,7 +106,7 @@ Spec = dict[str, Any]
 def chart_figure(
     chart: Chart, height: int, *, least: int | None = None, turned: bool = False, name: str | None = None
 ) -> Figure:
-    """A figure of one chart without choices. name: its title, that of the chart by default; others: see `spec_of`."""
+    """A figure of one chart without choices. name: its title, by default the chart's; others: see `spec_of`."""
     title = typeset(chart.title if name is None else name)
     variant = Variant((PageChart("", "", spec_of(chart, height, least=least, turned=turned)),))
     return Figure(title, typeset(chart.aid), True, (), {"": variant}, ("",))
@@ -128,9 +128,9 @@ def spec_of(
     most: int | None = None,
     longest: int | None = None,
 ) -> Spec:
-    """A figure for `assets/charts.js`. height, least width: px; turned: names along x stand upright.
+    """A chart for `assets/charts.js`. height, least (width): px; turned: whether names along x are vertical.
 
-    most: points of a curve over evenly spaced x, of which extremes are kept; longest: letters of a category.
+    most: points of a curve over evenly spaced x, see `thinned`; longest: letters of a category.
     """
     x = _axis(chart.x, None)
     spec: Spec = {
@@ -149,7 +149,7 @@ def spec_of(
 
 
 def rows_a_pair(chart: Chart, most: int) -> int:
-    """How many rows stand behind two points of the longest curve; 1: every row is drawn."""
+    """The number of rows that each pair of points of the longest curve represents; 1: every row is drawn."""
     counts = [
         int(_rows(entry.x)[0][-1]) + 1 for entry in chart.series if isinstance(entry, Line) and len(entry.x)
     ]
@@ -168,7 +168,7 @@ def _panel(panel: Panel, chart: Chart, most: int | None, longest: int | None) ->
 def _named(series: Series, panel: Panel, most: int | None) -> Spec:
     curve = _curve(series, panel.y, most) if isinstance(series, Line) else _series(series)
     if isinstance(series, Levels) and series is not _last_levels(panel):
-        curve["texts"] = []  # what is said of two lines would stand on each other
+        curve["texts"] = []  # the texts of two lines would overlap
     return {"role": series.role, "name": typeset(series.name), **curve}
 
 
@@ -197,7 +197,7 @@ def _cut(name: str, longest: int | None) -> str:
 
 
 def _series(series: Series) -> Spec:
-    """One series, except for lines, without its name and colour."""
+    """One series other than a `Line`, without its name and colour."""
     spec: Spec = {}
     match series:
         case Levels():
@@ -278,7 +278,7 @@ def _curve(line: Line, y: Axis, most: int | None) -> Spec:
 
 
 def _rows(x: np.ndarray) -> tuple[np.ndarray, float]:
-    """Number of each row from the first on, of rows that are evenly spaced except for gaps, and the space."""
+    """The number of each row, from 0, and the spacing, of rows that are evenly spaced except for gaps."""
     known = x[np.isfinite(x)]
     step = float(np.median(np.diff(known))) if len(known) > 1 else 1.0
     return np.rint((known - known[0]) / step).astype(int), step

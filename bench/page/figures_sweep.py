@@ -1,4 +1,4 @@
-"""Figures of a sweep on a page: a metric against an axis, and how metrics spread over all runs."""
+"""Figures of a sweep on a page: a metric against an axis, metrics over two axes, and histograms over all runs."""
 
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -20,11 +20,11 @@ from bench.studies.sweep.plan import Plan
 from bench.studies.sweep.summary import Spread, Summary, SummaryLine
 from bench.studies.sweep.table import column_names, read_table
 
-MOST_LETTERS = 70  # of names side by side below an axis
+MOST_LETTERS = 70  # of the names below an axis, before they are turned
 HIGH, LOW, SPREAD = 300, 200, 210  # px
 MOST_VARIANTS = 60
-CELL, HEAD, FOOT = 30, 30, 60  # px: height of a cell, above and below all of them
-CELL_WIDTH, NAMES_WIDTH = 58, 150  # px, that a phone scrolls
+CELL, HEAD, FOOT = 30, 30, 60  # px: height of a cell, and of the room above and below all cells
+CELL_WIDTH, NAMES_WIDTH = 58, 150  # px, at least: a phone scrolls
 MOST_RUNS = 5000
 AID = (
     "A click on a cell or a dot above shows its runs here, as the filters do. A click on a run chooses it: the command "
@@ -34,7 +34,7 @@ AID = (
 
 
 def plot_figure(table: Path, x: str, y: str, lines: str | None, picked: Collection[str] = ()) -> Figure:
-    """A metric against an axis; more lines than colours stand side by side, each in a separate chart."""
+    """A metric against an axis; if there are more lines than colours, each has a chart, side by side."""
     chart = plot_chart(table, x, y, lines, picked)
     names = chart.x.categories
     turned = sum(map(len, names)) > MOST_LETTERS
@@ -49,7 +49,7 @@ def plot_figure(table: Path, x: str, y: str, lines: str | None, picked: Collecti
 
 
 def _only(chart: Chart, kept: Whiskers) -> Chart:
-    """A chart with one of its lines, which needs no name there."""
+    """The chart with only one of its lines, which then needs no name."""
     (panel,) = chart.panels
     rest = tuple(series for series in panel.series if not isinstance(series, Whiskers))
     series = (*rest, replace(kept, name="", role=ROLES[0]))
@@ -69,7 +69,7 @@ Place = tuple[Any, ...]
 
 @dataclass(frozen=True)
 class _Grid:
-    """Two axes, the others with the values that were tried, and the spreads of every combination."""
+    """The two axes of a grid, the other axes, the values of all of them, and the results of every combination."""
 
     across: str
     down: str
@@ -78,16 +78,18 @@ class _Grid:
     lines: Mapping[Place, SummaryLine]
 
     def spread(self, metric: str, at: Mapping[str, Any]) -> Spread | None:
-        """A metric where the axes have these values; None where no run came to an answer."""
+        """A metric's spread at these values of the axes; None if no run there gave a result."""
         line = self.lines.get(tuple(at[axis] for axis in self.values))
         value = line.spreads[metric] if line is not None else None
         return value if value is not None and value.count else None
 
 
 def grid_figure(summary: Summary, plots: Sequence[tuple[str, str | None]]) -> Figure | None:
-    """The metrics of a sweep over two of its axes; None where fewer than two have several values.
+    """The metrics of a sweep over two of its axes.
 
-    plots: axes (x, lines) of the sweep's figures, the first of which decide which two.
+    None if fewer than two axes have several values, if no metric was recorded, or with more than `MOST_VARIANTS`
+    combinations of the others. plots: axes (x, lines) of the sweep's figures; the first suitable pair is used, else the
+    axes with the most values.
     """
     grid = _grid(summary, plots)
     metrics = [name for name in summary.metrics if any(line.spreads[name].count for line in summary.lines)]
@@ -133,7 +135,7 @@ def _grid(summary: Summary, plots: Sequence[tuple[str, str | None]]) -> _Grid | 
 
 
 def _chart(grid: _Grid, metric: str, others: Mapping[str, Any]) -> PageChart:
-    """The chart of one metric where the other axes have these values; single values stand for themselves."""
+    """The chart of one metric at these values of the other axes; axes with a single value have that one."""
     fixed = {axis: values[0] for axis, values in grid.values.items()} | dict(others)
     columns, rows = _rising(grid.values[grid.across]), _rising(grid.values[grid.down])
     shades = _shades(grid, metric)
@@ -171,7 +173,7 @@ def _names(axis: str, values: Sequence[Any]) -> Axis:
 
 
 def _shades(grid: _Grid, metric: str) -> Any:
-    """From a value to its shade, 0 to 1, the same in all charts of the metric; logarithmic over a wide range."""
+    """A function from a value to its shade, 0 to 1, the same in all charts of the metric; logarithmic if is_wide."""
     every = [line.spreads[metric].middle for line in grid.lines.values() if line.spreads[metric].count]
     known = [value for value in every if np.isfinite(value)]
     low, high = min(known, default=0.0), max(known, default=1.0)
@@ -186,7 +188,7 @@ def _rising(values: Sequence[Any]) -> list[Any]:
 
 
 def runs_part(plan: Plan, table: Path, folder: Path, metrics: Sequence[str]) -> Part:
-    """The runs with what was varied, their seeds and their metrics; of very many, where they are."""
+    """The runs with the varied quantities, their seeds and metrics; for more than `MOST_RUNS`, the table's name."""
     known = column_names(table)
     axes = [axis.name for axis in plan.sweep.axes if axis.name in known and axis.name != "seed"]
     names = ["run", "seed", "status", "reason", *axes, *metrics]
@@ -216,7 +218,7 @@ def runs_part(plan: Plan, table: Path, folder: Path, metrics: Sequence[str]) -> 
 
 
 def _axis(name: str, values: Sequence[Any], *, filtered: bool) -> RunsColumn:
-    """An axis; one with few values as the numbers of its labels, by which its runs are filtered."""
+    """The column of an axis; if `filtered`, as indices of its labels, by which runs can be filtered."""
     if not filtered:
         return RunsColumn(axis_title(name), _numbers(values))
     labels = list(dict.fromkeys(map(point_label, values)))

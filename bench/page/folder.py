@@ -1,8 +1,8 @@
-"""What a result folder keeps so that its page can be written again without working anything out.
+"""A result folder: everything needed to write its page again without new computation.
 
-report.json names the command and the dataset, and holds what a diagnosis says; next to it are the models, the currents
-that they give (series.parquet), and what the workbench of a diagnosis shows (workbench.json). It is written last, and
-knows what the other files have to be.
+report.json has the command, the dataset and the statements of a diagnosis; next to it are the models, their currents
+(series.parquet), and the data of a diagnosis's workbench (workbench.json). It is written after the other files and has
+their digests.
 """
 
 import hashlib
@@ -53,14 +53,14 @@ SERIES_FILE, WORKBENCH_FILE = "series.parquet", "workbench.json"
 FORMAT = 2
 INFINITE = frozenset(
     {"error_before", "error_after", "evidence", "std"}
-)  # null there is what JSON has for infinity
+)  # null in these fields means infinity, which JSON lacks
 
 
 def dataset_digest(dataset: Dataset, effect_files: Sequence[Path] = ()) -> str:
     """Digest of dataset.toml, the recordings, the robot's description and mechanism, and the files with effects.
 
-    The mechanism is taken as MuJoCo compiles it, so that files that the MJCF includes count as well. effect_files:
-    those in addition to the dataset's.
+    The mechanism is the model that MuJoCo compiles, so that files included by the MJCF count too. effect_files: in
+    addition to the dataset's.
     """
     robot = dataset.robot
     recordings = [
@@ -79,7 +79,7 @@ def dataset_digest(dataset: Dataset, effect_files: Sequence[Path] = ()) -> str:
 
 
 def file_digest(path: Path) -> str:
-    """Of a file's bytes. Raises BenchError where it cannot be read."""
+    """Digest of a file's bytes. Raises BenchError if it cannot be read."""
     try:
         with path.open("rb") as file:
             return hashlib.file_digest(file, lambda: hashlib.blake2b(digest_size=SIZE)).hexdigest()
@@ -96,7 +96,7 @@ class _Step:
 
 @dataclass(frozen=True, kw_only=True)
 class _DiagnosisFile:
-    """What a diagnosis says, next to its models. between: the steps of its ladder whose currents are kept as well."""
+    """A diagnosis without its models. between: steps of its ladder, other than first and last, with saved currents."""
 
     ladder: tuple[_Step, ...]
     held_out: float
@@ -114,12 +114,12 @@ class _DiagnosisFile:
 
 
 SAME = tuple(entry.name for entry in fields(_DiagnosisFile) if entry.name not in ("ladder", "between"))
-"""What a diagnosis has under the same names."""
+"""Fields that a `Diagnosis` has under the same names."""
 
 
 @dataclass(frozen=True)
 class _RunFile:
-    """report.json; the last ones are not in those of an earlier version."""
+    """report.json; files of earlier versions lack the last fields."""
 
     run: CommandRun
     dataset: str
@@ -137,11 +137,11 @@ _WRITER = TypeAdapter(Any)
 
 @dataclass(frozen=True)
 class SavedRun:
-    """A result, of this process or read from its folder.
+    """A result, computed in this process or read from its folder.
 
-    model: name of the model that was applied, "" for one that was fitted there. workbench: data of a diagnosis's page,
-    None where they have to be worked out. by: the versions that worked the result out. said: why something that the
-    folder keeps was not taken from it, in a line; "" where everything was.
+    model: name of the applied model, "" if it was fitted. workbench: data for a diagnosis's page, None if they have to
+    be computed. by: the versions that computed the result. said: why something in the folder was computed anew, in one
+    line; "" if nothing was.
     """
 
     run: CommandRun
@@ -155,23 +155,23 @@ class SavedRun:
 
     @property
     def with_held_out(self) -> Dataset:
-        """The dataset with the recordings that the currents are of: of a diagnosis, cut as it was judged."""
+        """The dataset with the recordings of the currents; for a diagnosis with held-out parts, as it judged them."""
         return self.dataset if self.diagnosis is None else with_held_out_parts(self.dataset)[0]
 
     @cached_property
     def problem(self) -> Problem:
-        """What was asked, with the laws that were discovered among the effects that are known."""
+        """The problem of the command, with discovered laws in its catalogue."""
         laws = () if self.diagnosis is None else self.diagnosis.discovered
         return _problem(self.dataset, self.run, laws)
 
     @property
     def effect_files(self) -> list[Path]:
-        """Effects of the user that the command named, in addition to the dataset's."""
+        """Files of user-defined effects that the command named, in addition to the dataset's."""
         return [Path(file) for file in self.run.effect_files]
 
 
 def save_run(folder: Path, kept: SavedRun) -> None:
-    """Write report.json and what belongs to it, each whole or not at all."""
+    """Write report.json and the files that belong to it, each whole or not at all."""
     dataset, diagnosis = kept.dataset, kept.diagnosis
     joints = dataset.robot.joints
     content: dict[str, Any] = {
@@ -202,7 +202,7 @@ def save_run(folder: Path, kept: SavedRun) -> None:
 
 
 def save_workbench(folder: Path, kept: SavedRun) -> None:
-    """Write what the workbench of a page shows, next to a saved run."""
+    """Write the data of a page's workbench into the folder of a saved run."""
     write_text_atomically(folder / WORKBENCH_FILE, json.dumps(finite(kept.workbench), allow_nan=False))
     content = json.loads((folder / RUN_FILE).read_text(encoding="utf-8"))
     content["files"][WORKBENCH_FILE] = file_digest(folder / WORKBENCH_FILE)
@@ -221,8 +221,8 @@ def _diagnosis_file(diagnosis: Diagnosis) -> _DiagnosisFile:
 def read_run(folder: Path) -> SavedRun:
     """Read a result folder; nothing is fitted or searched.
 
-    If the dataset is not any more what it was, the models are applied to it anew. Raises BenchError naming what is
-    missing or damaged, the dataset included.
+    If the dataset, robot or effects have changed since, the models are applied to them anew. Raises BenchError naming
+    what is missing or damaged, the dataset included.
     """
     path = folder / RUN_FILE
     try:
@@ -274,13 +274,13 @@ def read_run(folder: Path) -> SavedRun:
 
 
 def _problem(dataset: Dataset, run: CommandRun, laws: Sequence[Discovered]) -> Problem:
-    """What a command asked of a dataset; laws: among the known effects as well."""
+    """The problem of a command; laws: added to its catalogue."""
     asked = problem_of(dataset, run.effects, effect_files=run.effect_files)
     return replace(asked, catalogue={**asked.catalogue, **law_effects(laws)})
 
 
 def read_json(path: Path) -> dict[str, Any]:
-    """A JSON file that holds a table of this format. Raises BenchError that names it."""
+    """The JSON object in a file of this format. Raises BenchError naming the file."""
     content = _read_object(path)
     if content.get("format") != FORMAT:
         raise BenchError(f"{path}: not a file that this version of bench wrote")
@@ -304,7 +304,7 @@ def _diagnosis(
     models: Sequence[Identification],
     between: Mapping[int, tuple[CurrentSeries, ...]],
 ) -> Diagnosis:
-    """models: after, before. between: currents of steps of the ladder, by number."""
+    """models: after, before. between: currents of further steps of the ladder, by index."""
     after, before = models
     series = {len(kept.ladder) - 1: after.recordings, 0: before.recordings, **between}
     ladder = tuple(
@@ -316,7 +316,7 @@ def _diagnosis(
 
 
 def _with_infinities(value: Any) -> Any:
-    """Plain data as JSON holds them, with infinity again where a number of `INFINITE` is null."""
+    """Plain data from JSON, with infinity for null in the fields of `INFINITE`."""
     if isinstance(value, dict):
         return {
             name: math.inf if each is None and name in INFINITE else _with_infinities(each)

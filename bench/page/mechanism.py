@@ -1,4 +1,4 @@
-"""The mechanism in motion, as bars between points of the world: what a page draws in three dimensions."""
+"""The moving mechanism as bars between points of the world, which the page draws in three dimensions."""
 
 from typing import Any
 
@@ -14,9 +14,9 @@ from bench.viewer.body_motion import BodyMotion, placed, recorded_motion, visibl
 from bench.viewer.context import SimulatedPoses
 from bench.viewer.scene import TOP, error_share
 
-FRAMES, FEWEST_FRAMES = 400, 60  # enough for the eye
+FRAMES, FEWEST_FRAMES = 400, 60  # enough for a smooth motion
 MOST_NUMBERS = 30_000  # of all ends of bars together: about 0.2 MB
-DIGITS = 4  # of a place in m: finer than a pixel
+DIGITS = 4  # significant, of a position in m: finer than a pixel
 
 Array = npt.NDArray[np.float64]
 
@@ -29,10 +29,10 @@ def mechanism(
     frames: int = FRAMES,
     simulated: SimulatedPoses | None = None,
 ) -> dict[str, Any]:
-    """The bodies of a robot in a recording, loops closed, and its tool's path with the error of a model, 0 to 1.
+    """A robot's bodies in a recording, with closed loops, and its tool's path with the error of a model, 0 to 1.
 
-    series: of the model in this recording; simulated: a twin to be drawn with it. Raises BenchError where a sample is
-    out of reach.
+    series: of the model in this recording; simulated: a twin to draw with it. Raises BenchError if a sample is out of
+    reach.
     """
     mjcf = data.robot.mjcf_model()
     motion = recorded_motion(data.robot, recording, settings)
@@ -59,16 +59,16 @@ def mechanism(
 
 
 def _simulated(mjcf: Any, simulated: SimulatedPoses, time: Array) -> list[dict[str, Any]]:
-    """The bars of a twin in the frames that are next to these times, those that are fixed to the world omitted."""
+    """The bars of a twin in the frames nearest to these times, without those fixed to the world."""
     nearest = np.searchsorted(0.5 * (simulated.time[1:] + simulated.time[:-1]), time)
     motion = placed(mjcf, None, time, simulated.poses[nearest])
     return [bar for bar in _bars(mjcf, motion, 1) if len(bar["from"]) > 3]
 
 
 def _bars(mjcf: Any, motion: BodyMotion, every: int) -> list[dict[str, Any]]:
-    """Every visible shape as a bar along its longest side: radius m, and both ends in every frame, x y z after x y z.
+    """Every visible shape as a bar along its longest side: radius, m, and both ends, flat lists of x, y, z per frame.
 
-    A shape that is fixed to the world has one frame.
+    A shape fixed to the world has one frame.
     """
     bars = []
     for geom in visible_geoms(mjcf).tolist():
@@ -94,9 +94,9 @@ def _bars(mjcf: Any, motion: BodyMotion, every: int) -> list[dict[str, Any]]:
 
 
 def _turned(quaternions: npt.NDArray[np.float64], vector: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
-    """A vector (3,) turned by unit quaternions (..., 4), x y z w.
+    """A vector (3,) rotated by unit quaternions (..., 4), x y z w.
 
-    scipy.spatial has the same, and takes 0.2 s to import.
+    scipy.spatial can do this too, but takes 0.2 s to import.
     """
     axis, real = quaternions[..., :3], quaternions[..., 3:]
     across = 2.0 * np.cross(axis, vector)

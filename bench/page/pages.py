@@ -1,4 +1,4 @@
-"""The pages: of a diagnosis, of an identification, of a saved model applied to recordings."""
+"""The pages: of a diagnosis, of an identification, of a saved model applied to recordings, of a replayed twin."""
 
 from collections.abc import Callable, Mapping, Sequence
 
@@ -40,13 +40,13 @@ from bench.page.verdict import (
 from bench.signals.settings import FilterSettings
 from bench.viewer.context import SimulatedPoses
 
-FRAMES = 150  # of the robot in motion: enough for the eye, and small
+FRAMES = 150  # of the moving robot: a smooth motion in a small file
 AS_IT_IS, COMPLETED = "of the model as it is", "of the completed model"
 OF_MODEL, OF_TWIN = "of the model itself", "of the twin"
 
 
 def diagnosis_page(diagnosis: Diagnosis, problem: Problem, made: Made) -> Page:
-    """What the model lacks, and the evidence for it. made: how the page came about."""
+    """The page of a diagnosis: what the model lacks, and the evidence. made: commands and versions behind the page."""
     dataset = problem.dataset
     before, after = diagnosis.before, diagnosis.after
     with_held_out = dataset_of(dataset, after.recordings)
@@ -82,7 +82,7 @@ def diagnosis_page(diagnosis: Diagnosis, problem: Problem, made: Made) -> Page:
 
 
 def identification_page(result: Identification, problem: Problem, made: Made) -> Page:
-    """An identified model: its errors, its gains, its parameters."""
+    """The page of an identified model: its errors, gains and parameters."""
     dataset = problem.dataset
     model = shown_model("", "error", problem, result, result.settings, result.effects)
     noise = relative_noise_floor(dataset.recordings, result.recordings, result.settings)
@@ -107,7 +107,7 @@ def identification_page(result: Identification, problem: Problem, made: Made) ->
 
 
 def comparison_page(comparison: Comparison, problem: Problem, saved: Identification, made: Made) -> Page:
-    """A saved model applied to recordings that it may never have seen: its errors, and where they are."""
+    """The page of a saved model applied to recordings, fitted or not: its errors, and where they are."""
     dataset, settings = problem.dataset, saved.settings
     model = shown_model("", "error", problem, comparison, settings, saved.effects)
     noise = relative_noise_floor(dataset.recordings, comparison.recordings, settings)
@@ -130,7 +130,7 @@ def comparison_page(comparison: Comparison, problem: Problem, saved: Identificat
 
 
 def replay_page(result: Replay, problem: Problem, saved: Identification, made: Made) -> Page:
-    """A saved model's twin, simulated along the recorded motions, and the model next to it."""
+    """The page of a saved model's twin, simulated along the recorded motions, compared with the model itself."""
     dataset, settings = problem.dataset, saved.settings
     model = shown_model(OF_MODEL, "before", problem, result.model, settings, label="Model itself")
     twin = shown_model(OF_TWIN, "after", problem, result.twin, settings, label="Twin")
@@ -158,7 +158,7 @@ def _moving(
     settings: FilterSettings,
     twins: Mapping[str, TwinMotion] | None = None,
 ) -> Callable[[str, str], Mechanism | Text]:
-    """What draws the robot in one of the recordings, with its simulated twin, or says why it cannot be drawn."""
+    """A function from a recording's name and option to the moving robot, with its twin, or to why it is not drawn."""
     logged = dataset_of(dataset, recordings)
 
     def moving(name: str, option: str) -> Mechanism | Text:

@@ -1,4 +1,4 @@
-"""What a page is made of: frozen, plain data, ready for JSON."""
+"""The parts of a page: frozen plain data, ready for JSON."""
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
@@ -12,7 +12,7 @@ from bench.document.typeset import typeset
 
 Kind = Literal["", "right", "keep", "words", "small"]
 Spec = Mapping[str, Any]
-"""A figure as `assets/charts.js` takes it: {label, height, x, panels}."""
+"""A chart for `assets/charts.js`: {label, height, x, panels}."""
 
 KINDS: Mapping[str, Kind] = {
     "sentence": "words",
@@ -26,7 +26,7 @@ MARKS = {"": "", "strong": "strong", "weak": "weak", "poor": "weak"}
 
 @dataclass(frozen=True)
 class PageColumn:
-    """A table's column. kind: how its cells stand, such as "right" for numbers, "words" for sentences."""
+    """A table's column. kind: style of its cells, such as "right" for numbers, "words" for sentences."""
 
     header: str
     kind: Kind = ""
@@ -50,9 +50,9 @@ class PageRow:
 
 @dataclass(frozen=True)
 class PageTable:
-    """title names what is in it; aid: one line on how to read it; folded: shown when it is asked for.
+    """title: names the contents; aid: one line on how to read the table; folded: shown only on request.
 
-    id: by which a link finds it.
+    id: target of links.
     """
 
     title: str
@@ -99,7 +99,7 @@ class Commands:
 
 @dataclass(frozen=True)
 class PageChart:
-    """One chart of a figure; title and aid are empty where the figure's title and aid say it."""
+    """One chart of a figure; title and aid are empty if the figure's are sufficient."""
 
     title: str
     aid: str
@@ -108,9 +108,9 @@ class PageChart:
 
 @dataclass(frozen=True)
 class Linked:
-    """A sentence with a link behind it to a part of the page, by the part's id; "" where there is none.
+    """A sentence followed by a link to a part of the page. to: the part's id, "" for no link.
 
-    choose: options that a click chooses there, by the name of their choice.
+    choose: options that a click selects in that part, by the name of their choice.
     """
 
     text: str
@@ -121,7 +121,7 @@ class Linked:
 
 @dataclass(frozen=True)
 class Variant:
-    """What a figure shows for one choice. notes: sentences above the charts."""
+    """What a figure shows for one combination of choices. notes: sentences above the charts."""
 
     charts: tuple[PageChart, ...]
     notes: tuple[str | Linked, ...] = ()
@@ -129,9 +129,9 @@ class Variant:
 
 @dataclass(frozen=True)
 class Choice:
-    """A question that a figure's reader may answer, such as which motor. first: the option at the start.
+    """A selection in a figure, such as which motor. first: index of the initial option.
 
-    together: the words for all options side by side, over one axis; "" where they are not shown so.
+    together: label of the option that shows all of them side by side, over one axis; "" for none.
     """
 
     name: str
@@ -142,9 +142,9 @@ class Choice:
 
 @dataclass(frozen=True)
 class Figure:
-    """Charts, for every combination of choices. wide: one chart a line, else several side by side.
+    """Charts for every combination of choices. wide: one chart in a row, otherwise several side by side.
 
-    variants: by the numbers of the options, as in "0|2", "" without choices; printed: those that stand on paper.
+    variants: by the indices of the options, as in "0|2", "" without choices; printed: keys of those that are printed.
     """
 
     title: str
@@ -159,8 +159,8 @@ class Figure:
 
 @dataclass(frozen=True)
 class RunsColumn:
-    """A column of `Runs`. labels: what its values number, by which runs are filtered; axis: its name in a chart's
-    `pick`. kind: "share" for what is given in percent.
+    """A column of `Runs`. labels: if given, values are indices of these, by which runs are filtered; axis: its name in
+    a chart's `pick`. kind: "share" for values shown in percent.
     """
 
     header: str
@@ -172,8 +172,8 @@ class RunsColumn:
 
 @dataclass(frozen=True)
 class Runs:
-    """The runs of a sweep. The first column holds their numbers; failed: reasons by number; command: shows runs that
-    are named behind it.
+    """The runs of a sweep. The first column has their numbers; failed: reasons by number; command: shows the runs whose
+    numbers follow it.
     """
 
     title: str
@@ -187,7 +187,7 @@ class Runs:
 
 @dataclass(frozen=True)
 class Mechanism:
-    """The robot in motion. recording: the option of the figure above whose time it shares; data: of `mechanism`."""
+    """The moving robot. recording: the option of the figure above whose time it shares; data: from `mechanism`."""
 
     title: str
     aid: str
@@ -202,7 +202,7 @@ Part = PageTable | Items | Text | Commands | Figure | Runs | Mechanism
 
 @dataclass(frozen=True)
 class Section:
-    """A part of the page. id: its address; short: its name among the contents, the title by default."""
+    """A part of the page. id: its address; short: its name in the contents, by default the title."""
 
     id: str
     title: str
@@ -213,7 +213,7 @@ class Section:
 
 @dataclass(frozen=True)
 class Tile:
-    """A number that counts, in large type."""
+    """A key number in large type."""
 
     label: str
     value: str
@@ -226,14 +226,14 @@ def generator() -> str:
 
 
 def footer() -> str:
-    """Who wrote the page, and when."""
+    """The program that wrote the page, and the date."""
     today = datetime.now(UTC).date()
     return f"Written by {generator()} on {today:%d %B %Y}. This file is complete: it asks for nothing from anywhere."
 
 
 @dataclass(frozen=True)
 class Page:
-    """A whole page. verdict: sentences; facts: words under the title; doubtful: the answer is not to be used."""
+    """A whole page. verdict: sentences; facts: words under the title; doubtful: whether not to use the result."""
 
     title: str
     facts: tuple[str, ...]
@@ -248,7 +248,7 @@ class Page:
 def sentences_section(
     at: str, title: str, sentences: Iterable[str], lead: str = "", short: str = ""
 ) -> Section:
-    """A section that holds sentences alone. at: its address."""
+    """A section that contains only sentences. at: its address."""
     return Section(at, title, lead, (Items("", "", tuple(sentences)),), short)
 
 

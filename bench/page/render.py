@@ -1,4 +1,4 @@
-"""A page as one HTML file that asks for nothing: style, script and data inside, held by a content-security policy."""
+"""A page as one HTML file with style, scripts and data inside; its content-security policy forbids all requests."""
 
 import base64
 import hashlib
@@ -31,7 +31,7 @@ RUNS, MACHINE = "runs.js", "machine.js"
 
 @dataclass(frozen=True)
 class Workbench:
-    """What the page lets one try: data for `script`, which defines `window.Workbench.start(section, data, Charts)`.
+    """The interactive part of a page: data for `script`, which defines `window.Workbench.start(section, data, Charts)`.
 
     style: additional rules. after: id of the section that it follows.
     """
@@ -43,12 +43,15 @@ class Workbench:
 
 
 def asset(name: str) -> str:
-    """A file of the page, as text."""
+    """The text of one of the page's files."""
     return (ASSETS / name).read_text(encoding="utf-8")
 
 
 def render_page(page: Page, workbench: Workbench | None = None) -> str:
-    """The file's text. The policy allows the scripts and the style in it by their hashes, and nothing else."""
+    """The text of the file. Its policy allows only the scripts and the style in it, by their hashes.
+
+    Raises ValueError if one of these contains "</".
+    """
     kinds = {type(part) for section in page.sections for part in section.parts}
     more = [name for kind, name in ((Runs, RUNS), (Mechanism, MACHINE)) if kind in kinds]
     scripts = [
@@ -57,7 +60,7 @@ def render_page(page: Page, workbench: Workbench | None = None) -> str:
         asset("page.js"),
     ]
     style = asset("page.css") + (workbench.style if workbench else "")
-    # a script ends at its end tag, wherever it is: none of ours may hold one
+    # a script ends at the first end tag, even inside a string: none of ours may contain one
     if any("</" in text for text in (*scripts, style)):
         raise ValueError("a script or style of the page holds '</', which would end it")
     after = [i for i, section in enumerate(page.sections) if workbench and section.id == workbench.after]
@@ -77,7 +80,7 @@ def render_page(page: Page, workbench: Workbench | None = None) -> str:
 
 
 def policy(scripts: Sequence[str], style: str) -> str:
-    """The content-security policy: nothing from anywhere, and of what is inside only what has these hashes."""
+    """The content-security policy: nothing from outside, and inside only scripts and style with these hashes."""
     allowed = " ".join(_hash(script) for script in scripts)
     return (
         f"default-src 'none'; script-src {allowed}; style-src {_hash(style)}; img-src data:; base-uri 'none'; "
@@ -90,12 +93,12 @@ def _hash(text: str) -> str:
 
 
 def _said(sentence: str) -> Markup:
-    """A sentence with what is between backticks, a command or a name to type, set so."""
+    """A sentence as HTML, with text between backticks, a command or a name to type, as code."""
     return Markup(re.sub(r"`([^`]+)`", r"<code>\1</code>", str(escape(sentence))))
 
 
 def _figures(page: Page) -> dict[str, Any]:
-    """What figures and runs show, by the place at which the template puts them."""
+    """Data of figures, runs and mechanisms, by the id that the template gives them."""
     return {
         f"{section.id}-{i}": asdict(part)
         for section in page.sections
@@ -105,6 +108,6 @@ def _figures(page: Page) -> dict[str, Any]:
 
 
 def _data(value: Any) -> Markup:
-    """JSON that may stand in a script element: no tag can begin in it."""
+    """JSON for a script element: it contains no "<", so that no tag can begin in it."""
     text = json.dumps(finite(value), ensure_ascii=False, allow_nan=False, separators=(",", ":"))
     return Markup(text.replace("<", "\\u003c").replace("\u2028", "\\u2028").replace("\u2029", "\\u2029"))

@@ -71,13 +71,13 @@ LAWS_AID = (
 )
 BINS = 24
 HEIGHT = 260  # px
-PANES = 3  # charts of a law
+PANES = 3  # charts of a law, at most
 SERIES = {"position": "position", "velocity": "velocity", "acceleration": "acceleration"}
 UNIT_OF = {"position": "{}", "velocity": "{}/s", "acceleration": "{}/s²"}
 
 
 def ranking_section(diagnosis: Diagnosis, catalogue: Mapping[str, Effect]) -> Section:
-    """Every effect with its verdict, those that count in full, the others folded; and the laws of what was named."""
+    """Every effect with its verdict, supported ones in full, the others folded; and the laws of identified effects."""
     shown = [verdict for verdict in diagnosis.ranking if verdict.verdict not in UNSUPPORTED]
     rest = [verdict for verdict in diagnosis.ranking if verdict.verdict == "not supported"]
     absorbed = [verdict for verdict in diagnosis.ranking if verdict.verdict == "absorbed"]
@@ -122,7 +122,7 @@ def ranking_section(diagnosis: Diagnosis, catalogue: Mapping[str, Effect]) -> Se
 
 
 def _laws(diagnosis: Diagnosis, catalogue: Mapping[str, Effect]) -> list[Part]:
-    """What the identified effects do, as far as their classes tell it."""
+    """The laws of the identified effects, if their classes state them."""
     known = [catalogue[name] for name in diagnosis.missing if name in catalogue]
     rows = tuple(row(effect_name(entry.name), entry.law, entry.symbols) for entry in known if entry.law)
     columns = (PageColumn("effect", "keep"), PageColumn("law", "words"), PageColumn("symbols", "words"))
@@ -130,7 +130,7 @@ def _laws(diagnosis: Diagnosis, catalogue: Mapping[str, Effect]) -> list[Part]:
 
 
 def _with_reasons(diagnosis: Diagnosis, chosen: Sequence[EffectVerdict]) -> document.Table:
-    """The ranking of some effects with the sentence on each."""
+    """The ranking of these effects, with the reason for each verdict."""
     table = ranking_table(diagnosis, chosen)
     kept = [column for column in table.columns if column.header != "verdict"]
     reasons = document.Column("reason", [reason_sentence(verdict) for verdict in chosen], "sentence")
@@ -138,7 +138,7 @@ def _with_reasons(diagnosis: Diagnosis, chosen: Sequence[EffectVerdict]) -> docu
 
 
 def not_ranked_section() -> Section:
-    """Says that nothing was looked for."""
+    """The section of a run that did not search for missing effects."""
     words = (
         "This run fitted or applied a model; which effects it lacks was not looked for. bench diagnose does."
     )
@@ -146,7 +146,7 @@ def not_ranked_section() -> Section:
 
 
 def gains_section(after: Identification, before: Identification | None) -> Section:
-    """Drive gains with their 95 % intervals and the nominal values; before: without what is missing."""
+    """Drive gains with their 95 % intervals and nominal values. before: the model without the missing effects."""
     why = why_nominal(after)
     if why is not None and not after.gains_fitted:
         lead = scale_sentence(why)
@@ -169,7 +169,7 @@ def gains_section(after: Identification, before: Identification | None) -> Secti
 
 
 def laws_section(diagnosis: Diagnosis) -> Section:
-    """Every law at every motor: its terms, and what it goes by."""
+    """Every discovered law at every motor: its terms, and charts against the variables on which it depends."""
     laws = diagnosis.discovered
     variants = {f"{i}": Variant(_charts(law, diagnosis.after)) for i, law in enumerate(laws)}
     names = tuple(f"{law.place}, {law.law}" for law in laws)
@@ -229,7 +229,7 @@ def _charts(law: Discovered, after: Identification) -> tuple[PageChart, ...]:
 def _chart(
     discovered_law: Discovered, after: Identification, look: LooksAt, joints: Sequence[str], units: JointUnits
 ) -> PageChart:
-    """The law and the rest, both in torque, over one variable."""
+    """The law and the measured torque that it explains, against one variable."""
     j = joints.index(discovered_law.place)
     at = joints.index(look.motor) if look.motor else j
     gain = after.drive_gains[discovered_law.place].value
@@ -267,7 +267,7 @@ def _measured(role: Direction, bins: Profile, x: np.ndarray, y: np.ndarray) -> B
 def _rows(
     series: CurrentSeries, law: str, j: int, at: int, what: str, gain: float
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-    """Where the motor moves: the variable, the law's torque, the torque that the whole model leaves, the direction."""
+    """In rows in which motor j moves: the variable, the law's torque, the model's residual torque, forwards or not."""
     rows = series.moving[:, j]
     if what == "time":
         x = series.time - series.time[0]

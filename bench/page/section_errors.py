@@ -44,15 +44,15 @@ MOST_NUMBERS = 45_000  # of all curves of the currents together: about 0.4 MB
 MOST_POINTS, FEWEST_POINTS = 1200, 120  # of one curve
 MOST_FIGURES = 240  # motors times recordings
 CURRENTS, MOTOR = "currents", "Motor"  # the section of the curves, and its choice
-ON_PAPER = 8  # currents that are printed
+ON_PAPER = 8  # variants of the currents that are printed
 ERROR_AID = "Error: RMS(measured − modelled current) over RMS(measured current), where the joint moves."
 MOTORS_ON_PAPER = 6  # motors that are printed
-LAWS = "laws-alike"  # the id of the table with them
+LAWS = "laws-alike"  # id of the table of laws with similar errors
 
 
 @dataclass(frozen=True, eq=False)
 class ShownModel:
-    """A model's errors in the recordings. name: as in "error ... ", label: as a choice; role: its errors' colour."""
+    """A model's errors in the recordings. name: used as in "error ..."; label: its option; role: its errors' colour."""
 
     name: str
     role: Role
@@ -62,11 +62,11 @@ class ShownModel:
 
     @property
     def joints(self) -> tuple[str, ...]:
-        """The motors that move, at least in one recording."""
+        """The motors that move in at least one recording."""
         return tuple(joint for joint in self.what.joints if self.what.of(joint))
 
     def one(self, joint: str, recording: str) -> MotorSeries | None:
-        """One motor in one recording; None where it hardly moves."""
+        """The series of one motor in one recording; None if it hardly moves."""
         traces = [trace for trace in self.what.of(joint) if trace.recording == recording]
         return traces[0] if traces else None
 
@@ -80,9 +80,10 @@ def shown_model(
     has: Sequence[str] | None = None,
     label: str = "",
 ) -> ShownModel:
-    """Look for where the errors of a model are. problem: with the dataset that the model's series are of.
+    """Find where a model's errors are. problem: with the dataset of the model's series.
 
-    has: the effects of the model; given, others that leave such errors are named. name, label: see `ShownModel`.
+    has: the model's effects; if given, other effects that would leave such errors are named. name, label: see
+    `ShownModel`.
     """
     dataset = dataset_of(problem.dataset, model.recordings)
     what = compared(dataset.robot, dataset.recordings, model.recordings, settings)
@@ -116,7 +117,7 @@ def errors_section(shown: ShownModel, recordings: Sequence[CurrentSeries], noise
 
 
 def errors_table(shown: ShownModel, recordings: Sequence[CurrentSeries], noise: float) -> PageTable:
-    """Errors by recording and motor, fitted and not fitted, with totals. noise: relative, of all together."""
+    """Errors by recording and motor, fitted and not fitted, with totals. noise: relative, of all motors together."""
     joints = list(shown.what.joints)
     many = len(joints) > 1
     by_motor = [motor.noise for motor in shown.where.motors]
@@ -130,9 +131,9 @@ def errors_table(shown: ShownModel, recordings: Sequence[CurrentSeries], noise: 
 def currents_section(
     models: Sequence[ShownModel], moving: Callable[[str, str], Mechanism | Text] | None = None
 ) -> Section:
-    """Measured against modelled current of every motor in every recording, the errors below.
+    """Measured and modelled current of every motor in every recording, with the errors below.
 
-    moving: the robot in the recording that is shown first, from its name and the option by which it is chosen.
+    moving: gives the moving robot from a recording's name and option; called for the recording shown first.
     """
     last = models[-1]
     joints = last.joints
@@ -187,7 +188,7 @@ def currents_section(
 
 
 def _facts(joint: str, curves: Sequence[Curve]) -> str:
-    """Errors of one motor in one recording in words."""
+    """The errors of one motor in one recording, as a sentence."""
     errors = []
     for _, name, trace in curves:
         measured = float(trace.measured @ trace.measured)
@@ -205,7 +206,7 @@ def _facts(joint: str, curves: Sequence[Curve]) -> str:
 
 
 def _loudest(shown: ShownModel) -> int:
-    """The number of the motor with the largest error relative to its noise: what there is to find is there."""
+    """Index of the motor with the largest error relative to its noise, the one most worth looking at."""
     beyond = {
         motor.joint: motor.error / max(motor.noise, 1e-12)
         for motor in shown.where.motors
@@ -215,7 +216,7 @@ def _loudest(shown: ShownModel) -> int:
 
 
 def _worst(shown: ShownModel, joint: str, names: Sequence[str]) -> int:
-    """The number of the recording that is modelled worst, among those not fitted where there are any."""
+    """Index of the recording with the largest error, among those not fitted if there are any."""
     by_name = {trace.recording: trace for trace in shown.what.of(joint) if trace.recording in names}
     unseen = [trace for trace in by_name.values() if trace.use == "validate"] or list(by_name.values())
     errors = next(motor.by_recording for motor in shown.where.motors if motor.joint == joint)
@@ -224,7 +225,7 @@ def _worst(shown: ShownModel, joint: str, names: Sequence[str]) -> int:
 
 
 def where_section(models: Sequence[ShownModel]) -> Section:
-    """Words and charts for every motor and every model, at first of the last one that leaves more than noise."""
+    """Sentences and charts for every motor and model; initially of the last model that leaves more than noise."""
     joints = models[-1].joints
     options = tuple(model.label for model in models)
     laws = _laws(models)
@@ -272,7 +273,7 @@ def where_section(models: Sequence[ShownModel]) -> Section:
 
 
 def _laws(models: Sequence[ShownModel]) -> tuple[PageTable, ...]:
-    """The effects that leave errors like those identified, each once, with what they are and how they show."""
+    """A table of effects that would leave errors like the models', each once, with its law and how to excite it."""
     alike = (rival for model in models for motor in model.where.motors for rival in motor.alike[:MOST_LOOKS])
     questions: dict[str, int] = {}
     for rival in alike:

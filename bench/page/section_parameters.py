@@ -1,4 +1,4 @@
-"""Sections on the parameters: values, deviations, groupings, conditioning, and what was not excited."""
+"""Sections on the parameters: values, standard errors, groupings, conditioning, and excitation."""
 
 from itertools import pairwise
 
@@ -18,13 +18,13 @@ from bench.page.parts import Items, PageColumn, PageTable, Part, Section, on_pag
 
 ROLES: tuple[Role, ...] = ("three", "four", "five", "six", "seven")  # errors have the first two colours
 HEIGHT = 330  # px
-ALIKE = 0.95  # correlation of two estimates from which on one can stand for the other
+ALIKE = 0.95  # correlation above which two estimates are hardly distinguishable
 MOST_PAIRS = 10
-REVERSALS = 3  # fewer in all recordings tell little of friction
+REVERSALS = 3  # fewer in all recordings show little of friction
 
 
 def band_figure(result: Identification) -> list[Part]:
-    """Errors, and the values that change most, against the band; nothing where one band alone was looked at."""
+    """Errors, and the values that change most, against the band; empty if only one band was fitted."""
     points = sorted(result.bandwidths, key=lambda point: point.band)
     if len(points) < 2:
         return []
@@ -59,7 +59,7 @@ def band_figure(result: Identification) -> list[Part]:
 
 
 def _moves(points: list[BandPoint], chosen_point: BandPoint, unknown: Unknown) -> np.ndarray:
-    """How many of the standard errors of both a value differs from that in this band; NaN where it is not there."""
+    """Change of a value from that in the chosen band, in combined standard errors of both; NaN if it is absent."""
     value, std = chosen_point.values[unknown]
     moves = []
     for point in points:
@@ -69,7 +69,7 @@ def _moves(points: list[BandPoint], chosen_point: BandPoint, unknown: Unknown) -
 
 
 def name_of(unknown: Unknown) -> str:
-    """A gain, a parameter, or a value of an effect at its place."""
+    """The name of an unknown: a gain, a parameter, or a value of an effect at its place."""
     if unknown.kind == "gain":
         return f"gain of {unknown.place}"
     if unknown.kind == "parameter":
@@ -80,9 +80,9 @@ def name_of(unknown: Unknown) -> str:
 def parameters_section(
     after: Identification, before: Identification | None, *, diagnosed: bool = False
 ) -> Section:
-    """Base, payload and effect parameters with their relative deviations and groupings.
+    """Base, payload and effect parameters with their relative standard errors and groupings.
 
-    diagnosed: those of effects are shown with the verdicts on them.
+    diagnosed: whether the parameters of effects are omitted, as a diagnosis shows them with its verdicts.
     """
     aid = (
         "A base parameter is what the motion can show: its own term and those named under “together with”. Marked "
@@ -116,7 +116,7 @@ def _deviations_figure(result: Identification) -> Part:
 
 
 def conditioning_section(result: Identification) -> Section:
-    """Rank and conditioning, what the motors did, and what they did not do enough."""
+    """Rank and conditioning, the motors' motion, and what it did not excite sufficiently."""
     facts = [typeset(f"{line[:1].upper()}{line[1:]}.") for line in settings_lines(result)[:-1]]
     parts: list[Part] = [
         Items(
@@ -144,7 +144,7 @@ def _fitted(result: Identification) -> list[CurrentSeries]:
 
 
 def _reversals(series: CurrentSeries, j: int) -> int:
-    """How often a motor changes its direction while it moves."""
+    """How often a motor reverses, counted over the rows in which it moves."""
     signs = np.sign(series.velocity[:, j][series.moving[:, j]])
     return sum(a * b < 0 for a, b in pairwise(signs.tolist()))
 
@@ -186,7 +186,7 @@ def _motion_table(result: Identification) -> PageTable:
 
 
 def _at(value: float, values: np.ndarray) -> str:
-    """A position to a thousandth of the range."""
+    """A position, to a thousandth of the range of `values`."""
     extent = float(np.ptp(values)) or 1.0
     return typeset(f"{value:.{max(0, 3 - int(np.ceil(np.log10(extent))))}f}")
 
@@ -222,9 +222,9 @@ def _not_excited(result: Identification) -> list[str]:
 
 
 def _alike(result: Identification) -> list[tuple[str, str, float]]:
-    """Pairs of estimates whose errors are all but one, the closest first."""
+    """Pairs of estimates with a correlation above ALIKE in size, the highest first."""
     names = [name_of(unknown) for unknown in result.covariance_rows]
-    if not names:  # a model file of an earlier version does not tell them
+    if not names:  # a model file of an earlier version lacks them
         return []
     std = np.sqrt(np.maximum(np.diag(result.covariance), 0.0))
     safe = np.where(std > 0, std, np.inf)

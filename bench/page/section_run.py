@@ -1,4 +1,4 @@
-"""Sections on the run itself: its limits, its settings, and how to run it again."""
+"""Sections on the run: its limits, its settings, and how to repeat it."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
@@ -19,7 +19,7 @@ from bench.signals.settings import FilterSettings
 
 @dataclass(frozen=True)
 class CommandRun:
-    """A command as it was given, so that it can be given again. options: by the words of their names."""
+    """A command, so that it can be repeated. options: by name, with underscores for hyphens."""
 
     command: str
     dataset: str
@@ -29,12 +29,12 @@ class CommandRun:
     output: str = ""
 
     def line(self, program: str = "bench") -> str:
-        """The command line. program: as a shell takes it."""
+        """The command line. program: its first word, quoted for a shell if necessary."""
         words = [self.command, self.dataset, *self.option_words()]
         return " ".join([program, *(quoted(word) for word in words)])
 
     def option_words(self) -> list[str]:
-        """All that the dataset consists of."""
+        """The words after the dataset."""
         words = [word for effect in self.effects for word in ("--with", effect)]
         words += [word for file in self.effect_files for word in ("--effect-file", file)]
         for name, value in self.options.items():
@@ -47,7 +47,7 @@ class CommandRun:
 
 @dataclass(frozen=True)
 class Made:
-    """How a page came about. again: the commands that give it; by: the versions that worked it out."""
+    """The origin of a page. again: the commands that reproduce it; by: the versions that computed its results."""
 
     again: tuple[str, ...]
     by: Versions = field(default_factory=versions)
@@ -56,7 +56,7 @@ class Made:
 def limits_section(
     result: Identification | None, diagnosis: Diagnosis | None, dataset: Dataset, settings: FilterSettings
 ) -> Section:
-    """What this run cannot say."""
+    """The limits of this run."""
     limits: list[str] = list(dict.fromkeys(result.notes)) if result is not None else []
     validated = any(recording.use == "validate" for recording in dataset.recordings)
     if not validated and diagnosis is not None:
@@ -108,7 +108,7 @@ def limits_section(
 def run_section(
     dataset: Dataset, settings: FilterSettings, result: Identification | None, made: Made
 ) -> Section:
-    """Recordings, settings, versions, and the commands that give this page again."""
+    """Recordings, settings, versions, and the commands that reproduce this page."""
     parts: list[Part] = [_recordings_table(dataset)]
     if dataset.payloads:
         parts.append(_payloads_table(dataset))
@@ -200,7 +200,7 @@ def _versions_table(by: Versions) -> PageTable:
 
 
 def versions_of(columns: Mapping[str, Sequence[Any]]) -> PageTable:
-    """The versions that made the rows of a table: of its columns commit and version.PACKAGE."""
+    """The versions that computed the rows of a table, from its columns commit and version.PACKAGE."""
     rows = []
     for name, values in columns.items():
         different = sorted({str(value) for value in values if value not in (None, "")})

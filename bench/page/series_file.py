@@ -1,7 +1,7 @@
-"""The currents of one or of several models of the same recordings as one Parquet file, to the last digit.
+"""The currents of one or more models of the same recordings as one Parquet file, in full precision.
 
-Columns: recording, time, KIND.JOINT for what was measured, then for model k of the file modelled.k.JOINT and, for each
-of its effects, effect.k.NAME.JOINT.
+Columns: recording, time, KIND.JOINT for each of `MEASURED`, then for model k modelled.k.JOINT and, for each of its
+effects, effect.k.NAME.JOINT.
 """
 
 from collections.abc import Sequence
@@ -20,7 +20,7 @@ MEASURED = ("measured", "position", "velocity", "acceleration", "moving")
 
 
 def write_series(path: Path, models: Sequence[Sequence[CurrentSeries]], joints: Sequence[str]) -> None:
-    """Write the models' currents, whole or not at all. Raises ValueError where they are not of the same rows."""
+    """Write the models' currents, whole or not at all. Raises ValueError if they are of different rows."""
     first = models[0]
     _check_same(models)
     lengths = [len(trace.time) for trace in first]
@@ -50,7 +50,7 @@ def read_series(
 ) -> tuple[tuple[CurrentSeries, ...], ...]:
     """The models' currents in the dataset's recordings. effects: names of each model's effects.
 
-    Raises BenchError where the file cannot be read, or is of other recordings, joints or models.
+    Raises BenchError if the file cannot be read, or is of other recordings, joints or models.
     """
     try:
         table = pq.read_table(path)

@@ -1,4 +1,4 @@
-"""The page of a sweep: what was varied, the metrics against it, what failed, how to run it again."""
+"""The page of a sweep: the metrics against the varied quantities, failed runs, and how to repeat it."""
 
 import json
 from collections.abc import Sequence
@@ -43,7 +43,7 @@ from bench.studies.sweep.summary import Spread, Summary, SummaryLine, explanatio
 from bench.studies.sweep.sweep_file import load_sweep
 from bench.studies.sweep.table import column_names, read_table
 
-MOST_LINES = 200  # of a table on the page; the file has all
+MOST_LINES = 200  # of a table on the page; the file contains all
 MOST_REASONS = 20
 MOST_TILES = 3
 FEW_SEEDS = 5
@@ -52,7 +52,7 @@ MOST_VALUES = 12
 
 @dataclass(frozen=True)
 class SweepResult:
-    """A sweep's folder, read. plan: of its file; name: that of the file when it was run."""
+    """The contents of a sweep's folder. plan: from its file; name: of that file when the sweep ran."""
 
     folder: Path
     name: str
@@ -64,7 +64,7 @@ class SweepResult:
 
 
 def read_sweep(folder: Path) -> SweepResult:
-    """Read the folder of a sweep that has ended. Raises BenchError that names what is missing or damaged."""
+    """Read the folder of a completed sweep. Raises BenchError naming what is missing or damaged."""
     plan = Plan(load_sweep(folder / FILE))
     table = table_in(folder)
     known = column_names(table)
@@ -81,7 +81,7 @@ def read_sweep(folder: Path) -> SweepResult:
 
 
 def sweep_page(result: SweepResult, again: Sequence[str]) -> Page:
-    """What a sweep shows. again: the commands that give this page."""
+    """The page of a sweep. again: the commands that reproduce it."""
     sweep = result.plan.sweep
     return Page(
         title=_title(result),
@@ -106,7 +106,7 @@ def sweep_page(result: SweepResult, again: Sequence[str]) -> Page:
 
 
 def _title(result: SweepResult) -> str:
-    """Its name; of a file that is called sweep, which says nothing, what it varies."""
+    """The sweep's name; if that is only "sweep", what it varies."""
     if result.name.lower() != "sweep":
         return f"Sweep {result.name}"
     varied = [axis_words(axis) for axis in result.plan.axis_names]
@@ -114,7 +114,7 @@ def _title(result: SweepResult) -> str:
 
 
 def _verdict(result: SweepResult) -> tuple[str, ...]:
-    """Three sentences: how many runs came to an answer, what they gave, where they were worst."""
+    """Up to three sentences: how many runs gave a result, the first metric over all runs, and its extremes."""
     all_runs = result.overall
     ended = all_runs.runs - all_runs.failed
     about = result.plan.sweep.table.description.rstrip(".")

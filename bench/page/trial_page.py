@@ -1,4 +1,4 @@
-"""The page of a blind trial: what was reached, what was named for what, misses by size, intervals, remaining errors."""
+"""The page of a blind trial: targets, confusion of effects, misses by size, confidence intervals, remaining errors."""
 
 import json
 from collections import Counter
@@ -57,12 +57,12 @@ NEEDED = (
 SUFFIX = ".parquet"
 NOT_KEPT = {Attained.NO: "not kept", Attained.TOO_FEW: Attained.TOO_FEW.value}
 CELL, LABELS = 25, 190  # px, of the confusion matrix
-FEW = 20  # cases, below which a share says little
+FEW = 20  # cases, below which a share is hardly meaningful
 
 
 @dataclass(frozen=True)
 class TrialResult:
-    """The table of a trial, read."""
+    """The table of a trial, with its rows and summary."""
 
     table: Path
     robot: str
@@ -71,9 +71,9 @@ class TrialResult:
 
 
 def trial_table(source: Path) -> Path | None:
-    """The table of a trial, from its folder or its path; None where this is none.
+    """The path of a trial's table, from its folder or itself; None if there is none.
 
-    Raises BenchError for a folder that holds the trials of several robots.
+    Raises BenchError for a folder with the trials of several robots.
     """
     paths = sorted(source.glob(f"*{SUFFIX}")) if source.is_dir() else [source]
     files = [path for path in paths if path.suffix == SUFFIX and path.is_file()]
@@ -87,7 +87,7 @@ def trial_table(source: Path) -> Path | None:
 
 
 def read_trial(table: Path) -> TrialResult:
-    """Read the table of a trial. Raises BenchError for one without a case."""
+    """Read the table of a trial. Raises BenchError if it has no case."""
     columns = read_table(table)
     count = len(columns["status"])
     if not count:
@@ -97,7 +97,7 @@ def read_trial(table: Path) -> TrialResult:
 
 
 def trial_page(result: TrialResult, again: Sequence[str]) -> Page:
-    """How far a diagnosis of this robot can be trusted. again: the commands that give this page."""
+    """The page of a trial: how far a diagnosis of this robot can be trusted. again: the commands that reproduce it."""
     summary = result.summary
     return Page(
         title=f"How far a diagnosis of {result.robot} can be trusted",
@@ -118,7 +118,7 @@ def trial_page(result: TrialResult, again: Sequence[str]) -> Page:
 
 
 def again_line(result: TrialResult, times: int = 1) -> str:
-    """The command that runs the trial again, as far as its folder tells; with so many times the seeds."""
+    """The command that repeats the trial, as far as its folder records it, with `times` as many seeds."""
     counts = Counter(row["kind"] for row in result.rows)
     kinds = [kind for kind in KINDS if counts[kind]]
     each = Counter((row["kind"], row["hidden"]) for row in result.rows if row["kind"] in ("one", "outside"))
@@ -140,7 +140,7 @@ def again_line(result: TrialResult, times: int = 1) -> str:
 
 
 def _saved_settings(result: TrialResult, kinds: Sequence[str]) -> dict[str, Any]:
-    """What the trial's folder keeps of its command: the effects that it drew from (none: all), and `given`."""
+    """What the trial's folder records of its command: the effects to draw from (empty: all), and `given` options."""
     for kind in kinds:
         path = result.table.with_suffix("") / f"{kind}.json"
         if path.is_file():
@@ -156,7 +156,7 @@ def _saved_settings(result: TrialResult, kinds: Sequence[str]) -> dict[str, Any]
 
 
 def _verdict(summary: TrialSummary) -> tuple[str, ...]:
-    """Three sentences: what is named, false alarms, and what the answers are worth."""
+    """Three sentences: correct answers, false alarms, and which limits are kept."""
     by_figure = {target.figure: target for target in summary.targets}
     phrases = [
         (by_figure[TargetFigure.ONE_FIRST], "a single hidden effect is named first in"),

@@ -1,4 +1,4 @@
-"""The verdict in three sentences: what is missing, what that changes, what remains; and the numbers that count."""
+"""The verdict of a page, in about three sentences, and its key numbers."""
 
 from collections.abc import Collection, Mapping
 
@@ -17,11 +17,13 @@ from bench.identification.wording import motor_words, with_error
 from bench.page.parts import Tile
 from bench.residuals.residuals import WhereItFails
 
-MOST_GAINS = 7  # that are listed in a sentence
+MOST_GAINS = 7  # listed in a sentence
 
 
 def diagnosis_verdict(diagnosis: Diagnosis) -> tuple[str, ...]:
-    """Three sentences on a diagnosis, one for each law that was discovered, and one on what was not looked at."""
+    """Sentences on a diagnosis: what is missing, what was not examined, each discovered law, the gains, usual effects,
+    and the remaining error.
+    """
     said = summary_of(diagnosis)
     doubt = runaway(diagnosis.after)
     middle = sentence(doubt) if doubt else said.nominal or said.moved or gains_sentence(diagnosis.after)
@@ -61,7 +63,7 @@ def comparison_verdict(error: ErrorSummary, model: str, where: WhereItFails, noi
 
 
 def gains_sentence(result: Identification) -> str:
-    """What became of the drive gains."""
+    """The identified drive gains, or why they are nominal."""
     why = why_nominal(result)
     nominal = "" if why is None else scale_sentence(why)
     if not result.gains_fitted:
@@ -70,7 +72,7 @@ def gains_sentence(result: Identification) -> str:
 
 
 def _fitted_gains(result: Identification) -> Mapping[str, DriveGain]:
-    """The gains that were fitted; all, where none was."""
+    """The fitted gains; all gains if none was fitted."""
     return {joint: gain for joint, gain in result.drive_gains.items() if gain.fitted} or result.drive_gains
 
 
@@ -105,7 +107,7 @@ def gains_listed(result: Identification, joints: Collection[str]) -> str:
 
 
 def diagnosis_tiles(diagnosis: Diagnosis) -> tuple[Tile, ...]:
-    """The numbers that count of a diagnosis."""
+    """The key numbers of a diagnosis."""
     first, last = diagnosis.ladder[0], diagnosis.ladder[-1]
     kind = "not fitted" if last.validate is not None else "fitted"
     before = f"from {share(first.reported)} without" if diagnosis.added else "nothing to add"
@@ -121,7 +123,7 @@ def diagnosis_tiles(diagnosis: Diagnosis) -> tuple[Tile, ...]:
 
 
 def identification_tiles(result: Identification, noise: float) -> tuple[Tile, ...]:
-    """The numbers that count of an identification."""
+    """The key numbers of an identification."""
     validation = result.error.validate
     fitted = share(result.error.identify)
     note = f"fitted {fitted}" if validation is not None else "no recording kept for validation"
@@ -138,7 +140,7 @@ def identification_tiles(result: Identification, noise: float) -> tuple[Tile, ..
 
 
 def comparison_tiles(error: ErrorSummary, where: WhereItFails, noise: float) -> tuple[Tile, ...]:
-    """The numbers that count of a comparison."""
+    """The key numbers of a comparison."""
     values = [value for value in (error.identify, error.validate) if value is not None]
     use = "that were not fitted" if values and max(values) == error.validate else "for identification"
     worst = max(where.motors, key=lambda motor: motor.error, default=None)
@@ -152,7 +154,7 @@ def comparison_tiles(error: ErrorSummary, where: WhereItFails, noise: float) -> 
 
 
 def replay_tiles(result: Replay, where: WhereItFails, noise: float) -> tuple[Tile, ...]:
-    """The numbers that count of a replay."""
+    """The key numbers of a replay."""
     twins, models = (relative_error(comparison.recordings) for comparison in (result.twin, result.model))
     worst = max(where.motors, key=lambda motor: motor.error, default=None)
     return (

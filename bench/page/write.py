@@ -1,4 +1,4 @@
-"""Write the page of a run, and what is needed to write it again."""
+"""Write the page of a run, and the files needed to write it again."""
 
 from dataclasses import replace
 from pathlib import Path
@@ -33,9 +33,9 @@ def write_page(path: Path, page: Page, workbench: Workbench | None = None) -> Pa
 def write_diagnosis_report(
     folder: Path, diagnosis: Diagnosis, dataset: Dataset, run: CommandRun, progress: Progress = SILENT
 ) -> Path:
-    """Write report.html of a diagnosis into its folder, and what is needed to write it again."""
+    """Write report.html of a diagnosis into its folder, and the files needed to write it again."""
     kept = SavedRun(run, dataset, diagnosis.after, diagnosis, "")
-    save_run(folder, kept)  # before anything is drawn of it
+    save_run(folder, kept)  # before the page is drawn
     progress.phase("preparing the workbench of the page")
     kept = replace(kept, workbench=page_data(kept.problem, diagnosis))
     save_workbench(folder, kept)
@@ -45,7 +45,7 @@ def write_diagnosis_report(
 def write_identification_report(
     folder: Path, result: Identification, dataset: Dataset, run: CommandRun, model: str = ""
 ) -> Path:
-    """Write report.html of an identification, or of a saved model that was applied (named `model`)."""
+    """Write report.html of an identification, or of the application of a saved model, named `model`."""
     kept = SavedRun(run, dataset, result, None, model)
     save_run(folder, kept)
     return write_saved_run(folder / REPORT_FILE, kept, folder)
@@ -54,14 +54,14 @@ def write_identification_report(
 def write_replay_report(
     folder: Path, result: Replay, problem: Problem, saved: Identification, run: CommandRun
 ) -> Path:
-    """Write report.html of a replay into a folder; saved: the model that was exported."""
+    """Write report.html of a replay into a folder. saved: the exported model."""
     return write_page(folder / REPORT_FILE, replay_page(result, problem, saved, Made((run.line(),))))
 
 
 def write_saved_run(
     path: Path, kept: SavedRun, folder: Path | None = None, progress: Progress = SILENT
 ) -> Path:
-    """Write the page of a run, made just now or read from its folder."""
+    """Write the page of a run, new or read from its folder, which `folder` names."""
     again = [kept.run.line()]
     if folder is not None:
         again.append(f"bench report {quoted(folder)} -o {quoted(path)}")
@@ -85,7 +85,9 @@ def write_saved_run(
 
 
 def _identify_line(kept: SavedRun) -> str:
-    """The command that identifies the diagnosed dataset in the same way, without the effects that the page ticks."""
+    """The command that identifies the diagnosed dataset with the same options, without the effects selected on the
+    page.
+    """
     each = tuple(effect for effect in kept.after.effects if effect.endswith(TAG))
     options = {name: value for name, value in kept.run.options.items() if name not in ("time_limit", "rule")}
     return CommandRun("identify", kept.run.dataset, each, kept.run.effect_files, options).line()

@@ -10,7 +10,7 @@ from bench.studies.sweep.run_sweep import FILE
 
 
 def write_sweep_report(folder: Path, output: Path) -> Path:
-    """Write the page of the sweep in a folder. Raises BenchError where it has not ended or cannot be read."""
+    """Write the page of the sweep in a folder. Raises BenchError if it is incomplete or cannot be read."""
     sweep = read_sweep(folder)
     again = [f"bench sweep {quoted(folder / FILE)} -o {quoted(folder)}"]
     return write_page(
@@ -19,7 +19,7 @@ def write_sweep_report(folder: Path, output: Path) -> Path:
 
 
 def write_trial_report(table: Path, output: Path) -> Path:
-    """Write the page of a trial from its table. Raises BenchError where it cannot be read."""
+    """Write the page of a trial from its table. Raises BenchError if it cannot be read."""
     trial = read_trial(table)
     again = [again_line(trial), f"bench report {quoted(table)} -o {quoted(output)}"]
     return write_page(output, trial_page(trial, again))

@@ -1,4 +1,4 @@
-"""Pinocchio and MuJoCo side by side: joints, body poses, masses, and the forces of motion."""
+"""Pinocchio compared with MuJoCo: joints, body poses, masses, and the forces of motion."""
 
 import copy
 from collections.abc import Callable, Iterator
@@ -28,7 +28,7 @@ KINDS = {
 
 
 def check_joint_list(machine: CheckedMachine) -> Check:
-    """Every joint of the MJCF is in the model under its name, of its kind, on the body that MuJoCo says."""
+    """Every joint of the MJCF is in the model, with the same name, kind, coordinates and parent joint."""
     geometry, compiled = machine.geometry, machine.compiled
     if compiled.njnt != machine.model.njoints - 1:
         counts = {"mujoco": int(compiled.njnt), "pinocchio": machine.model.njoints - 1}
@@ -65,7 +65,7 @@ def check_joint_motion(machine: CheckedMachine, poses: np.ndarray) -> Check:
         pin.computeJointJacobians(model, data, q)
         for index, joint in enumerate(machine.geometry.joints):
             anchor = machine.state.xanchor[index]
-            moved = anchor.copy()  # MuJoCo's anchor of a slide stays behind, Pinocchio's frame slides along
+            moved = anchor.copy()  # MuJoCo's anchor of a slide is fixed, Pinocchio's frame moves along
             if joint.kind == "slide":
                 moved += machine.state.xaxis[index] * q[joint.q]
             placed = np.abs(moved - data.oMi[index + 1].translation).max()
@@ -86,7 +86,7 @@ def check_joint_motion(machine: CheckedMachine, poses: np.ndarray) -> Check:
 
 
 def check_body_poses(machine: CheckedMachine, poses: np.ndarray, tree: Literal["opened", "closed"]) -> Check:
-    """Position and orientation of every body, fixed ones included, at the configurations poses (N, nq)."""
+    """Position and orientation of every body, including fixed ones, at the configurations poses (N, nq)."""
     worst = np.zeros(machine.compiled.nbody)
     for q in poses:
         set_pose(machine, q)
@@ -109,7 +109,7 @@ def check_body_poses(machine: CheckedMachine, poses: np.ndarray, tree: Literal["
 
 
 def check_total_mass(machine: CheckedMachine) -> Check:
-    """The mass of everything that moves."""
+    """The total mass of all moving bodies."""
     moving = [body for body, (joint, _) in machine.places.items() if joint >= 0]
     theirs = float(machine.compiled.body_mass[moving].sum())
     ours = pin.computeTotalMass(machine.model)
@@ -122,7 +122,7 @@ def check_total_mass(machine: CheckedMachine) -> Check:
 
 
 def check_mass_matrix(machine: CheckedMachine, poses: np.ndarray) -> Check:
-    """Joint-space inertia matrix of the opened tree, rotor inertias included: all masses and inertias."""
+    """Joint-space inertia matrix of the opened tree, rotor inertias included, at the configurations poses (N, nq)."""
     nv = machine.geometry.nv
     worst = np.zeros(nv)
     for q in poses:
@@ -157,14 +157,14 @@ def check_bias_forces(machine: CheckedMachine, poses: np.ndarray, velocities: np
 
 
 def check_motor_forces(machine: CheckedMachine, motion: Motion) -> Check:
-    """Forces of the motors at closed states: regressor times masses and rotor inertias, against MuJoCo's dynamics.
+    """Motor forces at closed states: regressor times masses and rotor inertias, against MuJoCo's dynamics.
 
-    This is the whole identification model; MuJoCo's forces are projected by its constraint Jacobian. Rounding grows
-    by the conditioning of the closures, and the bound with it.
+    This tests the whole identification model. MuJoCo's forces are projected by its constraint Jacobian. Rounding grows
+    with the conditioning of the closures, so the bound does too.
     """
     geometry, armature = machine.geometry, machine.compiled.dof_armature
     driven = np.concatenate((geometry.active, geometry.redundant))
-    unknown = np.setdiff1d(geometry.passive, driven)  # rotors of which a note tells
+    unknown = np.setdiff1d(geometry.passive, driven)  # their rotors are not modelled, which a note reports
     parameters = np.concatenate(
         [*(inertia.toDynamicParameters() for inertia in list(machine.model.inertias)[1:]), armature[driven]]
     )
@@ -202,7 +202,7 @@ def motor_motions(machine: CheckedMachine) -> np.ndarray:
 
 
 def _spin_rows(machine: CheckedMachine) -> np.ndarray:
-    """Rates (spins, nv) at which rods turn about their axes, by MuJoCo's velocities."""
+    """Rows (spins, nv) that give the spin rate of each rod about its axis from MuJoCo's velocities."""
     rows = []
     linear, angular = np.empty((2, 3, machine.geometry.nv))
     for spin in idle_spins(machine.geometry):
@@ -213,7 +213,7 @@ def _spin_rows(machine: CheckedMachine) -> np.ndarray:
 
 
 def model_acceleration(machine: CheckedMachine, v: np.ndarray) -> np.ndarray:
-    """The model's accelerations (nv,) when MuJoCo's are zero: T' qvel, from a free body's turning frame."""
+    """The model's accelerations (nv,) when MuJoCo's are zero: dT/dt qvel, as the frame of a free body rotates."""
     acceleration = np.zeros(machine.geometry.nv)
     for joint in machine.geometry.joints:
         if joint.kind == "free":
@@ -228,7 +228,7 @@ def _joint_of(machine: CheckedMachine, v: int) -> str:
 
 
 def _parent_joint(compiled: mujoco.MjModel, joint: int) -> int:
-    """The joint before this one on the way from the base; -1 for the base itself."""
+    """The joint before this one on the path from the base; -1 for the base itself."""
     body = int(compiled.jnt_bodyid[joint])
     if joint > compiled.body_jntadr[body]:
         return joint - 1
@@ -245,7 +245,7 @@ def _compared(
     offender: Callable[[int], dict[str, Any]],
     tolerance: float = AGREEMENT.rounding,
 ) -> Check:
-    """ok with what was done and the largest difference, or failed with the offender nearest to the base."""
+    """`ok` with what was compared and the largest difference, or `failed` with the offender nearest to the base."""
     largest = float(worst.max(initial=0.0))
     if largest < tolerance:
         code, done = agreed
@@ -257,11 +257,11 @@ SEED = 20120604  # of masses and inertias
 
 
 def check_base_parameters(machine: CheckedMachine, base: BaseParameters, motion: Motion) -> Check:
-    """Motor torques at the closed states of motion, by MuJoCo's inverse dynamics and by the base parameters alone.
+    """Motor torques at the closed states of `motion`: MuJoCo's inverse dynamics against the base parameters.
 
-    Once for every body, of random mass, centre of mass and inertia, and once for the rotors, all others without mass.
-    A body that the closures hold still, such as a base welded to the world, has no torque but rounding. What the slack
-    of a drawing makes, and the base parameters therefore neglect, is allowed for.
+    Computed for one body at a time, with random mass, centre of mass and inertia, and for the rotors, everything else
+    massless. A body that the closures fix, such as a base welded to the world, causes no torque but rounding. The bound
+    allows for what the base parameters neglect because of closure errors in the drawing.
     """
     reference = motion_with_torques(machine, motion)
     regressor = projected_regressor(machine.geometry, motion, base.columns)
@@ -287,8 +287,8 @@ def check_base_parameters(machine: CheckedMachine, base: BaseParameters, motion:
 def motion_with_torques(
     machine: CheckedMachine, motion: Motion
 ) -> Iterator[tuple[str, np.ndarray, np.ndarray, np.ndarray, float]]:
-    """For every body, then for all rotors: what has mass, its standard parameters (10 joints,), the rotors' inertias
-    (n,), the motors' torques (N, n) by MuJoCo, and the largest force or torque in a joint of the opened tree.
+    """For each body, then for all rotors: its name, standard parameters (10 joints,), rotor inertias (driven joints,),
+    MuJoCo's motor torques (N, n), and the largest force or torque in a joint of the opened tree.
     """
     geometry = machine.geometry
     driven = np.concatenate((geometry.active, geometry.redundant))
@@ -297,7 +297,9 @@ def motion_with_torques(
         set_pose(machine, q, v)
         motions.append(motor_motions(machine))
     compiled = copy.copy(machine.compiled)
-    compiled.body_sameframe[:] = compiled.body_simple[:] = 0  # shortcuts for the centres of mass of the file
+    compiled.body_sameframe[:] = compiled.body_simple[:] = (
+        0  # shortcuts valid only for the file's centres of mass
+    )
     compiled.body_mass[:] = compiled.body_inertia[:] = 0.0
     light = CheckedMachine(
         geometry, compiled, mujoco.MjData(compiled), machine.model, machine.data, machine.places
@@ -328,7 +330,7 @@ def motion_with_torques(
 
 
 def _torques(machine: CheckedMachine, motion: Motion, motions: list[np.ndarray]) -> tuple[np.ndarray, float]:
-    """The motors' torques (N, n) of the masses of the machine's bodies, and the largest force in the opened tree."""
+    """The motors' torques (N, n) from the bodies' masses, and the largest force or torque in the opened tree."""
     forces, in_tree = np.zeros(machine.geometry.nv), 0.0
     torques = np.empty((len(motion.time), len(machine.geometry.active)))
     for k, (q, v, a) in enumerate(zip(motion.q, motion.v, motion.a, strict=True)):

@@ -1,4 +1,4 @@
-"""The report of a robot as plain values for JSON."""
+"""A robot's report as plain values for JSON."""
 
 from dataclasses import asdict
 from typing import Any
@@ -10,7 +10,7 @@ from bench.robot_check.words import detail_of, name_of, nearest_singularity
 
 
 def report_json(report: RobotReport) -> dict[str, Any]:
-    """All that the report holds, under the names of its fields; SI units."""
+    """The report under the names of its fields; SI units."""
     mobility, singularity, base = report.mobility, report.singularity, report.base
     return {
         "robot": report.robot.name,
@@ -36,7 +36,7 @@ def report_json(report: RobotReport) -> dict[str, Any]:
 
 
 def check_json(check: Check) -> dict[str, Any]:
-    """A check in words, and as its code with its values."""
+    """A check as text, and as its code with its values."""
     return {
         "name": name_of(check),
         "verdict": check.verdict,

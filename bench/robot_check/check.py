@@ -1,4 +1,4 @@
-"""All checks of a robot, one after the other; each is made only where those before let it."""
+"""All checks of a robot, in order; a check is omitted if an earlier failure makes it meaningless."""
 
 from dataclasses import replace
 
@@ -41,11 +41,11 @@ from bench.robot_check.report import (
 )
 from bench.robot_check.singularity import SingularitySweep, singularity_of, sweep
 
-SEED, FRESH = 20120601, 20120605  # FRESH: of states at which nothing was chosen
+SEED, FRESH = 20120601, 20120605  # FRESH: of states from which nothing was chosen
 
 
 def check_robot(robot: Robot) -> RobotReport:
-    """Check a robot that `bench.dataset.robot.load_robot` has read; what is wrong is in the report's failures."""
+    """Check a robot that `bench.dataset.robot.load_robot` has read; faults are in the report's `failures`."""
     compiled = robot.mjcf_model()
     features = check_features(compiled)
     report = RobotReport(
@@ -81,7 +81,7 @@ def check_robot(robot: Robot) -> RobotReport:
 
 
 def _welds_too_much(geometry: Geometry) -> list[Check]:
-    """Welds that hold the orientation of bodies which only a pin should join: open in it, or with motors redundant."""
+    """Welds where a connect was meant: their orientation is open at home (failed), or makes motors redundant (note)."""
     motors = [actuator.joint for actuator in geometry.robot.redundant]
     turned = welds_as_connects(
         geometry, loop_residual(geometry, geometry.home[:, None])[:, 0], CLOSURE.assembled
@@ -93,7 +93,7 @@ def _welds_too_much(geometry: Geometry) -> list[Check]:
 
 
 def _for_the_file(robot: Robot, check: Check) -> Check:
-    """A check of home whose pose can be written into the MJCF, which has the locked joints."""
+    """A check of home with its closed pose as the MJCF needs it, including the locked joints."""
     values = dict(check.values)
     if "closed_qpos" in values:
         values["closed_qpos"] = robot.file_qpos(values["closed_qpos"])
@@ -105,7 +105,7 @@ def _with(report: RobotReport, *checks: Check) -> RobotReport:
 
 
 def _same_tree(machine: CheckedMachine) -> list[Check]:
-    """The opened tree in both libraries."""
+    """Checks that both libraries read the same opened tree."""
     poses = random_open_poses(machine.geometry, AGREEMENT.poses, SEED)
     velocities = np.random.default_rng(SEED).normal(size=(AGREEMENT.poses, machine.geometry.nv))
     listed = agreement.check_joint_list(machine)
@@ -122,7 +122,7 @@ def _same_tree(machine: CheckedMachine) -> list[Check]:
 
 
 def _assembled(report: RobotReport, machine: CheckedMachine) -> RobotReport:
-    """What can be asked of a robot whose loops are closed."""
+    """Add the checks of a robot whose loops are closed at home."""
     geometry = machine.geometry
     mobility = mobility_of(geometry, geometry.home[None])
     report = _with(replace(report, mobility=mobility), check_mobility(geometry, mobility))
@@ -173,7 +173,7 @@ def _regular_home(singularity: Singularity) -> Check:
 
 
 def _passive_ranges(geometry: Geometry, swept: SingularitySweep) -> list[Check]:
-    """Ranges of passive joints that the motors' ranges let them leave."""
+    """Notes on passive joints that leave their ranges while the motors stay within theirs."""
     checks = []
     for limit in passive_ranges(geometry):
         at = limit.at(swept.q)

@@ -1,4 +1,4 @@
-"""What an MJCF may hold and the model does not: refused where it bends the answer unseen, otherwise reported."""
+"""MJCF features that the model lacks: refused if they would bias the result unnoticed, otherwise reported."""
 
 from collections.abc import Iterator, Mapping
 from typing import Any
@@ -23,11 +23,11 @@ FORCES: Mapping[MjcfTerm, tuple[str, ...]] = {  # the fields of MuJoCo's model
     "frictionloss": ("dof_frictionloss",),
     "armature": ("dof_armature",),
 }
-NARROW = 2.0 * np.pi  # degrees: a hinge's range within it may be meant in radians
+NARROW = 2.0 * np.pi  # degrees: a hinge's range within ± this may be meant in radians
 
 
 def check_features(compiled: mujoco.MjModel) -> Check:
-    """Nothing in the MJCF that the model cannot represent."""
+    """Whether the model can represent everything in the MJCF."""
     refused = list(unsupported_features(compiled))
     if refused:
         return Check(CheckCode.MJCF_UNSUPPORTED, "failed", {"features": refused})
@@ -44,7 +44,7 @@ def locked_lines(robot: Robot) -> list[Check]:
 
 
 def notes(compiled: mujoco.MjModel, robot: Robot) -> list[Check]:
-    """What the simulator adds and the model does not know; no error, but it is reported."""
+    """Notes on what the simulator has and the model lacks; not errors."""
     return [Check(code, "note", values) for code, values in _notes(compiled, robot)]
 
 
@@ -59,7 +59,7 @@ def _notes(compiled: mujoco.MjModel, robot: Robot) -> Iterator[tuple[CheckCode, 
             yield CheckCode.EQUALITY_INACTIVE, {"equality": label}
     for term, fields in FORCES.items():
         joints = _joints_with(compiled, fields)
-        if term == "armature":  # a driven joint's is a base parameter, or part of one
+        if term == "armature":  # of a driven joint it is a base parameter, or part of one
             joints = [joint for joint in joints if joint not in robot.driven]
         if joints:
             balls, free = (
@@ -115,7 +115,7 @@ def _of_the_file(robot: Robot) -> Iterator[tuple[CheckCode, dict[str, Any]]]:
 
 
 def _whole_turns(robot: Robot) -> list[str]:
-    """Joints of the file with a range that `Robot.mjcf_model` leaves out."""
+    """Joints of the file whose range `Robot.mjcf_model` drops."""
     file, read = read_model(robot.model_path), robot.mjcf_model()
     endless = {read.joint(joint).name for joint in range(read.njnt) if not read.jnt_limited[joint]}
     return [
@@ -126,7 +126,7 @@ def _whole_turns(robot: Robot) -> list[str]:
 
 
 def _ranges_in_degrees(robot: Robot) -> list[str]:
-    """Hinges of a file in degrees whose range would be a usual one in radians, if all hinges with a range are such."""
+    """All hinges with a range, if the file is in degrees but every range would be usual in radians; otherwise none."""
     spec = read_spec(robot.model_path)
     hinges = [
         joint
@@ -147,12 +147,12 @@ def _of_kind(compiled: mujoco.MjModel, kind: mujoco.mjtJoint) -> list[str]:
 
 
 def _effect_of(term: MjcfTerm, place: Place) -> str:
-    """The effect of the catalogue that has the law of a term, in a joint with a motor or without."""
+    """The effect of the catalogue with the law of this MJCF term, for a joint with or without a motor."""
     return next(name for name, effect in CATALOGUE.items() if (effect.in_mjcf, effect.place) == (term, place))
 
 
 def _sizes(compiled: mujoco.MjModel) -> Iterator[tuple[CheckCode, dict[str, Any]]]:
-    """Lengths and masses that look like another unit's."""
+    """Lengths and masses that seem to be in other units."""
     if (length := _furthest(compiled)) > PLAUSIBLE.length:
         yield CheckCode.LENGTHS_LARGE, {"length": length}
     heavy = {
@@ -164,7 +164,7 @@ def _sizes(compiled: mujoco.MjModel) -> Iterator[tuple[CheckCode, dict[str, Any]
 
 
 def _furthest(compiled: mujoco.MjModel) -> float:
-    """The longest way from a body or site to its parent, m."""
+    """The largest distance of a body or site from its parent, m."""
     places = [
         np.linalg.norm(part, axis=1).max(initial=0.0) for part in (compiled.body_pos, compiled.site_pos)
     ]

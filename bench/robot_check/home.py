@@ -1,4 +1,4 @@
-"""Is the robot assembled at home, and if not, which pose is?"""
+"""Whether the robot is assembled at home, and if not, a pose in which it is."""
 
 from collections.abc import Collection, Iterator
 from dataclasses import asdict, replace
@@ -23,13 +23,13 @@ LONGEST_STEP = 0.2  # rad or m
 ATTEMPTS = 200
 STARTS = 60  # random ones
 SEED = 20120606
-INSIDE = 0.2  # of a joint's range
+INSIDE = 0.2  # of a joint's range: margin at both ends of poses put into their ranges
 MARGIN = 0.05  # of a motor's range, which planned motions keep free at both ends
 DEPENDENT = 1e-7  # singular values below this share of the largest are omitted from a step
 
 
 def check_home(geometry: Geometry, loops: tuple[LoopLine, ...], source: HomeSource) -> Check:
-    """Every loop closed in the home pose; `source` says where that pose comes from."""
+    """Whether every loop is closed in the home pose; `source`: where that pose comes from."""
     origin = asdict(source)
     if not loops:
         return Check(CheckCode.HOME_WITHOUT_LOOPS, "ok", origin)
@@ -56,8 +56,8 @@ def check_home(geometry: Geometry, loops: tuple[LoopLine, ...], source: HomeSour
 
 
 def _fixed_gaps(geometry: Geometry) -> dict[str, list[float]]:
-    """By loop, the part x, y, z (world, m) of its gap at home that no joint changes, as of a planar loop that is drawn
-    off its plane.
+    """By loop, the part (x, y, z) of its gap at home that no joint changes, m in world axes, for example that of a
+    planar loop drawn out of its plane.
     """
     poses = _random_starts(geometry)
     rates = loop_jacobian(geometry, poses)
@@ -74,9 +74,7 @@ def _fixed_gaps(geometry: Geometry) -> dict[str, list[float]]:
 
 
 def with_pose_in_ranges(geometry: Geometry, ranges: Check) -> Check:
-    """The check of the ranges at a closed home, with a closed pose within all of them where home is not and one is
-    near.
-    """
+    """The check of the joint ranges at home; if it failed, with a closed pose within all ranges, if there is one."""
     if ranges.verdict != "failed" or not geometry.closed:
         return ranges
     closed = closed_pose(geometry)
@@ -86,7 +84,7 @@ def with_pose_in_ranges(geometry: Geometry, ranges: Check) -> Check:
 
 
 def home_at_range_end(geometry: Geometry) -> list[Check]:
-    """A note where a joint is at the end of its range at home, a motor within MARGIN, with a pose further inside."""
+    """A note if a joint is at the end of its range at home, a motor within MARGIN, with a pose further inside."""
     home, pose = geometry.home[:, None], None
     joint = _at_end(geometry, geometry.home)
     if joint is None or joint.limits is None:
@@ -107,12 +105,13 @@ def home_at_range_end(geometry: Geometry) -> list[Check]:
 
 
 def closed_pose(geometry: Geometry) -> np.ndarray | None:
-    """An assembled pose (nq,) within the joint ranges: from the keyframes where none is home, else from home with the
-    motors held, else with all joints free, else with the joints put into their ranges, else from random starts. None:
-    no start closes.
+    """An assembled pose (nq,) within the joint ranges; None if the loops close from no start.
 
-    Of several from one of these the one counts that the motors hold best. Nearly singular ones do not count, unless no
-    other is found. Where none is within the ranges, the best of the first of these that closes.
+    Starts, in this order: the keyframes if none is named home, with the motors held; home, home with the joints put
+    into their ranges, and random poses, each with the motors held, then with all joints free; random poses put into the
+    ranges, with all joints free. Of the poses from one start, the one with the largest smallest singular value counts,
+    those within the ranges first; it is the answer if it is within them and not nearly singular. If no start gives such
+    a pose, the answer is the first that is not nearly singular, else the first.
     """
     other, most = None, 0.0
     for starts, free in _starts(geometry):
@@ -130,7 +129,7 @@ def closed_pose(geometry: Geometry) -> np.ndarray | None:
 
 
 def _starts(geometry: Geometry) -> Iterator[tuple[np.ndarray, np.ndarray]]:
-    """Poses (nq, S) from which the loops are closed, and the velocities that do."""
+    """Poses (nq, S) from which to close the loops, and the velocities that may change."""
     every, home = np.arange(geometry.nv), geometry.home[:, None]
     compiled = geometry.robot.mjcf_model()
     if compiled.nkey and mujoco.mj_name2id(compiled, mujoco.mjtObj.mjOBJ_KEY, "home") < 0:
@@ -143,7 +142,7 @@ def _starts(geometry: Geometry) -> Iterator[tuple[np.ndarray, np.ndarray]]:
 
 
 def _closed(geometry: Geometry, starts: np.ndarray, free: np.ndarray) -> np.ndarray:
-    """The closed poses (K, nq) that Newton's method reaches from starts (nq, S), moving the velocities `free`."""
+    """The closed poses (K, nq) that Newton's method reaches from starts (nq, S) along the velocities `free`."""
     q = starts
     for _ in range(ATTEMPTS):
         residual = loop_residual(geometry, q)
@@ -160,7 +159,7 @@ def _closed(geometry: Geometry, starts: np.ndarray, free: np.ndarray) -> np.ndar
 
 
 def _random_starts(geometry: Geometry) -> np.ndarray:
-    """Poses (nq, STARTS): motors as at home, other joints anywhere in their ranges, or around home without any."""
+    """Poses (nq, STARTS): motors at home, other joints random in their ranges, or around home if they have none."""
     random = np.random.default_rng(SEED)
     velocities = (
         random.uniform(-1.0, 1.0, size=(geometry.nv, STARTS)) * (np.pi * column_scales(geometry))[:, None]
@@ -174,7 +173,7 @@ def _random_starts(geometry: Geometry) -> np.ndarray:
 
 
 def _ranged(geometry: Geometry) -> Iterator[tuple[Joint, float, float]]:
-    """Hinges and slides with a range, and its ends in the model's coordinate."""
+    """Hinges and slides with a range, and its ends in the model's coordinates."""
     for joint in geometry.joints:
         if joint.limits is not None and joint.kind in ("hinge", "slide"):
             yield joint, joint.limits[0] - joint.offset, joint.limits[1] - joint.offset
@@ -183,7 +182,7 @@ def _ranged(geometry: Geometry) -> Iterator[tuple[Joint, float, float]]:
 def _put_into_ranges(
     geometry: Geometry, q: np.ndarray, joints: Collection[Joint] | None = None
 ) -> np.ndarray:
-    """Poses q (nq, S) with every hinge and slide, or these, at least INSIDE of its range away from its ends."""
+    """Poses q (nq, S) with hinges and slides (all, or `joints`) at least INSIDE of their range away from its ends."""
     q = q.copy()
     for joint, low, high in _ranged(geometry):
         if joints is not None and all(joint is not other for other in joints):
@@ -194,7 +193,7 @@ def _put_into_ranges(
 
 
 def _turned_into_ranges(geometry: Geometry, q: np.ndarray) -> np.ndarray:
-    """The same poses q (N, nq), hinges that are outside their range turned by whole turns into it where that does."""
+    """The poses q (N, nq) with hinges outside their range turned into it by whole turns, if that is possible."""
     q = q.copy()
     for joint, low, high in _ranged(geometry):
         if joint.kind == "hinge":
@@ -205,7 +204,7 @@ def _turned_into_ranges(geometry: Geometry, q: np.ndarray) -> np.ndarray:
 
 
 def _within_ranges(geometry: Geometry, q: np.ndarray) -> np.ndarray:
-    """Whether each of the poses q (N, nq) keeps the ranges of all hinges and slides: (N,)."""
+    """Whether each of the poses q (N, nq) is within the ranges of all hinges and slides: (N,)."""
     within = np.ones(len(q), dtype=bool)
     for joint, low, high in _ranged(geometry):
         at = q[:, joint.q.start]
@@ -214,7 +213,7 @@ def _within_ranges(geometry: Geometry, q: np.ndarray) -> np.ndarray:
 
 
 def _at_end(geometry: Geometry, q: np.ndarray) -> Joint | None:
-    """The first joint that is at an end of its range at q (nq,), or beyond; a motor's already within MARGIN of it."""
+    """The first joint at or beyond an end of its range at q (nq,); a motor's joint already within MARGIN of it."""
     for joint, low, high in _ranged(geometry):
         margin = MARGIN * (high - low) if joint.v.start in geometry.active else 0.0
         if not low + margin < q[joint.q.start] < high - margin:

@@ -1,6 +1,6 @@
-"""The loop closures of MuJoCo, of Pinocchio and of the model itself, at closed poses.
+"""The loop closures of MuJoCo, of Pinocchio and of the model itself, compared at closed poses.
 
-All three are brought to one form: second anchor less first, in the world, turned for a weld.
+All three are brought to one form: second anchor minus first, in world axes, with the rotation for a weld.
 """
 
 import mujoco
@@ -24,12 +24,12 @@ CLOSING = (int(mujoco.mjtEq.mjEQ_CONNECT), int(mujoco.mjtEq.mjEQ_WELD))
 
 
 def active_equalities(compiled: mujoco.MjModel) -> list[int]:
-    """MuJoCo's indices of the loop closures that are switched on, in the order of the geometry's loops."""
+    """MuJoCo's indices of the active loop closures, in the order of the geometry's loops."""
     return [index for index in _active(compiled) if int(compiled.eq_type[index]) in CLOSING]
 
 
 def active_couplings(compiled: mujoco.MjModel) -> list[int]:
-    """MuJoCo's indices of the couplings that are switched on, in the order of the geometry's."""
+    """MuJoCo's indices of the active couplings, in the order of the geometry's couplings."""
     return [index for index in _active(compiled) if int(compiled.eq_type[index]) not in CLOSING]
 
 
@@ -60,7 +60,7 @@ def check_constraints(machine: CheckedMachine, poses: np.ndarray) -> Check:
                 apart = np.abs(ours - theirs)
                 open_by = np.abs(
                     theirs[:, 0]
-                ).max()  # turns with the frame in which it is written, in one's way
+                ).max()  # a residual in a frame that rotates adds to one of the Jacobians
                 turned = max(apart[:, 1:].max() - 2.0 * open_by, 0.0)
                 worst[index] = np.maximum(worst[index], (apart[:, 0].max(), turned))
             row += loop.size
@@ -78,7 +78,7 @@ def check_constraints(machine: CheckedMachine, poses: np.ndarray) -> Check:
 
 
 def check_closed_motion(machine: CheckedMachine, motion: Motion) -> Check:
-    """Velocities and accelerations keep MuJoCo's loops closed: its residuals some moments before and after."""
+    """Whether velocities and accelerations keep MuJoCo's loops closed, by differences of its residuals in time."""
     worst = np.zeros(2)
     for q, v, a in zip(motion.q, motion.v, motion.a, strict=True):
         residuals = np.array(
@@ -120,12 +120,12 @@ def _mujoco_rows(machine: CheckedMachine, equality: int) -> np.ndarray:
     weld = compiled.eq_type[equality] == mujoco.mjtEq.mjEQ_WELD
     rows = (state.efc_type == mujoco.mjtConstraint.mjCNSTR_EQUALITY) & (state.efc_id == equality)
     jacobian = state.efc_J.reshape(-1, compiled.nv)[rows]
-    both = -np.hstack((state.efc_pos[rows, None], jacobian))  # first less second
-    if not len(both):  # MuJoCo leaves out a loop that nothing can move
+    both = -np.hstack((state.efc_pos[rows, None], jacobian))  # MuJoCo has first minus second
+    if not len(both):  # MuJoCo omits a loop that nothing can move
         return np.zeros((6 if weld else 3, 1 + compiled.nv))
     if weld:
-        # half the rotation vector, times torquescale, in the frame of the second end; of a turn by one whole turn more
-        # than drawn, MuJoCo's quaternion and with it these rows have the other sign
+        # MuJoCo's rows are half the rotation vector times torquescale, in the frame of the second end; after a whole
+        # turn relative to the drawing, its quaternion and these rows have the opposite sign
         scale = compiled.eq_data[equality, 10] * (
             1.0 if _weld_quaternion(machine, equality)[0] > 0.0 else -1.0
         )
@@ -160,7 +160,7 @@ def _second_rotation(machine: CheckedMachine, equality: int) -> np.ndarray:
 
 
 def _pinocchio_rows(machine: CheckedMachine, q: np.ndarray, turn: np.ndarray) -> list[np.ndarray]:
-    """Pinocchio's constraints, turned from the frame of the first anchor to the world."""
+    """Pinocchio's residual and Jacobian (3 or 6, 1 + nv) of every loop, rotated from its first anchor to the world."""
     model, data = machine.model, machine.data
     pin.computeJointJacobians(model, data, q)
     blocks = []
@@ -177,7 +177,7 @@ def _pinocchio_rows(machine: CheckedMachine, q: np.ndarray, turn: np.ndarray) ->
 
 
 def gaps(machine: CheckedMachine, q: np.ndarray) -> list[tuple[float, float]]:
-    """How far each loop is open at q (nq,) by MuJoCo's body poses: m between points, rad of a weld."""
+    """The opening of each loop at q (nq,) from MuJoCo's body poses: m between the points, rad for a weld, else 0."""
     set_pose(machine, q)
     distances = []
     for loop, equality in zip(machine.geometry.loops, active_equalities(machine.compiled), strict=True):
@@ -198,7 +198,7 @@ def _mujoco_ends(machine: CheckedMachine, equality: int, loop: Loop) -> list[tup
     if compiled.eq_objtype[equality] == mujoco.mjtObj.mjOBJ_SITE:
         return [(state.site_xpos[site], state.site_xmat[site].reshape(3, 3)) for site in ids]
     parts = compiled.eq_data[equality]
-    # a connect holds its first anchor first, a weld its second; a weld turns the first body by its last four
+    # eq_data begins with a connect's first anchor, but a weld's second; its elements 6 to 9 rotate a weld's first end
     anchors = (parts[0:3], parts[3:6]) if loop.kind == "connect" else (parts[3:6], parts[0:3])
     turns = [np.eye(3), np.eye(3)]
     if loop.kind == "weld":
@@ -211,7 +211,7 @@ def _mujoco_ends(machine: CheckedMachine, equality: int, loop: Loop) -> list[tup
 
 
 def loop_bodies(geometry: Geometry, compiled: mujoco.MjModel) -> list[tuple[str, str]]:
-    """The two bodies that each loop of the geometry holds together."""
+    """The two bodies that each loop of the geometry connects."""
     pairs = []
     for equality, _ in zip(active_equalities(compiled), geometry.loops, strict=True):
         first, second = held_bodies(compiled, equality)

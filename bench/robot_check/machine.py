@@ -1,4 +1,4 @@
-"""The robot as MuJoCo reads it, masses included, and its coordinates with those of the model."""
+"""The robot as MuJoCo reads it, masses included, and the conversion between its coordinates and the model's."""
 
 from dataclasses import dataclass
 
@@ -20,14 +20,14 @@ class CheckedMachine:
     compiled: mujoco.MjModel
     state: mujoco.MjData
     model: pin.Model
-    """The opened tree, with the masses of the MJCF: the check alone reads them."""
+    """The opened tree, with the masses of the MJCF, which only the check reads."""
     data: pin.Data
     places: dict[int, tuple[int, Placement]]
-    """By MuJoCo body: the model's joint that carries it (-1: the world), its place in that joint's frame."""
+    """By MuJoCo body: the model's joint that carries it (-1: the world), its placement in that joint's frame."""
 
 
 def compiled_model(geometry: Geometry) -> mujoco.MjModel:
-    """The MJCF with dense constraint rows of the loop closures alone."""
+    """The MJCF with dense constraint rows, of its equalities only."""
     compiled = geometry.robot.mjcf_model()
     compiled.opt.jacobian = mujoco.mjtJacobian.mjJAC_DENSE
     for flag in ("CONTACT", "LIMIT", "FRICTIONLOSS"):
@@ -36,7 +36,7 @@ def compiled_model(geometry: Geometry) -> mujoco.MjModel:
 
 
 def make_machine(geometry: Geometry) -> CheckedMachine:
-    """Give the model's tree the masses of the MJCF."""
+    """Both libraries' models, the model's tree with the masses of the MJCF."""
     compiled = compiled_model(geometry)
     model = build_tree(geometry)
     places = body_places(compiled)
@@ -49,9 +49,9 @@ def make_machine(geometry: Geometry) -> CheckedMachine:
 
 
 def body_places(compiled: mujoco.MjModel) -> dict[int, tuple[int, Placement]]:
-    """Where every body is fixed, from MuJoCo's tree: joint index (-1: the world), place in its frame.
+    """The joint that carries each body, from MuJoCo's tree: index (-1: the world), placement in the joint's frame.
 
-    A joint frame has the orientation of the body that the joint moves and its origin on the joint.
+    A joint frame has the orientation of the body that the joint moves, and its origin at the joint.
     """
     places = {0: (-1, Placement(np.eye(3), np.zeros(3)))}
     for body in range(1, compiled.nbody):
@@ -69,7 +69,7 @@ def body_places(compiled: mujoco.MjModel) -> dict[int, tuple[int, Placement]]:
 
 
 def rotation_matrix(quaternion: np.ndarray) -> np.ndarray:
-    """(3, 3) of a quaternion w x y z."""
+    """The rotation matrix (3, 3) of a quaternion w x y z."""
     matrix = np.empty(9)
     mujoco.mju_quat2Mat(matrix, np.asarray(quaternion, dtype=float))
     return matrix.reshape(3, 3)
@@ -88,9 +88,9 @@ def to_mujoco(geometry: Geometry, q: np.ndarray) -> np.ndarray:
 
 
 def set_pose(machine: CheckedMachine, q: np.ndarray, v: np.ndarray | None = None) -> np.ndarray:
-    """Put MuJoCo at the model's state q (nq,), v (nv,), evaluate it, and return T (nv, nv): v = T qvel.
+    """Set MuJoCo to the model's state q (nq,), v (nv,), evaluate it, and return T (nv, nv): v = T qvel.
 
-    A free joint's linear velocity is in its frame in Pinocchio and in the world in MuJoCo.
+    A free joint's linear velocity is in its frame in Pinocchio, and in world axes in MuJoCo.
     """
     turn = _put(machine, q, v)
     mujoco.mj_fwdPosition(machine.compiled, machine.state)
@@ -99,7 +99,7 @@ def set_pose(machine: CheckedMachine, q: np.ndarray, v: np.ndarray | None = None
 
 
 def place_state(machine: CheckedMachine, q: np.ndarray, v: np.ndarray) -> np.ndarray:
-    """The same, of which only places and velocities are evaluated: bodies may have no mass."""
+    """As `set_pose`, but only positions and velocities are evaluated, so that bodies may be massless."""
     turn = _put(machine, q, v)
     mujoco.mj_kinematics(machine.compiled, machine.state)
     mujoco.mj_comPos(machine.compiled, machine.state)
@@ -120,7 +120,7 @@ def _put(machine: CheckedMachine, q: np.ndarray, v: np.ndarray | None) -> np.nda
 
 
 def random_open_poses(geometry: Geometry, count: int, seed: int) -> np.ndarray:
-    """Configurations (count, nq) of the opened tree, loops ignored."""
+    """Random configurations (count, nq) of the opened tree, ignoring loops."""
     random = np.random.default_rng(seed)
     q = np.empty((count, geometry.nq))
     for joint in geometry.joints:

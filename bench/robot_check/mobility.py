@@ -1,4 +1,4 @@
-"""Degrees of freedom: what the closures leave over, whether the motors hold all of it, and how well."""
+"""Degrees of freedom of the closed robot, whether the motors hold all of them, and how well."""
 
 from collections.abc import Iterator
 from dataclasses import replace
@@ -24,7 +24,7 @@ AXES = ("x", "y", "z", "turning about x", "turning about y", "turning about z")
 
 
 def component_names(geometry: Geometry) -> tuple[str, ...]:
-    """A name for every tree velocity, (nv,)."""
+    """The name of every velocity of the tree, (nv,)."""
     names: list[str] = []
     for joint in geometry.joints:
         axes = AXES if joint.kind == "free" else AXES[3:]
@@ -33,7 +33,7 @@ def component_names(geometry: Geometry) -> tuple[str, ...]:
 
 
 def mobility_of(geometry: Geometry, q: np.ndarray) -> Mobility:
-    """Count equations and their rank, the largest over the poses q (N, nq)."""
+    """Count velocities, equations and their rank, the largest over the poses q (N, nq)."""
     spins = len(idle_spins(geometry))
     equations = sum(loop.size for loop in geometry.loops) + len(geometry.couplings)
     rank = 0
@@ -44,7 +44,7 @@ def mobility_of(geometry: Geometry, q: np.ndarray) -> Mobility:
 
 
 def check_mobility(geometry: Geometry, mobility: Mobility) -> Check:
-    """As many degrees of freedom as motors, every passive joint held, and home not singular."""
+    """Whether there are as many degrees of freedom as motors, every passive joint is held, and home is regular."""
     try:
         require_mobility(geometry)
     except BenchError as error:
@@ -70,7 +70,7 @@ def check_mobility(geometry: Geometry, mobility: Mobility) -> Check:
 
 
 def coupling_lines(geometry: Geometry) -> list[Check]:
-    """Every coupling: the joints of both sides with their factors, and the polynomial between them."""
+    """Lines on couplings: the joints of both sides with their factors, and the polynomial between them."""
     lines = []
     for coupling in geometry.couplings:
         first, second = (
@@ -83,13 +83,13 @@ def coupling_lines(geometry: Geometry) -> list[Check]:
 
 
 def spin_notes(geometry: Geometry) -> list[Check]:
-    """Which rods can spin between their ball joints."""
+    """A note on the rods that can spin between their ball joints."""
     bodies = [geometry.joints[spin.joint].body for spin in idle_spins(geometry)]
     return [Check(CheckCode.ROD_SPINS, "note", {"bodies": bodies})] if bodies else []
 
 
 def weakest_joints(geometry: Geometry, q: np.ndarray) -> tuple[str, ...]:
-    """Passive joints that move in the motion which the closures hold least at q (nq,), the motors held."""
+    """Passive joints that take part in the least constrained motion at q (nq,), with the motors held."""
     _, _, motions = np.linalg.svd(scaled_jacobians(geometry, q[None])[0][:, geometry.passive])
     weakest = np.abs(motions[-1])
     moving = set(geometry.passive[weakest > RANKS.takes_part * weakest.max()].tolist())
@@ -97,7 +97,7 @@ def weakest_joints(geometry: Geometry, q: np.ndarray) -> tuple[str, ...]:
 
 
 def amplification(geometry: Geometry, q: np.ndarray) -> Amplification:
-    """Largest passive speed for a unit speed of one motor at q (nq,); compared without dimension."""
+    """Largest passive speed for a unit speed of one motor at q (nq,); compared in dimensionless form."""
     passive, active = geometry.passive, geometry.active
     jacobian = scaled_jacobians(geometry, q[None])[0]
     speeds = -np.linalg.lstsq(jacobian[:, passive], jacobian[:, active], rcond=None)[0]
@@ -116,7 +116,7 @@ def _is_length(geometry: Geometry, v: int) -> bool:
 
 
 def check_rotors(geometry: Geometry, base: BaseParameters) -> Check:
-    """A rotor turns with its motor alone: where no body's inertia can represent it, it is identified itself."""
+    """Which rotor inertias are separate base parameters, and which are part of a body's inertia."""
     kept = set(base.columns.tolist())
     identified: list[str] = []
     within_bodies: list[str] = []
@@ -126,8 +126,10 @@ def check_rotors(geometry: Geometry, base: BaseParameters) -> Check:
 
 
 def with_tilts(report: RobotReport, geometry: Geometry) -> RobotReport:
-    """The report with the hinges that are tilted most: a note, but the first fault where something else fails, or where
-    closures make a motor redundant, since such hinges take freedom.
+    """The report with the most tilted pair of nearly parallel hinges, if any.
+
+    It is a note; it is a failure, put before the first one, if something else fails, or if closures make a motor
+    redundant, since such a tilt can remove degrees of freedom.
     """
     widest = max(_tilts(geometry), key=lambda tilt: tilt[2], default=None) if geometry.closed else None
     if widest is None:
@@ -142,7 +144,9 @@ def with_tilts(report: RobotReport, geometry: Geometry) -> RobotReport:
 
 
 def _tilts(geometry: Geometry) -> Iterator[tuple[str, str, float]]:
-    """Pairs of hinges, one on the other or both on one body, whose axes are nearly parallel, in all poses alike."""
+    """Pairs of hinges with nearly parallel axes and their angle, rad; one on the other or both on one body, so that the
+    angle is the same in all poses.
+    """
     hinges = [(index, joint) for index, joint in enumerate(geometry.joints) if joint.kind == "hinge"]
     for place, (_, joint) in enumerate(hinges):
         for other_index, other in hinges[:place]:

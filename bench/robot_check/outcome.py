@@ -1,4 +1,4 @@
-"""What a check found, as a code with its values; `bench.robot_check.words` has the sentences."""
+"""The result of a check as a code with its values; `bench.robot_check.words` has the sentences."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -83,7 +83,7 @@ class CheckCode(StrEnum):
 
 @dataclass(frozen=True)
 class Check:
-    """One thing that was looked at. values: by name, plain ones for JSON; lengths in m, angles in rad, masses in kg."""
+    """One check. values: by name, plain ones for JSON; lengths in m, angles in rad, masses in kg."""
 
     code: CheckCode
     verdict: Verdict

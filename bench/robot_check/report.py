@@ -1,4 +1,4 @@
-"""What is worked out of a robot; every value is a plain number, text or code."""
+"""The contents of a robot's report; every value is a plain number, text or code."""
 
 from dataclasses import dataclass, field
 
@@ -18,7 +18,7 @@ from bench.robot_check.outcome import Check, CheckCode
 
 @dataclass(frozen=True)
 class HomeSource:
-    """Where the home pose is from: `given` of its `positions` from the keyframe home, the others from qpos0."""
+    """Source of the home pose: `given` of its `positions` from the keyframe home, the others from qpos0."""
 
     given: int | None
     """None without a keyframe home."""
@@ -27,12 +27,12 @@ class HomeSource:
 
 @dataclass(frozen=True)
 class JointLine:
-    """A joint of the opened tree. `lower`, `upper` in rad or m, None where the MJCF sets no range."""
+    """A joint of the opened tree. `lower`, `upper`: rad or m, None if the MJCF sets no range."""
 
     name: str
     kind: str
     parent: str
-    """The body that the joint moves against; "world" for the base."""
+    """The body on which the joint is mounted; "world" for the base."""
     actuated: bool
     gain: str
     """Nominal drive gain with its unit; empty for a passive joint."""
@@ -44,7 +44,7 @@ class JointLine:
 
 @dataclass(frozen=True)
 class LoopLine:
-    """A loop closure: the two bodies that it holds together and how far home leaves them apart."""
+    """A loop closure: the two bodies that it connects, and its gap at home."""
 
     name: str
     kind: str
@@ -58,14 +58,14 @@ class LoopLine:
 
 @dataclass(frozen=True)
 class Mobility:
-    """Degrees of freedom: those of the opened tree less the rank of the closure equations and idle spins."""
+    """Degrees of freedom: those of the opened tree minus the rank of the closure equations and the idle spins."""
 
     tree: int
     equations: int
     rank: int
     motors: int
     spins: int = 0
-    """Rods that can spin about their axis: this moves nothing else and is omitted."""
+    """Rods that can spin about their axis, which moves nothing else and is omitted."""
 
     @property
     def remaining(self) -> int:
@@ -75,7 +75,7 @@ class Mobility:
 
 @dataclass(frozen=True)
 class Amplification:
-    """The passive joint that is fastest for a unit speed of one motor, the others held."""
+    """The fastest passive joint for a unit speed of one motor, the others held."""
 
     value: float
     unit: str
@@ -85,9 +85,9 @@ class Amplification:
 
 @dataclass(frozen=True)
 class Singularity:
-    """How well the motors hold the robot at home, and where over the joint ranges they hold it worst.
+    """How well the motors hold the robot at home, and where within the joint ranges they hold it worst.
 
-    Singular values are those of the loop Jacobian by the passive joints, lengths divided by `length` [m].
+    Singular values are those of the loop Jacobian with respect to the passive joints, lengths divided by `length` [m].
     """
 
     length: float
@@ -96,26 +96,26 @@ class Singularity:
     amplification: Amplification
     """At home."""
     poses: int
-    """Poses looked at, on straight paths of the motors from home."""
+    """Number of poses, on straight paths of the motors from home."""
     lowest: float
-    """Smallest singular value over them."""
+    """Smallest singular value over all poses."""
     lowest_at: dict[str, float]
     """Positions of the actuated joints there, rad or m."""
     reach: dict[str, tuple[float, float]]
-    """How far each motor can go with the others at home, rad or m."""
+    """Lowest and highest position that each motor reaches with the others at home, rad or m."""
     singular_at: dict[str, float] | None
-    """The singular pose, or the end of reach, nearest to home; None if no path met one."""
+    """The singular pose or end of reach nearest to home; None if there is none."""
     travel: dict[str, float] | None
-    """Travel of each motor from home to there, rad or m."""
+    """Travel of each motor from home to that pose, rad or m."""
     loose: tuple[str, ...]
-    """Passive joints that the held motors no longer hold there."""
+    """Passive joints that can move in that pose with the motors held."""
     units: dict[str, str] = field(default_factory=dict)
     """rad or m, of each motor's position."""
 
 
 @dataclass(frozen=True)
 class RobotReport:
-    """Everything that `bench robot check` tells; what could not be found out is None or empty."""
+    """Everything that `bench robot check` reports; what could not be determined is None or empty."""
 
     robot: Robot
     joints: tuple[JointLine, ...]
@@ -135,7 +135,7 @@ def home_of(compiled: mujoco.MjModel, robot: Robot) -> tuple[np.ndarray, HomeSou
     """The home pose as qpos (nq,), and where it comes from."""
     key = mujoco.mj_name2id(compiled, mujoco.mjtObj.mjOBJ_KEY, "home")
     home = compiled.qpos0.copy() if key < 0 else compiled.key_qpos[key].copy()
-    # MuJoCo fills up with qpos0, and does not say so
+    # MuJoCo takes missing positions from qpos0 without a warning
     given = next((len(drawn.qpos) for drawn in robot.mjcf_as_drawn().keys if drawn.name == "home"), None)
     return home, HomeSource(given, int(compiled.nq))
 
@@ -177,7 +177,7 @@ def loop_lines(machine: CheckedMachine) -> tuple[LoopLine, ...]:
 
 
 def check_home_ranges(joints: tuple[JointLine, ...]) -> Check:
-    """Home lies within every joint range."""
+    """Whether home is within every joint range."""
     for joint in joints:
         if joint.home is None or joint.lower is None or joint.upper is None:
             continue

@@ -1,8 +1,8 @@
-"""How far the robot is from a singularity: at home, along straight paths through the joint ranges, and from the worst
-poses on them downhill.
+"""Distance from a singularity: at home, along straight paths through the joint ranges, and by descent from the worst
+poses on them.
 
-With the motors held, loop closures hold the rest of a parallel robot; where their Jacobian by the passive
-joints loses rank, they do not. There also end the poses that can be reached in home's assembly mode.
+With the motors held, the loop closures hold the rest of a parallel robot, unless their Jacobian with respect to the
+passive joints loses rank. These singular poses also bound the poses reachable in the assembly mode of home.
 """
 
 import itertools
@@ -26,9 +26,9 @@ SEED = 20120601
 
 @dataclass(frozen=True)
 class SingularitySweep:
-    """Closed poses q (N, nq) in paths from home, and the path's number of each.
+    """Closed poses q (N, nq) on paths from home, and the number of each pose's path (N,).
 
-    ends (P, nq): where paths ended early, at a singular pose or the end of reach.
+    ends (P, nq): poses at which paths ended early, singular ones or the end of reach.
     """
 
     q: np.ndarray
@@ -106,7 +106,7 @@ def _targets(geometry: Geometry, start: np.ndarray) -> list[np.ndarray]:
 
 
 def _ranges(geometry: Geometry) -> tuple[np.ndarray, np.ndarray]:
-    """Lower and upper positions (n,) of the active joints: a hinge, behind its gear, half a turn from home at most."""
+    """Lower and upper positions (n,) of the active joints; a hinge, behind its gear, at most half a turn from home."""
     low, high = active_ranges(geometry)
     home = geometry.home[geometry.active_configuration]
     turns = np.array([joint.kind == "hinge" for joint in geometry.active_joints])
@@ -115,10 +115,7 @@ def _ranges(geometry: Geometry) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _crossings(geometry: Geometry, swept: SingularitySweep) -> np.ndarray:
-    """Poses (their numbers) that lie beyond a singularity seen from the pose before on their path.
-
-    J' J of two neighbouring poses changes the sign of its determinant where J lost rank between them.
-    """
+    """Indices of poses with a singularity between them and the pose before on their path; see `_lost_rank`."""
     jacobian = scaled_jacobians(geometry, swept.q)[:, :, geometry.passive]
     before = np.arange(len(swept.q)) - 1
     before[np.flatnonzero(np.diff(swept.path)) + 1] = 0  # a path starts at home
@@ -126,7 +123,7 @@ def _crossings(geometry: Geometry, swept: SingularitySweep) -> np.ndarray:
 
 
 def _shortened(geometry: Geometry, q: np.ndarray) -> np.ndarray:
-    """A singular pose (nq,) without the travel of the motors on which it does not depend."""
+    """A singular pose (nq,) with the motors on which it does not depend back at home."""
     follower, index = make_follower(geometry), geometry.active_configuration
     home = home_pose(follower)
     for motor in index[np.argsort(-np.abs(q[index] - home.q[index]))]:
@@ -140,14 +137,15 @@ def _shortened(geometry: Geometry, q: np.ndarray) -> np.ndarray:
 
 
 def _lost_rank(before: np.ndarray, after: np.ndarray) -> np.ndarray:
-    """Whether Jacobians (N, m, np) lost rank an odd number of times between two poses each: J' J changes the sign of
-    its determinant.
+    """Whether Jacobians (N, m, np) lost rank an odd number of times between the poses before and after: (N,).
+
+    Then J' J, of the Jacobian before and the one after, has a determinant that is not positive.
     """
     return np.asarray(np.linalg.slogdet(before.transpose(0, 2, 1) @ after)[0] <= 0)
 
 
 def _reach(geometry: Geometry, swept: SingularitySweep) -> dict[str, tuple[float, float]]:
-    """The ends of the first paths: each motor alone, down and up."""
+    """Each motor's positions at the ends of the first paths, on which it moves alone, down and up."""
     reach = {}
     for i, name in enumerate(geometry.robot.joints):
         ends = [swept.q[np.flatnonzero(swept.path == 2 * i + k)[-1]] for k in (1, 2)]
@@ -178,9 +176,9 @@ FIRST_STEP, LAST_STEP = 1.0 / 24.0, 1e-5  # of a motor's range
 def refined(geometry: Geometry, poses: np.ndarray, values: np.ndarray) -> tuple[np.ndarray, float, bool]:
     """The pose (nq,) with the lowest smallest singular value, that value, and whether it counts as singular.
 
-    poses (N, nq): closed ones, home first; values (N,): their smallest singular values. From the worst of them each
-    motor is moved to and fro by steps that become smaller, as long as the value falls. A move that the closures
-    end is a singular pose, too.
+    poses (N, nq): closed ones, home first; values (N,): their smallest singular values. The search descends from the
+    worst poses: each motor moves both ways, the best move is taken while the value falls, and then the step is halved.
+    If the closures end a move, the pose counts as singular too.
     """
     follower = make_follower(geometry)
     singular = SINGULARITY.singular * float(values[0])
@@ -199,7 +197,7 @@ def refined(geometry: Geometry, poses: np.ndarray, values: np.ndarray) -> tuple[
 
 
 def _starts(geometry: Geometry, poses: np.ndarray, values: np.ndarray) -> list[int]:
-    """Numbers of the worst poses, apart from one another."""
+    """Indices of the worst poses, at least `SINGULARITY.apart` from one another."""
     low, high = _ranges(geometry)
     places = poses[:, geometry.active_configuration] / (high - low)
     starts: list[int] = []
@@ -212,7 +210,7 @@ def _starts(geometry: Geometry, poses: np.ndarray, values: np.ndarray) -> list[i
 
 
 def _downhill(follower: Follower, pose: Pose, value: float) -> tuple[np.ndarray, float, bool]:
-    """The pose (nq,) at the bottom, its smallest singular value, and whether the closures ended on the way."""
+    """The pose (nq,) at the minimum, its smallest singular value, and whether the closures ended a move."""
     geometry = follower.geometry
     low, high = _ranges(geometry)
     index = geometry.active_configuration

@@ -1,6 +1,6 @@
-"""What the checks of a robot found, in words: for each code what was looked at, and a sentence from its values.
+"""The results of a robot's checks as text: for each code what was checked, and a sentence from its values.
 
-A template is both, "what: sentence".
+A template contains both, "what: sentence".
 """
 
 import shlex
@@ -25,7 +25,7 @@ TERMS = {  # of an MJCF's joint
 
 
 def name_of(check: Check) -> str:
-    """What was looked at, in a word or two."""
+    """What was checked, in a word or two."""
     words = WORDS[check.code]
     name = words.partition(": ")[0] if isinstance(words, str) else words[0]
     return name.format(**check.values)
@@ -149,7 +149,7 @@ def _base_agree(parameters: int, difference: float, states: int, neglected: floa
 def _coupling(
     coupling: str, first: Mapping[str, float], second: Mapping[str, float], polynomial: Sequence[float]
 ) -> str:
-    """As an equation of joint positions, counted from qpos0."""
+    """As an equation of joint positions, relative to qpos0."""
     left_side, right_side = (
         " + ".join(f"{factor:g} {joint}" for joint, factor in side.items()) for side in (first, second)
     )
@@ -160,7 +160,7 @@ def _coupling(
 
 
 def _source(given: int | None, positions: int) -> str:
-    """Where the home pose is from: a keyframe that gives so many of the positions, or none."""
+    """Source of the home pose: a keyframe that gives `given` of the positions, or qpos0."""
     if given is None:
         return "qpos0, as there is no keyframe home"
     if given < positions:
@@ -254,7 +254,7 @@ def _singularity(positions: Mapping[str, float], units: Mapping[str, str]) -> st
 
 
 def _positions(positions: Mapping[str, float], units: Mapping[str, str], sign: str = "") -> str:
-    """Positions of motors, with units where there are hinges and slides."""
+    """Positions of motors, with units if there are both hinges and slides."""
     mixed = len({*units.values()}) > 1
     of = {name: f" {units.get(name, '')}" if mixed else "" for name in positions}
     return ", ".join(f"{name} {value:{sign}.3g}{of[name]}" for name, value in positions.items())

@@ -1,4 +1,4 @@
-"""An exported robot in MuJoCo with the effects that its MJCF cannot hold: `load_twin`."""
+"""An exported robot in MuJoCo with the effects that its MJCF cannot represent: `load_twin`."""
 
 from bench.twin.twin import Twin, load_twin
 

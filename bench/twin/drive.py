@@ -1,4 +1,4 @@
-"""From current to torque, forwards in time: what the effects between them do in a simulation."""
+"""Effects between current and torque in a simulation, stepped forwards in time."""
 
 from abc import ABC, abstractmethod
 from collections import deque
@@ -18,20 +18,20 @@ from bench.twin.laws import Instant
 
 
 class DriveLaw(ABC):
-    """What one effect makes of a current; times the gain, it is the torque that acts."""
+    """How one effect changes a motor's current; the torque that acts is the gain times the changed current."""
 
     @abstractmethod
     def passed(self, current: float, now: Instant) -> float:
-        """The current that counts."""
+        """The effective current."""
 
     def reset(self) -> None:
-        """Forget what happened before."""
+        """Clear the state."""
         return
 
 
 @dataclass
 class Late(DriveLaw):
-    """`CurrentDelay`: the current of a time ago, interpolated; that of the start before."""
+    """`CurrentDelay`: the current at time t - T, linearly interpolated; before the first step, the first current."""
 
     delay: float
     _log: deque[tuple[float, float]] = field(default_factory=deque)
@@ -52,7 +52,7 @@ class Late(DriveLaw):
 
 @dataclass
 class Lagging(DriveLaw):
-    """`CurrentLoopLag`: i_t + T di_t/dt = i, exact for a current that is held between steps."""
+    """`CurrentLoopLag`: i_t + T di_t/dt = i, exact for a current that is constant between steps."""
 
     constant: float
     _state: tuple[float, float, float] | None = None
@@ -74,7 +74,7 @@ class Lagging(DriveLaw):
 
 @dataclass(frozen=True)
 class Saturating(DriveLaw):
-    """`GainSaturation`: i (1 - k i2)."""
+    """`GainSaturation`: i (1 - k i^2)."""
 
     k: float
 
@@ -100,7 +100,7 @@ class Rippling(DriveLaw):
 
 @dataclass(frozen=True)
 class LossInGear(DriveLaw):
-    """`LoadDependentFriction`: what of the torque comes through a gear that it drives, or brakes."""
+    """`LoadDependentFriction`: i (1 - mu sign(i dq/dt)), less torque where the motor drives, more where it brakes."""
 
     mu: float
 
@@ -110,7 +110,7 @@ class LossInGear(DriveLaw):
 
 
 def drive_law_of(effect: Effect, values: Mapping[str, float], rotates: bool) -> DriveLaw | None:
-    """The law of an effect between current and torque; None where there is none that runs forwards in time."""
+    """The law of an effect between current and torque; None if it has none that can be stepped forwards in time."""
     law: DriveLaw | None = None
     if isinstance(effect, CurrentDelay) and values["T"] >= 0.0:
         law = Late(values["T"])

@@ -1,4 +1,4 @@
-"""NAME.twin.json next to an exported MJCF: motors, and the effects that the MJCF does not hold."""
+"""NAME.twin.json next to an exported MJCF: the motors, and the effects that MJCF cannot represent."""
 
 import json
 from collections.abc import Mapping
@@ -10,13 +10,15 @@ from bench.basics.files.sidecar_path import sidecar_path
 from bench.effects import Effect, EffectInstance, catalogue_for
 
 FORMAT = 1
-STEPS_TO_STICK = 4.0  # time steps in which it stops a joint: MuJoCo's default of 20 ms lets it creep
+STEPS_TO_STICK = (
+    4.0  # time constant of dry friction, time steps: MuJoCo's default of 20 ms lets a joint creep
+)
 STIFF = [0.99, 0.999, 1e-4, 0.5, 2.0]
 
 
 @dataclass(frozen=True)
 class SidecarMotor:
-    """A driven joint; gain: N*m or N per unit of current; actuator: its name in the MJCF."""
+    """A driven joint. gain: N*m or N per unit of current; actuator: name of the motor in the MJCF."""
 
     joint: str
     gain: float
@@ -25,7 +27,7 @@ class SidecarMotor:
 
 @dataclass(frozen=True)
 class TwinFile:
-    """motors in actuator order; effects with the values of their linear parameters; tool: site, None without."""
+    """motors: in actuator order; effects: with the values of their linear parameters; tool: its site, or None."""
 
     path: Path
     motors: tuple[SidecarMotor, ...]
@@ -34,7 +36,7 @@ class TwinFile:
 
 
 def load_twin_file(mjcf: Path) -> TwinFile:
-    """Read the file next to an exported MJCF. Raises BenchError that names it and what is wrong with it."""
+    """Read the file next to an exported MJCF. Raises BenchError naming the file and its fault."""
     path = sidecar_path(mjcf)
     try:
         content = json.loads(path.read_text(encoding="utf-8"))

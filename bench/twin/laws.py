@@ -1,4 +1,4 @@
-"""Laws of effects in a simulation, instant by instant: the load of a joint beyond what the MJCF holds."""
+"""Effects at the joints of a simulation, step by step: the load that the MJCF cannot represent."""
 
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
@@ -11,14 +11,14 @@ from bench.basics.files.python_file import MISTAKES
 from bench.effects import ActuatorEffect, Effect, JointSignals
 from bench.effects.laws.presliding_hysteresis import PreslidingHysteresis
 
-TINY = 1e-9  # rad/s or m/s: a speed of either sign that is as good as none
-SAMPLES = 12  # at which it is seen whether an effect needs more than the instant
+TINY = 1e-9  # rad/s or m/s: practically zero, used with either sign
+SAMPLES = 12  # random samples that test whether an effect is memoryless
 ALIKE = 1e-9
 
 
 @dataclass(frozen=True)
 class Instant:
-    """Of one driven joint: time s, position and velocity, rad or m, and the current in drive units."""
+    """State of one driven joint at a time (s): position and velocity, rad or m, and current in drive units."""
 
     time: float
     position: float
@@ -27,20 +27,20 @@ class Instant:
 
 
 class JointLaw(ABC):
-    """What one effect does in one driven joint, N*m or N."""
+    """The load of one effect at one driven joint, N*m or N."""
 
     @abstractmethod
     def opposing(self, now: Instant) -> tuple[float, float]:
-        """Torque that the motor has to overcome, and the dry friction, which holds a joint that does not move."""
+        """Torque that the motor has to overcome, and the dry friction, which can hold the joint at rest."""
 
     def reset(self) -> None:
-        """Forget what happened before."""
+        """Clear the state."""
         return
 
 
 @dataclass(frozen=True)
 class Memoryless(JointLaw):
-    """An effect that follows from the instant. Its jump where the motion reverses is dry friction."""
+    """An effect that depends on the instant alone. Half of its jump at zero velocity is dry friction."""
 
     effect: ActuatorEffect
     values: np.ndarray
@@ -65,7 +65,7 @@ class Memoryless(JointLaw):
         acceleration: np.ndarray,
         current: np.ndarray,
     ) -> np.ndarray:
-        """The torque (N,) of the law at samples."""
+        """The torque (N,) of the law at N samples."""
         signals = JointSignals(
             time=time,
             position=position,
@@ -84,7 +84,7 @@ class Memoryless(JointLaw):
 
 @dataclass
 class Dahl(JointLaw):
-    """`PreslidingHysteresis`, step by step: z approaches the direction of motion with the way."""
+    """`PreslidingHysteresis`, step by step: z approaches the sign of the motion exponentially with the travel."""
 
     friction: float
     displacement: float
@@ -106,7 +106,7 @@ class Dahl(JointLaw):
 
 
 def joint_law_of(effect: Effect, values: Mapping[str, float], gain: float, rotates: bool) -> JointLaw | None:
-    """The law of an effect at a driven joint; None where it needs more than the instant."""
+    """The law of an effect at a driven joint; None if it depends on more than the instant."""
     if isinstance(effect, PreslidingHysteresis):
         return Dahl(values["Fc"], effect.x0)
     if not isinstance(effect, ActuatorEffect) or type(effect).columns is not ActuatorEffect.columns:
@@ -120,7 +120,7 @@ def joint_law_of(effect: Effect, values: Mapping[str, float], gain: float, rotat
 
 
 class _NeedsTorqueError(BenchError):
-    """An effect asked for the torque of the whole model."""
+    """An effect requested the torque of the whole model."""
 
 
 def _asked() -> np.ndarray:
@@ -128,7 +128,7 @@ def _asked() -> np.ndarray:
 
 
 def _follows_from_the_instant(law: Memoryless) -> bool:
-    """Whether samples one by one, in another order and at another acceleration, give the same."""
+    """Whether single samples, and samples in another order with another acceleration, give the same torque."""
     random = np.random.default_rng(20121)
     time = np.sort(random.uniform(0.0, 5.0, SAMPLES))
     position, velocity, acceleration, current = random.normal(size=(4, SAMPLES))

@@ -1,4 +1,4 @@
-"""The exported robot in MuJoCo with the effects that its MJCF cannot hold."""
+"""The exported robot in MuJoCo with the effects that its MJCF cannot represent."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -16,7 +16,7 @@ from bench.twin.laws import Instant, JointLaw, joint_law_of
 
 @dataclass(frozen=True)
 class TwinMotor:
-    """A motor of the twin with its places in MuJoCo's arrays and its effects; dry: friction that the MJCF holds."""
+    """A motor with its indices in MuJoCo's arrays and its effects. dry: the dry friction in the MJCF, N*m or N."""
 
     motor: SidecarMotor
     actuator: int
@@ -29,7 +29,7 @@ class TwinMotor:
 
 @dataclass(frozen=True)
 class ToolForce:
-    """F0 - K p at the tool, p its way from home; N, N/m and m, in the world's axes."""
+    """F0 - K p at the tool, p its displacement from home; N, N/m and m, in world axes."""
 
     site: int
     home: np.ndarray
@@ -40,8 +40,8 @@ class ToolForce:
 class Twin:
     """A simulated robot whose inputs are the current references of its drives.
 
-    model, data: of MuJoCo, to be read, rendered and changed as ever. joints: of the motors, in the order of all
-    currents. left_out: effects that no simulation of this kind holds.
+    model, data: MuJoCo's, which may be read, rendered and changed as usual. joints: of the motors, in the order of the
+    currents. left_out: effects that cannot be simulated this way.
     """
 
     def __init__(self, model: mujoco.MjModel, file: TwinFile) -> None:
@@ -55,26 +55,26 @@ class Twin:
 
     @property
     def positions(self) -> np.ndarray:
-        """Of the driven joints (n,), rad or m."""
+        """Positions of the driven joints (n,), rad or m."""
         return self.data.qpos[[motor.qpos for motor in self._motors]]
 
     @property
     def velocities(self) -> np.ndarray:
-        """Of the driven joints (n,), rad/s or m/s."""
+        """Velocities of the driven joints (n,), rad/s or m/s."""
         return self.data.qvel[[motor.dof for motor in self._motors]]
 
     @property
     def dofs(self) -> np.ndarray:
-        """Places of the driven joints in MuJoCo's velocities (n,)."""
+        """Indices of the driven joints in MuJoCo's velocities (n,)."""
         return np.array([motor.dof for motor in self._motors])
 
     @property
     def actuators(self) -> np.ndarray:
-        """Places of the motors in MuJoCo's controls (n,)."""
+        """Indices of the motors in MuJoCo's controls (n,)."""
         return np.array([motor.actuator for motor in self._motors])
 
     def reset(self) -> None:
-        """Home, at rest, at time zero, all effects as at the start."""
+        """Return to the home position, at rest, at time zero, with the effects in their initial state."""
         if self.model.nkey and mujoco.mj_name2id(self.model, mujoco.mjtObj.mjOBJ_KEY, "home") >= 0:
             mujoco.mj_resetDataKeyframe(self.model, self.data, self.model.key("home").id)
         else:
@@ -87,7 +87,7 @@ class Twin:
                 drive_law.reset()
 
     def apply(self, currents: Sequence[float] | np.ndarray) -> None:
-        """Set what acts from now on: controls and applied forces, for these current references (n,)."""
+        """Set controls and applied forces for these current references (n,). Raises BenchError for another shape."""
         given = np.asarray(currents, dtype=float)
         if given.shape != (len(self._motors),):
             raise BenchError(
@@ -101,7 +101,7 @@ class Twin:
         self.apply_forces(given)
 
     def apply_forces(self, currents: np.ndarray) -> None:
-        """Set only the forces in joints and at the tool; the controls are the caller's."""
+        """Set only the forces at the joints and at the tool; the caller sets the controls."""
         acting = np.zeros(self.model.nv)
         for motor, current in zip(self._motors, currents.tolist(), strict=True):
             dry, now = motor.dry, self._instant(motor, current)
@@ -117,7 +117,7 @@ class Twin:
         self._applied[:] = acting
 
     def step(self, currents: Sequence[float] | np.ndarray) -> None:
-        """One step of MuJoCo under these current references (n,)."""
+        """Advance MuJoCo by one step with these current references (n,)."""
         self.apply(currents)
         mujoco.mj_step(self.model, self.data)
 
@@ -132,7 +132,7 @@ class Twin:
         return np.asarray(jacobian.T @ (tool.force - tool.stiffness * way))
 
     def _placed(self, file: TwinFile) -> tuple[tuple[TwinMotor, ...], tuple[str, ...]]:
-        """The motors with their effects, and what is omitted."""
+        """The motors with their effects, and the names of the omitted effects."""
         left_out = []
         joint_laws: dict[str, list[JointLaw]] = {joint: [] for joint in self.joints}
         drive_laws: dict[str, list[DriveLaw]] = {joint: [] for joint in self.joints}
@@ -189,7 +189,7 @@ class Twin:
 def load_twin(mjcf: str | Path, *, partial: bool = False) -> Twin:
     """The twin of an exported MJCF, with the effects of NAME.twin.json next to it.
 
-    Raises BenchError where an effect cannot be simulated, unless `partial`: then `Twin.left_out` names it.
+    Raises BenchError if an effect cannot be simulated, unless `partial`: then `Twin.left_out` names it.
     """
     mjcf = Path(mjcf)
     file = load_twin_file(mjcf)

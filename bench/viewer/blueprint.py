@@ -1,4 +1,4 @@
-"""What the viewer shows when a recording is opened: one tab for each of the dataset's recordings."""
+"""The viewer's layout: one tab for each recording of the dataset."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -13,20 +13,20 @@ SUMMARY, PARAMETERS = "/summary", "/parameters"
 FOLLOWING, OPENING = "tool: actual path to reference path [mm]", "largest opening of a loop [µm]"
 SMALLER = (FOLLOWING, OPENING)
 MOTORS_IN_COLUMN = 2
-MOST_LANES = 4  # of the time line of states that are in view at once
+MOST_LANES = 4  # of the state timeline that are visible at once
 BACKGROUND = (16, 20, 27)
 GRID = (120, 140, 165, 45)
-FIT = 0.9  # distance of the eye, in diagonals of the box that the robot stays in
+FIT = 0.9  # distance of the eye, in diagonals of the box around the robot's motion
 
 
 @dataclass(frozen=True)
 class Scene:
-    """How one recording of the dataset appears.
+    """How one recording of the dataset is shown.
 
-    title names its tab; root is the entity below which all of it lies; errors are those of the motors, as
-    text; path says how its colours read; eye and target (3,) m place the camera, low (m) the ground. summary,
-    parameters: entities of the texts. steps, torques, tool, loops, followed: whether there are errors of earlier
-    models, torques of effects, a tool, loops, and a reference to follow.
+    title: of its tab; root: the entity above all of its data; errors: of the motors, as text; path: key to the colours
+    and outlines; eye, target (3,) m: camera; low: height of the ground, m. summary, parameters: entities of the texts.
+    steps, torques, tool, loops, followed: whether there are errors of earlier models, torques of effects, a tool,
+    loops, and a reference path.
     """
 
     title: str
@@ -46,7 +46,7 @@ class Scene:
 
 
 def blueprint(scenes: Sequence[Scene], motors: Sequence[Motor]) -> rrb.Blueprint:
-    """The views of all recordings, the first one in front."""
+    """A tab for each recording, the first one open."""
     return _framed(rrb.Tabs(*(_tab(scene, motors) for scene in scenes), active_tab=0))
 
 
@@ -55,7 +55,7 @@ def side_by_side(
 ) -> rrb.Blueprint:
     """A tab for each group, its scenes side by side: robot above, errors below, then the text.
 
-    reach (n,): the errors that all axes hold, drive units.
+    reach (n,): the axes of each motor's errors extend from -reach to reach, drive units.
     """
     tabs = [
         rrb.Horizontal(
@@ -69,7 +69,7 @@ def side_by_side(
 def eye_of(
     low: np.ndarray, high: np.ndarray, azimuth: float, elevation: float
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Eye and target (3,) m so that the box low..high (3,) fills the view; degrees, as in MuJoCo."""
+    """Eye and target (3,), m, for which the box low..high (3,) fills the view; angles in degrees, as in MuJoCo."""
     target = (low + high) / 2.0
     turn, rise = np.radians(azimuth), np.radians(elevation)
     ahead = np.array([np.cos(rise) * np.cos(turn), np.cos(rise) * np.sin(turn), np.sin(rise)])
@@ -103,7 +103,7 @@ def _tab(scene: Scene, motors: Sequence[Motor]) -> rrb.Container:
 
 
 def _pages(scene: Scene, motors: Sequence[Motor]) -> list[rrb.Container]:
-    """The tabs next to the robot; the one in front comes first."""
+    """The tabs next to the robot; the first one is open."""
     pages = [_steps(scene, motors)] if scene.steps else []
     pages.append(_currents(scene, motors))
     if scene.torques:
@@ -190,7 +190,7 @@ def _torques(scene: Scene, motors: Sequence[Motor]) -> rrb.Container:
 def _of_motor(
     scene: Scene, motor: Motor, kind: str, name: str, *, legend: bool, reach: float | None = None
 ) -> rrb.View:
-    """What one motor has below the entity `kind`."""
+    """The plot of one motor's data below the entity `kind`."""
     return _plot(f"{scene.root}/{kind}/{motor.entity}", f"{motor.name}: {name}", legend=legend, reach=reach)
 
 
@@ -216,7 +216,7 @@ def _tool(scene: Scene, motors: Sequence[Motor]) -> rrb.Container:
 
 
 def _in_columns(views: Sequence[Sequence[rrb.View]], shares: Sequence[float], name: str) -> rrb.Container:
-    """The views of each motor under each other, and the motors in as many columns as it takes."""
+    """The views of each motor one below another, at most `MOTORS_IN_COLUMN` motors in a column."""
     size = MOTORS_IN_COLUMN
     groups = [views[i : i + size] for i in range(0, len(views), size)]
     columns = [

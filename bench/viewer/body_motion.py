@@ -1,4 +1,4 @@
-"""The shapes of every body of a robot, and where it is during a recording, loops closed."""
+"""The shapes of a robot's bodies, and their poses during a recording with closed loops."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -15,10 +15,10 @@ from bench.model.motion import motion_of
 from bench.signals.processing import estimate_motion, trim
 from bench.signals.settings import FilterSettings
 
-HIDDEN_GROUPS = 3  # geom groups from this one on are not drawn by MuJoCo's viewer: collision shapes, mostly
-DARKEST = 0.30  # luminance below which a colour is lifted, to be seen on a dark ground
+HIDDEN_GROUPS = 3  # MuJoCo's viewer does not draw geom groups from this one on: mostly collision shapes
+DARKEST = 0.30  # luminance below which a colour is lightened, so that it is visible on a dark background
 SEEN_THROUGH = 90  # opacity of a mesh in outline, 0 to 255
-PLAIN = (0.5, 0.5, 0.5, 1.0)  # MuJoCo's default colour: a material's colour replaces it
+PLAIN = (0.5, 0.5, 0.5, 1.0)  # MuJoCo's default colour, which a material's colour replaces
 
 _DRAWN = {
     int(mujoco.mjtGeom.mjGEOM_BOX): "boxes",
@@ -32,12 +32,12 @@ _DRAWN = {
 Colour = tuple[int, int, int, int]
 """Red, green, blue and opacity, 0 to 255."""
 
-FRAME_RATE = 50.0  # Hz: enough for the eye
+FRAME_RATE = 50.0  # Hz: smooth to the eye
 
 
 @dataclass(frozen=True)
 class GeomShape:
-    """What is drawn for one body: a name among that body's shapes, and what the viewer takes."""
+    """A shape of one body: its name, unique for this body, and the viewer's components."""
 
     body: int
     name: str
@@ -45,7 +45,7 @@ class GeomShape:
 
 
 def visible_geoms(model: mujoco.MjModel) -> np.ndarray:
-    """Indices of the geoms that are drawn: not transparent, not in a hidden group, not an endless plane."""
+    """Indices of the drawn geoms: of a kind in `_DRAWN` (no planes), not transparent, not in a hidden group."""
     return np.array(
         [
             geom
@@ -59,9 +59,9 @@ def visible_geoms(model: mujoco.MjModel) -> np.ndarray:
 
 
 def shapes(model: mujoco.MjModel, outline: Colour | None = None) -> Iterator[GeomShape]:
-    """The visible geoms of every body, in its frame; all boxes of a body together, and so on.
+    """The visible geoms of every body, in its frame; geoms of one kind together, except meshes.
 
-    outline: the colour of lines to draw in place of solids; a mesh is then seen through.
+    outline: colour of a wireframe drawn instead of solids; a mesh is drawn translucent instead.
     """
     geoms = visible_geoms(model)
     for body in range(model.nbody):
@@ -101,7 +101,7 @@ def _solids(model: mujoco.MjModel, kind: str, geoms: np.ndarray, outline: Colour
             colors=colors,
             fill_mode=fill,
         )
-    # A capsule starts at its first end, and is centred in MuJoCo.
+    # Rerun places a capsule by its first end, MuJoCo by its centre.
     axes = np.array([_rotation(quaternion)[:, 2] for quaternion in model.geom_quat[geoms]])
     return rr.Capsules3D(
         lengths=2.0 * size[:, 1],
@@ -118,7 +118,7 @@ def _mesh(model: mujoco.MjModel, geom: int, outline: Colour | None) -> tuple[rr.
     vertices = slice(model.mesh_vertadr[mesh], model.mesh_vertadr[mesh] + model.mesh_vertnum[mesh])
     faces = slice(model.mesh_faceadr[mesh], model.mesh_faceadr[mesh] + model.mesh_facenum[mesh])
     points, triangles = model.mesh_vert[vertices], model.mesh_face[faces]
-    # One normal a face: corners are not shared, so that edges stay sharp.
+    # One normal per face, with corners not shared, keeps edges sharp.
     corners = points[triangles]
     normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-12)
@@ -137,7 +137,7 @@ def _mesh(model: mujoco.MjModel, geom: int, outline: Colour | None) -> tuple[rr.
 
 
 def _colour(model: mujoco.MjModel, geom: int) -> Colour:
-    """Red, green, blue and opacity, 0 to 255, light enough for a dark ground."""
+    """The colour of a geom, light enough for a dark background."""
     colour, material = model.geom_rgba[geom], int(model.geom_matid[geom])
     rgba = model.mat_rgba[material] if material >= 0 and np.allclose(colour, PLAIN) else colour
     color = np.asarray(rgba[:3], dtype=float)
@@ -156,11 +156,11 @@ def _rotation(quaternion: np.ndarray) -> np.ndarray:
 
 @dataclass(frozen=True)
 class BodyMotion:
-    """Poses in the world.
+    """Poses of all bodies in the world.
 
     time (F,) s, as logged; positions (F, nbody, 3) m; quaternions (F, nbody, 4), x y z w; tool_position
-    (F, 3) m and tool_quaternion (F, 4), None without a tool; loop_gap (F, loops) m: how far apart the two halves
-    of each closed loop are drawn; low, high (3,) m: the box that holds all shapes.
+    (F, 3) m and tool_quaternion (F, 4), None without a tool; loop_gap (F, loops) m: opening of each loop as drawn; low,
+    high (3,) m: the box that contains all shapes in all frames.
     """
 
     time: np.ndarray
@@ -176,9 +176,9 @@ class BodyMotion:
 def body_motion(
     model: mujoco.MjModel, geometry: Geometry, recording: Recording, settings: FilterSettings
 ) -> BodyMotion:
-    """Filter the positions as the fit did, close the loops and place all bodies, FRAME_RATE times a second.
+    """Filter the positions as in the fit, close the loops and place all bodies, about FRAME_RATE times a second.
 
-    Raises BenchError that names the recording and the time of a sample out of reach or singular.
+    Raises BenchError naming the recording and the time of a sample that is out of reach or singular.
     """
     motion = estimate_motion(recording.position, recording.rate, settings)
     time = trim(recording.time, settings)
@@ -198,16 +198,16 @@ def body_motion(
 
 
 def recorded_motion(robot: Robot, recording: Recording, settings: FilterSettings) -> BodyMotion:
-    """`body_motion` of one recording of a robot, which is read for it."""
+    """`body_motion` of one recording; reads the robot's MJCF and geometry."""
     return body_motion(robot.mjcf_model(), read_geometry(robot), recording, settings)
 
 
 def tool_path(
     model: mujoco.MjModel, geometry: Geometry, time: np.ndarray, position: np.ndarray
 ) -> np.ndarray | None:
-    """Where the tool (F, 3) m is at positions (F, n) of the actuated joints, such as a controller's references.
+    """Tool positions (F, 3), m, at positions (F, n) of the actuated joints, for example a controller's references.
 
-    None without a tool. Raises BenchError for a sample out of reach or singular.
+    None without a tool or with fewer than two samples. Raises BenchError for a sample out of reach or singular.
     """
     if geometry.robot.tool_site is None or len(time) < 2:
         return None
@@ -257,12 +257,12 @@ def placed(model: mujoco.MjModel, tool_site: str | None, time: np.ndarray, qpos:
 
 
 def _gap(model: mujoco.MjModel, data: mujoco.MjData, loop: int) -> float:
-    """Distance in m between the two points that an equality (connect or weld) holds together."""
+    """Distance, m, between the two points that an equality (connect or weld) joins."""
     first, second = int(model.eq_obj1id[loop]), int(model.eq_obj2id[loop])
     if model.eq_objtype[loop] == int(mujoco.mjtObj.mjOBJ_SITE):
         return float(np.linalg.norm(data.site_xpos[first] - data.site_xpos[second]))
     first_anchor, second_anchor = model.eq_data[loop, 0:3], model.eq_data[loop, 3:6]
-    if model.eq_type[loop] == int(mujoco.mjtEq.mjEQ_WELD):  # its anchor lies in the second body
+    if model.eq_type[loop] == int(mujoco.mjtEq.mjEQ_WELD):  # its first anchor is on the second body
         first_anchor, second_anchor = second_anchor, first_anchor
     ends = [
         data.xpos[body] + data.xmat[body].reshape(3, 3) @ anchor

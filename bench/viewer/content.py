@@ -1,4 +1,4 @@
-"""One recording of a dataset, with all that is drawn of it, and how values are sent to the viewer."""
+"""One recording with everything shown of it, and the sending of values to the viewer."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -23,7 +23,7 @@ TIMELINE = "time"
 
 @dataclass(frozen=True)
 class Motor:
-    """A driven joint: its name, its part of an entity path, the units of current, position, torque; its gain."""
+    """A driven joint: its name, its part of an entity path, the units of current, position and torque, its gain."""
 
     name: str
     entity: str
@@ -35,11 +35,10 @@ class Motor:
 
 @dataclass(frozen=True, eq=False)
 class ShownContent:
-    """One recording. root: the entity below which all lies; deviation (n,): of the fitted errors, drive unit.
+    """One recording. root: the entity above all of its data; deviation (n,): of the fitted errors, drive unit.
 
-    steps: words and currents of the models before the one that is shown, whose word is label.
-    reference_path (F, 3) m: where the controller wanted the tool, in the same frames as the motion. simulated: where a
-    robot is that is drawn in outline.
+    steps: labels and currents of earlier models; label: of the model that is shown. reference_path (F, 3) m: the
+    controller's reference for the tool, at the times of the motion. simulated: motion of a robot drawn in outline.
     """
 
     root: str
@@ -62,7 +61,7 @@ class ShownContent:
 
     @property
     def has_torques(self) -> bool:
-        """Whether there is a torque of effects, identified or known, to be drawn."""
+        """Whether there is a torque of effects to draw, identified or known."""
         by_effect = self.torques is not None and bool(self.torques.by_effect)
         return by_effect or (self.known is not None and self.known.torque is not None)
 
@@ -75,7 +74,7 @@ class ShownContent:
 def rrd_stream(
     path: str | Path, application: str, name: str, views: rrb.Blueprint
 ) -> Iterator[rr.RecordingStream]:
-    """A stream into an .rrd file, which is whole or not there. The viewer keeps one set of views an application."""
+    """A stream into an .rrd file, written whole or not at all. The viewer keeps one layout for each application."""
     with atomic_path(path) as partial:
         stream = rr.RecordingStream(application)
         stream.save(partial, default_blueprint=views)
@@ -95,14 +94,14 @@ class Curve:
 
 
 def nanoseconds(seconds: np.ndarray) -> np.ndarray:
-    """Whole nanoseconds, as the viewer's timeline takes them."""
+    """Times in whole nanoseconds, the type of the viewer's timeline."""
     return np.rint(seconds * 1e9).astype("timedelta64[ns]")
 
 
 def send_line(
     stream: rr.RecordingStream, entity: str, column: rr.TimeColumn, values: np.ndarray, line: Curve
 ) -> None:
-    """Send one curve, its values (N,) as one column."""
+    """Send one curve of values (N,) at the times of `column`."""
     style = rr.SeriesLines(names=line.name, colors=rgb(line.colour), widths=line.width)
     stream.log(entity, style, static=True)
     stream.send_columns(entity, indexes=[column], columns=rr.Scalars.columns(scalars=values))

@@ -1,4 +1,4 @@
-"""What a recording for the viewer may tell beyond an identification: the way to it, and what a simulation knows."""
+"""What the viewer shows in addition to an identification: earlier models, and the truth of a simulation."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
@@ -12,11 +12,10 @@ from bench.identification.result import CurrentSeries
 
 @dataclass(frozen=True, eq=False)
 class KnownTruth:
-    """What is known of one recording from elsewhere, S samples; what is None is not known.
+    """Known values of one recording, S samples; None if unknown.
 
-    time (S,) s, as logged. reference (S, n) rad or m: the positions that the controller was asked for. torque
-    (S, n) N*m or N: what hidden effects of a simulated machine ask of its motors; loop_gap (S, loops) m: how far
-    its loops open.
+    time (S,) s, as logged. reference (S, n) rad or m: the controller's position references. torque (S, n) N*m or N:
+    what the hidden effects of a simulated machine require of its motors; loop_gap (S, loops) m: opening of its loops.
     """
 
     time: np.ndarray
@@ -25,7 +24,7 @@ class KnownTruth:
     loop_gap: np.ndarray | None = None
 
     def within(self, first: float, last: float) -> "KnownTruth":
-        """The samples from one time to another, s."""
+        """The samples from time `first` to `last`, s."""
         inside = (self.time >= first) & (self.time <= last)
         if inside.all():
             return self
@@ -38,7 +37,7 @@ class KnownTruth:
 
 @dataclass(frozen=True, eq=False)
 class LadderModel:
-    """A model on the way to the one that is shown: words such as "+ coulomb friction", and its currents."""
+    """An earlier model of a diagnosis: a label such as "+ coulomb friction", and its currents."""
 
     label: str
     recordings: Sequence[CurrentSeries]
@@ -46,7 +45,7 @@ class LadderModel:
 
 @dataclass(frozen=True, eq=False)
 class SimulatedPoses:
-    """Where a simulated robot was during a recording: time (F,) s, as logged; poses (F, nq), MuJoCo's coordinates."""
+    """Motion of a simulated robot in a recording: time (F,) s, as logged; poses (F, nq) in MuJoCo's coordinates."""
 
     time: np.ndarray
     poses: np.ndarray
@@ -56,10 +55,9 @@ class SimulatedPoses:
 class ViewContext:
     """Everything that is shown with an identification.
 
-    steps: the models before it, the first one first. torques: of the model's effects, and known, by recording
-    name. truth: true values to compare with. text: Markdown above the summary. label: of the errors
-    of the model that is shown, where there are steps. simulated: a robot that is drawn in outline in the place of the
-    measured one, by recording name.
+    steps: the earlier models, the first one first. By recording name, torques: of the model's effects, known: known
+    values, simulated: a robot drawn in outline at the place of the measured one. truth: true values to compare with.
+    text: Markdown above the summary. label: of the shown model's errors, if there are steps.
     """
 
     steps: tuple[LadderModel, ...] = ()

@@ -1,9 +1,9 @@
 """An identification as an MCAP file, which Foxglove and PlotJuggler open.
 
-Topics of every recording, JSON messages with one object for each joint, time 0 at its first sample:
-RECORDING/log (position and current as logged), RECORDING/currents (measured, modelled, error: at the fit's rate),
+Every recording has these topics, of JSON messages with one object per joint; time is 0 at its first sample:
+RECORDING/log (position and current as logged), RECORDING/currents (measured, modelled, error, at the rate of the fit),
 RECORDING/joint_states (position, velocity, acceleration), RECORDING/torque/EFFECT, and RECORDING/torque/hidden of a
-simulated machine. A value that is not known, as at a standstill, is absent from its message.
+simulated machine. A message lacks values that are unknown, such as an error at standstill.
 """
 
 import json
@@ -24,7 +24,7 @@ from bench.model.geometry import read_geometry
 from bench.viewer.recording import ViewedRun
 
 SUFFIX = ".mcap"
-HIDDEN = "hidden"  # the topic with the true torque; no effect is called so
+HIDDEN = "hidden"  # the topic with the true torque; no effect has this name
 ENCODING, SCHEMA_ENCODING = "json", "jsonschema"
 
 
@@ -39,7 +39,7 @@ class _Topic:
 
 
 def need_mcap(path: Path) -> None:
-    """Raise BenchError where the package that writes such files is not installed."""
+    """Raise BenchError if the package mcap is not installed."""
     try:
         import mcap.writer  # noqa: F401, PLC0415 - an extra that may be absent
     except ModuleNotFoundError as error:
@@ -47,9 +47,9 @@ def need_mcap(path: Path) -> None:
 
 
 def write_mcap(path: Path, viewed: Sequence[ViewedRun]) -> None:
-    """Write identifications as one file, whole or not at all; of several, topics lie below the title of each.
+    """Write identifications as one file, whole or not at all; with several, their titles prefix the topics.
 
-    Raises BenchError where mcap is not installed.
+    Raises BenchError if mcap is not installed.
     """
     need_mcap(path)
     from mcap.writer import Writer  # noqa: PLC0415
@@ -112,7 +112,7 @@ def _fitted(
 
 
 def _encoded(topic: _Topic, joints: Sequence[str]) -> list[bytes]:
-    """The message of each row: of every joint the fields that are known."""
+    """The message of each row: the known fields of every joint."""
     fields = list(topic.values)
     rows = np.stack([topic.values[name] for name in fields], axis=2)  # (M, n, fields)
     known = np.isfinite(rows)
@@ -142,7 +142,7 @@ def _schema(topic: _Topic, joints: Sequence[str]) -> bytes:
 
 
 def _in_time(messages: Sequence[tuple[np.ndarray, int, Sequence[bytes]]]) -> Iterator[tuple[int, int, bytes]]:
-    """Messages of all topics in the order of their times, as a reader wants them."""
+    """The messages of all topics in the order of their times, which readers expect."""
     times = np.concatenate([time for time, _, _ in messages])
     which = np.repeat(np.arange(len(messages)), [len(time) for time, _, _ in messages])
     row = np.concatenate([np.arange(len(time)) for time, _, _ in messages])
@@ -160,7 +160,7 @@ def _metadata(result: Identification) -> dict[str, str]:
 
 
 def _names(recordings: Sequence[str]) -> list[str]:
-    """A part of a topic for each recording: its file name as a plain word, numbered where two would be alike."""
+    """Each recording's part of a topic: its file name as a plain word, numbered if two would be equal."""
     taken: list[str] = []
     for name in recordings:
         stem = _plain(name.removesuffix(PurePath(name).suffix))
@@ -170,5 +170,5 @@ def _names(recordings: Sequence[str]) -> list[str]:
 
 
 def _plain(text: str) -> str:
-    """A word that paths of messages take as it is."""
+    """The text with underscores for characters that do not belong in topic names."""
     return re.sub(r"[^A-Za-z0-9_-]+", "_", text).strip("_")

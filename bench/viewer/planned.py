@@ -1,4 +1,4 @@
-"""Planned motions for the Rerun viewer: the robot moving, its tool's path, and the positions of its motors."""
+"""Planned motions for the Rerun viewer: the moving robot, its tool's path, and the positions of its motors."""
 
 from collections.abc import Mapping
 from pathlib import Path
@@ -21,7 +21,7 @@ LINES = ("#56B4E9", "#E69F00", "#009E73", "#CC79A7", "#F0E442", "#D55E00")
 
 
 def write_planned_rrd(path: str | Path, robot: Robot, motions: Mapping[str, FourierTrajectory]) -> None:
-    """Write motions by name as an .rrd file, whole or not at all: a tab each, with NAME/robot and NAME/position."""
+    """Write motions as an .rrd file, whole or not at all; each has a tab, with NAME/robot and NAME/position."""
     tabs = rrb.Tabs(
         *(
             rrb.Vertical(

@@ -26,12 +26,12 @@ from bench.viewer.context import KnownTruth, ViewContext
 from bench.viewer.scene import TOP, error_share, send_payload, send_robot
 from bench.viewer.tracks import send_currents, send_phases, send_steps, send_tool, send_torques, steps_of
 
-REFERENCE_COLUMN = "reference."  # column of a log: what the controller asked of a joint
+REFERENCE_COLUMN = "reference."  # prefix of a log's columns with the controller's references
 
 
 @dataclass(frozen=True)
 class ViewedRun:
-    """One identification among several that are shown side by side; title: in a few words, what sets it apart."""
+    """One of several identifications shown side by side; title: a few words that distinguish it."""
 
     title: str
     result: Identification
@@ -41,7 +41,7 @@ class ViewedRun:
 
 @dataclass(frozen=True, eq=False)
 class _Run:
-    """One identification with all that is drawn of it. prefix: of its entities."""
+    """One identification with everything shown of it. prefix: of its entities."""
 
     viewed: ViewedRun
     prefix: str
@@ -60,11 +60,11 @@ def write_rrd(
 ) -> None:
     """Write the identification of a dataset as an .rrd file, whole or not at all.
 
-    Below the name of each recording lie robot (moving at 50 Hz, loops closed), current/JOINT (logged at the
-    log's rate; measured and modelled at the fit's), error/JOINT with the deviation of the fitted errors,
-    position/JOINT, phases, tool and loop_gap; with a context steps/JOINT (the errors of earlier models), torque/JOINT
-    (of effects) and robot/simulated (a simulated robot in outline); /summary and /parameters hold the answer as text.
-    Every recording starts at time 0.
+    Entities below the name of each recording: robot (moving at 50 Hz, with closed loops), current/JOINT (logged, at the
+    log's rate; measured and modelled, at the fit's), error/JOINT with the deviation of the fitted errors,
+    position/JOINT, phases, tool and loop_gap; with a context also steps/JOINT (the errors of earlier models),
+    torque/JOINT (of effects) and robot/simulated (a simulated robot in outline). /summary and /parameters: the result
+    as text. Every recording starts at time 0.
     truth: true values to compare with, by joint, parameter name or EFFECT:JOINT.PARAMETER.
 
     Raises BenchError for another suffix than .rrd, and for a result that is not of this dataset.
@@ -83,8 +83,8 @@ def write_rrd(
 def write_side_by_side(path: str | Path, viewed: Sequence[ViewedRun]) -> None:
     """Write several identifications as one .rrd file, recordings of the same name side by side.
 
-    Entities lie below the title of each, otherwise as those of `write_rrd`. Raises BenchError for another suffix
-    than .rrd, for none to show, and for robots whose motors differ.
+    Entities are those of `write_rrd`, below the title of each identification. Raises BenchError for another suffix than
+    .rrd, if there is nothing to show, and for robots whose motors differ.
     """
     _check_suffix(path)
     if not viewed:
@@ -113,7 +113,7 @@ def write_side_by_side(path: str | Path, viewed: Sequence[ViewedRun]) -> None:
 
 
 def entity_roots(names: Sequence[str]) -> Mapping[str, str]:
-    """The entity of every recording: its file name, without the suffix unless two would be alike."""
+    """The entity of every recording: its file name, without the suffix unless two would be equal."""
     stems = Counter(PurePath(name).stem for name in names)
     return {
         name: rr.new_entity_path([PurePath(name).stem if stems[PurePath(name).stem] == 1 else name])
@@ -129,7 +129,7 @@ def _check_suffix(path: str | Path) -> None:
 
 
 def _application(runs: Sequence[_Run]) -> str:
-    """The viewer keeps one set of views for each application: what else is shown is another one."""
+    """A name for the application that depends on what is shown, since the viewer keeps one layout per application."""
     parts = [
         f"{content.root} {bool(content.steps)} {content.has_torques} {content.reference_path is not None}"
         for run in runs
@@ -183,7 +183,7 @@ def _shown(viewed: ViewedRun, prefix: str, model: mujoco.MjModel, geometry: Geom
 
 
 def _logged_reference(recording: Recording, joints: Sequence[str]) -> KnownTruth | None:
-    """The reference positions, where the log has them as reference.JOINT for every motor."""
+    """The reference positions, if the log has finite ones as reference.JOINT for every motor; else None."""
     columns = [recording.extra.get(f"{REFERENCE_COLUMN}{joint}") for joint in joints]
     references = [column for column in columns if column is not None]
     if len(references) < len(joints) or not np.isfinite(references).all():
@@ -194,7 +194,7 @@ def _logged_reference(recording: Recording, joints: Sequence[str]) -> KnownTruth
 def _reference_path(
     model: mujoco.MjModel, geometry: Geometry, motion: BodyMotion, known: KnownTruth | None
 ) -> np.ndarray | None:
-    """Where the controller wanted the tool (F, 3) m; None where that is not known, or out of the robot's reach."""
+    """The controller's reference for the tool (F, 3), m; None if it is unknown or out of the robot's reach."""
     if known is None or known.reference is None:
         return None
     wanted = np.stack([np.interp(motion.time, known.time, entry) for entry in known.reference.T], axis=1)
@@ -220,7 +220,7 @@ def _motors(result: Identification, geometry: Geometry) -> list[Motor]:
 
 
 def _largest_error(runs: Sequence[_Run]) -> float:
-    """The error share at the far end of the path's colours: nearly the largest of all recordings."""
+    """The error share at the upper end of the path's colour scale: percentile `TOP` over all recordings."""
     shares = np.concatenate([error_share(content.series) for run in runs for content in run.shown])
     known = shares[np.isfinite(shares)]
     return float(np.percentile(known, TOP)) if len(known) and known.any() else 1.0
@@ -231,7 +231,7 @@ def _texts_of(run: _Run) -> tuple[str, str]:
 
 
 def _scenes(run: _Run, largest: float, title: str | None = None) -> list[Scene]:
-    """Tabs of all recordings, seen from the same place."""
+    """The scenes of all recordings, with the same camera."""
     low = np.min([content.motion.low for content in run.shown], axis=0)
     high = np.max([content.motion.high for content in run.shown], axis=0)
     eye, target = eye_of(low, high, run.model.vis.global_.azimuth, run.model.vis.global_.elevation)
@@ -260,7 +260,7 @@ def _scenes(run: _Run, largest: float, title: str | None = None) -> list[Scene]:
 
 
 def _key(content: ShownContent, largest: float) -> str:
-    """How colours and outlines read."""
+    """Key to the colours and outlines."""
     parts = [] if content.simulated is None else ["outlined: simulated"]
     if content.motion.tool_position is not None:
         parts.append(f"path: error from 0 (violet) to {percent(largest)} (yellow)")

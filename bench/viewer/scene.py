@@ -11,16 +11,16 @@ from bench.identification.result import CurrentSeries
 from bench.viewer.body_motion import BodyMotion, Colour, shapes
 from bench.viewer.content import ShownContent
 
-PAYLOAD_DENSITY = 7850.0  # kg/m^3: a payload is drawn as a ball of steel that weighs the same
+PAYLOAD_DENSITY = 7850.0  # kg/m^3: a payload is drawn as a steel ball of its mass
 PAYLOAD_COLOUR = (250, 214, 92)
 OUTLINE = (250, 214, 92, 255)
 REFERENCE_COLOUR = (120, 134, 150)
-PATH_RADIUS = 0.0015  # of the box that the robot stays in
-TOP = 99.0  # percentile of the errors that takes the far end of the colour scale
+PATH_RADIUS = 0.0015  # of the diagonal of the box around the robot's motion
+TOP = 99.0  # percentile of the errors at the upper end of the colour scale
 
 
 def error_share(series: CurrentSeries) -> np.ndarray:
-    """Error of all motors together in every row (M,), each relative to the RMS of its current; NaN at standstill."""
+    """RMS error of the moving motors in every row (M,), each relative to the RMS of its current; NaN at standstill."""
     size = np.sqrt(np.mean(series.measured**2, axis=0))
     relative = error_where_moving(series) / np.where(size > 0.0, size, np.nan)
     known = np.isfinite(relative)
@@ -34,9 +34,9 @@ def error_share(series: CurrentSeries) -> np.ndarray:
 def send_robot(
     stream: rr.RecordingStream, content: ShownContent, model: mujoco.MjModel, largest: float
 ) -> None:
-    """Bodies, loops closed, a simulated robot in outline, and the tool's path.
+    """Send the bodies with closed loops, a simulated robot in outline, and the tool's path.
 
-    largest: the error share at the far end of the colour scale.
+    largest: the error share at the upper end of the colour scale.
     """
     robot = f"{content.root}/robot"
     stream.log(robot, rr.ViewCoordinates.RIGHT_HAND_Z_UP, static=True)
@@ -55,7 +55,7 @@ def send_bodies(
     column: rr.TimeColumn,
     outline: Colour | None = None,
 ) -> None:
-    """The shapes of every body and where it goes, below the entity `root`; column: the times of the motion."""
+    """Send the shapes and poses of every body, below the entity `root`; column: the times of the motion."""
     names = [
         mujoco.mj_id2name(model, mujoco.mjtObj.mjOBJ_BODY, body) or f"body_{body}"
         for body in range(model.nbody)
@@ -73,7 +73,7 @@ def send_bodies(
 
 
 def _send_path(stream: rr.RecordingStream, content: ShownContent, tool: np.ndarray, largest: float) -> None:
-    """Every piece of the path in the colour of the error there, and a dot that runs along."""
+    """Send the tool's path, coloured by the error, a dot that moves along it, and the reference path if known."""
     robot = f"{content.root}/robot"
     radius = PATH_RADIUS * float(np.linalg.norm(content.motion.high - content.motion.low))
     rows = np.clip(np.searchsorted(content.series.time, content.motion.time), 0, len(content.series.time) - 1)
@@ -89,7 +89,7 @@ def _send_path(stream: rr.RecordingStream, content: ShownContent, tool: np.ndarr
 
 
 def send_payload(stream: rr.RecordingStream, content: ShownContent, payload: Payload) -> None:
-    """A ball of the payload's mass, at its centre of mass where that is known, else at the tool."""
+    """Send a ball of the payload's mass, at its centre of mass if known, else at the tool; nothing without a tool."""
     motion = content.motion
     if motion.tool_position is None or motion.tool_quaternion is None:
         return

@@ -1,4 +1,4 @@
-"""The curves of one recording in the viewer: currents, errors, torques of effects, the tool's way, and phases."""
+"""The curves of one recording in the viewer: currents, errors, torques of effects, the tool's motion, and phases."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -31,8 +31,8 @@ MOTION_COLOURS = {
 START, MIDDLE, END = "start", "middle", "end"
 PHASE_COLOURS = {START: "#7A5AA6", MIDDLE: "#3E4756", END: "#2F7D74"}
 PAYLOAD_COLOUR, NO_PAYLOAD_COLOUR = "#8F7A1E", "#3E4756"
-FIFTH = 0.2  # of a recording that counts as its start and as its end, as in the places of errors
-NEAR_REVERSAL = 1  # rows on either side of a change of direction that belong to it
+FIFTH = 0.2  # of a recording: its start, and its end, as in the analysis of its errors
+NEAR_REVERSAL = 1  # rows on either side of a change of direction that count as reversal
 POSITION_COLOURS = ("#5BC99B", "#C39BF0", "#E6D55A", "#F08A6B", "#9FC7C9", "#D0A0A0")
 EFFECT_COLOURS = ("#7CC7A1", "#B7A3F0", "#E0908A", "#9FC7C9", "#C9CF7A")
 AXES = ("x", "y", "z")
@@ -50,7 +50,7 @@ CLOSED = Curve("as drawn", ON_DARK.modelled, 1.6)
 
 @dataclass(frozen=True, eq=False)
 class Lane:
-    """One row of states: a name; states and the times (K,) s at which they begin; colour by state."""
+    """One row of the state timeline: its name, the K states and the times (K,) s at which they begin, their colours."""
 
     name: str
     time: np.ndarray
@@ -59,14 +59,14 @@ class Lane:
 
 
 def lanes(series: CurrentSeries, joints: Sequence[str], payload: Payload | None) -> list[Lane]:
-    """Phases of one recording: start, middle and end with their errors, the payload, and each motor's motion."""
+    """The lanes of one recording: start, middle and end with their errors, the payload, and each motor's motion."""
     ends = series.time[[0, -1]]
     motors = [_motion(series, j, joint) for j, joint in enumerate(joints)]
     return [_thirds(series), _load(ends, payload), *motors]
 
 
 def motion_states(velocity: np.ndarray, moving: np.ndarray) -> np.ndarray:
-    """The state (M,) of a joint in every row: forwards, backwards, at a change of direction, or still."""
+    """The state (M,) of a joint in every row: forwards, backwards, reversal or standstill."""
     states = np.where(velocity > 0, FORWARDS, BACKWARDS).astype(object)
     turns = np.flatnonzero((velocity[:-1] * velocity[1:] < 0) & moving[:-1] & moving[1:])
     for shift in range(1 - NEAR_REVERSAL, NEAR_REVERSAL + 1):
@@ -117,7 +117,7 @@ def _motion(series: CurrentSeries, motor: int, joint: str) -> Lane:
 
 
 def send_currents(stream: rr.RecordingStream, content: ShownContent, motors: Sequence[Motor]) -> None:
-    """Currents logged, measured and modelled, and the errors with their deviation, of every motor."""
+    """Send every motor's logged, measured and modelled current, its position, and its error with the deviation."""
     recording, series = content.recording, content.series
     errors = error_where_moving(series)
     logged, fitted, ends = (
@@ -127,7 +127,7 @@ def send_currents(stream: rr.RecordingStream, content: ShownContent, motors: Seq
     )
     for j, motor in enumerate(motors):
         current, error = f"{content.root}/current/{motor.entity}", f"{content.root}/error/{motor.entity}"
-        # The viewer draws in the order of the alphabet, later ones over earlier ones.
+        # The viewer draws curves in alphabetical order, later ones over earlier ones.
         send_line(stream, f"{current}/logged", logged, recording.current[:, j], LOGGED)
         send_line(stream, f"{current}/measured", fitted, series.measured[:, j], MEASURED)
         send_line(stream, f"{current}/modelled", fitted, series.modelled[:, j], MODELLED)
@@ -150,7 +150,7 @@ def send_currents(stream: rr.RecordingStream, content: ShownContent, motors: Seq
 
 
 def send_steps(stream: rr.RecordingStream, content: ShownContent, motors: Sequence[Motor]) -> None:
-    """The errors of the models before the one that is shown and, above all of them, of that one."""
+    """Send the errors of the earlier models and, drawn over them, of the shown one; nothing without earlier models."""
     if not content.steps:
         return
     for number, (label, series) in enumerate((*content.steps, (content.label, content.series))):
@@ -162,7 +162,7 @@ def send_steps(stream: rr.RecordingStream, content: ShownContent, motors: Sequen
 
 
 def send_torques(stream: rr.RecordingStream, content: ShownContent, motors: Sequence[Motor]) -> None:
-    """Torque of hidden effects where it is known, of the model's effects, and what the model leaves over."""
+    """Send the torque of hidden effects if known, that of the model's effects, and the residual torque."""
     if not content.has_torques:
         return
     errors = error_where_moving(content.series)
@@ -194,7 +194,7 @@ def _send_effects(
 
 
 def send_tool(stream: rr.RecordingStream, content: ShownContent, motors: Sequence[Motor]) -> None:
-    """Where the tool is and was wanted, reference positions of the motors, and how far the loops open."""
+    """Send the tool's position and reference, the motors' reference positions, and the opening of the loops."""
     frames = content.column(content.motion.time)
     if content.motion.tool_position is not None:
         for k, axis in enumerate(AXES):
@@ -230,7 +230,7 @@ def send_tool(stream: rr.RecordingStream, content: ShownContent, motors: Sequenc
 
 
 def send_phases(stream: rr.RecordingStream, content: ShownContent, motors: Sequence[Motor]) -> None:
-    """States on the time line: start, middle and end, the payload, and how every motor moves."""
+    """Send the state timeline: start, middle and end, the payload, and how every motor moves."""
     for number, lane in enumerate(lanes(content.series, [motor.name for motor in motors], content.payload)):
         entity = f"{content.root}/phases/{rr.escape_entity_path_part(f'{number + 1}_{lane.name}')}"
         used = {state: colour for state, colour in lane.colours.items() if state in lane.states}
@@ -245,7 +245,7 @@ def send_phases(stream: rr.RecordingStream, content: ShownContent, motors: Seque
 def steps_of(
     name: str, steps: Sequence[tuple[str, Sequence[CurrentSeries]]]
 ) -> tuple[tuple[str, CurrentSeries], ...]:
-    """The recording of that name in every step that has it."""
+    """The currents of the recording `name` in every step that has it, with the step's label."""
     traces = [
         (label, next((trace for trace in series if trace.name == name), None)) for label, series in steps
     ]

@@ -1,1 +1,1 @@
-"""`make measured`: what comes out on measured logs, compared with known values of their machines (known.toml)."""
+"""`make measured`: results on measured logs, compared with known values of their machines (known.toml)."""

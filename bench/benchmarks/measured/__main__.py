@@ -2,7 +2,7 @@
 
     python -m bench.benchmarks.measured [MACHINE ...] [--repeats] [-o DIR]
 
-Only the named machines run again; the pages are of all that the folder keeps.
+Only the named machines run again; the pages show all records in the folder.
 """
 
 import argparse
@@ -27,7 +27,7 @@ RESULT = Path("results/measured")
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Run, keep, write the pages; 2 with one line where something is not there."""
+    """Run the machines, save the records and write the pages. Returns 0, or 2 after an error, printed in one line."""
     parser = argparse.ArgumentParser(
         prog="python -m bench.benchmarks.measured", description=(__doc__ or "").split("\n")[0]
     )
@@ -66,7 +66,7 @@ def _run(names: Sequence[str], output: Path) -> None:
 
 
 def _repeats(output: Path) -> None:
-    """Compare logs of each machine, or halves of them, with each other."""
+    """Compare the logs of each machine, or their halves, with each other."""
     data, rows = Path(os.environ.get("PARABENCH_DATA", "../shared/data")), []
     for name, kind, logs in COMPARED:
         with TemporaryDirectory() as folder:
@@ -77,7 +77,7 @@ def _repeats(output: Path) -> None:
 
 
 def write_pages(folder: Path) -> None:
-    """The page of text and the page for a browser of the records in a folder."""
+    """Write the Markdown and the HTML page of the records in a folder."""
     records, tables = kept(folder), known_machines()
     write_text_atomically(folder / "measured.md", measured_markdown(records, tables))
     page = measured_page(records, tables, "make measured")

@@ -1,4 +1,4 @@
-"""What is known of the measured machines, from known.toml, and how an estimate compares with it."""
+"""Known values of the measured machines, from known.toml, and their comparison with estimates."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -12,14 +12,12 @@ from pydantic import Field, model_validator
 from bench.basics.files.toml_input import UserTable, read_toml
 
 DRIVE_GAIN, PARAMETER = "drive_gain", "parameter"
-WITHIN = (
-    2.0  # stated deviations: allowed difference of an estimate, in addition to the reference's uncertainty
-)
+WITHIN = 2.0  # standard errors: allowed difference of an estimate, in addition to the reference's uncertainty
 Share = Annotated[float, Field(ge=0.0, allow_inf_nan=False)]
 
 
 class KnownValue(UserTable):
-    """[[machines.NAME.known]]: values of one quantity; the file's first lines say what the keys mean."""
+    """[[machines.NAME.known]]: values of one quantity; the first lines of the file explain the keys."""
 
     of: str
     parameter: str = ""
@@ -40,12 +38,14 @@ class KnownValue(UserTable):
         return self
 
     def goal_at(self, place: str) -> float | None:
-        """How far the estimate at a place is to be off at most, relative; None without a goal."""
+        """The largest acceptable relative difference of the estimate at a place; None without a goal."""
         return self.goal.get(place) if isinstance(self.goal, Mapping) else self.goal
 
 
 class MachineTable(UserTable):
-    """[machines.NAME]: a machine with its logs, the effects that `identify` fits, those that `diagnose` starts from."""
+    """[machines.NAME]: a machine with its logs, the effects that `identify` fits, and those with which each `diagnose`
+    starts.
+    """
 
     machine: str
     log: str
@@ -62,10 +62,10 @@ class _KnownFile(UserTable):
 
 @dataclass(frozen=True)
 class AgainstKnown:
-    """An estimate and its known value: value and std None where the model has no such quantity or no deviation.
+    """An estimate and its known value. value, std: None if the model has no such quantity or no standard error.
 
-    uncertainty: of the reference, goal: of the estimate, both relative to `known`. fixed: the value was given, not
-    estimated.
+    uncertainty: of the reference, goal: for the estimate, both relative to `known`. fixed: whether the value was given,
+    not estimated.
     """
 
     quantity: str
@@ -80,21 +80,24 @@ class AgainstKnown:
 
     @property
     def off(self) -> float | None:
-        """How far the estimate is from the reference, relative to the reference's size."""
+        """Difference of the estimate from the reference, relative to the reference's size."""
         if self.value is None or not self.known:
             return None
         return (self.value - self.known) / abs(self.known)
 
     @property
     def claimed(self) -> float | None:
-        """Twice the stated deviation, relative to the reference's size."""
+        """Twice the standard error, relative to the reference's size."""
         if self.std is None or not self.known:
             return None
         return WITHIN * self.std / abs(self.known)
 
     @property
     def inside(self) -> bool | None:
-        """Whether it is off by no more than twice the stated deviation and the reference's uncertainty."""
+        """Whether the difference is within twice the standard error plus the reference's uncertainty.
+
+        None without an estimate or a reference, or if the value was given.
+        """
         if self.off is None or self.fixed:
             return None
         if self.claimed is None:  # not determined
@@ -103,7 +106,7 @@ class AgainstKnown:
 
     @property
     def reached(self) -> bool | None:
-        """Whether the goal is reached; None without one."""
+        """Whether the goal is reached; None without a goal, or if the value was given."""
         if self.goal is None or self.fixed:
             return None
         return self.off is not None and abs(self.off) <= self.goal
@@ -116,7 +119,7 @@ def known_machines() -> Mapping[str, MachineTable]:
 
 
 def compared(model: Mapping[str, Any], known: tuple[KnownValue, ...]) -> tuple[AgainstKnown, ...]:
-    """All drive gains, and everything else that is known, side by side; model: a model as JSON holds it."""
+    """All drive gains, and all other known quantities, with their known values. model: as in its JSON file."""
     rows = [_row(model, known_value, place) for known_value in known for place in known_value.values]
     determined = {row.place for row in rows if row.quantity == DRIVE_GAIN}
     others = [_gain(model, joint, None) for joint in model["drive_gains"] if joint not in determined]
@@ -139,7 +142,7 @@ def _row(model: Mapping[str, Any], known: KnownValue, place: str) -> AgainstKnow
 
 
 def _felt(model: Mapping[str, Any], known: KnownValue, place: str) -> Mapping[str, Any] | None:
-    """An effect's parameter, or the sum over motors that is felt at a joint, its deviations taken as independent."""
+    """An effect's parameter, or the weighted sum over motors that acts at a joint, with independent standard errors."""
     by_place = model["effect_parameters"].get(known.of, {})
     factors = known.felt.get(place, {place: 1.0})
     if any(known.parameter not in by_place.get(motor, {}) for motor in factors):

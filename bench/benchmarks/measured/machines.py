@@ -1,4 +1,4 @@
-"""The measured logs as datasets: as they are where they come so, else imported as a user would."""
+"""The measured logs as datasets: unchanged if they are datasets, otherwise imported as by a user."""
 
 from collections.abc import Callable, Mapping
 from pathlib import Path
@@ -15,7 +15,7 @@ GEARS: Mapping[int, Mapping[int, float]] = {
     5: {5: 45.0},
     6: {5: 32.0, 6: 32.0},
 }
-"""TX40, as published: motor -> joint -> turns of the motor for one of the joint. Motor 6 turns with joint 5 as well."""
+"""TX40, as published: motor -> joint -> turns of the motor for one of the joint. Joint 5 also turns motor 6."""
 
 
 def as_it_is(data: Path, _folder: Path) -> Path:
@@ -24,14 +24,14 @@ def as_it_is(data: Path, _folder: Path) -> Path:
 
 
 def imported_emps(data: Path, folder: Path) -> Path:
-    """The slide's MATLAB file."""
+    """Import the MATLAB file of the EMPS slide."""
     columns = {"time": "t", "position.axis": "qm", "current.axis": "vir"}
     import_log("emps", LogRequest(data / "DATA_EMPS.mat", LogMap(columns)), folder / "emps")
     return folder / "emps"
 
 
 def imported_tx40(data: Path, folder: Path) -> Path:
-    """Positions and torques of the motors, each a fixed tendon over the joints that it turns with."""
+    """Import positions and torques of the motors; each motor is a fixed tendon over the joints coupled to it."""
     robot = folder / "tx40_robot"
     robot.mkdir()
     tendons = "".join(
@@ -66,11 +66,13 @@ MACHINES: Mapping[str, Callable[[Path, Path], Path]] = {
     "tx40": imported_tx40,
     "ur10e": as_it_is,
 }
-"""Name of a machine and of its folder among the measured data -> the dataset, made in another folder if need be."""
+"""Name of a machine, and of its folder in the measured data -> function that returns the dataset, which it may create
+in another folder.
+"""
 
 
 def dataset_of(name: str, measured: Path, folder: Path) -> Path:
-    """The dataset of a machine. Raises BenchError where its logs are not there."""
+    """The dataset of a machine, created in `folder` if necessary. Raises BenchError if its logs are missing."""
     data = measured / name
     if not data.is_dir():
         raise BenchError(f"{data}: no measured logs; set $PARABENCH_DATA to their folder")

@@ -1,4 +1,4 @@
-"""The records as a page for a browser."""
+"""The records as an HTML page."""
 
 from collections.abc import Mapping, Sequence
 
@@ -52,7 +52,7 @@ RUN_KINDS: Mapping[str, Kind] = {"command": "keep", "verdict: missing": "words"}
 
 
 def measured_page(records: Sequence[Record], machines: Mapping[str, MachineTable], again: str) -> Page:
-    """What comes out on measured logs. again: the command that gives this page."""
+    """The page of results on measured logs. again: the command that reproduces it."""
     return Page(
         title="On measured logs",
         facts=(
@@ -72,7 +72,7 @@ def measured_page(records: Sequence[Record], machines: Mapping[str, MachineTable
 
 
 def _verdict(records: Sequence[Record]) -> tuple[str, ...]:
-    """How many values are right; which commands gave no answer."""
+    """How many values are right, and which commands gave no result."""
     rows = [row for record in records for run in record.runs for row in run.rows]
     inside = [row.inside for row in rows if row.inside is not None]
     reached = [row.reached for row in rows if row.reached is not None]
@@ -97,7 +97,7 @@ def _sentences_section(records: Sequence[Record], machines: Mapping[str, Machine
 
 
 def _known_section(records: Sequence[Record], machines: Mapping[str, MachineTable]) -> Section:
-    """What is known of all machines, and what came out."""
+    """Known and estimated values of all machines."""
     of_machines = {short_name(machines[record.name]): list(known_rows(record)) for record in records}
     columns = tuple(PageColumn(head, KNOWN_KINDS.get(head, "right")) for head in KNOWN_HEADS)
     table = PageTable("", "", columns, _grouped(of_machines))
@@ -105,7 +105,7 @@ def _known_section(records: Sequence[Record], machines: Mapping[str, MachineTabl
 
 
 def _commands_section(records: Sequence[Record], machines: Mapping[str, MachineTable]) -> Section:
-    """Errors of every command, and what each diagnosis names."""
+    """Errors of every command, and the effects that each diagnosis names."""
     of_machines = {}
     for record in records:
         machine = machines[record.name]
@@ -118,7 +118,7 @@ def _commands_section(records: Sequence[Record], machines: Mapping[str, MachineT
 
 
 def _grouped(of_machines: Mapping[str, Sequence[Sequence[MeasuredCell]]]) -> tuple[PageRow, ...]:
-    """Rows below the names of their machines, without those that have none."""
+    """Rows below the names of their machines, omitting machines without rows."""
     rows = []
     for name, lines in of_machines.items():
         if lines:
@@ -127,7 +127,7 @@ def _grouped(of_machines: Mapping[str, Sequence[Sequence[MeasuredCell]]]) -> tup
 
 
 def _what(run: MachineRun) -> str:
-    """What a command was asked; its whole line is in the section of its machine."""
+    """A command in short; its whole line is in the section of its machine."""
     given = "--with" in run.command
     return ("diagnose" if run.diagnosis else "identify") + (", with friction" if given else "")
 
@@ -159,7 +159,7 @@ def _machine_section(record: Record, machine: MachineTable) -> Section:
 
 
 def _figure(record: Record) -> list[Figure]:
-    """How far every estimate is from what is known, an interval for each command."""
+    """Differences of all estimates from known values, with an interval for each command; empty without known values."""
     runs = [run for run in record.runs if not run.failed]
     names = list(
         dict.fromkeys((quantity_name(r), r.place) for run in runs for r in run.rows if r.known is not None)

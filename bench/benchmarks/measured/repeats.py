@@ -1,4 +1,4 @@
-"""Do logs of one machine agree within their stated errors? Each is identified by itself, or each half of all."""
+"""Whether logs of one machine agree within their standard errors; each log, or half of all, is identified alone."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
@@ -25,8 +25,10 @@ Kind = Literal["logs", "halves"]
 
 @dataclass(frozen=True)
 class Repeats:
-    """How values of the same unknowns agree. z: (a - b) / sqrt(s_a^2 + s_b^2) over all pairs and unknowns: its RMS, the
-    share within 2, the largest; answers: how many were compared.
+    """Agreement of values of the same unknowns, by z = (a - b) / sqrt(s_a^2 + s_b^2) over all pairs and unknowns.
+
+    answers: number of identifications; values: of z; rms, within, largest: its RMS, the share within 2, its largest
+    size.
     """
 
     machine: str
@@ -39,12 +41,12 @@ class Repeats:
 
     @property
     def reached(self) -> bool:
-        """Whether both goals are."""
+        """Whether both goals are reached."""
         return self.rms <= GOAL_RMS and self.within >= GOAL_WITHIN
 
 
 def repeats_of(machine: str, folder: Path, kind: Kind, logs: Sequence[str] = ()) -> Repeats:
-    """Results of a dataset's logs, each by itself, or of the halves of its fitted logs. logs: only these, by name."""
+    """Identify each log of a dataset, or each half of its fitted logs, and compare them. logs: only these, by name."""
     dataset = load_dataset(folder)
     if logs:
         kept = [log for log in dataset.recordings if log.name in logs]
@@ -89,11 +91,11 @@ COMPARED: Sequence[tuple[str, Kind, Sequence[str]]] = (
     ("psm", "halves", ()),
     ("tx40", "halves", ()),
 )
-"""Machine, what is compared, and which of its logs; two further logs of psm1 are of another state of the machine."""
+"""Machine, what is compared, and which of its logs (all if empty); two more logs of psm1 are of another state of it."""
 
 
 def repeats_markdown(rows: Sequence[Repeats], program: Mapping[str, str]) -> str:
-    """The table, and what it says."""
+    """The table in Markdown, with an explanation."""
     said = [
         "# Repeats",
         "",
@@ -118,7 +120,7 @@ def repeats_markdown(rows: Sequence[Repeats], program: Mapping[str, str]) -> str
 
 
 def keep_repeats(rows: Sequence[Repeats], program: Mapping[str, str], folder: Path) -> Path:
-    """Write the table and its values into a folder."""
+    """Write the table and its values into the subfolder repeats; return the path of the table."""
     (folder / "repeats").mkdir(parents=True, exist_ok=True)
     write_json_atomically(
         folder / "repeats" / "repeats.json", {"program": dict(program), "rows": [asdict(row) for row in rows]}

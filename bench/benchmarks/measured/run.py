@@ -1,4 +1,4 @@
-"""What the commands `identify` and `diagnose` answer on a machine's logs, as data that are kept."""
+"""Results of the commands `identify` and `diagnose` on a machine's logs, as records in files."""
 
 import json
 import resource
@@ -23,7 +23,7 @@ SUFFIX = ".json"
 
 @dataclass(frozen=True)
 class FoundParameter:
-    """A parameter of an effect in the model that a diagnosis ends with; None for what is not finite."""
+    """A parameter of an effect in the final model of a diagnosis; value, std: None if not finite."""
 
     place: str
     name: str
@@ -34,7 +34,7 @@ class FoundParameter:
 
 @dataclass(frozen=True)
 class NamedEffects:
-    """An effect that a diagnosis identified: its verdict, where it shows, what it could be instead.
+    """An effect that a diagnosis identified: its verdict, places, and alternatives.
 
     size: RMS of its torque or force by motor, N·m or N; parameters: as estimated, SI.
     """
@@ -49,7 +49,7 @@ class NamedEffects:
 
 @dataclass(frozen=True)
 class LogOmitted:
-    """What a diagnosis supports no longer with a fitted log omitted."""
+    """A fitted log, and the effects that a diagnosis does not support without it."""
 
     log: str
     gone: tuple[str, ...]
@@ -66,10 +66,10 @@ class MachineStep:
 
 @dataclass(frozen=True)
 class MachineRun:
-    """One command's answer. seconds: of the processor, from start to end. failed: why there is no answer.
+    """The result of one command. seconds: processor time from start to end; failed: why there is no result, or "".
 
-    judged: what the errors not fitted are of; said: sentences of a diagnosis, else notes; found, ladder, noise_floor,
-    omitted: of a diagnosis. The names of the fields are keys of results/measured/*.json.
+    judged: on what error_validate was computed; said: sentences of a diagnosis, or notes of an identification; found,
+    ladder, noise_floor, omitted: of a diagnosis. The names of the fields are keys of results/measured/*.json.
     """
 
     command: str
@@ -88,13 +88,13 @@ class MachineRun:
 
     @property
     def diagnosis(self) -> bool:
-        """Whether missing effects were looked for."""
+        """Whether the command is a diagnosis."""
         return self.command.startswith("diagnose")
 
 
 @dataclass(frozen=True)
 class Record:
-    """All runs on the logs of one machine, and the program that made them."""
+    """All runs on the logs of one machine, and the program's versions."""
 
     name: str
     runs: tuple[MachineRun, ...]
@@ -102,7 +102,7 @@ class Record:
 
 
 def measured(name: str, dataset: Path, table: MachineTable, report: Callable[[str], None]) -> Record:
-    """Identify and diagnose the dataset in a folder. report: is called with every command before it runs."""
+    """Identify and diagnose the dataset in a folder. report: called with every command before it runs."""
     runs = []
     commands = [("identify", table.effects), *(("diagnose", start) for start in table.diagnose_with)]
     for command, effects in commands:
@@ -130,7 +130,7 @@ def _run(command: str, dataset: Path, given: Sequence[str], line: str, table: Ma
 
 
 def _processor_seconds() -> float:
-    """Processor time of all processes that were started and have ended, s."""
+    """Processor time of all child processes that have ended, s."""
     used = resource.getrusage(resource.RUSAGE_CHILDREN)
     return used.ru_utime + used.ru_stime
 
@@ -188,14 +188,14 @@ _RECORD = TypeAdapter(Record)
 
 
 def keep(record: Record, folder: Path) -> Path:
-    """Write a record into a folder."""
+    """Write a record into a folder; return its path."""
     path = folder / f"{record.name}{SUFFIX}"
     write_text_atomically(path, _RECORD.dump_json(record, indent=2).decode() + "\n")
     return path
 
 
 def kept(folder: Path) -> list[Record]:
-    """The records in a folder, by name. Raises BenchError for one that is damaged."""
+    """The records in a folder, in order of their names. Raises BenchError for a damaged one."""
     records = []
     for path in sorted(folder.glob(f"*{SUFFIX}")):
         try:

@@ -1,4 +1,4 @@
-"""What comes out on a machine, in a sentence that an engineer understands."""
+"""The results on a machine in one sentence for engineers."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from statistics import median
@@ -24,7 +24,7 @@ FRICTION: Mapping[str, str] = {
     "thermal_friction_drift": "falls as the joints warm up",
     "viscous_friction": "grows with the speed",
 }
-"""What friction does, by the effect."""
+"""Clauses on friction, by effect."""
 OTHERS: Mapping[str, str] = {
     "backlash": "there is play in the drives",
     "base_tilt": "the base is tilted",
@@ -41,16 +41,18 @@ OTHERS: Mapping[str, str] = {
     "passive_viscous_friction": "joints without a motor have viscous friction",
     "torque_ripple": "the torque ripples with the position of the motors",
 }
-"""What else is there, by the effect."""
+"""Clauses on other effects, by effect."""
 
 
 def short_name(machine: MachineTable) -> str:
-    """A machine's name without what it consists of."""
+    """A machine's name without the description after the colon."""
     return machine.machine.split(":")[0]
 
 
 def machine_sentence(record: Record, machine: MachineTable) -> str:
-    """How near the known values are, what friction does, how well Coulomb friction is known, and what remains."""
+    """How close the estimates are to known values, what friction does, how well Coulomb friction is known, and the
+    remaining error.
+    """
     runs = [run for run in record.runs if not run.failed]
     if not runs:
         return "No command gives an answer."
@@ -63,7 +65,7 @@ def machine_sentence(record: Record, machine: MachineTable) -> str:
 
 
 def absent_values(record: Record) -> list[str]:
-    """What the first diagnosis has in place of known friction that is not in its model, in numbers."""
+    """Sentences with the numbers of effects that the first diagnosis has instead of known friction."""
     run = next((run for run in record.runs if run.diagnosis and not run.failed), None)
     if run is None:
         return []
@@ -72,7 +74,7 @@ def absent_values(record: Record) -> list[str]:
 
 
 def _contains(found: NamedEffects, row: AgainstKnown) -> bool:
-    """Whether an effect has the known one as a special case, and values at its place."""
+    """Whether an effect has the known one as a special case, and values at the same place."""
     effect = CATALOGUE.get(found.effect)
     there = any(parameter.place == row.place for parameter in found.parameters)
     return effect is not None and row.quantity.partition(" ")[0] in effect.contains and there
@@ -92,8 +94,8 @@ def _in_place_of(row: AgainstKnown, found: NamedEffects) -> str:
 
 
 def _near(runs: Sequence[MachineRun], machine: MachineTable) -> list[str]:
-    """How far the estimates are off what is known, in a clause for all kinds that are as near as asked, and in one for
-    each other kind.
+    """Clauses on the differences from known values: one for all quantities that are close enough, and one for each
+    other quantity.
     """
     near, others = [], []
     for known in machine.known:
@@ -114,8 +116,10 @@ def _near(runs: Sequence[MachineRun], machine: MachineTable) -> list[str]:
 
 
 def _estimates(runs: Sequence[MachineRun], known: KnownValue) -> list[AgainstKnown]:
-    """Estimates of a known quantity by the first command that gives all of them: gains of a diagnosis, which has what
-    the model lacks, and friction of a model of the same form.
+    """Estimates of a known quantity from the first command that gives all its values; empty if none does.
+
+    For gains, diagnoses come first, since their models are complete; for other quantities the identification, whose
+    friction model has the known form.
     """
     quantity = f"{known.of} {known.parameter}".strip()
     for run in sorted(runs, key=lambda run: run.diagnosis != (known.of == DRIVE_GAIN)):
@@ -135,7 +139,7 @@ def _places(rows: Sequence[AgainstKnown]) -> str:
 
 
 def _away(rows: Sequence[AgainstKnown]) -> str:
-    """As in "19 to 30 % below"."""
+    """The differences as text, for example "19 to 30 % below"."""
     offs = [row.off or 0.0 for row in rows]
     least, most = (_rounded(edge(map(abs, offs))) for edge in (min, max))
     size = most if least == most else f"{least.removesuffix(' %')} to {most}"
@@ -143,12 +147,12 @@ def _away(rows: Sequence[AgainstKnown]) -> str:
 
 
 def _rounded(share: float) -> str:
-    """A share in percent, as a whole number where it is larger than that."""
+    """A share in percent, with two digits from 10 % on, otherwise one."""
     return in_percent(share, 2 if share >= 0.1 else 1)
 
 
 def _friction(run: MachineRun) -> Iterator[str]:
-    """What friction does and what else acts, the sure effects first; of many others the first are named."""
+    """Clauses on friction and on other effects, certain ones first; of many clauses only the first are given."""
     for sure in (True, False):
         names = [found.effect for found in run.found if (found.verdict == "missing") == sure]
         friction = [FRICTION[name] for name in names if name in FRICTION]
@@ -166,7 +170,7 @@ def _friction(run: MachineRun) -> Iterator[str]:
 
 
 def _coulomb(run: MachineRun) -> Iterator[str]:
-    """How well Coulomb friction is known, at half of the motors."""
+    """A clause on the median relative standard error of Coulomb friction over the motors."""
     for found in run.found:
         spread = [p.std / abs(p.value) for p in found.parameters if p.name == "Fc" and p.value and p.std]
         if found.effect == COULOMB and spread:
@@ -175,7 +179,7 @@ def _coulomb(run: MachineRun) -> Iterator[str]:
 
 
 def _remaining(run: MachineRun) -> str:
-    """What the model leaves of the current."""
+    """A clause on the remaining error of the current."""
     judged = run.error_validate is not None
     error = run.error_validate if judged else run.error_identify
     part = run.judged.removesuffix(", not fitted") if "last" in run.judged else "motions that were not fitted"

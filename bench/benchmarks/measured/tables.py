@@ -1,4 +1,4 @@
-"""Records as rows of cells, the same for the page of text and the page for a browser."""
+"""Records as rows of cells, for the Markdown and the HTML page."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -11,7 +11,7 @@ from bench.document.numbers import percent, pretty_unit, value_and_std
 from bench.effects.display_names import spoken
 
 _WORDS = {DRIVE_GAIN: "drive gain", PARAMETER: "base parameter"}
-MOST_OTHERS = 3  # alternatives that are named one by one
+MOST_OTHERS = 3  # alternatives that are listed one by one
 YES, NO, NONE = "yes", "NO", "–"
 KNOWN_HEADS = ("quantity", "at", "known", "identify", "off by", "diagnose", "off by", "inside", "goal")
 OMITTED_HEADS = ("without log", "effects not supported")
@@ -41,14 +41,14 @@ ERRORS = (
 
 @dataclass(frozen=True)
 class MeasuredCell:
-    """A text in a table of records. right: whether what it tells of is as it should be; None: it does not say."""
+    """A text in a table of records. right: whether the value is as it should be; None if that is not judged."""
 
     text: str
     right: bool | None = None
 
     @property
     def wrong(self) -> bool:
-        """Whether it is surely not as it should be."""
+        """Whether the value is not as it should be."""
         return self.right is False
 
 
@@ -56,7 +56,7 @@ Cells = tuple[MeasuredCell, ...]
 
 
 def known_rows(record: Record) -> Iterator[Cells]:
-    """A row for every known value: what the first identification and the first diagnosis give for it."""
+    """A row for every known value, with the estimates of the first identification and the first diagnosis."""
     runs = [run for run in record.runs if not run.failed]
     pair = [next((run for run in runs if run.diagnosis == diagnosis), None) for diagnosis in (False, True)]
     by_name = [{(row.quantity, row.place): row for row in run.rows} if run else {} for run in pair]
@@ -83,7 +83,7 @@ def _off(against: AgainstKnown) -> str:
 
 
 def _of_both(answers: Sequence[bool | None]) -> MeasuredCell:
-    """Yes where both commands are right; no, with which, where one is not."""
+    """YES if all commands with an answer are right, NO if none is, otherwise how many are."""
     known = [entry for entry in answers if entry is not None]
     if not known:
         return MeasuredCell(NONE)
@@ -93,13 +93,13 @@ def _of_both(answers: Sequence[bool | None]) -> MeasuredCell:
 
 
 def omitted_rows(run: MachineRun) -> Iterator[Cells]:
-    """A row for each log that is omitted."""
+    """A row for each omitted log, with the effects that are not supported without it."""
     for row in run.omitted:
         yield _cells(row.log, ", ".join(spoken(name) for name in row.gone) or "none")
 
 
 def run_rows(record: Record, table: MachineTable) -> Iterator[Cells]:
-    """A row for every command: its errors, how many values are right, what it costs, what it names."""
+    """A row for every command: its errors, how many values are right, its processor time, and the effects it names."""
     for run in record.runs:
         if run.failed:
             none = [NONE] * 5
@@ -122,7 +122,7 @@ def _cells(*entries: str | MeasuredCell) -> Cells:
 
 
 def error_goal(run: MachineRun, table: MachineTable) -> MeasuredCell:
-    """The goal of the fitted error, and whether it is reached."""
+    """The goal for the fitted error, and whether it is reached."""
     if table.error_goal is None or run.error_identify is None:
         return MeasuredCell(NONE)
     reached = run.error_identify <= table.error_goal
@@ -130,13 +130,13 @@ def error_goal(run: MachineRun, table: MachineTable) -> MeasuredCell:
 
 
 def plural(answers: Sequence[bool | None]) -> str:
-    """How many of those that have an answer are right."""
+    """How many of the known answers are right, as in "3 of 4"."""
     known = [entry for entry in answers if entry is not None]
     return f"{sum(known)} of {len(known)}" if known else NONE
 
 
 def said_missing(run: MachineRun) -> str:
-    """The effects that a diagnosis identified, strongest first."""
+    """The effects that a diagnosis identified, in its order."""
     if not run.diagnosis:
         return NONE
     motors = [row.place for row in run.rows if row.quantity == DRIVE_GAIN]
@@ -144,7 +144,7 @@ def said_missing(run: MachineRun) -> str:
 
 
 def named(effects: NamedEffects, motors: Sequence[str]) -> str:
-    """An effect with its places, its verdict unless it is plainly missing, and what it could be instead."""
+    """An effect with its places, its alternatives, and its verdict unless that is "missing"."""
     places = f" at {', '.join(effects.places)}" if effects.places else ""
     if len(motors) > 1 and set(effects.places) == set(motors):
         places = " at all motors"
@@ -157,7 +157,7 @@ def named(effects: NamedEffects, motors: Sequence[str]) -> str:
 
 
 def value_rows(run: MachineRun) -> Iterator[Cells]:
-    """A row for every gain and everything that is known."""
+    """A row for every gain and every other known value."""
     for against in run.rows:
         yield _cells(
             quantity_name(against),
@@ -179,13 +179,13 @@ def _known(against: AgainstKnown) -> str:
 
 
 def quantity_name(known: AgainstKnown) -> str:
-    """What is compared, in words."""
+    """The display name of a compared quantity."""
     effect, _, parameter = known.quantity.partition(" ")
     return _WORDS.get(known.quantity, f"{spoken(effect)} {parameter}")
 
 
 def estimate(known: AgainstKnown) -> str:
-    """The value with its deviation, or why there is none."""
+    """The value with its standard error, or why there is none."""
     if known.value is None:
         return "not in the model"
     if known.fixed:
@@ -196,12 +196,12 @@ def estimate(known: AgainstKnown) -> str:
 
 
 def answer(right: bool | None) -> MeasuredCell:
-    """Yes, no, or nothing to say."""
+    """Yes, no, or a dash if that is not judged."""
     return MeasuredCell(NONE if right is None else YES if right else NO, right)
 
 
 def sources(machine: MachineTable) -> list[str]:
-    """Where the known values are from, each with what it is about."""
+    """The sources of the known values, each with its quantity and places."""
     said = []
     for known in machine.known:
         about = _WORDS.get(known.of, f"{spoken(known.of)} {known.parameter}")
@@ -210,7 +210,7 @@ def sources(machine: MachineTable) -> list[str]:
 
 
 def measured_markdown(records: Sequence[Record], machines: Mapping[str, MachineTable]) -> str:
-    """All machines: a sentence each, what is known and what came out, the errors, then the details of each."""
+    """The page of all machines in Markdown: a sentence each, known and estimated values, errors, then details."""
     known = [(record.name, *_weighted(cells)) for record in records for cells in known_rows(record)]
     runs = [
         (record.name, _unbroken(command.text), *_weighted(cells))
@@ -253,7 +253,7 @@ def _machine_blocks(record: Record, machine: MachineTable) -> Iterator[str]:
 
 
 def _unbroken(command: str) -> str:
-    """A command as pieces of code, each of which stays on a line: an option is not torn from its name or its value."""
+    """A command as pieces of code, so that no line breaks between an option and its value."""
     first, *options = command.split(" --")
     return " ".join(f"`{part}`" for part in (first, *(f"--{option}" for option in options)))
 

@@ -1,1 +1,1 @@
-"""The same problems, solved by others: in a separate environment, see `make peers`."""
+"""The same problems solved by other programs, in a separate environment; see `make peers`."""

@@ -47,7 +47,9 @@ HEADERS = ("solver", "seeds", "seconds", "gain error", "gains within", "mass err
 
 @dataclass(frozen=True)
 class Score:
-    """One solver on one problem: medians over the seeds of time and largest relative errors; coverage."""
+    """One solver on one problem: medians over the seeds of time and largest relative errors, and coverage of 95 %
+    intervals.
+    """
 
     robot: str
     friction: bool
@@ -64,7 +66,7 @@ Solver = Callable[[PeerProblem], Answer]
 
 
 def score(robot: str, *, friction: bool, solve: Solver, seeds: int) -> Score:
-    """Solve a problem for several seeds of the noise; the first one is solved once more beforehand, to warm up."""
+    """Solve a problem for several seeds of the noise. With `MANY`, the first is solved once before, to warm up."""
     problems = [make_problem(robot, seed, friction=friction) for seed in range(1, seeds + 1)]
     if seeds >= MANY:
         solve(problems[0])
@@ -94,7 +96,7 @@ def _within(triples: Iterable[tuple[np.ndarray, np.ndarray | None, np.ndarray | 
 
 
 def five_bar_scores(*, friction: bool) -> list[Score]:
-    """mujoco.sysid and this project; FIGAROH has no closed loops."""
+    """Scores of mujoco.sysid and this program; FIGAROH has no closed loops."""
     from bench.benchmarks.peers import mujoco_sysid  # noqa: PLC0415 - slow to import
 
     def others(step: float) -> Solver:
@@ -113,7 +115,9 @@ def five_bar_scores(*, friction: bool) -> list[Score]:
 
 
 def arm_scores(*, friction: bool) -> list[Score]:
-    """FIGAROH and this project, both from the mass of the payload; and all that is known of it used."""
+    """Scores of FIGAROH and this program, both with only the payload's mass known, and of this program with the whole
+    payload known.
+    """
     from bench.benchmarks.peers import figaroh_arm  # noqa: PLC0415 - slow to import
 
     settings = solve_all_unknown(make_problem("two_link", 1, friction=friction))[1].settings
@@ -128,7 +132,7 @@ def arm_scores(*, friction: bool) -> list[Score]:
 
 
 def title(scored: Score) -> str:
-    """What the problem is."""
+    """The problem as a title."""
     robot = {"five_bar": "Five-bar", "two_link": "Serial arm of two links"}[scored.robot]
     friction = (
         f"Coulomb friction of {100.0 * COULOMB_SHARE:.0f} % of the torque"
@@ -150,7 +154,7 @@ def cells(scored: Score) -> list[str]:
 
 
 def scores_table(scores: Sequence[Score]) -> Table:
-    """The solvers of one problem below each other; in a narrow terminal their names give way, not the numbers."""
+    """A row for each solver of one problem; in a narrow terminal names wrap, numbers do not."""
     table = Table(box=box.SIMPLE_HEAD, title=title(scores[0]), title_justify="left", pad_edge=False)
     table.add_column(HEADERS[0], overflow="fold")
     for header in HEADERS[1:]:
@@ -161,7 +165,7 @@ def scores_table(scores: Sequence[Score]) -> Table:
 
 
 def main() -> int:
-    """Run all, print, keep."""
+    """Run all solvers, print the tables, and write them."""
     os.environ.setdefault("MUJOCO_GL", "disable")
     console = table_console()
     scores: list[Score] = []

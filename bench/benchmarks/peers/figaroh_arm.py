@@ -1,8 +1,8 @@
 """The serial arm with FIGAROH: drive gains and base parameters by its total least squares on currents.
 
-FIGAROH has no closed loops, and identifies gains from an unloaded and a loaded movement and the mass of the
-payload. Its functions filter, differentiate, build and reduce the regressor and solve; decimation is SciPy's,
-as in its examples. The cut-off is given, the same as ours chose.
+FIGAROH has no closed loops. It identifies gains from an unloaded and a loaded movement and the mass of the payload. Its
+functions filter, differentiate, build and reduce the regressor, and solve; SciPy decimates, as in its examples. The
+cut-off is the one that this program chose.
 """
 
 import tempfile
@@ -19,7 +19,7 @@ from bench.benchmarks.peers.parabench import Answer
 from bench.benchmarks.peers.problems import PeerProblem
 from bench.truth.dataset import as_dataset
 
-# only there in the environment of `make peers`
+# available only in the environment of `make peers`
 tools: Any = import_module("figaroh.identification.identification_tools")
 parameters: Any = import_module("figaroh.identification.parameter")
 decomposition: Any = import_module("figaroh.tools.qrdecomposition")
@@ -27,13 +27,13 @@ regressor: Any = import_module("figaroh.tools.regressor")
 robots: Any = import_module("figaroh.tools.robot")
 
 ITS_CUTOFF = (
-    4.0  # `low_pass_filter_data` divides by the sampling rate where SciPy wants half of it, and halves
+    4.0  # `low_pass_filter_data` divides by the sampling rate instead of by half of it, and halves the result
 )
 ORDER = 4
 
 
 def solve(problem: PeerProblem, cutoff: float, decimation: int) -> Answer:
-    """Gains from the two recordings: cut-off of the positions' filter in Hz, one sample in `decimation` fitted."""
+    """Gains from the two recordings. cutoff: of the positions' filter, Hz; one sample in `decimation` is fitted."""
     dataset = as_dataset(problem.simulation)
     payload = next(iter(dataset.payloads.values()))
     with tempfile.TemporaryDirectory() as folder:
@@ -80,7 +80,7 @@ def solve(problem: PeerProblem, cutoff: float, decimation: int) -> Answer:
 
 
 def _mass_last(rows: np.ndarray) -> np.ndarray:
-    """Columns of every body in the order that `build_total_regressor_current` takes for granted: mass last."""
+    """The columns with each body's mass last, the order that `build_total_regressor_current` assumes."""
     order = [10 * body + k for body in range(rows.shape[1] // 10) for k in (*range(1, 10), 0)]
     return rows[:, order]
 

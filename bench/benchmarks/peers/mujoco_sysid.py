@@ -1,8 +1,8 @@
-"""The five-bar with mujoco.sysid: positions predicted by simulating, gains and masses varied until they fit.
+"""The five-bar with mujoco.sysid: it predicts positions by simulation and varies gains and masses until these fit.
 
-It is given what the measurements do not tell: the initial state, the controller with its gains, every other mass
-and inertia. What differs is the step: that of the simulated truth, in which case the model is a copy of the truth,
-or the log's, as for a machine that is not a simulation.
+It receives what the measurements do not contain: the initial state, the controller with its gains, and all other masses
+and inertias. The time step is either that of the simulated truth, so that the model is a copy of the truth, or the
+log's, as for a real machine.
 """
 
 import io
@@ -18,15 +18,15 @@ from bench.benchmarks.peers.parabench import Answer
 from bench.benchmarks.peers.problems import UNKNOWN_BODIES, PeerProblem
 from bench.scenario.scenario import payload_truth
 
-# only there in the environment of `make peers`
+# available only in the environment of `make peers`
 mujoco: Any = import_module("mujoco")
 sysid: Any = import_module("mujoco.sysid")
 
-START = 1.3  # masses begin this much too large, gains at their nominal values
+START = 1.3  # factor of the initial masses; gains start at their nominal values
 
 
 def solve(problem: PeerProblem, step: float) -> Answer:
-    """Gains and the two masses by nonlinear least squares on the positions, at a step in s."""
+    """Gains and the two masses by nonlinear least squares on the positions. step: time step, s."""
     simulation = problem.simulation
     machine, joints = simulation.machine, simulation.robot.joints
     parameters = sysid.ParameterDict()
@@ -56,7 +56,7 @@ def solve(problem: PeerProblem, step: float) -> Answer:
 
 
 Change = Callable[[Any, Any], None]
-"""Puts a parameter of theirs into an MjSpec."""
+"""Puts a parameter of mujoco.sysid into an MjSpec."""
 
 
 def _gain_change(joint: str, kp: float, kv: float) -> Change:
@@ -83,14 +83,14 @@ def _sequence(problem: PeerProblem, index: int, step: float) -> Any:
     times = np.arange(0.0, recording.motion.time[-1] + step / 2, step)
     command = simulation.machine.drive.command(*recording.trajectory.evaluate(times))
     state = sysid.create_initial_state(model, recording.motion.qpos[0], recording.motion.qvel[0])
-    # its predictions carry the time after a step, for sensors of the state before it
+    # its predictions have the time after a step, but sensor values of the state before it
     positions = sysid.TimeSeries.from_names(recording.log.time + step, recording.log.position, model)
     name = recording.name
     return sysid.ModelSequences(name, spec, name, state, sysid.TimeSeries(times, command), positions)
 
 
 def _spec(problem: PeerProblem, payload: str | None, step: float) -> Any:
-    """The robot with motors, position sensors and its payload, loops as stiff as the truth's."""
+    """The robot with motors, position sensors and payload, and with loops as stiff as in the truth."""
     simulation = problem.simulation
     robot, truth = simulation.robot, simulation.machine.models[None]
     spec = robot.mjcf_spec()

@@ -1,4 +1,4 @@
-"""The answer of this program to a problem: everything identified, then with all but two masses taken as known."""
+"""Solutions of a problem by this program: with everything identified, and with all but two masses known."""
 
 import time
 from dataclasses import dataclass, replace
@@ -24,7 +24,7 @@ STATES, SEED = 80, 7
 
 @dataclass(frozen=True)
 class Answer:
-    """Estimates (n,) with standard deviations; masses are None where the method does not give them."""
+    """Estimates of gains (n,) and masses (2,) with standard deviations; None if the method does not give them."""
 
     solver: str
     seconds: float
@@ -35,13 +35,13 @@ class Answer:
 
 
 def solve_all_unknown(problem: PeerProblem, effects: tuple[str, ...] = ()) -> tuple[Answer, Identification]:
-    """Gains and all base parameters from the measurements and the payload alone."""
+    """Gains and all base parameters from only the measurements and the payload."""
     name = "parabench" + (f", with {' + '.join(effects)}" if effects else "")
     return _identified(as_dataset(problem.simulation), effects, name)
 
 
 def solve_output_error(problem: PeerProblem, effects: tuple[str, ...] = ()) -> Answer:
-    """The same from the controller's law and its references as well, which mujoco.sysid is given."""
+    """As `solve_all_unknown`, by output error, with the control law and references that mujoco.sysid also receives."""
     simulation = problem.simulation
     settings = simulation.scenario.settings
     controller = settings.controller.model_copy(update={"declared": True})
@@ -62,7 +62,7 @@ def _identified(
 
 
 def solve_mass_known(problem: PeerProblem) -> Answer:
-    """Gains and all base parameters from the measurements and the mass of the payload."""
+    """Gains and all base parameters from only the measurements and the payload's mass."""
     dataset = as_dataset(problem.simulation)
     payloads = {
         name: replace(payload, center_of_mass=None, inertia=None)
@@ -72,14 +72,14 @@ def solve_mass_known(problem: PeerProblem) -> Answer:
 
 
 def solve_two_masses(problem: PeerProblem, effects: tuple[str, ...] = ()) -> Answer:
-    """The same, then the two masses and the gains that suit best with everything else known.
+    """As `solve_all_unknown`, then the two masses and the gains that fit best with everything else known.
 
-    Base parameters are linear in the masses: the identified ones, with their covariance, are fitted by those of
-    the known rest and the two masses (generalised least squares).
+    Base parameters are linear in the masses: generalised least squares with the identified base parameters, their
+    covariance, and the known contribution of all other masses.
     """
     everything, result = solve_all_unknown(problem, effects)
     model = build_model(problem.simulation.robot)
-    rest, per_mass = _base_of_masses(problem, model)  # the CAD's part, known beforehand
+    rest, per_mass = _base_of_masses(problem, model)  # known beforehand, from CAD
     start = time.process_time()
     base, gains = len(rest), len(everything.gains)
     kept = [i for i, unknown in enumerate(result.covariance_rows) if i < base or unknown.kind == "gain"]
@@ -101,7 +101,7 @@ def solve_two_masses(problem: PeerProblem, effects: tuple[str, ...] = ()) -> Ans
 
 
 def _base_of_masses(problem: PeerProblem, model: IdentificationModel) -> tuple[np.ndarray, np.ndarray]:
-    """Base parameters (nb,) without the two masses, and those of 1 kg of each (nb, 2)."""
+    """Base parameters (nb,) without the two masses, and those per kg of each (nb, 2)."""
     full = true_base_parameters(model, truth(problem.simulation))
     per_mass = np.column_stack(
         [_base_of_mass(problem, model, name) for name in UNKNOWN_BODIES[problem.robot]]

@@ -1,4 +1,4 @@
-"""What all have to solve: short measurements of a five-bar and of a serial arm, with known truth."""
+"""The common problems: short measurements of a five-bar and of a serial arm, with known truth."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -20,9 +20,9 @@ UNKNOWN_BODIES = {"five_bar": ("left_rod", "right_rod"), "two_link": ("upper_arm
 
 @dataclass(frozen=True)
 class PeerProblem:
-    """A robot whose two drive gains and the masses of two bodies are unknown; everything else can be known.
+    """A robot with two unknown drive gains and two bodies of unknown mass; everything else may be known.
 
-    simulation: recordings without and with a payload that is known in full.
+    simulation: recordings without and with a completely known payload.
     """
 
     robot: str
@@ -37,13 +37,13 @@ class PeerProblem:
 
     @property
     def masses(self) -> np.ndarray:
-        """The true masses (2,) of the bodies in question."""
+        """The true masses (2,) of `UNKNOWN_BODIES`."""
         model = self.simulation.machine.models[None]
         return np.array([model.body(name).mass[0] for name in UNKNOWN_BODIES[self.robot]])
 
 
 def make_problem(robot: str, seed: int, *, friction: bool) -> PeerProblem:
-    """A problem; the same motion for all seeds, other noise of the sensors."""
+    """A problem; seeds have the same motion and different sensor noise."""
     simulation = _simulated(robot, friction=friction)
     scenario = load_scenario(robot, _changes(robot, seed, simulation.scenario.settings.hidden))
     return PeerProblem(robot, friction, seed, sense_again(simulation, scenario))

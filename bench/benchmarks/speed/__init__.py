@@ -1,1 +1,1 @@
-"""What a calculation costs, measured together with a known calculation in the same run."""
+"""Cost of calculations, mostly relative to a reference calculation measured in the same run."""

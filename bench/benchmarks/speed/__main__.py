@@ -1,8 +1,8 @@
-"""`make speed`: every figure and its last value; the history is in results/speed.
+"""`make speed`: every figure with its last value; the history is in results/speed.
 
     python -m bench.benchmarks.speed [PART ...]
 
-measures only these parts.
+measures only the named parts.
 """
 
 import os
@@ -29,7 +29,7 @@ from bench.studies.sweep.summary import table_console
 
 
 def regressor_figures() -> list[SpeedFigure]:
-    """The projected regressor over Pinocchio's."""
+    """Time of the projected regressor over that of Pinocchio's regressor."""
     return [
         SpeedFigure(f"regressor over Pinocchio's, {robot}", regressor.times_pinocchio(robot), "×", limit)
         for robot, limit in regressor.LIMITS.items()
@@ -37,7 +37,7 @@ def regressor_figures() -> list[SpeedFigure]:
 
 
 def main_job_figures() -> list[SpeedFigure]:
-    """Simulation over rollout, identification, and the design and simulation of a hexapod."""
+    """Time of a simulation over that of rollout, of an identification, and of a hexapod's design and simulation."""
     name = "simulate a hexapod, design included"
     figures = [SpeedFigure(name, main_job.hexapod_seconds(), "s", main_job.HEXAPOD_LIMIT)]
     for robot, limit in main_job.IDENTIFICATION_LIMITS.items():
@@ -50,7 +50,7 @@ def main_job_figures() -> list[SpeedFigure]:
 
 
 def diagnosis_figures() -> list[SpeedFigure]:
-    """Diagnoses of small and large robots, what of the processor and the memory they take, and several at once."""
+    """Time, processor use and memory of diagnoses of small and large robots, and time of several at once."""
     figures, busy, identifying, memory = [], 0.0, 0.0, 0.0
     for name, limit, cost in diagnosis.costs():
         figures.append(SpeedFigure(name, cost.seconds, "s", limit))
@@ -67,7 +67,7 @@ def diagnosis_figures() -> list[SpeedFigure]:
 
 
 def report_figures() -> list[SpeedFigure]:
-    """The page of a diagnosis of a robot with six motors: at first, and again from the diagnosis's folder."""
+    """Time to write the report of a diagnosis of a robot with six motors: first, and again from its folder."""
     first, again = report.measure()
     return [
         SpeedFigure("report of 60 s of six motors", first, "s", report.LIMIT),
@@ -76,7 +76,7 @@ def report_figures() -> list[SpeedFigure]:
 
 
 def long_log_figures() -> list[SpeedFigure]:
-    """Two logs of 20 minutes, and a measured arm at 5 kHz where its data are."""
+    """Cost of identification from two logs of 20 minutes and, if its data are available, of a measured arm at 5 kHz."""
     seconds, gigabytes = long_log.measure()
     name = "identify a five-bar, two logs of 20 minutes at 1 kHz"
     figures = [
@@ -91,7 +91,7 @@ def long_log_figures() -> list[SpeedFigure]:
 
 
 def growth_figures() -> list[SpeedFigure]:
-    """Exponents of the cost; its picture and numbers are kept as well."""
+    """Exponents of the cost; also writes its figure and numbers."""
     series = list(growth.measure())
     growth.keep(series)
     return [
@@ -106,7 +106,7 @@ def growth_figures() -> list[SpeedFigure]:
 
 
 def start_up_figures() -> list[SpeedFigure]:
-    """From the command to the moment when its dataset is read, and to the first words on a terminal."""
+    """Time from the start of a command until it reads its dataset, and until its first words on a terminal."""
     starts = [
         SpeedFigure(f"start of bench {command}", start_up.measure(command), "s", start_up.LIMIT)
         for command in start_up.COMMANDS

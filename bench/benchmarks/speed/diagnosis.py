@@ -21,7 +21,7 @@ from bench.truth.simulate import simulate
 DURATION, SHORT, HEXAPOD = 24.0, 14.0, 10.0  # s, of a recording
 BUSY = 1.2  # processor time over wall time
 AT_ONCE = 1.7  # time of three diagnoses started at once over that of two, on two cores
-REPEATS = 3  # what else the machine does only makes it longer
+REPEATS = 3  # the shortest counts: other processes only slow it down
 MEGABYTES = 400.0  # of the hexapod's diagnosis
 Hidden = Sequence[Mapping[str, Any]]
 OFFSET_AND_FRICTION: Mapping[str, Hidden] = {
@@ -34,7 +34,7 @@ OFFSET_AND_FRICTION: Mapping[str, Hidden] = {
         {"effect": "encoder_offset", "joint": "motor_1", "offset": 0.02},
     ),
 }
-"""A linear effect, and one whose columns depend on the model, so that they are computed anew in every round."""
+"""A linear effect, and one whose columns depend on the model and are recomputed in every round."""
 THREE: Hidden = (
     {"effect": "coulomb_friction", "Fc": 0.3},
     {"effect": "cogging_torque", "a": 0.1, "b": 0.05, "period": 0.52},
@@ -43,7 +43,10 @@ THREE: Hidden = (
 
 
 def simulated(robot: str, hidden: Hidden, *, checked: bool) -> Dataset:
-    """A robot's scenario with effects that no model contains: two recordings, and one to check where asked for."""
+    """A dataset from a robot's scenario with effects that no model contains.
+
+    The fitted recordings and, if `checked`, one for validation.
+    """
     content = dict(read_with_bases(find_scenario(robot)))
     content["hidden"] = list(hidden)
     content["design"] = {**content["design"], "duration": DURATION}
@@ -58,12 +61,12 @@ def simulated(robot: str, hidden: Hidden, *, checked: bool) -> Dataset:
 
 
 def hexapod(folder: Path) -> Dataset:
-    """A platform on six legs, three recordings; its robot is written into the folder."""
+    """Three recordings of a platform on six legs; robot and recordings are written into the folder."""
     return report.six_motors(folder, HEXAPOD)
 
 
 def cases(folder: Path) -> Iterator[tuple[str, float, Dataset]]:
-    """Name, limit in s, and dataset of every case; that of measured data only where they are."""
+    """Name, limit in s, and dataset of every case; the measured one only if its data are available."""
     for robot, limit in (("five_bar", 1.5), ("delta", 4.0)):
         data = simulated(robot, OFFSET_AND_FRICTION[robot], checked=False)
         yield f"diagnose two recordings of 24 s, {robot}", limit, data
@@ -84,7 +87,7 @@ def costs() -> Iterator[tuple[str, float, Cost]]:
 
 
 def three_over_two() -> float:
-    """Time of three diagnoses that are started at once over that of two: the shortest of some each, in turns."""
+    """Time of three simultaneous diagnoses over that of two; the shortest of `REPEATS` each, alternating."""
     dataset = simulated("five_bar", OFFSET_AND_FRICTION["five_bar"], checked=False)
     with _workers(2) as two, _workers(3) as three:
         pools = {2: two, 3: three}

@@ -1,4 +1,4 @@
-"""What one call of a feed-forward costs: `python -m bench.benchmarks.speed.feedforward MODEL.json`."""
+"""Cost of one call of a feed-forward: `python -m bench.benchmarks.speed.feedforward MODEL.json`."""
 
 import ctypes
 import shutil
@@ -45,10 +45,11 @@ int many(long count, const double *x, double *current)
 
 
 def seconds_per_call(model: IdentifiedModel, calls: int = 200_000) -> dict[str, float]:
-    """Processor time in s of one call of C, of Pinocchio's rnea on the same tree, from Python, and of Python.
+    """Processor time, s, of one call of the C code, of Pinocchio's rnea on the same tree from Python, and of the Python
+    code, by name.
 
-    Along a motion at 1 kHz about home. Where loops are closed, rnea gets the motion of all joints: it does not close
-    them. Raises BenchError without a C compiler, and where the motion leaves the robot's reach.
+    Along a motion at 1 kHz about home. With closed loops, rnea receives the motion of all joints, as it does not close
+    the loops. Raises BenchError without a C compiler, and if the motion leaves the robot's reach.
     """
     geometry = model.model.geometry
     states = _motion(geometry)
@@ -116,7 +117,7 @@ def _compiled(model: IdentifiedModel, folder: Path) -> Callable[..., int]:
 
 
 def main() -> int:
-    """Print them in microseconds."""
+    """Print the times in microseconds. Returns 0, or 2 after an error."""
     if len(sys.argv) != 2:
         sys.stderr.write("python -m bench.benchmarks.speed.feedforward MODEL.json\n")
         return 2

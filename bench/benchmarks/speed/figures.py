@@ -1,4 +1,4 @@
-"""What a speed benchmark gives: named figures with their limits and their last values."""
+"""Results of speed benchmarks: named figures with their limits and last values."""
 
 import json
 import os
@@ -15,12 +15,12 @@ from bench.basics.errors import BenchError
 from bench.basics.versions import versions
 
 HISTORY = Path("results/speed/history.jsonl")
-NOTABLE = 0.15  # relative change that is worth a colour; machines are noisier than that below
+NOTABLE = 0.15  # relative change from which a figure is coloured; smaller ones are noise
 
 
 @dataclass(frozen=True)
 class SpeedFigure:
-    """A measured figure. limit: it should be at most this, or with `at_least` at least; None: no promise."""
+    """A measured figure. limit: its upper or, with `at_least`, its lower bound; None: unlimited."""
 
     name: str
     value: float
@@ -37,7 +37,7 @@ class SpeedFigure:
 
 
 def last_values(path: Path = HISTORY) -> dict[str, float]:
-    """The value of every figure when it was last measured; empty if it never was."""
+    """The last measured value of every figure; empty without a history. Raises BenchError for a damaged history."""
     values: dict[str, float] = {}
     if path.is_file():
         for number, line in enumerate(path.read_text(encoding="utf-8").splitlines(), start=1):
@@ -49,7 +49,7 @@ def last_values(path: Path = HISTORY) -> dict[str, float]:
 
 
 def append_history(figures: Sequence[SpeedFigure], path: Path = HISTORY) -> None:
-    """Add a line to the history: figures and their units by name, the program, the machine."""
+    """Append a line to the history: figures and units by name, versions, and machine."""
     record: dict[str, Any] = {
         "figures": {figure.name: float(f"{figure.value:.4g}") for figure in figures},
         "units": {figure.name: figure.unit for figure in figures},
@@ -63,7 +63,7 @@ def append_history(figures: Sequence[SpeedFigure], path: Path = HISTORY) -> None
 
 
 def figures_table(figures: Sequence[SpeedFigure], last: Mapping[str, float]) -> Table:
-    """Each figure with its last value and its limit."""
+    """A table of all figures with their last values and limits."""
     table = Table(
         box=box.SIMPLE_HEAD, pad_edge=False, padding=(0, 2, 0, 0), header_style="dim", show_edge=False
     )

@@ -1,4 +1,4 @@
-"""How long a command is silent on a terminal: from its start to the first words of its progress."""
+"""Time from the start of a command to the first words of its progress on a terminal."""
 
 import os
 import pty
@@ -17,12 +17,12 @@ LIMIT = 1.0  # s
 REPEATS = 3
 PATIENCE = 60.0  # s
 WORDS = "starting"
-SECONDS = 10.0  # of the recordings that the commands are given
+SECONDS = 10.0  # of the recordings that the commands read
 EFFECTS = ("coulomb_friction", "viscous_friction")
 
 
 def measure_all(repeats: int = REPEATS) -> Iterator[tuple[str, float]]:
-    """Each command that works for long, and its seconds: the shortest of some."""
+    """The name and the time, s, of each long-running command; the shortest of several."""
     with tempfile.TemporaryDirectory(prefix="bench-speed-") as name:
         folder = Path(name)
         data = str(write_long_dataset(folder / "data", SECONDS))
@@ -38,9 +38,9 @@ def measure_all(repeats: int = REPEATS) -> Iterator[tuple[str, float]]:
 
 
 def measure(arguments: Sequence[str]) -> float:
-    """Seconds from the start of a command to its first words on a terminal; it is ended then.
+    """Seconds from the start of a command to its first words on a terminal, after which it is ended.
 
-    Raises BenchError where it says nothing of its progress.
+    Raises BenchError if it reports no progress.
     """
     ours, theirs = pty.openpty()
     start, text = perf_counter(), ""
@@ -63,7 +63,7 @@ def measure(arguments: Sequence[str]) -> float:
 
 
 def _read(terminal: int) -> str:
-    """What was written; nothing where the command has ended."""
+    """The text written to a terminal; "" if the command has ended."""
     try:
         return os.read(terminal, 65536).decode(errors="replace")
     except OSError:

@@ -1,6 +1,6 @@
-"""How the cost of identify and diagnose grows: with samples, with motors, and with the size of the catalogue.
+"""Growth of the cost of identify and diagnose with samples, motors, and the size of the catalogue.
 
-Processor time in one run, the exponent of a power law through each series, a figure and the numbers in results/speed.
+Processor time in one run, the exponent of a power law for each series; a figure and the numbers are in results/speed.
 """
 
 import json
@@ -30,14 +30,14 @@ from bench.identification.problem import Problem, problem_of
 RESULT = Path("results/speed/growth.json")
 PICTURE = Path("results/speed/growth.png")
 SAMPLES = (10_000, 20_000, 40_000, 80_000, 160_000)
-SAME = 20_000  # samples where something else grows
+SAME = 20_000  # samples if something else grows
 RATE = 1000.0  # Hz
 ROBOT = "five_bar"
 ROBOTS = {1: "emps", 2: "five_bar", 3: "three_rrr", 6: "stewart"}
-"""By their motors."""
+"""By number of motors."""
 EFFECTS = (4, 8, 16, len(CATALOGUE))
-FILTERS = {"decimation": 20, "position_cutoff": 100.0, "border": (60, 60)}  # alike for all
-REPEATS = 3  # of what is quick; the quickest counts
+FILTERS = {"decimation": 20, "position_cutoff": 100.0, "border": (60, 60)}  # the same for all
+REPEATS = 3  # of quick calculations; the shortest counts
 QUICK = 2.0  # s
 LINEAR = 1.1  # largest exponent in samples
 
@@ -50,7 +50,7 @@ WORKS: Mapping[str, Work] = {
 
 @dataclass(frozen=True)
 class Growth:
-    """Processor seconds of one command against the size of one thing; exponent: of the power law through them."""
+    """Processor time, s, of one command against a size. of: what the size counts."""
 
     command: str
     of: str
@@ -59,17 +59,17 @@ class Growth:
 
     @property
     def exponent(self) -> float:
-        """The slope of seconds over sizes, both as logarithms."""
+        """The exponent of the power law of time over size."""
         return exponent(self.sizes, self.seconds)
 
 
 def exponent(sizes: Sequence[int], seconds: Sequence[float]) -> float:
-    """The exponent of the power law through the points."""
+    """The exponent of a power law, fitted to logarithms."""
     return float(np.polyfit(np.log(sizes), np.log(seconds), 1)[0])
 
 
 def measure(commands: Sequence[str] = tuple(WORKS)) -> Iterator[Growth]:
-    """All series, one after the other."""
+    """Measure all series, in order."""
     with TemporaryDirectory() as name:
         folder = Path(name)
 
@@ -81,7 +81,7 @@ def measure(commands: Sequence[str] = tuple(WORKS)) -> Iterator[Growth]:
 
         for command in commands:
             work = WORKS[command]
-            work(dataset(ROBOT, SAMPLES[0]))  # what is prepared once for a robot or a program
+            work(dataset(ROBOT, SAMPLES[0]))  # warm-up: caches of the robot and the program
             yield _series(command, "samples", SAMPLES, lambda size: dataset(ROBOT, size), work)
             yield _series(command, "motors", tuple(ROBOTS), lambda n: dataset(ROBOTS[n], SAME), work)
         if "diagnose" in commands:
@@ -90,7 +90,7 @@ def measure(commands: Sequence[str] = tuple(WORKS)) -> Iterator[Growth]:
 
 
 def _diagnose_among(size: int) -> Work:
-    """A diagnosis with the first so many effects of the catalogue."""
+    """A diagnosis with the first `size` effects of the catalogue."""
     part = dict(list(CATALOGUE.items())[:size])
 
     def work(dataset: Dataset) -> Diagnosis:
@@ -106,7 +106,7 @@ def _series(
 
 
 def _seconds(dataset: Dataset, work: Work) -> float:
-    """Processor seconds; the least of a few where it is quick."""
+    """Processor seconds; the shortest of `REPEATS` unless one takes longer than `QUICK`."""
     least = np.inf
     for _ in range(REPEATS):
         start = process_time()
@@ -118,7 +118,7 @@ def _seconds(dataset: Dataset, work: Work) -> float:
 
 
 def growth_figure(series: Sequence[Growth]) -> Drawing:
-    """Seconds against sizes, one panel for each thing that grows, with the power laws."""
+    """Processor time against size, one panel for each kind of size, with the exponents."""
     things = list(dict.fromkeys(growth.of for growth in series))
     with mpl.rc_context(STYLE):
         drawing = Drawing(figsize=(4.0 * len(things), 3.2), layout="constrained")

@@ -1,6 +1,6 @@
-"""Cost of identifying from long logs: two of 20 minutes at 1 kHz, 2.4 million samples.
+"""Cost of identification from long logs: two of 20 minutes at 1 kHz, 2.4 million samples.
 
-Logs of any length are simulated movements of 20 s, which begin and end at rest, one after the other.
+Logs of any length are made of simulated movements of 20 s, which begin and end at rest.
 `python -m bench.benchmarks.speed.long_log FOLDER` identifies from a dataset and prints processor seconds and peak
 memory.
 """
@@ -34,16 +34,16 @@ SECONDS_LIMIT = 8.0
 MEMORY_LIMIT = 0.8  # GB
 ARM, ARM_LIMIT = "tx40", 2.0  # s
 DURATION = 1200.0  # s, of each of two logs
-PARTS = 3  # movements that are simulated for each recording; they take turns
+PARTS = 3  # movements simulated for each recording, which repeats them in turn
 PART = 20.0  # s
 FRICTION = {"emps": 10.0, "five_bar": 0.2, "three_rrr": 0.3, "stewart": 8.0, "two_link": 0.3}
-"""Dry friction [N*m or N] that no model contains: the fit's band is then wide, as on a real machine."""
+"""Dry friction [N*m or N] that no model contains; it makes the band of the fit wide, as on a real machine."""
 
 
 def write_long_dataset(folder: Path, duration: float, robot: str = "five_bar") -> Path:
-    """A dataset of a robot with dry friction: two Parquet logs, unloaded and loaded, of so many seconds.
+    """Write a dataset of a robot with dry friction: two Parquet logs of `duration` s, unloaded and loaded.
 
-    Every second of them has different noise, though movements repeat.
+    Movements repeat, noise does not. Returns the folder.
     """
     scenario, payload = _scenario(robot)
     simulation = simulate(scenario, threads=1)
@@ -74,12 +74,12 @@ def write_long_dataset(folder: Path, duration: float, robot: str = "five_bar") -
 
 
 def _closed(position: np.ndarray) -> np.ndarray:
-    """Positions (N, n) that end where they begin: what friction keeps them from is spread over all of them."""
+    """Positions (N, n) that end where they begin; the difference, due to friction, is spread over all samples."""
     return position - np.linspace(0.0, 1.0, len(position))[:, None] * (position[-1] - position[0])
 
 
 def _scenario(robot: str) -> tuple[Scenario, str]:
-    """So many movements of the robot without its payload, and as many with it, whose name comes second."""
+    """A scenario with `PARTS` movements of the robot without, and as many with its payload; the payload's name."""
     content = dict(read_with_bases(find_scenario(robot)))
     payload = next(iter(content["payloads"]))
     content["recordings"] = [
@@ -98,7 +98,10 @@ def _scenario(robot: str) -> tuple[Scenario, str]:
 
 
 def measure() -> tuple[float, float]:
-    """Processor seconds and peak memory [GB] of a process that identifies from two logs of 20 minutes."""
+    """Processor seconds and peak memory [GB] of a process that identifies from two logs of 20 minutes.
+
+    Raises BenchError if the process fails.
+    """
     with TemporaryDirectory() as name:
         folder = write_long_dataset(Path(name) / "dataset", DURATION)
         program = [sys.executable, "-m", "bench.benchmarks.speed.long_log", str(folder)]
@@ -110,7 +113,7 @@ def measure() -> tuple[float, float]:
 
 
 def identification_seconds(folder: Path) -> float:
-    """Processor seconds to identify as `bench identify` does: to read, to fit, and to look at columns and errors."""
+    """Processor seconds of the work of `bench identify`: reading, fitting, and checks of columns and errors."""
     start = process_time()
     dataset = load_dataset(folder)
     problem = problem_of(dataset)
@@ -122,13 +125,13 @@ def identification_seconds(folder: Path) -> float:
 
 
 def measured_arm_seconds(measured: Path) -> float:
-    """The same of a measured arm of six axes, 9 s at 5 kHz. measured: folder of the measured data."""
+    """`identification_seconds` of a measured arm of six axes, 9 s at 5 kHz. measured: folder of the measured data."""
     with TemporaryDirectory() as name:
         return identification_seconds(dataset_of(ARM, measured, Path(name)))
 
 
 def main() -> None:
-    """Identify, and print what it cost, start-up aside."""
+    """Identify, and print the cost as JSON, without the time of start-up."""
     cost = {"seconds": identification_seconds(Path(sys.argv[1])), "gigabytes": peak_bytes() / 1e9}
     click.echo(json.dumps(cost))
 

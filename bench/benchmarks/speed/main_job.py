@@ -1,8 +1,8 @@
-"""Cost of the main job: simulating, compared with `mujoco.rollout`, and identifying two recordings of 20 s at 1 kHz;
-and of the longest simulation, that of a hexapod whose trajectories are designed first.
+"""Cost of the main job: simulation, compared with `mujoco.rollout`, and identification from two recordings of 20 s at
+1 kHz; and of the longest simulation, of a hexapod, with the design of its trajectories.
 
-Simulation and rollout run the same models over the same steps,
-alternately and on one thread, so that what else the machine does falls out of their ratio.
+Simulation and rollout run the same models over the same steps, alternately and on one thread, so that other load on the
+machine cancels in their ratio.
 """
 
 from dataclasses import replace
@@ -26,7 +26,7 @@ IDENTIFICATION_LIMITS = {"five_bar": 1.0, "delta": 4.0}  # s
 
 
 def measure(name: str, repeats: int = 5) -> tuple[float, float]:
-    """How many times mujoco.rollout a simulation takes, and seconds to identify its two recordings: medians."""
+    """Time of a simulation over that of mujoco.rollout, and seconds to identify from its recordings; medians."""
     scenario = load_scenario(name)
     trajectories = resolve_trajectories(scenario, designer)
     times = np.empty((repeats, 3))
@@ -44,7 +44,7 @@ def measure(name: str, repeats: int = 5) -> tuple[float, float]:
 
 
 def hexapod_seconds() -> float:
-    """Seconds to design the trajectories of a hexapod and to simulate it."""
+    """Seconds to design the trajectories of a hexapod and simulate it."""
     start = perf_counter()
     scenario = load_scenario(HEXAPOD)
     simulate(scenario, resolve_trajectories(scenario, designer))
@@ -52,7 +52,7 @@ def hexapod_seconds() -> float:
 
 
 def plain_rollout(simulation: Simulation, copies: int = 1, threads: int = 1) -> float:
-    """Seconds that mujoco.rollout takes for the same models, controls and steps; copies of them, on some threads."""
+    """Seconds of mujoco.rollout for `copies` of the same models, controls and steps, on `threads` threads."""
     machine, settings = simulation.machine, simulation.scenario.settings
     models = [machine.models[recording.table.payload] for recording in simulation.recordings]
     time = np.arange(simulation.steps // len(models)) * settings.step - settings.settle

@@ -1,4 +1,4 @@
-"""The largest memory of a process that has nothing else to do."""
+"""Peak memory of a process."""
 
 import re
 import resource
@@ -9,9 +9,9 @@ KILO = 1024
 
 
 def peak_bytes() -> int:
-    """Peak memory of this process since it was started, bytes.
+    """Peak memory of this process since its start, bytes.
 
-    What `getrusage` says on Linux is never less than what the process had that started it.
+    `getrusage` is only a fallback: on Linux its value is never below the memory of the parent process.
     """
     if STATUS.is_file():
         match = re.search(r"^VmHWM:\s+(\d+) kB", STATUS.read_text(encoding="ascii"), re.MULTILINE)

@@ -1,8 +1,8 @@
-"""What one diagnosis costs in a process that has nothing else to do.
+"""Cost of one diagnosis in a separate process.
 
 Run as `python -m bench.benchmarks.speed.one_diagnosis PICKLE`.
 
-The process that measures has a simulator, pages and figures in its memory; none of them is part of a diagnosis.
+The measuring process has a simulator, pages and figures in its memory, which are no part of a diagnosis.
 """
 
 import json
@@ -25,7 +25,7 @@ from bench.identification.problem import problem_of
 
 @dataclass(frozen=True)
 class Cost:
-    """Wall and processor time in s, and the largest memory of the process in MB.
+    """Wall and processor time of a diagnosis, s, and the peak memory of its process, MB.
 
     busy: processor time over wall time of an identification of the same dataset.
     """
@@ -45,7 +45,7 @@ def cost_of(dataset: Dataset) -> Cost:
 
 
 def cost_alone(dataset: Dataset) -> Cost:
-    """The same in a separate process."""
+    """`cost_of` in a separate process."""
     with TemporaryDirectory() as folder:
         path = Path(folder) / "dataset.pickle"
         path.write_bytes(pickle.dumps(dataset))

@@ -1,7 +1,6 @@
-"""Cost of the projected regressor, closures and accelerations included, compared with Pinocchio's tree regressor.
+"""Cost of the projected regressor, including closures and accelerations, compared with Pinocchio's tree regressor.
 
-Both go over the same tree and the same samples, alternately, so that what else the machine does falls out of their
-ratio.
+Both process the same tree and samples, alternately, so that other load on the machine cancels in their ratio.
 """
 
 from time import perf_counter
@@ -29,7 +28,7 @@ SEED = 20120603
 
 
 def times_pinocchio(robot: str, repeats: int = 9) -> float:
-    """How many times Pinocchio's loop it costs, on a movement of 20 s at 1 kHz, as an encoder of 20 bits sees it."""
+    """Time of the regressor over that of Pinocchio's loop; median, for 20 s at 1 kHz with a 20-bit encoder."""
     geometry = read_geometry(load_robot(robot))
     columns = base_parameters(geometry).columns
     track = _movement(geometry)
@@ -48,8 +47,8 @@ def times_pinocchio(robot: str, repeats: int = 9) -> float:
 
 
 def _movement(geometry: Geometry) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-    """Time, position, velocity and acceleration of a Fourier series within the joint ranges, made smaller until all of
-    it can be reached.
+    """Time, position, velocity and acceleration of a Fourier series within the joint ranges, reduced until the robot
+    reaches all of it.
     """
     random = np.random.default_rng(SEED)
     low, high = active_ranges(geometry)

@@ -1,4 +1,4 @@
-"""Cost of a report: 60 s at 1 kHz of six motors, with a workbench of the whole catalogue."""
+"""Cost of a report of 60 s at 1 kHz with six motors, and with a workbench of the whole catalogue."""
 
 from collections.abc import Mapping
 from pathlib import Path
@@ -26,7 +26,7 @@ from bench.truth.simulate import simulate
 
 LEGS = 6
 BASE, PLATFORM = 0.40, 0.22  # m, radii of the joints
-HALF_ANGLE = 0.2  # rad, between the joints of a pair and the middle of the pair
+HALF_ANGLE = 0.2  # rad, between a joint of a pair and the middle of the pair
 HEIGHT = 0.65  # m, of the platform above the base in the home pose
 RETRACTED = 0.35  # m, from a rod's origin to its end, the ball joint
 
@@ -75,7 +75,7 @@ ABSORBED = ("payload_mass_error", "rotor_inertia")
 
 
 def write_hexapod(folder: Path) -> Path:
-    """Write the robot's folder: its MJCF and robot.toml."""
+    """Write the robot's folder, MJCF and robot.toml; return its path."""
     legs, loops = [], []
     for i in range(LEGS):
         foot, ball = _joint(i, BASE, 0.0, outer=False), _joint(i, PLATFORM, HEIGHT, outer=True)
@@ -97,7 +97,7 @@ def write_hexapod(folder: Path) -> Path:
 
 
 def _joint(i: int, radius: float, height: float, *, outer: bool) -> np.ndarray:
-    """Position of a leg's joint: in pairs on the base, in pairs half a turn of a third away on the platform."""
+    """Position (3,) of a leg's joint: three pairs on the base, and on the platform three pairs 60 degrees away."""
     pair, side = divmod(i + 1, 2) if outer else divmod(i, 2)
     middle = 2.0 * np.pi * (pair + (-0.5 if outer else 0.0)) / 3.0
     angle = middle + (2 * side - 1) * HALF_ANGLE
@@ -105,7 +105,7 @@ def _joint(i: int, radius: float, height: float, *, outer: bool) -> np.ndarray:
 
 
 def _turn(direction: np.ndarray) -> np.ndarray:
-    """Quaternion (w, x, y, z) that turns the z axis into a direction."""
+    """Quaternion (w, x, y, z) that rotates the z axis to a direction."""
     unit = direction / np.linalg.norm(direction)
     turn = np.array([1.0 + unit[2], -unit[1], unit[0], 0.0])
     return np.asarray(turn / np.linalg.norm(turn))
@@ -145,7 +145,7 @@ SCENARIO: Mapping[str, Any] = {
 
 
 def six_motors(folder: Path, duration: float = DURATION) -> Dataset:
-    """A platform on six legs, simulated; robot and recordings, of so many s, are written into the folder."""
+    """A simulated platform on six legs; robot and recordings of `duration` s are written into the folder."""
     content = {**SCENARIO, "robot": str(write_hexapod(folder / "hexapod"))}
     content["design"] = {**content["design"], "duration": duration}
     scenario = scenario_from_dict(content, "hexapod")
@@ -154,7 +154,7 @@ def six_motors(folder: Path, duration: float = DURATION) -> Dataset:
 
 
 def stand_in_diagnosis(dataset: Dataset) -> Diagnosis:
-    """What a diagnosis that finds the hidden effects says, without the search: all effects are in its ranking."""
+    """A diagnosis that names the hidden effects, made without a search, with all effects in its ranking."""
     before, after = identify(prepare(problem_of(dataset))), identify(prepare(problem_of(dataset, MISSING)))
     errors = [(result.error.identify or 0.0, result.error.validate or 0.0) for result in (before, after)]
     missing = tuple(name.partition(":")[0] for name in MISSING)
@@ -186,7 +186,7 @@ def stand_in_diagnosis(dataset: Dataset) -> Diagnosis:
 
 
 def measure() -> tuple[float, float]:
-    """Seconds to write the page of a diagnosis that is there, and to write it again from its folder."""
+    """Seconds to write the page of a finished diagnosis, and to write it again from its folder."""
     with TemporaryDirectory() as name:
         folder = Path(name)
         dataset = six_motors(folder)

@@ -1,8 +1,7 @@
-"""The overhead of a run of a sweep: planning, scheduling, transport and the journal.
+"""Overhead of a sweep for each run: planning, scheduling, transport and journal.
 
-Ten thousand runs without any work, one task each, and then a
-fifth more over which memory is watched, go through the processes of this machine, and through a Dask scheduler with 64
-workers that live in one other process.
+Ten thousand runs without work, one task each, then a fifth more during which memory is observed, pass through the
+processes of this machine, and through a Dask scheduler with 64 workers in one other process.
 """
 
 import os
@@ -27,10 +26,10 @@ from bench.studies.sweep.run_sweep import JOURNAL, run_sweep
 from bench.studies.sweep.sweep_file import load_sweep
 
 RUNS, LOCAL_WORKERS, DASK_WORKERS = 10_000, 2, 64
-COST_LIMIT = 2.0  # ms of the driver's processor time a run
-GROWTH_LIMIT = 2.0  # MB, over the runs that follow
-MORE = 0.2  # as many runs follow, for the memory: before, buffers fill that have a bound, in Dask 36 MB over 9,000 runs
-SILENCED = {"DASK_LOGGING__DISTRIBUTED": "critical"}  # what workers say when they leave concerns nobody
+COST_LIMIT = 2.0  # ms of the driver's processor time per run
+GROWTH_LIMIT = 2.0  # MB, over the additional runs
+MORE = 0.2  # share of additional runs, for the memory: bounded buffers are full by then, in Dask 36 MB over 9,000 runs
+SILENCED = {"DASK_LOGGING__DISTRIBUTED": "critical"}  # messages of leaving workers are of no interest
 RESULT = Path("results/speed/scheduling.json")
 SWEEP = """
 base = "five_bar"
@@ -42,9 +41,9 @@ seeds = {runs}
 
 @dataclass(frozen=True)
 class Scheduling:
-    """Figures of one pool. driver, scheduler: ms of their processor time a run, where the local pool has no scheduler;
-    rate: runs a second, once they come; growth: MB of memory that the driver gained over a fifth more of runs, sent
-    after these; row: bytes a run in the journal.
+    """Figures of one pool. driver, scheduler: their processor time per run, ms (the local pool has no scheduler); rate:
+    runs per second after the first; growth: memory that the driver gained over the additional runs, MB; row: bytes per
+    run in the journal.
     """
 
     pool: str
@@ -59,7 +58,7 @@ class Scheduling:
 
 @dataclass
 class _Watch:
-    """Notes time and memory whenever runs are finished."""
+    """Records time whenever runs are finished and, after the first `runs`, memory."""
 
     runs: int
     first: tuple[int, float] | None = None
@@ -75,25 +74,25 @@ class _Watch:
 
     @property
     def rate(self) -> float:
-        """Runs a second."""
+        """Runs per second. Raises BenchError with too few runs."""
         if self.first is None or self.last[0] == self.first[0]:
             raise BenchError("too few runs to measure")
         return (self.last[0] - self.first[0]) / (self.last[1] - self.first[1])
 
 
 def resident() -> float:
-    """MB of memory that this process has (Linux)."""
+    """Resident memory of this process, MB (Linux)."""
     pages = int(Path("/proc/self/statm").read_text(encoding="ascii").split()[1])
     return pages * os.sysconf("SC_PAGE_SIZE") / 1e6
 
 
 def _sent(runs: int) -> int:
-    """With those over which memory is watched."""
+    """The number of runs, with the additional ones for the memory."""
     return round((1.0 + MORE) * runs)
 
 
 def measure(name: str, workers: int, make_pool: Callable[[], Pool], runs: int = RUNS) -> Scheduling:
-    """Send so many runs without any work through a pool, and as many more as its memory is watched over."""
+    """Send `runs` runs without work through a pool, then the additional ones. Raises BenchError if runs fail."""
     sent = _sent(runs)
     with tempfile.TemporaryDirectory(prefix="bench-speed-") as folder:
         file, out, watch = Path(folder) / "sweep.toml", Path(folder) / "out", _Watch(runs)
@@ -110,7 +109,7 @@ def measure(name: str, workers: int, make_pool: Callable[[], Pool], runs: int = 
 
 
 class _Process:
-    """A scheduler, or workers of one, in a separate process."""
+    """A scheduler or its workers in a separate process. Raises BenchError if it does not start."""
 
     def __init__(self, *arguments: str) -> None:
         command = [sys.executable, "-m", "bench.benchmarks.speed.stand_in", *arguments]
@@ -124,13 +123,13 @@ class _Process:
             raise BenchError("the Dask scheduler to be measured does not start; what it says stands above")
 
     def end(self) -> float:
-        """Seconds of processor time that it took."""
-        said, _ = self._process.communicate()  # its input ends, and so does it
+        """End the process; return its processor time, s."""
+        said, _ = self._process.communicate()  # closes its input, which ends it
         return float(said or 0.0)
 
 
 def measure_dask(workers: int = DASK_WORKERS, runs: int = RUNS) -> Scheduling:
-    """Dask's pool, its scheduler in one process and its workers in another."""
+    """Measure Dask's pool, with its scheduler in one process and its workers in another."""
     scheduler = _Process()
     try:
         hands = _Process(scheduler.address, str(workers))
@@ -144,12 +143,12 @@ def measure_dask(workers: int = DASK_WORKERS, runs: int = RUNS) -> Scheduling:
 
 
 def measure_all() -> list[Scheduling]:
-    """Both pools."""
+    """Measure both pools."""
     return [measure("local", LOCAL_WORKERS, lambda: LocalPool(LOCAL_WORKERS)), measure_dask()]
 
 
 def scheduling_figures() -> list[SpeedFigure]:
-    """Cost and memory of both pools; their numbers are kept as well."""
+    """Cost and memory of both pools; also writes their numbers."""
     measured = measure_all()
     keep(measured)
     return [figure for scheduling in measured for figure in figures_of(scheduling)]
@@ -161,7 +160,7 @@ def keep(measured: Sequence[Scheduling]) -> None:
 
 
 def figures_of(scheduling: Scheduling) -> list[SpeedFigure]:
-    """What is promised of a pool, and its rate."""
+    """The limited figures of a pool, and its rate."""
     name = f"{scheduling.runs} runs without work, {scheduling.pool}, {scheduling.workers} workers"
     return [
         SpeedFigure(f"{name}: driver's time a run", scheduling.driver, "ms", COST_LIMIT),

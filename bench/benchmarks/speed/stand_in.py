@@ -1,7 +1,7 @@
-"""A sweep without any work: rows as wide as real ones, and the process in which Dask's workers live.
+"""A sweep without work, with rows as wide as real ones, and the process of Dask's scheduler or workers.
 
-Run as a module it is a scheduler or, with its address and a number, so many workers in one process. It prints its
-address, lives until its standard input ends, and prints the processor time that it took meanwhile.
+Run as a module it is a scheduler or, with a scheduler's address and a number, that many workers in one process. It
+prints its address, runs until its standard input ends, and prints its processor time, s, in between.
 """
 
 import asyncio
@@ -21,12 +21,12 @@ LOCAL = "127.0.0.1"
 
 
 def nothing(_: None) -> dict[str, Any]:
-    """In place of a design or a motion."""
+    """Replaces a design or a motion."""
     return {}
 
 
 def rows_at_once(runs: tuple[Run, ...], _: None) -> list[Row]:
-    """In place of identifications: a row a run."""
+    """Replaces identifications: returns one row per run."""
     return [failed_row(run, "") | {"status": "ok", "reason": None, "gain_error": 0.0} for run in runs]
 
 
@@ -36,11 +36,11 @@ NO_WORK = Work(
     runs=lambda runs, _trajectories: partial(rows_at_once, runs),
     failed=failed_row,
 )
-"""The tasks of a sweep that only schedules, journals and sends."""
+"""The tasks of a sweep that only schedules, sends and writes its journal."""
 
 
 async def serve(address: str = "", workers: int = 1) -> None:
-    """A scheduler, or so many workers of the one at an address, until the standard input ends."""
+    """Run a scheduler, or `workers` workers of the one at `address`, until the standard input ends."""
     if address:
         made = [
             distributed.Worker(address, nthreads=1, memory_limit=0, dashboard=False) for _ in range(workers)

@@ -1,6 +1,6 @@
-"""How long a command takes to start: to import what it needs and to find that there is no dataset.
+"""Start-up time of a command: until it has imported what it needs and reports a missing dataset.
 
-Its modules are compiled by the first start, as an installed command's are, whatever the environment says of bytecode.
+The first start compiles the modules, as for an installed command, regardless of bytecode settings in the environment.
 """
 
 import os
@@ -15,11 +15,11 @@ from bench.basics.errors import BenchError
 COMMANDS = ("identify", "diagnose")
 LIMIT = 0.7  # s
 REPEATS = 5
-REFUSED = 2  # the exit code of a mistake in what the user gave
+REFUSED = 2  # exit code of a user's mistake
 
 
 def measure(command: str, repeats: int = REPEATS) -> float:
-    """Seconds, the shortest of some: what else the machine does only makes it longer."""
+    """Seconds; the shortest of several, since other processes only slow it down."""
     with tempfile.TemporaryDirectory(prefix="bench-speed-") as folder:
         arguments = [sys.executable, "-m", "bench", command, str(Path(folder) / "nothing")]
         environment = {name: value for name, value in os.environ.items() if name != "PYTHONDONTWRITEBYTECODE"}

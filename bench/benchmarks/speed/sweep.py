@@ -21,8 +21,8 @@ from bench.truth.simulate import simulate
 
 RUNS, FEWER = 200, 60
 SECONDS_LIMIT, GAIN_LIMIT, START_LIMIT = 38.0, 1.8, 3.0
-STEPPING = 28.0  # s that MuJoCo's stepping of these runs alone took where the limits in seconds were set
-WORKERS, STEPPED = 2, 8  # runs that are stepped alone: the others are as long
+STEPPING = 28.0  # s of MuJoCo's time steps alone on the machine for which the limits in seconds were set
+WORKERS, STEPPED = 2, 8  # STEPPED: runs whose time steps alone are measured; the others are as long
 SWEEP = """
 base = "five_bar"
 seeds = {runs}
@@ -38,8 +38,8 @@ recordings = [
 
 
 def sweep_figures() -> list[SpeedFigure]:
-    """Seconds of 200 runs with two workers, and of their time steps alone, which measure how fast the machine is;
-    what the second worker gains; and seconds until runs begin.
+    """Seconds of 200 runs with two workers, and of their time steps alone, a measure of the machine's speed; the gain
+    from the second worker; and seconds until the first run.
     """
     with tempfile.TemporaryDirectory(prefix="bench-speed-") as folder:
         file = Path(folder) / "sweep.toml"
@@ -61,7 +61,7 @@ def sweep_figures() -> list[SpeedFigure]:
 
 
 def _timed(file: Path, folder: Path, workers: int) -> tuple[float, float]:
-    """Seconds of a whole sweep, and runs a second once the first one is there."""
+    """Seconds of a whole sweep, and runs per second after the first."""
     plan = make_plan(load_sweep(file))
     times: list[tuple[int, float]] = []
 
@@ -73,14 +73,14 @@ def _timed(file: Path, folder: Path, workers: int) -> tuple[float, float]:
 
 
 def _stepping_seconds(file: Path) -> float:
-    """Time of all runs, s, stepped by mujoco.rollout on as many threads as there are workers, with nothing else."""
+    """Seconds of all runs' time steps alone, by mujoco.rollout on as many threads as there are workers."""
     scenario = scenario_from_dict(make_plan(load_sweep(file)).run(0).content, "five_bar")
     simulation = simulate(scenario, resolve_trajectories(scenario, designer))
     return plain_rollout(simulation, copies=STEPPED, threads=WORKERS) * RUNS / STEPPED
 
 
 def _start_seconds(file: Path, folder: Path) -> float:
-    """From the command to the moment when the sweep has been checked and its first task is handed out."""
+    """Seconds from the command until the sweep has been checked and its first task is handed out."""
     start = time.perf_counter()
     command = [sys.executable, "-m", "bench", "sweep", str(file), "-o", str(folder), "--workers", "2"]
     with subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True) as process:
@@ -90,5 +90,5 @@ def _start_seconds(file: Path, folder: Path) -> float:
             time.sleep(0.01)
         seconds = time.perf_counter() - start
         process.terminate()
-        process.communicate()  # what it says about its end concerns nobody
+        process.communicate()  # its last messages are of no interest
     return seconds

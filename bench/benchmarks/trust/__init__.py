@@ -1,1 +1,1 @@
-"""One evaluation at one commit: shares of right answers by robot and question."""
+"""Evaluation of the program at one commit: shares of right answers by robot and question."""

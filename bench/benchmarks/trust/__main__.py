@@ -3,8 +3,8 @@
     python -m bench.benchmarks.trust [ROBOT ...] [--hours H] [--workers N | --scheduler ADDRESS] [-o DIR]
     python -m bench.benchmarks.trust --case ROBOT/QUESTION/NUMBER
 
-Started again, it goes on with the cases that are not finished. `--page` only writes the page of the table anew;
-`--readme README.md` also the table in that file.
+A second start continues with the unfinished cases. `--page` only writes the page of the table again; `--readme
+README.md` also writes the table into that file.
 """
 
 import argparse
@@ -30,7 +30,7 @@ STOPPED = 130  # exit code after an interrupt
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Run, keep, write the page; 2 with one line where something is not there, 130 after an interrupt."""
+    """Run the cases and write the page. Returns 0, 2 after an error, printed in one line, or 130 after an interrupt."""
     given = _parser().parse_args(arguments)
     console = Console(stderr=True)
     try:

@@ -1,4 +1,4 @@
-"""Stated probabilities and standard errors against what is there, in numbers and figures."""
+"""Stated probabilities and standard errors compared with the truth, in numbers and figures."""
 
 import json
 from collections.abc import Sequence
@@ -22,7 +22,7 @@ BOUNDS = (0.0, 0.05, 0.25, 0.5, 0.75, 0.95, 0.99, 1.0)
 
 @dataclass(frozen=True)
 class Reliability:
-    """Effects with a stated probability between two bounds: its mean, and how many are there."""
+    """Effects with a stated probability between two bounds: stated: its mean; there: the share that is present."""
 
     above: float
     below: float
@@ -31,7 +31,7 @@ class Reliability:
 
 
 def reliability(rows: Sequence[Row]) -> list[Reliability]:
-    """By class of probability; classes without an effect are omitted."""
+    """Reliability by class of probability; classes without effects are omitted."""
     pairs = [pair for row in rows for pair in stated(row)]
     classes = []
     for above, below in pairwise(BOUNDS):
@@ -46,7 +46,10 @@ def reliability(rows: Sequence[Row]) -> list[Reliability]:
 
 
 def stated(row: Row) -> list[tuple[float, bool]]:
-    """Probability of each effect of a case with effects of the catalogue, and whether it is there."""
+    """Probability of each effect in a case, and whether it is present.
+
+    Empty for a failed case, and for one with effects that are absorbed or outside the catalogue.
+    """
     if row["status"] != OK or row["question"] not in MODELLED or row["absorbed"]:
         return []
     hidden = names_in(row["hidden"])
@@ -57,13 +60,13 @@ def stated(row: Row) -> list[tuple[float, bool]]:
 
 
 MODELLED = ("nothing", "one", "two", "three")
-"""Questions whose hidden effects the catalogue has."""
+"""Questions whose hidden effects are all in the catalogue."""
 
 COVERAGE = (0.90, 0.98)
 
 
 def deviations(rows: Sequence[Row]) -> list[np.ndarray]:
-    """For each case |estimate - truth| of its gains over their standard deviations."""
+    """For each case, |estimate - truth| of its gains in units of their standard deviations."""
     return [
         np.array([abs(gain["value"] - gain["truth"]) / gain["std"] for gain in json.loads(row["gains"])])
         for row in rows
@@ -72,7 +75,7 @@ def deviations(rows: Sequence[Row]) -> list[np.ndarray]:
 
 
 def coverage(rows: Sequence[Row]) -> Target:
-    """Share of the 95 % intervals that contain the truth. A case counts once: errors of its gains go together."""
+    """Share of the 95 % intervals that contain the truth. A case counts once, as errors of its gains are correlated."""
     within = [float(np.mean(of <= WITHIN_95)) for of in deviations(rows)]
     value = float(np.mean(within)) if within else float("nan")
     share = Share(round(sum(within)), len(within))
@@ -84,7 +87,7 @@ SIZE = (5.6, 3.8)  # inches
 
 
 def reliability_chart(classes: Sequence[Reliability]) -> Chart:
-    """Share of effects that are there over the stated probability."""
+    """Share of effects that are present against the stated probability."""
     low, high = np.array([one_class.there.interval for one_class in classes]).T
     stated = np.array([one_class.stated for one_class in classes])
     shares = np.array([one_class.there.value for one_class in classes])
@@ -104,7 +107,7 @@ def reliability_chart(classes: Sequence[Reliability]) -> Chart:
 
 
 def coverage_chart(within: np.ndarray) -> Chart:
-    """Share of gains within k standard deviations of the truth. within (N,): deviations of all gains."""
+    """Share of gains within k standard deviations of the truth. within (N,): `deviations` of all gains."""
     k = np.linspace(0.0, LARGEST, 81)
     shares = np.array([np.mean(within <= limit) for limit in k])
     normal = np.array([erf(limit / sqrt(2.0)) for limit in k])
@@ -121,7 +124,7 @@ def coverage_chart(within: np.ndarray) -> Chart:
 
 
 def write_trust_figures(evaluation: Evaluation, folder: Path) -> list[Path]:
-    """Draw what there are cases for."""
+    """Write the figures for which there are cases; return their paths."""
     rows = evaluation.of(evaluation.robots, MODELLED)
     charts = {}
     if classes := reliability(rows):

@@ -1,4 +1,4 @@
-"""Cells of the evaluation: robot and question, each with its cases in order, numbered by the changelog."""
+"""Cells of the evaluation, one for each robot and question, with their cases in order, numbered by the changelog."""
 
 import re
 from collections.abc import Mapping, Sequence
@@ -15,10 +15,10 @@ from bench.studies.trial.cases import datasets_a_seed
 from bench.studies.trial.setup import Setup
 
 STRIDE = 1000
-"""Numbers of rows for each cell."""
+"""Row numbers reserved for each cell."""
 
 AGAIN_EVERY = 5
-"""Of the cases of a cell: how many there are for each that is diagnosed again, with more noise and without a log."""
+"""One in so many cases of a cell is diagnosed again, with more noise and without a log."""
 
 AGAIN = frozenset({"one", "two", "three", "unknown"})
 SIZES = 2
@@ -27,7 +27,7 @@ SIZES = 2
 
 @dataclass(frozen=True)
 class TrustCell:
-    """index: of all cells. frozen: of the set of cases that is the same for every version. first: number of a case."""
+    """index: among all cells. frozen: whether its cases are the same for every version. numbers: of its cases."""
 
     index: int
     robot: str
@@ -36,25 +36,25 @@ class TrustCell:
     numbers: tuple[int, ...]
 
     def row(self, position: int) -> int:
-        """Number of the row of a case."""
+        """Row number of the case at a position."""
         return STRIDE * self.index + position
 
 
 @dataclass(frozen=True)
 class TrustCase:
-    """A case at its position in a cell. again: whether it is diagnosed again under changed conditions."""
+    """A case at a position in a cell."""
 
     cell: TrustCell
     position: int
 
     @property
     def number(self) -> int:
-        """Of the trial's cases of that robot and kind."""
+        """Its number among the trial's cases of that robot and kind."""
         return self.cell.numbers[self.position]
 
     @property
     def row(self) -> int:
-        """Number of its row."""
+        """Its row number."""
         return self.cell.row(self.position)
 
     @property
@@ -65,20 +65,20 @@ class TrustCase:
 
     @property
     def name(self) -> str:
-        """By which the command runs it again."""
+        """The argument that runs it again, ROBOT/QUESTION/NUMBER."""
         return f"{self.cell.robot}/{self.cell.question.kind}/{self.number}"
 
 
 @dataclass(frozen=True)
 class TrustCells:
-    """All cells, in order."""
+    """All cells, in order. setups: by robot; first: number of the first fresh case of every cell."""
 
     setups: Mapping[str, Setup]
     first: int
 
     @cached_property
     def all(self) -> tuple[TrustCell, ...]:
-        """By robot, question, and whether the cases are fresh or frozen."""
+        """All cells, by robot, question, and whether their cases are fresh or frozen."""
         cells: list[TrustCell] = []
         for robot, setup in self.setups.items():
             for question in QUESTIONS.values():
@@ -90,18 +90,18 @@ class TrustCells:
         return tuple(cells)
 
     def case_of_row(self, row: int) -> TrustCase:
-        """The case that a row is of."""
+        """The case of a row."""
         index, position = divmod(row, STRIDE)
         return TrustCase(self.all[index], position)
 
     @property
     def size(self) -> int:
-        """One more than the largest number of a row."""
+        """One more than the largest row number."""
         return STRIDE * len(self.all)
 
 
 def _numbers(robot: str, setup: Setup, question: TrustQuestion, first: int) -> tuple[int, ...]:
-    """Numbers of the cases of a cell: single effects in a drawn order, each once before any comes twice."""
+    """Numbers of a cell's cases; single effects are in random order, each once before any is repeated."""
     if question.kind != "one":
         if not datasets_a_seed(setup, question.kind):
             return ()
@@ -114,7 +114,7 @@ def _numbers(robot: str, setup: Setup, question: TrustQuestion, first: int) -> t
 
 CHANGELOG = Path(__file__).resolve().parents[3] / "CHANGELOG.md"
 APART = 1000
-"""Case numbers for each entry of the changelog: more than a cell has cases."""
+"""Case numbers reserved for each entry of the changelog, more than a cell has cases."""
 
 HEADING = re.compile(r"^## (.+)$", re.MULTILINE)
 ENTRY = re.compile(r"^- ", re.MULTILINE)
@@ -122,7 +122,7 @@ ENTRY = re.compile(r"^- ", re.MULTILINE)
 
 @dataclass(frozen=True)
 class ChangelogNumber:
-    """version: the newest heading. entries: of the whole changelog."""
+    """version: the newest heading. entries: their number in the whole changelog."""
 
     version: str
     entries: int
@@ -134,7 +134,7 @@ class ChangelogNumber:
 
 
 def changelog_number(path: Path = CHANGELOG) -> ChangelogNumber:
-    """Read it. Raises BenchError where there is no changelog, or no version in it."""
+    """Read the changelog. Raises BenchError if there is none, or no version in it."""
     try:
         text = path.read_text(encoding="utf-8")
     except FileNotFoundError as error:

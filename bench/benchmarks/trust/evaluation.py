@@ -1,4 +1,4 @@
-"""The table of an evaluation, read again."""
+"""An evaluation, read from its table."""
 
 import json
 from collections.abc import Mapping, Sequence
@@ -19,7 +19,7 @@ from bench.studies.trial.cases import Kind
 
 @dataclass(frozen=True)
 class PlannedCell:
-    """How many cases a cell has, run or not."""
+    """A cell and the number of its cases, run or not."""
 
     robot: str
     question: Kind
@@ -29,7 +29,7 @@ class PlannedCell:
 
 @dataclass(frozen=True)
 class Evaluation:
-    """All rows, and what was asked for. version: of the changelog; first: number of the first fresh case."""
+    """All rows, and the request. version: of the changelog; first: number of the first fresh case."""
 
     rows: tuple[Row, ...]
     version: str
@@ -47,26 +47,26 @@ class Evaluation:
 
     @property
     def robots(self) -> tuple[str, ...]:
-        """All that were asked for."""
+        """All requested robots."""
         return tuple(dict.fromkeys(cell.robot for cell in self.cells))
 
     @property
     def commits(self) -> str:
-        """Of the program: one, unless the table was put together by hand."""
+        """Commits of the program; there is one, unless the table was assembled by hand."""
         return ", ".join(sorted({str(row["commit"]) for row in self.rows if row.get("commit")}))
 
     def of(self, robots: Sequence[str], kinds: Sequence[str], *, frozen: bool = False) -> list[Row]:
-        """Rows of these robots and questions."""
+        """Rows of these robots and questions, of fresh or frozen cases."""
         kept = FROZEN if frozen else FRESH
         return [row for robot in robots for kind in kinds for row in self._of.get((robot, kind, kept), [])]
 
     def question(self, row: Row) -> TrustQuestion:
-        """The question that a row belongs to."""
+        """The question of a row."""
         return QUESTIONS[row["question"]]
 
 
 def read_evaluation(path: Path) -> Evaluation:
-    """Read a table. Raises BenchError where there is none, or it is another table."""
+    """Read a table. Raises BenchError if there is none, or it is of another kind."""
     try:
         table = pq.read_table(path)
         asked: Mapping[str, Any] = json.loads(table.schema.metadata[b"trust"])

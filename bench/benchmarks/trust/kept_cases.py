@@ -1,4 +1,4 @@
-"""Part of the evaluation for `bench check`: cases of the frozen set that were right are run again."""
+"""Part of the evaluation for `bench check`: runs cases of the frozen set again that were right."""
 
 import tempfile
 from collections.abc import Callable, Iterable, Sequence
@@ -24,7 +24,7 @@ from bench.studies.sweep.run_plan import Driver, Work
 
 @dataclass(frozen=True)
 class CaseComparison:
-    """A case that was right, as it came out now: its name, whether it is right still, what is hidden, the answer."""
+    """The new result of a case that was right: its name, whether it is still right, the hidden effects, the answer."""
 
     name: str
     right: bool
@@ -33,9 +33,9 @@ class CaseComparison:
 
 
 def cheapest_right(evaluation: Evaluation, seconds: float) -> list[Row]:
-    """Right cases of the frozen set, one of each question, robot by robot from the cheapest.
+    """Right cases of the frozen set: the cheapest of each question, from the robot with the cheapest cases on.
 
-    seconds: of one processor, which they may take in all, by what they took in the evaluation.
+    seconds: processor time that they may take together, according to the evaluation.
     """
     chosen: list[Row] = []
     kinds = tuple(QUESTIONS)
@@ -55,7 +55,7 @@ def cheapest_right(evaluation: Evaluation, seconds: float) -> list[Row]:
 def run_again(
     rows: Sequence[Row], first: int, pool: Pool, make_work: Callable[[TrustCells], Work] = trust_work
 ) -> list[CaseComparison]:
-    """Run the cases of these rows of the frozen set. first: number of the first fresh case of the evaluation."""
+    """Run the cases of these rows of the frozen set again. first: number of the first fresh case of the evaluation."""
     cells = TrustCells(setups_of([*dict.fromkeys(row["robot"] for row in rows)]), first)
     cases = [_case(cells, row) for row in rows]
     with tempfile.TemporaryDirectory(prefix="bench-check-") as name:
@@ -91,7 +91,7 @@ def _mean(rows: Iterable[Row]) -> float:
 
 
 def check_kept_cases(table: Path, pool: Pool, console: Console, seconds: float = 30.0) -> int:
-    """Run right cases of an evaluation again, print what came out, and return how many are wrong now."""
+    """Run right cases of an evaluation again, print the results, and return how many are wrong now."""
     evaluation = read_evaluation(table)
     chosen = cheapest_right(evaluation, seconds)
     compared = run_again(chosen, evaluation.first, pool)

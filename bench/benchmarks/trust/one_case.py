@@ -1,4 +1,4 @@
-"""One case run again, for a look at what went wrong."""
+"""One case run again, to see what went wrong."""
 
 import json
 from collections.abc import Iterator
@@ -14,7 +14,10 @@ from bench.studies.trial.work import trial_trajectories
 
 
 def case_lines(name: str) -> Iterator[str]:
-    """What is hidden in the case ROBOT/QUESTION/NUMBER, and what the diagnosis says. Raises BenchError for no case."""
+    """Run the case ROBOT/QUESTION/NUMBER: the hidden effects and the diagnosis, as lines.
+
+    Raises BenchError if `name` is not a case.
+    """
     robot, kind, number = ["", "", *name.rsplit("/", 2)][-3:]
     if not robot or kind not in KINDS or not number.isdecimal():
         raise BenchError(f"--case {name}: give ROBOT/QUESTION/NUMBER; questions are {', '.join(KINDS)}")

@@ -1,4 +1,4 @@
-"""Tables robots × questions: shares with their intervals, what the cells cost, and the table of README.md."""
+"""Tables robots × questions: shares with their intervals, cost of the cells, and the table of README.md."""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
@@ -24,9 +24,9 @@ from bench.studies.trial.target import Attained, Target
 MARKS = {Attained.YES: "✓", Attained.NO: "✗", Attained.TOO_FEW: "?", None: ""}
 NO_CASE = "–"
 ALL = "all"
-DASH = "\u2060–\u2060"  # between word joiners: no line ends there
-FEWEST = 5  # cases of which a share is said to miss its goal
-NARROW = 10.0  # %
+DASH = "\u2060–\u2060"  # between word joiners, which prevent a line break
+FEWEST = 5  # cases, below which a share is not said to reach or miss its goal
+NARROW = 10.0  # %, width of an interval below which it has a decimal
 KEY = (
     "✓: reaches its goal; ✗: certainly misses it; ?: too few cases to say. In brackets: 95 % interval. A case counts "
     "if leaving out any one hidden effect raises the error of recordings that were not fitted to at least three times "
@@ -37,7 +37,7 @@ KEY = (
 
 @dataclass(frozen=True)
 class OverviewColumn:
-    """A question as a column: the kinds of cases that it is asked of, and its share of them."""
+    """A question as a column. kinds: of its cases; target: the share of rows with its bounds."""
 
     title: str
     kinds: tuple[str, ...]
@@ -45,7 +45,7 @@ class OverviewColumn:
 
 
 def columns() -> list[OverviewColumn]:
-    """All questions: of each kind, of gains, and of stability."""
+    """All questions: on each kind of case, on gains, and on stability."""
     shown = [
         OverviewColumn(question.title, (question.kind,), question.target) for question in QUESTIONS.values()
     ]
@@ -59,7 +59,7 @@ def columns() -> list[OverviewColumn]:
 
 
 def overview(evaluation: Evaluation, *, frozen: bool = False) -> str:
-    """Robots × questions, in Markdown."""
+    """The table robots × questions in Markdown; frozen: of the frozen set, without gains and stability."""
     shown = columns()[: len(QUESTIONS)] if frozen else columns()
     robots = evaluation.robots
     lines = [["goal", *(goal_text(column.target([])) for column in shown)]]
@@ -71,7 +71,7 @@ def overview(evaluation: Evaluation, *, frozen: bool = False) -> str:
 
 
 def target_text(target: Target) -> str:
-    """Such as "✓ 43 of 45 (85–99 %)"."""
+    """A share as text, for example "✓ 43 of 45 (85–99 %)"."""
     share = target.share
     if share is None or not share.of or not isfinite(target.value):
         return NO_CASE
@@ -82,7 +82,7 @@ def target_text(target: Target) -> str:
 
 
 def interval_text(target: Target) -> str:
-    """Such as "85–99 %"."""
+    """The interval of a share, for example "85–99 %"."""
     if target.share is None:
         return NO_CASE
     low, high = (100.0 * bound for bound in target.share.interval)
@@ -91,7 +91,7 @@ def interval_text(target: Target) -> str:
 
 
 def goal_text(target: Target) -> str:
-    """Such as "≥ 95 %"."""
+    """The bounds of a share, for example "≥ 95 %"."""
     least, most = (None if bound is None else f"{100.0 * bound:.0f}" for bound in (target.least, target.most))
     if least and most:
         return f"{least} to {most}&nbsp;%"
@@ -99,7 +99,7 @@ def goal_text(target: Target) -> str:
 
 
 def cost_table(evaluation: Evaluation) -> str:
-    """Robots × questions: cases run of those planned, mean cost, and the interval where cases were not run."""
+    """Robots × questions: cases run of those planned, mean cost, and the interval if not all were run."""
     lines = []
     for robot in evaluation.robots:
         cells = [cell for cell in evaluation.cells if cell.robot == robot and not cell.frozen]
@@ -114,7 +114,7 @@ def cost_table(evaluation: Evaluation) -> str:
 
 
 def cost_of(row: Row) -> float:
-    """Seconds of one processor."""
+    """Processor time of a case with its further diagnoses, s."""
     return float(row[PROCESSOR]) + float(row.get(f"{PROCESSOR}.again") or 0.0)
 
 
@@ -145,7 +145,7 @@ SPOKEN: Mapping[str, str] = {
 
 
 def readme_block(evaluation: Evaluation) -> str:
-    """The text between the marks: how the figures are made, and the table questions × robots."""
+    """The text between the marks: the origin of the figures, and the table questions × robots."""
     robots = evaluation.robots
     groups = [*([robot] for robot in robots), list(robots)]
     lines = [["largest gain error, median", *(_gain_error(evaluation, group) for group in groups)]]
@@ -169,7 +169,7 @@ def readme_block(evaluation: Evaluation) -> str:
 
 
 def with_block(text: str, block: str) -> str:
-    """A README with its block replaced. Raises BenchError if it has no marks."""
+    """The text of a README with its block replaced. Raises BenchError if it has no marks."""
     before, begin, rest = text.partition(BEGIN)
     _, end, after = rest.partition(END)
     if not begin or not end:

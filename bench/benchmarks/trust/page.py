@@ -34,7 +34,7 @@ COMMAND = "python -m bench.benchmarks.trust --case"
 
 
 def write_page(table: Path) -> list[Path]:
-    """Write the page and its figures next to the table."""
+    """Write the page and its figures next to the table; return the paths, the table's first."""
     evaluation = read_evaluation(table)
     figures = write_trust_figures(evaluation, table.parent)
     page = table.with_name(PAGE)
@@ -67,7 +67,7 @@ def page_text(evaluation: Evaluation, figures: Sequence[str]) -> str:
 
 
 def front(evaluation: Evaluation) -> list[str]:
-    """What a reader sees first: the table, its key, and what goes wrong most often."""
+    """The beginning of the page: the table, its key, facts, and the most frequent mistakes."""
     seconds = sum(map(cost_of, evaluation.rows))
     facts = (
         f"Commit `{evaluation.commits}`, changelog {evaluation.version}: "
@@ -80,7 +80,7 @@ def front(evaluation: Evaluation) -> list[str]:
 
 
 def wrong_cases(evaluation: Evaluation) -> str:
-    """Every case with a wrong answer, or none, with the argument that runs it again."""
+    """Every case with a wrong answer or a failure, with the argument that runs it again."""
     rows = [row for row in evaluation.of(evaluation.robots, tuple(QUESTIONS)) if _wrong(evaluation, row)]
     if not rows:
         return "None."
@@ -90,7 +90,7 @@ def wrong_cases(evaluation: Evaluation) -> str:
 
 
 def case_name(row: Row) -> str:
-    """By which the command runs a case again."""
+    """The argument that runs a case again, ROBOT/QUESTION/NUMBER."""
     return f"{row['robot']}/{row['question']}/{row['number']}"
 
 
@@ -104,7 +104,7 @@ def _over_floor(row: Row) -> str:
 
 
 def reliability_table(evaluation: Evaluation) -> str:
-    """Stated probabilities, and how many of these effects are there."""
+    """Stated probabilities, and the shares of these effects that are present."""
     classes = reliability(evaluation.of(evaluation.robots, MODELLED))
     lines = []
     for group in classes:
@@ -143,7 +143,7 @@ def gains_table(evaluation: Evaluation) -> str:
 
 
 def changed_cases(evaluation: Evaluation) -> str:
-    """Cases in which a verdict that is certain goes or comes."""
+    """Cases in which a certain verdict appears or disappears."""
     rows = evaluation.of(evaluation.robots, tuple(QUESTIONS))
     lines = [
         (f"`{case_name(row)}`", hidden_text(row), row[SURE] or "–", title, row[change] or "–")

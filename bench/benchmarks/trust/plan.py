@@ -1,4 +1,4 @@
-"""The cases of an evaluation as runs, handed out as long as the budget lasts; and how far it is."""
+"""The cases of an evaluation as runs, handed out within a time budget, and their progress."""
 
 import time
 from collections.abc import Callable, Iterable, Iterator
@@ -18,9 +18,9 @@ from bench.studies.trial.cases import Kind, TrialPlan
 
 @dataclass
 class Budget:
-    """hours: with the workers that there are. spent: seconds of work that cases of earlier starts took.
+    """A time budget. hours: of all workers in parallel. spent: seconds of work of cases from earlier starts.
 
-    slots: how many workers there are now.
+    slots: current number of workers.
     """
 
     hours: float
@@ -34,18 +34,18 @@ class Budget:
 
     @property
     def seconds(self) -> float:
-        """Remaining for every worker, s."""
+        """Remaining time of every worker, s."""
         return 3600.0 * self.hours - self.spent / self.slots() - (self.now() - self.begun)
 
     def full(self, pending: float) -> bool:
-        """Whether work of so many seconds fills what remains."""
+        """Whether `pending` seconds of work fill the remaining time."""
         return pending / self.slots() >= self.seconds
 
 
 def case_runs(cells: TrustCells, cases: Iterable[TrustCase]) -> Iterator[tuple[Run, ...]]:
-    """The run of each case, with the number of its row.
+    """The run of each case, with its row number.
 
-    Those of a robot have their trajectories and the undisturbed motion in common.
+    The runs of a robot share trajectories and the undisturbed motion.
     """
 
     @cache
@@ -58,9 +58,9 @@ def case_runs(cells: TrustCells, cases: Iterable[TrustCase]) -> Iterator[tuple[R
 
 
 def runs_within(tally: Tally, budget: Budget) -> Iterator[tuple[Run, ...]]:
-    """Cases that are not done, until none remains or those that are handed out fill the budget.
+    """Runs of unfinished cases, until none remains or those handed out fill the budget.
 
-    What is run next is decided when it is asked for, by what is finished then.
+    Each is chosen only when it is requested, from the results at that time.
     """
 
     def cases() -> Iterator[TrustCase]:
@@ -74,14 +74,14 @@ def runs_within(tally: Tally, budget: Budget) -> Iterator[tuple[Run, ...]]:
 
 
 class TrustProgress:
-    """A line every half minute."""
+    """Prints a line on the progress every half minute."""
 
     def __init__(self, console: Console, tally: Tally, budget: Budget) -> None:
         self._console, self._tally, self._budget = console, tally, budget
         self._said = time.monotonic()
 
     def __call__(self, journal: Journal) -> None:
-        """Say how far it is, if the last line is old enough."""
+        """Print the progress if the last line is old enough."""
         now = time.monotonic()
         if now - self._said < SAY_EVERY:
             return
@@ -93,6 +93,6 @@ class TrustProgress:
 
 
 def seconds_remaining(tally: Tally, budget: Budget) -> float:
-    """Until the budget is spent, or all cases are finished."""
+    """Seconds until the budget is spent or all cases are finished."""
     work = (tally.open_seconds + tally.pending_seconds) / budget.slots()
     return max(min(budget.seconds, work), 0.0)

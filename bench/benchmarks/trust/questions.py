@@ -1,4 +1,4 @@
-"""The questions of the evaluation: which cases count, which answer is right, and how many must be."""
+"""The questions of the evaluation: which cases count, which answers are right, and the required shares."""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
@@ -14,9 +14,9 @@ Judge = Callable[[Row], bool]
 
 @dataclass(frozen=True)
 class TrustQuestion:
-    """A question that is asked of simulated machines of one kind.
+    """A question about cases of one kind.
 
-    event: what is counted; at least the share `least` of the cases must have it, or at most `most`. planned: cases.
+    event: what is counted; its share must be at least `least`, or at most `most`. planned: number of cases.
     """
 
     kind: Kind
@@ -28,7 +28,7 @@ class TrustQuestion:
     most: float | None = None
 
     def counts(self, row: Row) -> bool:
-        """Whether the case can be judged: it has an answer, and every hidden effect shows in the error."""
+        """Whether the case can be judged: it has an answer, and every hidden effect is visible in the error."""
         if row["status"] != OK:
             return False
         return self.kind == "nothing" or (not row["absorbed"] and row["least_own_error_over_floor"] >= LARGE)
@@ -38,24 +38,24 @@ class TrustQuestion:
         return self.event(row) == (self.most is not None)
 
     def target(self, rows: Sequence[Row]) -> Target:
-        """The share of these cases, with its bounds."""
+        """The share of the event in the rows that count, with its bounds."""
         counted = [row for row in rows if self.counts(row)]
         share = Share(sum(self.event(row) for row in counted), len(counted))
         return Target(self.figure, share.value, self.least, self.most, share)
 
     @property
     def ideal(self) -> Share:
-        """The share if all planned cases are as they should be."""
+        """The share if all planned cases are right."""
         return Share(0 if self.most is not None else self.planned, self.planned)
 
 
 def _law(row: Row) -> bool:
-    """The law is modelled down to the noise, and no effect is named that is not there."""
+    """Whether the law is modelled down to the noise, and no effect is named that is absent."""
     return at_floor(row) and not row["wrong"]
 
 
 def _has(column: str) -> Judge:
-    """Whether a row says yes to a column."""
+    """A judge that is true if a row's column is."""
     return lambda row: bool(row[column])
 
 
@@ -88,10 +88,10 @@ QUESTIONS: Mapping[Kind, TrustQuestion] = {
         ),
     )
 }
-"""By kind of case. Of single effects there are two cases for each that the robot can have."""
+"""Questions by kind of case. For single effects there are two cases for each effect that the robot can have."""
 
 MANY_WITH_NOTHING = frozenset({"five_bar", "delta"})
-"""Robots with twice as many cases in which nothing is hidden."""
+"""Robots with twice as many cases with nothing hidden."""
 
 FROZEN_SHARE = 5
-"""The frozen set, which is the same for every version, has a fifth of the cases."""
+"""The frozen set, which is the same for every version, has one in so many of the cases."""

@@ -1,4 +1,4 @@
-"""An evaluation from its cells to its rows, kept as they come."""
+"""An evaluation, from its cells to its rows, which are saved as they arrive."""
 
 import json
 import time
@@ -27,7 +27,7 @@ ROBOTS = (
     *("wrist", "dualv", "orthoglide", "two_link"),
 )
 DURATION = 12.0
-"""Of each recording, s."""
+"""Duration of each recording, s."""
 
 WORK = "work"
 CASES, CLAIM, DESIGNS = "cases.jsonl", "cases.json", "designs"
@@ -36,7 +36,7 @@ TABLE = "trust.parquet"
 
 @dataclass(frozen=True)
 class TrustRequest:
-    """What is asked for. version: of the changelog; first: number of the first fresh case."""
+    """A requested evaluation. setups: by robot; version: of the changelog; first: number of the first fresh case."""
 
     setups: Mapping[str, Setup]
     version: str
@@ -50,21 +50,21 @@ class TrustRequest:
 
 
 class CaseJournal(Journal):
-    """A journal that counts what is kept."""
+    """A journal with a tally of its rows."""
 
     def __init__(self, path: Path, cells: TrustCells) -> None:
         super().__init__(path, cells.size)
         self.tally = Tally(cells, self.rows())
 
     def append(self, rows: Sequence[Row]) -> None:
-        """Keep rows, and count them."""
+        """Append rows, and count them."""
         super().append(rows)
         for row in rows:
             self.tally.note(row)
 
 
 def setups_of(robots: Sequence[str], duration: float = DURATION) -> dict[str, Setup]:
-    """The trials of robots, by name or folder."""
+    """The trial setups of robots, by name or folder. duration: of each recording, s."""
     return {robot: make_setup(robot, duration=duration) for robot in robots}
 
 
@@ -77,9 +77,9 @@ def run_trust(
     work: Work | None = None,
     now: Callable[[], float] = time.monotonic,
 ) -> Path:
-    """Run cases until the budget is spent; write all rows that `folder` has into one table, and return its path.
+    """Run cases until the budget is spent; write all rows in `folder` to one table, and return its path.
 
-    Started again after whatever end it goes on, and gives finished cases the same rows whatever the number of workers.
+    After any interruption another call continues; the rows of finished cases do not depend on the number of workers.
     Raises BenchError if the folder has cases of another commit or plan.
     """
     _claim(request, folder / WORK)
@@ -93,7 +93,7 @@ def run_trust(
 
 
 def write_rows(request: TrustRequest, journal: Journal, folder: Path) -> Path:
-    """The table of all rows that are kept, with what was asked for."""
+    """Write the table of all rows, with the request as metadata; return its path."""
     planned = [
         {
             "robot": cell.robot,
@@ -113,7 +113,7 @@ def write_rows(request: TrustRequest, journal: Journal, folder: Path) -> Path:
 
 
 def _claim(request: TrustRequest, folder: Path) -> None:
-    """Mark a folder as that of these cells at this commit."""
+    """Mark a folder as that of these cells at this commit. Raises BenchError if it is marked otherwise."""
     record = folder / CLAIM
     setups = [[setup.content, list(setup.effects)] for setup in request.setups.values()]
     content = {

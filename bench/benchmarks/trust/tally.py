@@ -1,4 +1,4 @@
-"""How far each cell is, and which case is next: one of the cell that is farthest from the interval it is to reach."""
+"""Progress of all cells, and the choice of the next cases: from the cell farthest from its required interval."""
 
 from collections.abc import Iterable
 from dataclasses import dataclass, field
@@ -9,14 +9,16 @@ from bench.benchmarks.trust.work import SECONDS
 from bench.studies.sweep.journal import Row
 from bench.studies.trial.target import Share
 
-UNKNOWN_SECONDS = 10.0  # of a case before any is finished
+UNKNOWN_SECONDS = 10.0  # of a case, before any is finished
 BLOCK = 6
-"""Cases of one robot that are handed out together: they share the movements with nothing hidden."""
+"""Cases of one robot that are handed out together, as they share the movements with nothing hidden."""
 
 
 @dataclass
 class CellTally:
-    """Cases of a cell: handed out, finished; of these how many count, how many have the event, and what they cost."""
+    """Cases of a cell. given: positions handed out; finished: their number; of these counted: how many count, events:
+    how many have the event, seconds: their total time.
+    """
 
     given: set[int] = field(default_factory=set)
     finished: int = 0
@@ -26,12 +28,12 @@ class CellTally:
 
     @property
     def pending(self) -> int:
-        """Handed out and not finished."""
+        """Number of cases handed out and not finished."""
         return len(self.given) - self.finished
 
     @property
     def expected(self) -> Share:
-        """The share, as if pending cases came out like those that are finished."""
+        """The share, if pending cases turn out like the finished ones."""
         if not self.counted:
             return Share(0, self.pending)
         of = self.counted + self.pending
@@ -39,7 +41,7 @@ class CellTally:
 
 
 class Tally:
-    """All cells with what is finished of them."""
+    """The progress of all cells."""
 
     def __init__(self, cells: TrustCells, rows: Iterable[Row] = ()) -> None:
         self.cells = cells
@@ -52,11 +54,11 @@ class Tally:
         return self._of[cell.index]
 
     def give(self, case: TrustCase) -> None:
-        """A case is handed out."""
+        """Record that a case is handed out."""
         self[case.cell].given.add(case.position)
 
     def note(self, row: Row) -> None:
-        """A case is finished."""
+        """Record that a case is finished."""
         cell = self.cells.case_of_row(row["run"]).cell
         tally = self[cell]
         tally.finished += 1
@@ -67,16 +69,16 @@ class Tally:
 
     @property
     def finished(self) -> int:
-        """Of all cells."""
+        """Number of finished cases in all cells."""
         return sum(tally.finished for tally in self._of.values())
 
     @property
     def seconds(self) -> float:
-        """What all finished cases cost."""
+        """Time of all finished cases, s."""
         return sum(tally.seconds for tally in self._of.values())
 
     def seconds_of_case(self) -> dict[int, float]:
-        """What a case of each cell will cost: the mean of the cell, or of its robot, or of all."""
+        """Expected time, s, of a case of each cell, by index: the mean of the cell, else of its robot, else of all."""
         by_robot: dict[str, list[CellTally]] = {}
         for cell in self.cells.all:
             by_robot.setdefault(cell.robot, []).append(self[cell])
@@ -86,18 +88,21 @@ class Tally:
 
     @property
     def pending_seconds(self) -> float:
-        """What the cases that are handed out will cost."""
+        """Expected time of the cases handed out and not finished, s."""
         cost = self.seconds_of_case()
         return sum(self[cell].pending * cost[cell.index] for cell in self.cells.all)
 
     @property
     def open_seconds(self) -> float:
-        """What all cases will cost that are not handed out."""
+        """Expected time of all cases not handed out, s."""
         cost = self.seconds_of_case()
         return sum((len(cell.numbers) - len(self[cell].given)) * cost[cell.index] for cell in self.cells.all)
 
     def next_block(self) -> list[TrustCase]:
-        """Cases of the robot with the cell that is least far, the next of its least far cells; empty: none remains."""
+        """Hand out up to `BLOCK` cases, each the next of the cell with the least progress, all of one robot.
+
+        The robot is that of the cell with the least progress. Empty if no case remains.
+        """
         cost = self.seconds_of_case()
         mean = sum(cost.values()) / len(cost)
         robot: str | None = None
@@ -121,16 +126,16 @@ class Tally:
         return block
 
     def _progress(self, cell: TrustCell, cost: float) -> float:
-        """From 0, no case, to 1: the interval is as narrow as with all planned cases as they should be.
+        """Progress from 0, no case, to 1: the interval is as narrow as with all planned cases right.
 
-        cost: of a case, over the mean. An interval may be wider by its fourth root, so that numbers of cases go by the
-        inverse square root of their cost (Neyman's allocation).
+        cost: of a case, relative to the mean. An interval may be wider by the fourth root of the cost, so that numbers
+        of cases are proportional to the inverse square root of the cost (Neyman's allocation).
         """
         return log(_width(self[cell].expected) / cost**0.25) / log(_width(cell.question.ideal))
 
 
 def _mean(tallies: Iterable[CellTally], otherwise: float) -> float:
-    """Mean cost of the cases that are finished in some cells; `otherwise` if none is."""
+    """Mean time of the finished cases in some cells; `otherwise` if there are none."""
     seconds = finished = 0.0
     for tally in tallies:
         seconds, finished = seconds + tally.seconds, finished + tally.finished

@@ -1,4 +1,4 @@
-"""A case in words: what is hidden, what the diagnosis names; and what goes wrong most often."""
+"""Cases as text: the hidden effects, the effects that the diagnosis names, and the most frequent mistakes."""
 
 from collections import Counter
 from collections.abc import Sequence
@@ -14,14 +14,14 @@ NOTHING = "nothing"
 
 
 def hidden_text(row: Row) -> str:
-    """Effects with their joints."""
+    """The hidden effects with their joints."""
     pairs = zip(names_in(row["hidden"]), names_in(row["joints"]), strict=True)
     said = [f"{'a law' if effect == LAW else spoken(effect)} ({joints})" for effect, joints in pairs]
     return ", ".join(said) or NOTHING
 
 
 def answer_text(row: Row) -> str:
-    """Effects with their verdicts where these are not certain, laws, and whether something is unexplained."""
+    """The named effects, with the verdict unless certain, the number of laws, and whether an error is unexplained."""
     if row["status"] != OK:
         return f"failed: {row['reason']}"
     said = [
@@ -37,13 +37,15 @@ def answer_text(row: Row) -> str:
 
 SENTENCES = 3
 Mistake = tuple[str, str]
-"""What happens, and to which effect."""
+"""The kind of mistake, and the effect, "" for none."""
 
 MISSED, ADDED, SILENT, NOT_MODELLED = "missed", "added", "silent", "not modelled"
 
 
 def mistakes_of(row: Row) -> list[Mistake]:
-    """Effects that are not named although hidden, or named although not hidden, in a case that went wrong."""
+    """The mistakes in a case with a wrong answer: hidden effects not named, named effects not hidden, unknown effects
+    on which nothing is said, and laws not modelled.
+    """
     hidden, named = names_in(row["hidden"]), names_in(row["missing"])
     uncatalogued = (
         {LAW} if row["question"] == "unknown" else set(hidden) if row["question"] == "outside" else set()
@@ -59,7 +61,7 @@ def mistakes_of(row: Row) -> list[Mistake]:
 
 
 def sentences(rows: Sequence[Row]) -> list[str]:
-    """The three most frequent mistakes, with how many cases could have them, and on which robots they occur."""
+    """Sentences on the most frequent mistakes, with the number of cases that could have them, and the robots."""
     judged = [row for row in rows if QUESTIONS[row["question"]].counts(row)]
     counts: Counter[Mistake] = Counter()
     robots: dict[Mistake, Counter[str]] = {}

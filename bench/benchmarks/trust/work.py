@@ -1,4 +1,4 @@
-"""The work of the evaluation: a case of a trial, diagnosed and judged as there, with its place and its cost."""
+"""The work of the evaluation: cases of a trial, diagnosed and judged as in a trial, with their cells and cost."""
 
 import time
 from dataclasses import replace
@@ -28,10 +28,10 @@ from bench.truth.streams import stream
 
 FRESH, FROZEN = "fresh", "frozen"
 SECONDS, PROCESSOR = "seconds", "seconds.processor"
-"""Columns of what a case took by the clock and of one processor; with `.again` for its further diagnoses."""
+"""Columns of a case's wall and processor time, s; with `.again` for its further diagnoses."""
 
 Place = dict[str, str | int]
-"""The columns that say which case a row is of."""
+"""The columns that identify the case of a row."""
 
 NO_TIME = {SECONDS: 0.0, PROCESSOR: 0.0}
 
@@ -44,9 +44,10 @@ def case_rows(
     trajectories: Trajectories,
     reference: Simulation | None = None,
 ) -> list[Row]:
-    """Simulate one case and diagnose it: one row of this number. again: diagnose it under changed conditions, too.
+    """Simulate and diagnose one case; return its row, with this number. again: also diagnose it under changed
+    conditions.
 
-    reference: the movements with nothing hidden; None: to be simulated.
+    reference: the movements with nothing hidden; None: simulate them.
     """
     begun = _clocks()
     case = _case(setup, place)
@@ -89,7 +90,7 @@ def trust_work(cells: TrustCells) -> Work:
 
 
 def place_of(case: TrustCase) -> Place:
-    """The columns that say which case a row is of."""
+    """The columns that identify a case in its row."""
     return {
         "robot": case.cell.robot,
         "question": case.cell.question.kind,
@@ -113,8 +114,8 @@ def _case(setup: Setup, place: Place) -> Case:
 
 
 def drawn_case(setup: Setup, kind: Kind, number: int) -> Case:
-    """The case of that number. The size of a single effect moves into its half, on a logarithmic scale, where the case
-    is fresh; cases of the frozen set are those of a trial.
+    """The case of that number. In a fresh case, the size of a single effect is moved into the lower or upper half of
+    its range, on a logarithmic scale; cases of the frozen set are those of a trial.
     """
     case = draw_case(setup, kind, number)
     if kind != "one" or number < APART:
@@ -126,13 +127,15 @@ def drawn_case(setup: Setup, kind: Kind, number: int) -> Case:
 
 
 MORE_NOISE = 0.25
-"""Standard deviation of the noise that is added to the currents, over that of the noise that they have."""
+"""Standard deviation of the noise added to the currents, over that of their present noise."""
 
 FEWEST_LOGS = 3
 
 
 def again_columns(simulation: Simulation, row: Row) -> Row:
-    """Names of the effects that are certain at first, with more noise, and without the last log."""
+    """Columns of the effects with a certain verdict: at first, with more noise and, given `FEWEST_LOGS`, without the
+    last log.
+    """
     columns: Row = {
         SURE: cell_of(certain_in(verdicts_of(row))),
         NOISE: _sure(with_more_noise(simulation)),
@@ -143,7 +146,7 @@ def again_columns(simulation: Simulation, row: Row) -> Row:
 
 
 def with_more_noise(simulation: Simulation) -> Simulation:
-    """The same logs with independent noise added to the currents."""
+    """The simulation with independent noise added to the logged currents."""
     seed = simulation.scenario.settings.seed
     recordings = []
     for recording in simulation.recordings:

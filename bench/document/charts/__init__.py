@@ -1,1 +1,1 @@
-"""Charts as values, made once from results, whatever draws them."""
+"""Charts as values, made once from results, independent of what draws them."""

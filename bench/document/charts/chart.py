@@ -1,4 +1,4 @@
-"""What a chart is: series over axes. `document.figures.draw` gives it to matplotlib, `page.chart_spec` to the page."""
+"""Charts: series over axes. `document.figures.draw` draws them with matplotlib, `page.chart_spec` for the page."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -23,14 +23,14 @@ Role = Literal[
     "six",
     "seven",
 ]
-"""What a series represents, of which every renderer has a colour."""
+"""What a series represents; every renderer has a colour for it."""
 
 
 @dataclass(frozen=True)
 class Axis:
-    """A quantity with its unit, as typeset; of unit "%" the values are shares. categories: names of 0, 1, ...
+    """A quantity with its unit, as typeset; with unit "%" the values are shares. categories: names of 0, 1, ...
 
-    domain: where it starts and ends; include: values that it shows whatever the data; room: free at its ends.
+    domain: its ends; include: values that it always shows; room: whether to leave space at its ends.
     """
 
     label: str
@@ -48,13 +48,13 @@ class Axis:
 
     @property
     def percent(self) -> bool:
-        """Whether shares are given in percent."""
+        """Whether the values are shares, shown in percent."""
         return self.unit == "%"
 
 
 @dataclass(frozen=True, eq=False)
 class Series:
-    """What every series has: its name in the legend, and what it represents."""
+    """Base of all series: the name in the legend, and what the series represents."""
 
     name: str
     role: Role
@@ -62,7 +62,7 @@ class Series:
 
 @dataclass(frozen=True, eq=False)
 class Line(Series):
-    """y over x, both (N,); NaN is a gap. markers: a dot for each value."""
+    """y over x, both (N,); NaN is a gap. markers: whether each value has a dot."""
 
     x: np.ndarray
     y: np.ndarray
@@ -71,7 +71,7 @@ class Line(Series):
 
 @dataclass(frozen=True, eq=False)
 class Levels(Series):
-    """A value for each category, (N,), NaN where there is none; texts: what is said of each."""
+    """A value for each category, (N,), NaN for none; texts: their labels."""
 
     values: np.ndarray
     texts: tuple[str, ...] = ()
@@ -79,7 +79,7 @@ class Levels(Series):
 
 @dataclass(frozen=True, eq=False)
 class Band(Series):
-    """All that lies between two values of y."""
+    """The area between two values of y."""
 
     low: float
     high: float
@@ -87,7 +87,7 @@ class Band(Series):
 
 @dataclass(frozen=True, eq=False)
 class Rule(Series):
-    """A straight line across, at a value of one axis; without a name it is not in the legend."""
+    """A straight line across the panel at a value of one axis; without a name it is not in the legend."""
 
     axis: Literal["x", "y"]
     at: float
@@ -96,7 +96,7 @@ class Rule(Series):
 
 @dataclass(frozen=True, eq=False)
 class Binned(Series):
-    """Rows (x, y), (K,), and what they are in bins: centre, mean, spread, smallest, largest, count, (B,)."""
+    """Rows (x, y), (K,), with their bins: edges (B+1,), and centre, mean, spread, smallest, largest and count (B,)."""
 
     x: np.ndarray
     y: np.ndarray
@@ -111,9 +111,9 @@ class Binned(Series):
 
 @dataclass(frozen=True, eq=False)
 class Whiskers(Series):
-    """Middles over x with the ends of their intervals, (N,). joined: x is a quantity, not a category.
+    """Middle values over x with the ends of their intervals, (N,). joined: whether x is a quantity, not a category.
 
-    pick: for each, the values of the axes by which it can be chosen; empty where it cannot.
+    pick: for each, the values of the axes by which it can be selected; empty if it cannot be.
     """
 
     x: np.ndarray
@@ -137,7 +137,7 @@ class Spans(Series):
 
 @dataclass(frozen=True, eq=False)
 class Bars(Series):
-    """A length along x for each category of y, (N,). thin: next to another one, for comparison."""
+    """A length along x for each category of y, (N,). thin: whether it is for comparison with a thick one."""
 
     x: np.ndarray
     thin: bool = False
@@ -169,7 +169,10 @@ class Histogram(Series):
 
 @dataclass(frozen=True, eq=False)
 class Cells(Series):
-    """A matrix over two axes of categories: column x, row y, shade 0 to 1, text, of each cell (N,); pick: see above."""
+    """A matrix over two axes of categories: column x, row y, shade 0 to 1 and text of each cell, (N,).
+
+    pick: see `Whiskers`.
+    """
 
     x: np.ndarray
     y: np.ndarray
@@ -189,9 +192,9 @@ class Panel:
 
 @dataclass(frozen=True)
 class Chart:
-    """Panels below each other over one axis x. aid: how to read it; key: what colours mean, where no legend says it.
+    """Panels one below another over one axis x. aid: how to read it; key: meaning of colours, if no legend gives it.
 
-    legend: separate, shared by charts side by side, or none.
+    legend: of this chart, shared by charts side by side, or none.
     """
 
     title: str
@@ -213,6 +216,6 @@ class Chart:
 
 
 def is_wide(values: np.ndarray, ratio: float = 20.0) -> bool:
-    """Whether values (N,) span so wide a range that they are drawn on a logarithmic axis."""
+    """Whether values (N,) are positive and span at least `ratio`, so that they need a logarithmic axis."""
     known = values[np.isfinite(values)]
     return bool(len(known) > 1 and known.min() > 0 and known.max() / known.min() >= ratio)

@@ -19,9 +19,9 @@ Curve = tuple[Role, str, MotorSeries]
 
 
 def currents_chart(curves: Sequence[Curve], unit: str, title: str) -> Chart:
-    """Currents above, errors below. curves: the errors to show, that of the model whose current is drawn last.
+    """Currents above, errors below. curves: the errors to show; the current drawn is that of the last.
 
-    With several models the last one's error appears once more in a separate panel, at its scale.
+    With several models, a further panel shows the error of the last one at its scale.
     """
     *_, (role, name, last) = curves
     time = _with_gaps(last, last.time)
@@ -41,7 +41,7 @@ def currents_chart(curves: Sequence[Curve], unit: str, title: str) -> Chart:
 
 
 def fitted_currents_chart(series: CurrentSeries, motor: int, spread: float, unit: str, title: str) -> Chart:
-    """Currents and error of one motor in one recording, all rows. spread: standard deviation of the fitted errors.
+    """Currents and error of one motor in one recording, in all rows. spread: standard deviation of the fitted errors.
 
     The error and its band are in thousandths of the unit.
     """
@@ -59,7 +59,7 @@ def fitted_currents_chart(series: CurrentSeries, motor: int, spread: float, unit
 def before_after_chart(
     before: CurrentSeries | None, after: CurrentSeries, motor: int, unit: str, title: str
 ) -> Chart:
-    """Errors of one motor by the models without and with what is missing, or of one model where nothing is."""
+    """Errors of one motor by the models without and with the missing effects, or of one model if nothing is missing."""
     named = "the model as it is: nothing is missing" if before is None else "with the missing effects"
     models: list[tuple[str, Role, CurrentSeries]] = [(named, "after", after)]
     if before is not None:
@@ -78,7 +78,7 @@ def _error_line(curve: Curve) -> Line:
 
 
 def _with_gaps(series: MotorSeries, values: np.ndarray) -> np.ndarray:
-    """Values with NaN where rows are missing, so that no line is drawn across."""
+    """Values with NaN for missing rows, so that no line is drawn across the gap."""
     return np.asarray(np.insert(values, np.flatnonzero(np.diff(series.row) > 1) + 1, np.nan))
 
 

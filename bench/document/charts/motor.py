@@ -1,4 +1,6 @@
-"""One motor's errors as charts: against all that they may depend on, their distribution, where they lie."""
+"""Charts of one motor's errors: against the variables on which they may depend, by part of the motion, and in
+distribution.
+"""
 
 from collections.abc import Mapping
 
@@ -46,7 +48,7 @@ def motor_charts(errors: ErrorBreakdown) -> Mapping[str, Chart]:
 
 
 def against_chart(errors: ErrorBreakdown, variable: Variable) -> Chart:
-    """Errors against a variable in bins with equally many rows, apart for either direction of motion."""
+    """Errors against a variable in bins with equally many rows, separately for each direction of motion."""
     label, unit = errors.axes[variable]
     series: tuple[Series, ...] = (_noise_band(errors), *map(_binned, errors.against(variable, SCREEN.bins)))
     return Chart(
@@ -59,7 +61,7 @@ def against_chart(errors: ErrorBreakdown, variable: Variable) -> Chart:
 
 
 def reversals_chart(errors: ErrorBreakdown) -> Chart:
-    """Errors before and after a change of direction, apart for what the direction is afterwards."""
+    """Errors before and after a change of direction, separately by the direction afterwards."""
     branches = errors.around_reversals
     reach = ERROR_GRID.around_reversal / (errors.series[0].rate or 1.0)
     series: tuple[Series, ...] = (
@@ -79,7 +81,7 @@ def reversals_chart(errors: ErrorBreakdown) -> Chart:
 
 
 def recordings_chart(errors: ErrorBreakdown) -> Chart:
-    """Error of every recording and the noise of its current, both relative to the current."""
+    """Error of every recording, and noise of its current, both relative to the current."""
     recordings = errors.by_recording
     stems = [recording.recording.removesuffix(".csv").removesuffix(".parquet") for recording in recordings]
     names = tuple(
@@ -118,7 +120,7 @@ def opposing_chart(errors: ErrorBreakdown) -> Chart:
 
 
 def shares_chart(errors: ErrorBreakdown) -> Chart:
-    """Share of the squared error that lies in every part of the motion, and its share of the time."""
+    """Share of the squared error in each part of the motion, and that part's share of the time."""
     regions = errors.shares
     return Chart(
         "Where the squared error lies",
@@ -136,7 +138,7 @@ def shares_chart(errors: ErrorBreakdown) -> Chart:
 
 
 def spectrum_chart(errors: ErrorBreakdown) -> Chart:
-    """Density of the error over frequency, and that of the current's noise."""
+    """Spectral density of the error, and of the current's noise."""
     spectrum = errors.spectrum
     density = spectrum.density[1:]
     series: tuple[Series, ...] = (Line("error", "error", spectrum.frequency[1:], density),)
@@ -154,7 +156,7 @@ def spectrum_chart(errors: ErrorBreakdown) -> Chart:
 
 
 def positions_chart(errors: ErrorBreakdown) -> Chart:
-    """Amplitude of the sinusoid over position that suits the error best, by its wave number."""
+    """Amplitude of the sinusoid over position that fits the error best, against its wave number."""
     lines = errors.over_position
     curve = Line("error", "error", np.asarray(lines.cycles), np.asarray(lines.amplitude))
     return Chart(
@@ -166,7 +168,7 @@ def positions_chart(errors: ErrorBreakdown) -> Chart:
 
 
 def autocorrelation_chart(errors: ErrorBreakdown) -> Chart:
-    """Autocorrelation of the error, and what chance gives."""
+    """Autocorrelation of the error, with the 95 % band of chance."""
     autocorrelation = errors.autocorrelation
     band = Band("95 % of what chance gives", "noise", -autocorrelation.band, autocorrelation.band)
     stems = Stems("error", "error", np.asarray(autocorrelation.lag), np.asarray(autocorrelation.value))
@@ -180,7 +182,7 @@ def autocorrelation_chart(errors: ErrorBreakdown) -> Chart:
 
 
 def histogram_chart(errors: ErrorBreakdown) -> Chart:
-    """The distribution of the errors, as shares of the rows, and what the noise alone would give."""
+    """The distribution of the errors, as shares of the rows, and that of the noise alone."""
     count_all = len(errors.errors)
     reach = max(float(np.abs(errors.errors).max()), SCREEN.histogram * errors.noise)
     edges = np.linspace(-reach, reach, SCREEN.histogram_bins + 1)
@@ -226,7 +228,7 @@ def _binned(branch: Branch) -> Binned:
 
 
 def _extremes(branch: Branch) -> tuple[np.ndarray, np.ndarray]:
-    """Smallest and largest error in every bin, as `binned` bins."""
+    """Smallest and largest error in every bin, NaN in empty ones; bins as those of `binned`."""
     values, errors, edges = branch.x, branch.error, branch.bins.edges
     size = len(edges) - 1
     inside = (values >= edges[0]) & (values <= edges[-1])
@@ -238,6 +240,6 @@ def _extremes(branch: Branch) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _bars(names: tuple[str, ...], thick: tuple[str, np.ndarray], thin: tuple[str, np.ndarray]) -> Panel:
-    """Two bars for each name, the second one thin; thick, thin: name and lengths of either."""
+    """Two bars for each category, the second one thin; thick, thin: name and lengths of each."""
     bars = (Bars(thick[0], "error", thick[1]), Bars(thin[0], "noise", thin[1], thin=True))
     return Panel(Axis("", scale="band", categories=names), bars)

@@ -1,1 +1,1 @@
-"""Results as figures, on the screen's page and for papers."""
+"""Figures of results, for the screen and for papers."""

@@ -1,4 +1,4 @@
-"""Pictures of a model: the currents of all motors, and a page of errors for each motor."""
+"""Figures of a model: the currents of all motors, and the errors of each motor."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -24,17 +24,17 @@ from bench.identification.wording import motor_words
 from bench.residuals.error_breakdown import error_breakdown
 from bench.residuals.motor import Compared, MotorSeries, relative_error_of, relative_noise
 
-LEFT, RIGHT, TITLE, FOOT, LEGEND = 1.02, 0.12, 0.36, 0.6, 0.4  # inches about the axes of one recording
+LEFT, RIGHT, TITLE, FOOT, LEGEND = 1.02, 0.12, 0.36, 0.6, 0.4  # inches around the axes of one recording
 UPPER_MARGINS = {"left": 0.085, "right": 0.985, "top": 0.945, "bottom": 0.05, "wspace": 0.36, "hspace": 0.38}
 LOWER_MARGINS = {"left": 0.125, "right": 0.985, "top": 0.92, "bottom": 0.18, "wspace": 0.72}
 
 
 def current_figure(result: Identification, recordings: Sequence[str] | None = None) -> Figure:
-    """Measured and modelled current of every motor, the error below; one column for each recording.
+    """Measured and modelled current of every motor, with the error below; one block for each recording.
 
-    recordings: names of those to show, all by default. The band about the error is one standard deviation
-    of the errors on the fitted recordings; the error has gaps where a joint does not move. Raises BenchError
-    for a recording that the result does not have.
+    recordings: names of those to show, all by default. The band around zero is ± one standard deviation of the errors
+    on the fitted recordings; the error has gaps where a joint does not move. Raises BenchError for a recording that the
+    result does not have.
     """
     chosen = _chosen(result, recordings)
     joints = list(result.joints)
@@ -61,7 +61,7 @@ class Blocks:
     of: dict[str, list[tuple[Axes, Axes]]]
 
     def label(self, joints: Sequence[str], units: Sequence[str], error_units: Sequence[str]) -> None:
-        """Name axes and draw one legend, once all is drawn."""
+        """Label the axes and draw one legend, after everything else is drawn."""
         for place, block in enumerate(self.of.values()):
             for (upper, lower), joint, unit, error_unit in zip(
                 block, joints, units, error_units, strict=True
@@ -84,15 +84,15 @@ class Blocks:
 
 
 def currents_page(names: Sequence[str], joints: Sequence[str]) -> Blocks:
-    """Empty axes for recordings, `SCREEN.recordings` in a row, each with all its motors under each other.
+    """Empty axes for recordings, `SCREEN.recordings` in a row, each with all motors one below another.
 
-    All recordings have the same scale for one motor. To be called within `STYLE`.
+    A motor has the same scale in all recordings. Call it within `STYLE`.
     """
     names = list(dict.fromkeys(names))
     columns = min(SCREEN.recordings, len(names))
     rows = -(-len(names) // columns)
-    # A figure outside pyplot: nothing global is touched, and no window can open.
-    # Margins are given, in inches: working them out takes longer than drawing.
+    # A figure outside pyplot changes no global state and opens no window.
+    # Margins are fixed, in inches, as computing them takes longer than drawing.
     block = SCREEN.motor * len(joints) + TITLE + FOOT
     height = rows * block + LEGEND
     figure = Figure(figsize=(SCREEN.width, height), dpi=DPI)
@@ -124,7 +124,7 @@ def currents_page(names: Sequence[str], joints: Sequence[str]) -> Blocks:
 def write_current_figure(
     path: str | Path, result: Identification, recordings: Sequence[str] | None = None
 ) -> None:
-    """Write `current_figure` as a picture, PNG or SVG by suffix, whole or not at all."""
+    """Write `current_figure` to a file, PNG or SVG by suffix, whole or not at all."""
     write_figure(path, current_figure(result, recordings))
 
 
@@ -158,14 +158,14 @@ SHOWN = (
 
 
 def write_comparison_figures(folder: Path, what: Compared) -> list[Path]:
-    """Write currents.png and errors_MOTOR.png into a folder, each whole or not at all, and tell their paths."""
+    """Write currents.png and errors_MOTOR.png into a folder, each whole or not at all; return their paths."""
     pages = {"currents.png": currents_figure(what)}
     pages |= {f"errors_{joint}.png": errors_figure(what, joint) for joint in what.joints if what.of(joint)}
     return write_figures(folder, pages)
 
 
 def currents_figure(what: Compared) -> Figure:
-    """Measured and modelled current of every motor with the error below; a column for each recording."""
+    """Measured and modelled current of every motor, with the error below; a block for each recording."""
     with mpl.rc_context(STYLE):
         blocks = currents_page([trace.recording for trace in what.series], what.joints)
         for trace in what.series:
@@ -183,15 +183,15 @@ def currents_figure(what: Compared) -> Figure:
 
 
 def errors_figure(what: Compared, joint: str) -> Figure:
-    """One motor's error against everything that it may depend on; all recordings together.
+    """One motor's error against the variables on which it may depend; all recordings together.
 
-    Points are single rows (a regular choice, and every one far off), lines the means of bins with equally many
-    rows, bands their standard deviations, apart for either direction of motion.
+    Points are single rows (a regular selection, and all distant ones), lines the means of bins with equally many rows,
+    bands their standard deviations, separately for each direction of motion.
     """
     errors = error_breakdown(what, joint)
     with mpl.rc_context(STYLE):
-        # Margins are given: working them out takes longer than drawing. Names stand at the bars below: kept apart,
-        # they take no room from the columns above.
+        # Margins are fixed, as computing them takes longer than drawing. The lower charts have names next to their
+        # bars: in a separate subfigure these take no space from the columns above.
         figure = Figure(figsize=(SCREEN.width, 12.0), dpi=DPI)
         upper, lower = figure.subfigures(2, 1, squeeze=False, height_ratios=[3.1, 1.0]).ravel()
         axes = np.concatenate(

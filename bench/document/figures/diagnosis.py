@@ -1,4 +1,4 @@
-"""A diagnosis as pictures: the ladder, the errors before and after, the gains, and the residual."""
+"""Figures of a diagnosis: the ladder, the errors before and after, the gains, and the residual."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -51,7 +51,7 @@ class Moved:
 
 
 def moved(diagnosis: Diagnosis, *, parameters: bool) -> list[Moved]:
-    """Gains, where they were fitted, and (parameters) the parameters that the data determine."""
+    """The gains if they were fitted and, with `parameters`, the parameters of both models that are not poor."""
     before = {parameter.name: parameter for parameter in diagnosis.before.parameters}
     gains = [
         Moved(f"gain {joint}", diagnosis.before.drive_gains[joint], gain, gain.nominal)
@@ -68,9 +68,9 @@ def moved(diagnosis: Diagnosis, *, parameters: bool) -> list[Moved]:
 
 
 def draw_ranking(axes: Axes, diagnosis: Diagnosis, most: int, scale: float = 1.0) -> None:
-    """Evidence for every effect as a point in the colour of its verdict.
+    """Draw the evidence for each of the first `most` effects as a point in the colour of its verdict.
 
-    No bars: their lengths would say nothing on a scale that is even up to `EVEN_NATS` and logarithmic beyond.
+    Not as bars, whose lengths would be meaningless on a scale that is linear up to `EVEN_NATS` and logarithmic beyond.
     """
     ranked = [effect_verdict for effect_verdict in diagnosis.ranking if effect_verdict.verdict != "absorbed"][
         :most
@@ -96,7 +96,7 @@ def draw_ranking(axes: Axes, diagnosis: Diagnosis, most: int, scale: float = 1.0
 
 
 def even_then_logarithmic(axes: Axes, values: Sequence[float], even: float, unit: str) -> str:
-    """Make the horizontal axis logarithmic beyond ±even where a value is far beyond it; tells so for its label."""
+    """Make the horizontal axis logarithmic beyond ±even if a value is far beyond; return an addition to its label."""
     if max(map(abs, values), default=0.0) <= SCREEN.logarithmic * even:
         return ""
     axes.set_xscale("symlog", linthresh=even, linscale=0.5)
@@ -106,7 +106,7 @@ def even_then_logarithmic(axes: Axes, values: Sequence[float], even: float, unit
 
 
 def draw_moved(axes: Axes, rows: Sequence[Moved], scale: float = 1.0) -> None:
-    """Values before and after with their 95 % intervals, in percent of the value after; nominal gains between them."""
+    """Draw values before and after, with 95 % intervals in percent of the value after, and nominal gains between."""
     at = np.arange(len(rows))
     offset = 0.17 if all(row.nominal is None for row in rows) else 0.28
     factor = [100.0 / abs(row.after.value) if row.after.value else 0.0 for row in rows]
@@ -152,10 +152,9 @@ def draw_moved(axes: Axes, rows: Sequence[Moved], scale: float = 1.0) -> None:
 
 
 def write_diagnosis_figures(folder: Path, diagnosis: Diagnosis, residuals: Compared) -> list[Path]:
-    """Write errors.png, ladder.png, gains.png and, for the residual, errors_MOTOR.png, and tell their paths.
+    """Write errors.png, ladder.png, gains.png and, for the residual, errors_MOTOR.png; return their paths.
 
-    Where nothing is missing there is no ladder and there are no gains before and after. residuals: the errors of
-    the model with what is missing.
+    If no effect was added, ladder.png and gains.png are omitted. residuals: the errors of the completed model.
     """
     pages = {"errors.png": errors_before_after_figure(diagnosis)}
     if diagnosis.added:
@@ -181,7 +180,7 @@ def ladder_figure(diagnosis: Diagnosis) -> Figure:
 
 
 def errors_before_after_figure(diagnosis: Diagnosis) -> Figure:
-    """Error of every motor on recordings that were not fitted, by the models without and with what is missing."""
+    """Error of every motor by the models before and after, on recordings not fitted, or on all if there are none."""
     chosen = [trace for trace in diagnosis.after.recordings if trace.use == "validate"]
     chosen = chosen or list(diagnosis.after.recordings)
     before = {trace.name: trace for trace in diagnosis.before.recordings} if diagnosis.added else {}
@@ -212,7 +211,7 @@ def errors_before_after_figure(diagnosis: Diagnosis) -> Figure:
 def gains_figure(diagnosis: Diagnosis) -> Figure:
     """Drive gains and parameters before and after with their 95 % intervals, in percent of the value after.
 
-    Gains that were not fitted are omitted, and parameters that the data hardly determine.
+    Gains that were not fitted are omitted, and poorly determined parameters.
     """
     rows = moved(diagnosis, parameters=True)
     with mpl.rc_context(STYLE):

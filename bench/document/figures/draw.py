@@ -1,4 +1,4 @@
-"""Charts drawn with matplotlib: one panel of a chart into a pair of axes."""
+"""Charts drawn with matplotlib: one panel of a chart into one Axes."""
 
 import textwrap
 from collections.abc import Mapping, Sequence
@@ -60,7 +60,7 @@ WIDTHS: Mapping[Role, float] = {
     "after": 0.8,
     "noise": 1.3,
 }
-PALE: Mapping[Role, float] = {"measured": 0.45, "before": 0.5}  # of broad lines below others
+PALE: Mapping[Role, float] = {"measured": 0.45, "before": 0.5}  # opacity of broad lines below others
 MARKS: Mapping[Role, str] = {"before": "s"}
 ZERO = "#8A929C"
 DARK = "#3A424C"
@@ -70,7 +70,7 @@ PLAIN = FuncFormatter(lambda value, _: f"{value:g}".replace("-", "−"))
 
 @dataclass(frozen=True)
 class Pen:
-    """How all series of a panel are drawn. scale: of lines and marks; x, y: factors of values given in percent."""
+    """How all series of a panel are drawn. scale: of lines and markers; x, y: factors, 100 for shares in percent."""
 
     axes: Axes
     scale: float
@@ -87,9 +87,9 @@ def draw(
     key: bool = True,
     letters: int | None = None,
 ) -> None:
-    """Draw one panel of a chart and name its axes. key: what colours mean, above it where the chart tells it.
+    """Draw one panel of a chart and label its axes. key: whether the chart's key is shown above it.
 
-    letters: of a category's name in a line, longer ones are broken in two.
+    letters: of a line of a category's name; longer names are broken into two lines.
     """
     what = chart.panels[panel]
     pen = Pen(axes, scale, 100.0 if chart.x.percent else 1.0, 100.0 if what.y.percent else 1.0)
@@ -111,18 +111,18 @@ def draw(
 
 
 def small_title(axes: Axes, text: str) -> None:
-    """What grey and the like represent, above a panel without a legend."""
+    """The meaning of colours, above a panel without a legend."""
     size = 0.85 * float(mpl.rcParams["font.size"])
     axes.set_title(text, fontsize=size, color="#4A525C", loc="right")
 
 
 def points_of(series: Binned) -> np.ndarray:
-    """Which rows are drawn as points: a regular choice of about `SCREEN.points`, and rows far from their bin's mean."""
+    """Indices of rows to draw as points on the screen and in print; see `worth_drawing`."""
     return worth_drawing(series, SCREEN.points)
 
 
 def worth_drawing(series: Binned, most: int) -> np.ndarray:
-    """Indices of rows to draw as points: a regular choice of about `most`, and every row far from its bin's mean."""
+    """Indices of rows to draw as points: a regular selection of about `most`, and all far from their bin's mean."""
     size = len(series.mean)
     index = np.clip(np.searchsorted(series.edges, series.x, side="right") - 1, 0, size - 1)
     far = (
@@ -191,7 +191,7 @@ def _(series: Binned, pen: Pen) -> None:
 
 
 def _keep_errors_in_view(pen: Pen, binned: Sequence[Binned]) -> None:
-    """All errors in view, unless single ones far off would hide the others: those are marked at the border."""
+    """Choose limits that show all errors, except single distant ones, which are marked at the border."""
     drawn = [points_of(series) for series in binned]
     errors = np.abs(np.concatenate([series.y[rows] for series, rows in zip(binned, drawn, strict=True)]))
     most, largest = float(np.percentile(errors, SCREEN.percentile)), float(errors.max())
@@ -282,7 +282,7 @@ def _(series: Cells, pen: Pen) -> None:
 
 
 def _draw_levels(pen: Pen, levels: Sequence[Levels], panel: Panel, x: Axis) -> None:
-    """Bars from zero on, categories down the page; rules of y stand upright."""
+    """Horizontal bars from zero, one row per category; rules of y are vertical."""
     scale = pen.scale
     for i, series in enumerate(levels):
         places = np.arange(len(series.values)) + SCREEN.bar * (i - (len(levels) - 1) / 2.0)
@@ -328,7 +328,7 @@ def _set_axis(axes: Axes, drawn: DrawnAxis, axis: Axis, letters: int | None) -> 
         low, high = axes.get_ylim() if upright else axes.get_xlim()
         wanted = [factor * value for value in axis.include]
         smallest = min(wanted)
-        # what begins at zero has no room below it
+        # an axis that begins at zero has no space below it
         at_zero = smallest == 0.0 and low > -0.1 * (high - low)
         limits(0.0 if at_zero else min(low, smallest), max(high, *wanted))
     if axis.scale == "log":
@@ -336,7 +336,7 @@ def _set_axis(axes: Axes, drawn: DrawnAxis, axis: Axis, letters: int | None) -> 
 
 
 def _plain_ticks(drawn: DrawnAxis) -> None:
-    """Ticks of a logarithmic axis as plain numbers, between the powers of ten only where these are few."""
+    """Ticks of a logarithmic axis; over few decades as plain numbers, also between the powers of ten."""
     low, high = drawn.get_view_interval()
     wide = low <= 0 or high >= SCREEN.decades * low
     drawn.set_major_locator(LogLocator(subs=(1.0,) if wide else (1.0, 2.0, 5.0)))
@@ -353,6 +353,6 @@ def _in_lines(name: str, letters: int | None) -> str:
 
 
 def shortened(name: str, most: int) -> str:
-    """A name that fits next to a bar; its middle gives way."""
+    """A name of at most `most` letters; a long one has an ellipsis in the middle."""
     half = (most - 1) // 2
     return name if len(name) <= most else f"{name[: most - 1 - half]}…{name[-half:]}"

@@ -1,4 +1,4 @@
-"""Figures for papers: as wide as one column or two, fonts embedded, their numbers in a file next to them."""
+"""Figures for papers: one or two columns wide, with embedded fonts, and their numbers in a file next to them."""
 
 import csv
 import io
@@ -45,25 +45,25 @@ PRINT: Any = {
     "xtick.minor.size": 1.2,
     "ytick.minor.size": 1.2,
     "axes.labelpad": 2.0,
-    "pdf.fonttype": 42,  # whole TrueType fonts: publishers refuse Type 3
+    "pdf.fonttype": 42,  # TrueType: publishers refuse Type 3
     "ps.fonttype": 42,
     "savefig.dpi": PAPER.dpi,
 }
 
 Numbers = Mapping[str, Sequence[float | str | None]]
-"""Columns of a table, all of the same length; a header carries its unit."""
+"""Columns of a table by header, all of the same length; a header includes the unit."""
 
 CURRENT, ERROR, CLOUD, LINE = 26.0, 14.0, 42.0, 36.0  # heights of panels, mm
 TIME = "time [s]"
 HEADS = {
     "time": TIME,
     "reversals": "time from a reversal [s]",
-}  # of the column of x, where it is shorter
+}  # header of the column of x, if it is not the axis's title
 
 
 @dataclass(frozen=True)
 class PaperPanel:
-    """One pair of axes. height: mm."""
+    """One panel. draw: draws it into Axes; height: mm."""
 
     draw: Callable[[Axes], None]
     height: float
@@ -71,10 +71,10 @@ class PaperPanel:
 
 @dataclass(frozen=True)
 class PaperFigure:
-    """A figure, whatever its width.
+    """A figure for any width.
 
-    numbers: by the ending of the file name, "" for the main table. stacked: panels stand under each other on two
-    columns as well, on one time axis.
+    numbers: by the ending of the file name, "" for the main table. stacked: whether panels are one below another even
+    at two columns, with a common time axis.
     """
 
     name: str
@@ -84,7 +84,7 @@ class PaperFigure:
 
 
 def paper_figure(what: PaperFigure, width: float) -> Figure:
-    """Draw a figure `width` mm wide, its height following from its panels."""
+    """Draw a figure `width` mm wide; its height follows from its panels."""
     side_by_side = not what.stacked and width > WIDTHS["one_column"]
     columns = min(PAPER.panels, len(what.panels)) if side_by_side else 1
     rows = [what.panels[i : i + columns] for i in range(0, len(what.panels), columns)]
@@ -114,9 +114,9 @@ def paper_figure(what: PaperFigure, width: float) -> Figure:
 
 
 def write_paper_figures(folder: Path, figures: Sequence[PaperFigure]) -> list[Path]:
-    """Write every figure as PDF and PNG in both widths, and its numbers as CSV; tells the paths.
+    """Write every figure as PDF and PNG in both widths, and its numbers as CSV; return the paths.
 
-    Each file is whole or not there.
+    Each file is written whole or not at all.
     """
     paths = []
     for what in figures:
@@ -126,7 +126,7 @@ def write_paper_figures(folder: Path, figures: Sequence[PaperFigure]) -> list[Pa
                 path = folder / f"{what.name}_{width_name}{suffix}"
                 with atomic_path(path) as partial, mpl.rc_context(PRINT):
                     figure.savefig(partial, metadata={"CreationDate": None} if suffix == ".pdf" else None)
-                figure.set_layout_engine("none")  # it stays as it was worked out
+                figure.set_layout_engine("none")  # keep the computed layout
                 paths.append(path)
         for ending, numbers in what.numbers.items():
             path = folder / f"{what.name}{ending}.csv"
@@ -141,7 +141,7 @@ def file_part(recording: str) -> str:
 
 
 def csv_of(numbers: Numbers) -> str:
-    """A table as CSV, every number to the last digit; what is not known is empty."""
+    """A table as CSV, with numbers in full precision; unknown values are empty."""
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
     writer.writerow(numbers.keys())
@@ -169,7 +169,7 @@ AGAINST = {
 
 
 def error_figures(what: Compared) -> list[PaperFigure]:
-    """Currents of every recording, and the errors of all motors against what they may depend on."""
+    """Currents of every recording, and the errors of all motors against the variables on which they may depend."""
     motors = {joint: motor_charts(error_breakdown(what, joint)) for joint in what.joints if what.of(joint)}
     figures = [_currents(what, name) for name in dict.fromkeys(trace.recording for trace in what.series)]
     for name, code in AGAINST.items():
@@ -214,7 +214,9 @@ def _current_numbers(trace: MotorSeries, unit: str) -> Columns:
 
 
 def panel(chart: Chart, height: float, *, number: int = 0, key: bool = True, **labels: str) -> PaperPanel:
-    """A panel of a chart. height: mm; key: see `draw`; labels: of the axes and the title, in place of the chart's."""
+    """A panel of a chart. number: its index; height: mm; key: see `draw`; labels: axis labels and title, replacing the
+    chart's.
+    """
 
     def drawn(axes: Axes) -> None:
         draw(axes, chart, PAPER.scale, panel=number, key=key)
@@ -298,7 +300,7 @@ def _of_motor(joint: str, columns: Columns) -> Columns:
 
 
 def _joined(parts: Sequence[Columns | Numbers]) -> Numbers:
-    """Tables under each other; a column that one of them lacks is empty there."""
+    """Tables one below another; columns that one of them lacks are empty in its rows."""
     names = list(dict.fromkeys(name for part in parts for name in part))
     whole: Columns = {name: [] for name in names}
     for part in parts:

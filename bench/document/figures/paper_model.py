@@ -18,7 +18,7 @@ from bench.identification.result import CurrentSeries, Identification
 
 
 def gain_figure(result: Identification) -> PaperFigure:
-    """Drive gains with their 95 % intervals, in percent of the nominal values."""
+    """Drive gains with their 95 % intervals, as changes in percent of the nominal values."""
     gains = result.drive_gains
     numbers: Numbers = {
         "joint": list(gains),
@@ -37,7 +37,7 @@ def gain_figure(result: Identification) -> PaperFigure:
 def diagnosis_figures(diagnosis: Diagnosis) -> list[PaperFigure]:
     """Ladder, ranking, gains and parameters before and after, and the errors before and after.
 
-    Where nothing is missing there is a ranking only.
+    If no effect was added, only the ranking.
     """
     ranking = _ranking(diagnosis)
     if not diagnosis.added:

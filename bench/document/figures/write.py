@@ -1,4 +1,4 @@
-"""Figures as files, whole or not at all."""
+"""Figures as files, each written whole or not at all."""
 
 from collections.abc import Mapping
 from pathlib import Path
@@ -16,21 +16,21 @@ CHART_DPI = 130
 
 
 def write_figure(path: str | Path, figure: Figure, **options: Any) -> Path:
-    """Write a figure, its kind by suffix; options: of matplotlib's `savefig`."""
+    """Write a figure in the format of the suffix and return the path. options: of matplotlib's `savefig`."""
     with mpl.rc_context(STYLE), atomic_path(path) as partial:
         figure.savefig(partial, **options)
     return Path(path)
 
 
 def write_figures(folder: Path, figures: Mapping[str, Figure], **options: Any) -> list[Path]:
-    """Write figures by file name into a folder; tells their paths."""
+    """Write figures by file name into a folder; return their paths."""
     return [write_figure(folder / name, figure, **options) for name, figure in figures.items()]
 
 
 def chart_figure(
     chart: Chart, title: str, size: tuple[float, float], *, letters: int | None = None
 ) -> Figure:
-    """A chart with its legend, under a title. size: inches; letters: see `draw`."""
+    """A figure of a chart with its legend and a title. size: inches; letters: see `draw`."""
     with mpl.rc_context(STYLE):
         figure = Figure(figsize=size, layout="constrained")
         axes = figure.add_subplot()

@@ -1,4 +1,4 @@
-"""Tables, an identification and a diagnosis in Markdown."""
+"""Markdown of tables, an identification and a diagnosis."""
 
 from collections.abc import Iterable, Sequence
 
@@ -15,7 +15,7 @@ BAR = "\\|"
 
 
 def markdown(table: Table) -> str:
-    """A table in Markdown, what counts most in bold; a bar in a cell stays a bar."""
+    """A table in Markdown, with strong rows and poor cells in bold; a | in a cell is escaped."""
     columns = [column for column in table.columns if column.kind != "bar"]
     strong = [mark == "strong" for mark in table.mark_of_rows]
     cells = [_cells(column) for column in columns]
@@ -26,7 +26,7 @@ def markdown(table: Table) -> str:
 
 
 def rows_in_markdown(heads: Sequence[str], rows: Iterable[Sequence[object]]) -> str:
-    """Heads and rows of cells as a table in Markdown; a bar in a cell stays a bar."""
+    """Headers and rows of cells as a table in Markdown; a | in a cell is escaped."""
     lines: list[Sequence[object]] = [heads, ["---"] * len(heads), *rows]
     return "\n".join(f"| {' | '.join(str(cell).replace('|', BAR) for cell in line)} |" for line in lines)
 
@@ -36,7 +36,7 @@ def _cells(column: Column) -> list[str]:
 
 
 def diagnosis_markdown(diagnosis: Diagnosis) -> str:
-    """What is missing in sentences, the error after each added effect, and the verdicts with their reasons."""
+    """Sentences on what is missing, the error after each added effect, and the verdicts with their reasons."""
     supported = [verdict for verdict in diagnosis.ranking if verdict.verdict != "not supported"]
     others = [spoken(verdict.effect) for verdict in diagnosis.ranking if verdict.verdict == "not supported"]
     parts = ["### What is missing", "\n\n".join(map(named_after, summary_sentences(diagnosis)))]
@@ -51,7 +51,7 @@ def diagnosis_markdown(diagnosis: Diagnosis) -> str:
 
 
 def summary_markdown(result: Identification, truth: Truth | None = None) -> str:
-    """Gains, errors, notes and settings: what to look at first."""
+    """Gains, effects, errors, notes and settings, the first things to look at."""
     remark = "" if result.gains_fitted else " (nominal: not fitted)"
     effects = ", ".join(result.effects) if result.effects else "rigid bodies only"
     parts = [f"**{result.robot}**, estimator *{result.method}*, {effects}"]

@@ -26,9 +26,9 @@ from bench.effects.display_names import named_after, spoken
 
 
 def diagnosis_report(diagnosis: Diagnosis, console: Console, *, verbose: bool = False) -> None:
-    """Print verdict, ladder, ranking, reasons, and what moves, to fit the console's width.
+    """Print verdict, ladder, ranking, reasons, and the changes of gains and parameters, to fit the console's width.
 
-    verbose: every effect of the catalogue and every parameter.
+    verbose: show every effect of the catalogue and every parameter.
     """
     width = console.width
     have = ", ".join(diagnosis.before.effects) or "rigid bodies only"
@@ -88,7 +88,7 @@ def diagnosis_report(diagnosis: Diagnosis, console: Console, *, verbose: bool = 
 def _shown(
     ranking: Sequence[EffectVerdict], verbose: bool
 ) -> tuple[list[EffectVerdict], list[EffectVerdict]]:
-    """Which verdicts are shown, and which are only named: those not supported except for the first few."""
+    """The verdicts that are shown, and those only listed: the unsupported ones except the first few."""
     unsupported = [verdict for verdict in ranking if verdict.verdict == "not supported"]
     left_out = [] if verbose else unsupported[TEXT.unsupported :]
     return [verdict for verdict in ranking if verdict not in left_out], left_out

@@ -1,4 +1,4 @@
-"""An identification, comparisons with recordings, and where a model fails, in a terminal."""
+"""An identification, comparisons of models with recordings, and where a model fails, in a terminal."""
 
 from collections.abc import Sequence
 
@@ -38,8 +38,8 @@ def identification_report(
 ) -> None:
     """Print gains, parameters, errors, settings and notes, to fit the console's width.
 
-    verbose: every grouping in full. truth: true values to compare with, see `Truth`; what it does not name
-    stays blank. without_currents: the recordings of a saved model, which keeps their errors alone.
+    verbose: show every grouping in full. truth: true values to compare with, see `Truth`; cells without one are blank.
+    without_currents: the recordings of a saved model, of which only errors are saved.
     """
     width = console.width
     recordings = result.recordings or without_currents
@@ -76,7 +76,7 @@ def identification_report(
 def comparison_report(comparison: Comparison, console: Console) -> None:
     """Print how well a saved model predicts recordings, by recording and motor."""
     heading(console, comparison.robot, f"model {comparison.model}")
-    # Nothing is fitted, whatever a recording's use in its dataset is.
+    # Nothing is fitted, whatever the use of a recording in its dataset.
     joints = tuple(comparison.error.by_actuator or comparison.error.by_actuator_validate)
     _errors_section(console, comparison.recordings, joints)
     if comparison.notes:
@@ -86,7 +86,7 @@ def comparison_report(comparison: Comparison, console: Console) -> None:
 
 
 def heading(console: Console, robot: str, facts: str) -> None:
-    """Print what a report is about."""
+    """Print the subject of a report."""
     console.print()
     console.print(Text.assemble((robot, "bold"), "  ", (facts, "dim")))
 
@@ -99,7 +99,7 @@ def section(console: Console, title: str, part: RenderableType) -> None:
 
 
 def sentences_list(sentences: Sequence[str], style: str = "") -> Grid:
-    """Sentences as bullets that wrap under themselves. style: of the bullets."""
+    """Sentences as a bulleted list. style: of the bullets."""
     grid = Grid.grid(padding=(0, 1, 0, 0))
     grid.add_column(style=style)
     grid.add_column()
@@ -109,7 +109,7 @@ def sentences_list(sentences: Sequence[str], style: str = "") -> Grid:
 
 
 def listing(*styles: str) -> Grid:
-    """A grid of columns in these styles, of which the last one wraps."""
+    """A grid of columns in these styles; only the last one wraps."""
     grid = Grid.grid(padding=(0, 2, 0, 0))
     for style in styles[:-1]:
         grid.add_column(style=style, no_wrap=True)
@@ -126,7 +126,7 @@ def _groupings(result: Identification) -> Grid:
 
 
 def _errors_section(console: Console, series: Sequence[CurrentSeries], joints: Sequence[str]) -> None:
-    """Motors that do not fit into the width are omitted together, and get a separate table."""
+    """Print the errors; if not all motors fit into the width, they have a separate table."""
     table = printed(errors_table(series, joints), console.width)
     section(console, ERRORS, table)
     if len(joints) > 1 and len(table.columns) <= 4:
@@ -142,7 +142,7 @@ def _poor_line(console: Console, quantities: Sequence[Quantity]) -> None:
 
 
 def where_report(where: WhereItFails, console: Console) -> None:
-    """Print how large every motor's error is relative to the noise, and in sentences where it is."""
+    """Print every motor's error relative to the noise, and sentences on where it is."""
     console.print(Text("Where it fails", "bold"))
     console.print(printed(motors_table(where), console.width))
     console.print()
@@ -153,7 +153,7 @@ def where_report(where: WhereItFails, console: Console) -> None:
 
 
 def motors_table(where: WhereItFails) -> Table:
-    """A row a motor: error, noise of the current, how long errors are alike, warm-up, and payloads."""
+    """A row for each motor: error, noise, autocorrelation time, error in the first and last third and by payload."""
     motors = where.motors
     loads = [opposing.part for opposing in motors[0].by_load] if motors else []
     columns = [
@@ -179,7 +179,7 @@ def _ratio(error: float, noise: float) -> str:
 
 
 def side_by_side_report(comparison: SideBySide, changed: Sequence[str], console: Console) -> None:
-    """Print errors and gains of every model, and what changed."""
+    """Print errors and gains of every model, and the differences between them."""
     heading(console, comparison.robot, f"{len(comparison.models)} models")
     section(console, ERRORS, printed(compared_errors_table(comparison), console.width))
     section(console, "Drive gains [95 % intervals]", printed(compared_gains_table(comparison), console.width))

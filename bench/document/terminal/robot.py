@@ -1,4 +1,4 @@
-"""The check of a robot as tables in a terminal."""
+"""The report of a robot's check in a terminal."""
 
 from rich.console import Console
 from rich.table import Table as Grid
@@ -14,14 +14,14 @@ from bench.robot_check.outcome import Check, CheckCode
 from bench.robot_check.report import JointLine, Mobility, RobotReport, Singularity
 from bench.robot_check.words import detail_of, name_of, nearest_singularity
 
-UNREAD = {CheckCode.MJCF_UNSUPPORTED, CheckCode.GEOMETRY_UNREADABLE}  # of loops, nothing is known then
+UNREAD = {CheckCode.MJCF_UNSUPPORTED, CheckCode.GEOMETRY_UNREADABLE}  # then the loops are unknown
 MARKS = {"ok": ("✓", "green"), "note": ("!", "yellow"), "failed": ("✗", "bold red")}
 
 
 def robot_report(report: RobotReport, console: Console, *, verbose: bool = False) -> None:
     """Print joints, loops, degrees of freedom, singularities and checks, to fit the console's width.
 
-    verbose: the base parameters, each with its grouping.
+    verbose: list the base parameters, each with its grouping.
     """
     facts = f"{plural(len(report.joints), 'joint')} · {plural(len(report.robot.driven), 'motor')}"
     if report.loops or not any(check.code in UNREAD for check in report.failures):
@@ -46,7 +46,7 @@ def robot_report(report: RobotReport, console: Console, *, verbose: bool = False
 
 
 def joints_table(report: RobotReport) -> Table:
-    """Every joint: kind, what it moves against, motor, range and home."""
+    """Every joint: kind, the body on which it is mounted, motor, range and home position."""
     joints = report.joints
     return Table(
         (
@@ -63,7 +63,7 @@ def joints_table(report: RobotReport) -> Table:
 
 
 def loops_table(report: RobotReport) -> Table:
-    """Every loop closure: what it holds together and its gap at home."""
+    """Every loop closure: the bodies that it connects, and its gap at home."""
     loops = report.loops
     gaps = [_small(loop.gap) + (f" / {_small(loop.twist)}" if loop.kind == "weld" else "") for loop in loops]
     unit = " / rad" if any(loop.kind == "weld" for loop in loops) else ""
@@ -80,7 +80,7 @@ def loops_table(report: RobotReport) -> Table:
 
 
 def mobility_in_words(mobility: Mobility) -> str:
-    """The count of degrees of freedom as one sum."""
+    """The degrees of freedom as an equation."""
     sign = "=" if mobility.remaining == mobility.motors else "≠"
     return (
         f"{mobility.tree} of the tree - {mobility.rank} (rank of {mobility.equations} closure equations) "
@@ -90,7 +90,7 @@ def mobility_in_words(mobility: Mobility) -> str:
 
 
 def singularity_grid(singularity: Singularity) -> Grid:
-    """Home, reach of each motor, and the nearest singularity, in words."""
+    """Sentences on home, the reach of each motor, and the nearest singularity."""
     fast = singularity.amplification
     grid = listing("dim", "")
     grid.add_row(
@@ -105,7 +105,7 @@ def singularity_grid(singularity: Singularity) -> Grid:
 
 
 def checks_grid(checks: tuple[Check, ...]) -> Grid:
-    """What was checked, with a mark for its outcome."""
+    """Every check with a mark for its outcome."""
     grid = Grid.grid(padding=(0, 2, 0, 0))
     grid.add_column(no_wrap=True)
     grid.add_column()

@@ -1,4 +1,4 @@
-"""A table in a terminal: columns give way where it is narrow, instead of being cut to pieces."""
+"""A table in a terminal: in a narrow one, whole columns are omitted rather than cells cut."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -21,9 +21,9 @@ STYLES = {"": "", "strong": "bold", "weak": "dim", "poor": POOR_STYLE}
 
 @dataclass(frozen=True)
 class Strip:
-    """A column as it is printed: its texts, and when it may be omitted (rank 0: never; the highest rank first).
+    """A printed column: its texts, and the order of its omission (rank 0: never; the highest rank first).
 
-    folds: whether it gives way, and the others do not, where all is still too wide.
+    folds: whether this column, and not the others, wraps if the table is still too wide.
     """
 
     header: str
@@ -35,13 +35,13 @@ class Strip:
 
     @property
     def width(self) -> int:
-        """Columns of the terminal that the widest cell takes."""
+        """Terminal columns of the widest cell."""
         return max(cell_len(text) for text in (self.header, *self.cells))
 
 
 @dataclass(frozen=True)
 class Fit:
-    """Which strips stay, the gap between them, and the width that is unused (negative: too wide)."""
+    """The remaining strips, the gap between them, and the unused width (negative: too wide)."""
 
     strips: tuple[Strip, ...]
     gap: int
@@ -49,7 +49,7 @@ class Fit:
 
 
 def fit_strips(strips: Sequence[Strip], width: int, gaps: Sequence[int] = TEXT.gaps) -> Fit:
-    """Narrow the gaps, then leave out strips of the highest rank, until all fit into `width`."""
+    """Narrow the gaps, then omit the strips of the highest rank, until all fit into `width` or only rank 0 remains."""
     fitting = list(strips)
     while fitting:
         total = sum(strip.width for strip in fitting)
@@ -63,7 +63,7 @@ def fit_strips(strips: Sequence[Strip], width: int, gaps: Sequence[int] = TEXT.g
 
 
 def printed(table: Table, width: int = TEXT.width) -> rich.table.Table:
-    """A table at most `width` wide, or as near as its columns of rank 0 allow; those are then folded."""
+    """A table at most `width` wide; if its columns of rank 0 are wider, they wrap."""
     strips = [_strip(column) for column in table.columns if column.kind not in {"bar", "terms"}]
     for column in table.columns:
         if column.kind == "bar":
@@ -86,7 +86,7 @@ def _rich(fit: Fit, table: Table) -> rich.table.Table:
     grid = rich.table.Table(
         box=box.SIMPLE_HEAD,
         pad_edge=False,
-        padding=(0, fit.gap - 1, 0, 0),  # the box itself has one blank between columns
+        padding=(0, fit.gap - 1, 0, 0),  # the box adds one blank between columns
         header_style="dim",
         show_edge=False,
     )
@@ -121,7 +121,7 @@ def _strip(column: Column) -> Strip:
 
 
 def _aligned(column: Column) -> list[str]:
-    """Values with their deviations that stand under each other at the sign between; what is absorbed as it is."""
+    """Values and standard deviations, aligned at the ± sign; undetermined ones as their text."""
     pairs = [quantity_parts(cell) if isinstance(cell, Quantity) else None for cell in column.cells]
     first = max((len(pair[0]) for pair in pairs if pair), default=0)
     second = max((len(pair[1]) for pair in pairs if pair), default=0)
@@ -132,13 +132,13 @@ def _aligned(column: Column) -> list[str]:
 
 
 def bar(share: float, length: int) -> str:
-    """A bar of a share between 0 and 1 of `length` columns, to an eighth of a column; never quite empty."""
-    eighths = max(round(8 * length * min(share, 1.0)), 1) if share > 0.0 else 1  # nor of what is no number
+    """A bar of a share between 0 and 1 of `length` columns, to an eighth of a column, which is also the shortest."""
+    eighths = max(round(8 * length * min(share, 1.0)), 1) if share > 0.0 else 1  # also for NaN
     return "█" * (eighths // 8) + EIGHTHS[eighths % 8].strip()
 
 
 def shortened(terms: Sequence[str], room: int) -> str:
-    """As many whole terms as fit into `room`, and how many are omitted."""
+    """As many whole terms as fit into `room`, and the number of omitted ones."""
     terms = rounded_terms(list(terms))
     for count in range(len(terms), 0, -1):
         rest = len(terms) - count

@@ -1,1 +1,1 @@
-"""The workbench of a report: tick effects in the page, and see what `bench identify --with` would find."""
+"""The workbench of a report: select effects on the page, and see what `bench identify --with` would give."""

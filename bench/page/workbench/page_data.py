@@ -1,4 +1,4 @@
-"""What the workbench's page carries: equations of the fitted and of the judged recordings, and a thinned sample."""
+"""The data of the workbench: equations of the fitted and of the held-out rows, and a sample of the recordings."""
 
 import base64
 from collections.abc import Collection, Mapping, Sequence
@@ -26,9 +26,9 @@ from bench.identification.problem import Problem
 from bench.identification.result import Identification
 from bench.page.workbench.system import DiagnosedModel, PageSystem, build, diagnosed_model
 
-MOST_BYTES = 1_400_000  # of all triangles together
+MOST_BYTES = 1_400_000  # of all triangular factors together
 NUMBER = 4  # bytes
-BYTES = 560_000  # of all quantised columns together, at two bytes each
+BYTES = 560_000  # of all quantised columns together, at two bytes per value
 FEWEST, MOST = 60, 500  # rows of a recording
 STEPS = 32767  # of a quantised column on either side of zero
 VERSION = 2
@@ -37,9 +37,9 @@ VERSION = 2
 def instances_of(
     model: DiagnosedModel, effects: Mapping[str, Effect], nearby: Nearby
 ) -> tuple[EffectInstance, ...]:
-    """These effects wherever the recordings show them, in the shape in which a diagnosis about `model` judges them.
+    """Instances of these effects wherever the recordings show them, shaped as a diagnosis about `model` judges them.
 
-    In the order of `effects`; an effect that the model takes up everywhere has no instance. nearby: of `model`.
+    In the order of `effects`; an effect that the model absorbs everywhere has no instance. nearby: of `model`.
     """
     base_model = BaseModel(model.plain, nearby)
     proposals = propose(base_model.context(with_effects(model.complete, model.plain.effects)), effects)
@@ -53,7 +53,7 @@ def instances_of(
 def _about_the_model(
     base_model: BaseModel, model: DiagnosedModel, proposals: list[Proposal]
 ) -> list[Proposal]:
-    """Proposals as the last round of a search leaves them, which identified the effects of `model`."""
+    """The proposals after the last round of a search, the one that identified the effects of `model`."""
     present = {instance.seat for instance in model.effects}
     some = []
     for proposal in proposals:
@@ -69,9 +69,9 @@ def _about_the_model(
 
 
 def without_room(system: PageSystem, ranks: Mapping[str, int]) -> frozenset[str]:
-    """The effects that there is no room for in a system's equations.
+    """The effects to omit so that the equations of all motors take at most `MOST_BYTES`.
 
-    The last in rank go first; those identified, of a rank below zero, stay.
+    The lowest in rank are omitted first; identified effects, whose rank is negative, are kept.
     """
     names = sorted({instance.name for instance in system.effects}, key=lambda name: ranks[name])
     dropped: list[str] = []
@@ -81,7 +81,7 @@ def without_room(system: PageSystem, ranks: Mapping[str, int]) -> frozenset[str]
 
 
 def carried_columns(system: PageSystem, without: Collection[str]) -> np.ndarray:
-    """Which columns are carried for each motor (n, C): those that are more than zero there."""
+    """Which columns the page has for each motor (n, C): those that are not zero there, except effects in `without`."""
     kept = system.filled()
     for start, stop, instance in zip(system.starts, system.starts[1:], system.effects, strict=False):
         if instance.name in without:
@@ -90,16 +90,16 @@ def carried_columns(system: PageSystem, without: Collection[str]) -> np.ndarray:
 
 
 def _numbers(system: PageSystem, without: Collection[str]) -> int:
-    """How many numbers the triangles of all motors have: of fitted rows, and of held-out ones if there are any."""
+    """The size of all motors' triangular factors: of fitted rows, and of held-out ones if there are any."""
     uses = 1 if system.fitted.all() else 2
     counts = carried_columns(system, without).sum(axis=1) + 2
     return uses * int((counts * (counts + 1) // 2).sum())
 
 
 def thinned(model: DiagnosedModel, system: PageSystem, kept: np.ndarray) -> list[dict[str, Any]]:
-    """Every recording at evenly spaced rows of the fit, with the columns that are kept for each motor (n, C).
+    """Every recording at evenly spaced rows of the fit. kept (n, C): which columns each motor has.
 
-    Of the measured current each stretch around such a row also has its smallest and largest value.
+    The measured current also has its smallest and largest value in the block of rows around each of these rows.
     """
     used = [np.flatnonzero(entry) for entry in kept]
     lengths = [len(observation.time) for observation in model.plain.observations]
@@ -139,22 +139,22 @@ def thinned(model: DiagnosedModel, system: PageSystem, kept: np.ndarray) -> list
 
 
 def floats(values: np.ndarray) -> str:
-    """Numbers of single precision, in C order."""
+    """Single-precision numbers in C order, as base64."""
     return _text(values, "<f4")
 
 
 def doubles(values: np.ndarray) -> str:
-    """Numbers of double precision, in C order."""
+    """Double-precision numbers in C order, as base64."""
     return _text(values, "<f8")
 
 
 def triangle(factor: np.ndarray) -> str:
-    """The upper triangle (c, c) of a factor, row after row, in single precision."""
+    """The upper triangle of a factor (c, c), row by row, in single precision, as base64."""
     return floats(factor[np.triu_indices(len(factor))])
 
 
 def quantised(columns: np.ndarray) -> dict[str, str]:
-    """Columns (T, c) in steps of their largest size: integers of 16 bits, one column after the other, and steps."""
+    """Columns (T, c) as 16-bit integers, column by column, and their steps, 1 / STEPS of each column's largest size."""
     steps = np.abs(columns).max(axis=0, initial=0.0) / STEPS
     counts = np.rint(columns / np.where(steps > 0.0, steps, 1.0))
     return {"counts": _text(counts.T, "<i2"), "steps": floats(steps)}
@@ -166,12 +166,11 @@ def _text(values: np.ndarray, kind: str) -> str:
 
 @on_one_thread
 def page_data(problem: Problem, diagnosis: Diagnosis) -> dict[str, Any]:
-    """Everything with which the page solves for any choice of effects in the identified shapes, ready for JSON.
+    """The data with which the page solves for any choice of effects in the identified shapes, ready for JSON.
 
-    diagnosis: of this problem; its filters are used. Arrays are base64 of little-endian numbers; `triangle` holds
-    the upper triangle of the factor R of [columns, modelled, error], row after row. basis: how the model's parameters
-    follow from the coordinates by the columns. held_out: the share of every recording that is kept apart to judge on,
-    zero where recordings are.
+    diagnosis: of this problem; its filters are used. Arrays are base64 of little-endian numbers; `triangle` is the
+    upper triangle of the factor R of [columns, modelled, error], row by row. basis: see `PageSystem`. held_out: the
+    share of every recording that is held out, zero if whole recordings are.
     """
     known = problem.catalogue
     model = diagnosed_model(problem, diagnosis)
@@ -205,24 +204,24 @@ def page_data(problem: Problem, diagnosis: Diagnosis) -> dict[str, Any]:
 
 
 def with_command(data: dict[str, Any], command: str, model: dict[str, Any] | None = None) -> dict[str, Any]:
-    """The page's data with the command that identifies without the effects that are ticked, and the model that was
-    identified as its file holds it, to be downloaded.
+    """The page's data with the command that identifies the model without the selected effects, and the identified model
+    in the form of its file, for download.
     """
     return {**data, "command": command, "model": finite(model)}
 
 
 def _usable(model: DiagnosedModel, diagnosis: Diagnosis, known: Mapping[str, Effect]) -> dict[str, Effect]:
-    """What may be ticked: identified, or judged and not absorbed. The page changes nothing in what the model has."""
+    """Effects that can be selected: identified, or judged and not absorbed; not those with a value per recording."""
     given = {
         instance.name for instance in model.plain.effects
-    }  # columns of the model, as the rigid bodies' are
+    }  # their columns belong to the model, as those of the rigid bodies
     fitted = {instance.name for instance in model.effects}
     shown = {verdict.effect for verdict in diagnosis.ranking if verdict.verdict != "absorbed"}
     return {name: effect for name, effect in known.items() if name not in given and name in fitted | shown}
 
 
 def _ranks(model: DiagnosedModel, diagnosis: Diagnosis) -> dict[str, int]:
-    """How early an effect must have its place; those identified before all."""
+    """Priority of each effect, by its place in the ranking; -1 for identified ones."""
     ranks = {verdict.effect: i for i, verdict in enumerate(diagnosis.ranking)}
     return ranks | {instance.name: -1 for instance in model.effects}
 
@@ -273,7 +272,7 @@ def _parameters(model: DiagnosedModel, diagnosis: Diagnosis) -> list[dict[str, s
 
 
 def _deviations(model: DiagnosedModel, diagnosis: Diagnosis) -> list[dict[str, Any]]:
-    """Standard deviations of the gains of the two models that the diagnosis fitted, with the effects that each has."""
+    """Standard errors of the gains of the diagnosis's models, after and before, with the effects of each."""
 
     def of(result: Identification, effects: Sequence[tuple[str, str]]) -> dict[str, Any]:
         stds = [

@@ -1,4 +1,4 @@
-"""The script and the style of the workbench, to be set into a page."""
+"""The script and the style of the workbench, for insertion into a page."""
 
 from pathlib import Path
 
@@ -22,7 +22,7 @@ def script() -> str:
 
 
 def style() -> str:
-    """The style sheet; its colours are those of the page."""
+    """The style sheet, which uses the page's colours."""
     return _text("workbench.css")
 
 

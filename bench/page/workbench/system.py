@@ -1,4 +1,4 @@
-"""All columns that the page can ask for, motor by motor: the model's, and those of every effect at every place."""
+"""All columns that the page may need, motor by motor: the model's, and those of every effect at every place."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -23,19 +23,18 @@ from bench.identification.solution import Solution
 from bench.identification.solve_only import solved_quickly
 from bench.identification.summary import ROBOT
 
-HARDLY = 1e-8  # of the largest singular value: what shows less is not made larger
+HARDLY = 1e-8  # of the largest singular value: directions below it are not scaled to unit size
 NEAR, TOO_NEAR = (
     0.1,
     1e-4,
-)  # of an effect's column: what the model's columns leave, where that is carried alone
+)  # bounds of the residual of an effect's column on the model's, relative to the column, that replaces the column
 
 
 @dataclass(frozen=True)
 class DiagnosedModel:
-    """plain: the equations without any effect but those with a value for each recording, which the page does not
-    change; complete: with those that the diagnosis identified behind them, linearised about the answer; solution: the
-    answer, theta in the order of `complete`. started: effects that the model had before the diagnosis, as (effect,
-    place).
+    """plain: the equations without effects, except those with a value per recording, which the page does not change;
+    complete: followed by the identified effects, linearised about the solution; solution: of `complete`, theta in its
+    order. started: effects in the model before the diagnosis, as (effect, place).
     """
 
     plain: Prepared
@@ -50,17 +49,17 @@ class DiagnosedModel:
 
     @property
     def effects(self) -> tuple[EffectInstance, ...]:
-        """The identified effects, those aside that the page does not change."""
+        """The identified effects, without those that the page does not change."""
         return self.complete.effects[len(self.plain.effects) :]
 
     def nearby(self) -> Nearby:
-        """Where small changes of the torque are computed once for all effects."""
+        """Perturbations about the complete model, computed once for all effects."""
         return Nearby(self.complete.model, self.complete.measured)
 
 
 def diagnosed_model(problem: Problem, diagnosis: Diagnosis) -> DiagnosedModel:
-    """Prepare the equations of a diagnosis of a problem again: its filters, and its parts to judge on where the user
-    kept no recording for that.
+    """Prepare the equations of a problem's diagnosis again, with its filters, and with its held-out parts if no
+    recording is for validation.
     """
     dataset, _ = with_held_out_parts(problem.dataset)
     problem = replace(problem, dataset=dataset, filters=diagnosis.before.settings)
@@ -77,7 +76,7 @@ def diagnosed_model(problem: Problem, diagnosis: Diagnosis) -> DiagnosedModel:
     plain = with_effects(plain, given, present)
     complete = with_effects(plain, (*given, *instances), present)
     _, solution = solved_quickly(complete)
-    # the solution is about itself once more, as identify does it
+    # linearised once more about its solution, as identify does
     complete = with_effects(plain, (*given, *instances), present_model(complete, solution))
     _, solution = solved_quickly(complete)
     kept = [effect for effect in before.effects if not effect.endswith(TAG)]
@@ -86,7 +85,7 @@ def diagnosed_model(problem: Problem, diagnosis: Diagnosis) -> DiagnosedModel:
 
 
 def _requests(result: Identification, given: Sequence[EffectInstance]) -> list[str]:
-    """The effects with one value for all recordings; given: the others."""
+    """Names of the identified effects with one value for all recordings. given: the other effects."""
     each = {instance.key for instance in given}
     return [
         name if place == ROBOT else f"{name}:{place}"
@@ -105,7 +104,7 @@ def _with_values(result: Identification, instance: EffectInstance) -> EffectInst
 
 
 def _present(plain: Prepared, result: Identification) -> PresentModel:
-    """The identified model as effects see it."""
+    """The identified model, in the form in which effects use it."""
     gains = np.array([result.drive_gains[joint].value for joint in result.joints])
     extra = plain.dataset.robot.redundant[: plain.layout.redundant]
     changes = [result.drive_gains[actuator.joint].value - actuator.gain for actuator in extra]
@@ -116,13 +115,13 @@ def _present(plain: Prepared, result: Identification) -> PresentModel:
 def set_apart(
     columns: np.ndarray, reference: np.ndarray, weighted: np.ndarray, base_count: int
 ) -> np.ndarray:
-    """Combine columns (M, n, C), the model's `base_count` first, and what a model is by them, `reference` (C,), in
-    place.
+    """Orthogonalise columns (M, n, C), the first `base_count` of which are the model's, in place, and express the
+    identified model's coefficients `reference` (C,) in the new columns.
 
-    weighted (F, n, C): their fitted rows, weighted. The model's columns become orthogonal and of the same size, but
-    what the recordings do not show stays small. Of an effect's column near to them only what they leave of it is kept.
-    Gives (base_count, C): the model's parameters are this @ coordinates by the new columns; all others are as they
-    were.
+    weighted (F, n, C): their fitted rows, weighted. The model's columns become orthonormal on these, except directions
+    that the recordings do not excite, which stay small. An effect's column that is nearly a combination of the model's
+    is replaced by its residual. Returns the basis (base_count, C): the model's parameters are basis @ coefficients of
+    the new columns; the effects' coefficients are unchanged.
     """
     rows = weighted.reshape(-1, columns.shape[2])
     _, singular, right = np.linalg.svd(np.linalg.qr(rows[:, :base_count], mode="r"), full_matrices=False)
@@ -146,12 +145,12 @@ def set_apart(
 class PageSystem:
     """columns (M, n, C) over all recordings, zero where a joint does not move: the model's, then each effect's.
 
-    effects: with shapes, and linearised, as identified; starts: the first column of each, and C. reference (C,): how
-    the identified model combines the columns; gains (n,) its drive gains; measured, modelled, error (M, n): currents,
-    and what the model leaves of them; columns, modelled and error apart from the value that suits a recording that has
-    none of what differs from run to run. moving (M, n). fitted (M,): whether a row is fitted. basis (starts[0], C):
-    columns are combined so that they are far from each other; the model's parameters are basis @ the coordinates by
-    these, an effect's its coordinates.
+    effects: in the identified shapes and linearisation; starts: index of the first column of each, then C. reference
+    (C,): the identified model's coefficients; gains (n,): its drive gains; measured, modelled, error (M, n): currents
+    and residual. Of columns, modelled and error, what a separate value would account for is removed in recordings that
+    have none. moving (M, n): where a joint moves. fitted (M,): whether a row is fitted. basis (starts[0], C): the
+    columns are combined to be well conditioned; the model's parameters are basis @ coefficients, an effect's parameters
+    its coefficients.
     """
 
     columns: np.ndarray
@@ -167,12 +166,12 @@ class PageSystem:
     basis: np.ndarray
 
     def filled(self) -> np.ndarray:
-        """Which columns are more than zero at each motor (n, C)."""
+        """Which columns are not zero at each motor (n, C)."""
         return np.asarray(self.columns.any(axis=0))
 
 
 def build(model: DiagnosedModel, instances: Sequence[EffectInstance], nearby: Nearby) -> PageSystem:
-    """The system of a model with the columns of these effects, the identified ones among them. nearby: of `model`."""
+    """The system of a model with the columns of these effects, including the identified ones. nearby: of `model`."""
     plain = model.plain
     moving = np.concatenate([observation.moving for observation in plain.observations])
     fitted = np.concatenate(
@@ -215,8 +214,8 @@ def build(model: DiagnosedModel, instances: Sequence[EffectInstance], nearby: Ne
 def _set_apart_from_values(
     plain: Prepared, columns: np.ndarray, modelled: np.ndarray, error: np.ndarray
 ) -> None:
-    """Take from columns (M, n, C), modelled currents and errors (M, n) what a separate value accounts for in
-    recordings that have none: they are not judged on it.
+    """Remove from columns (M, n, C), modelled currents and errors (M, n), in place, what a separate value would account
+    for in recordings that have none, as these are not judged on it.
     """
     at = 0
     for observation in plain.observations:
@@ -230,7 +229,7 @@ def _set_apart_from_values(
 
 
 def _added(model: DiagnosedModel, instances: Sequence[EffectInstance], nearby: Nearby) -> np.ndarray:
-    """Columns (M, n, k) of effects about the identified model; of those not identified as they are seen nearby."""
+    """Columns (M, n, k) of effects about the identified model; those of effects not identified use `nearby`."""
     complete, decimation = model.complete, model.complete.settings.decimation
     near = nearby.signals(complete.present, complete.signals)
     exact = [instance for instance in instances if instance in model.effects]
@@ -249,7 +248,7 @@ def _added(model: DiagnosedModel, instances: Sequence[EffectInstance], nearby: N
 
 
 def _reference(model: DiagnosedModel, instances: Sequence[EffectInstance], starts: np.ndarray) -> np.ndarray:
-    """The identified model by the columns (C,)."""
+    """The coefficients (C,) of the identified model."""
     theta = model.solution.theta
     reference = np.zeros(starts[-1])
     at = base_count = int(starts[0])
