@@ -7,6 +7,7 @@ motor count in full, many never for more than `DecisionRule.coarsening` samples.
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field, replace
+from math import log
 
 import numpy as np
 
@@ -40,11 +41,18 @@ class Samples:
         + N'_j log R'_j) - 1/2 k log(sum_j z_j N_j) - prior, where z_j = coarsening / (coarsening + N_j + N'_j).
         unknowns, prior (...,): nats that the effects must bring.
         """
-        share = self.coarsening / (self.coarsening + self.fitted + self.held_out)
         logs = np.log(squares + np.finfo(float).tiny)
-        fit = logs[..., 0, :] @ (share * self.fitted) + logs[..., 1, :] @ (share * self.held_out)
-        penalty = unknowns * np.log(max(float(share @ self.fitted), 1.0))
-        return np.asarray(-0.5 * (fit + penalty) - prior)
+        fit = logs[..., 0, :] @ (self._share * self.fitted) + logs[..., 1, :] @ (self._share * self.held_out)
+        return np.asarray(-0.5 * fit - self.cost_of_unknowns(unknowns) - prior)
+
+    def cost_of_unknowns(self, unknowns: np.ndarray | int) -> np.ndarray | float:
+        """Nats that unknowns (...,) of a model must bring."""
+        return 0.5 * unknowns * log(max(float(self._share @ self.fitted), 1.0))
+
+    @property
+    def _share(self) -> np.ndarray:
+        """Weight of a sample of each motor, z_j."""
+        return np.asarray(self.coarsening / (self.coarsening + self.fitted + self.held_out))
 
 
 @dataclass(frozen=True)

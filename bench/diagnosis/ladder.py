@@ -8,12 +8,13 @@ from bench.diagnosis.base_model import BaseModel, added_effects
 from bench.diagnosis.evidence import ResidualSumOfSquares, answer_squares
 from bench.diagnosis.normal_equations import solve_set
 from bench.diagnosis.result import LadderStep
-from bench.diagnosis.round import Round
+from bench.diagnosis.round import Round, with_shapes_of
 from bench.diagnosis.search import held_out_error
 from bench.diagnosis.split_problem import SplitProblem
 from bench.diagnosis.starting import kept_and_new
 from bench.diagnosis.values_by_log import values_by_log
 from bench.effects import EffectInstance
+from bench.effects.select import at_joint
 from bench.identification.identify import fit, fitted_currents
 from bench.identification.prepare import Prepared
 from bench.identification.result import CurrentSeries, DriveGain, Identification, relative_error
@@ -69,16 +70,34 @@ def fits_of(case: SplitProblem, base_model: BaseModel, model: Prepared, after: I
 
     @cache
     def fitted(names: frozenset[str]) -> FittedSet:
-        chosen = [instance for instance in new if instance.name in names]
+        chosen = with_special_cases([instance for instance in new if instance.name in names], new)
         if not names:
             series, gains = before.recordings, values_of(before.drive_gains)
-        elif len(chosen) == len(new):
+        elif all(instance.name in names for instance in new):
             series, gains = after.recordings, values_of(after.drive_gains)
         else:
             series, gains = fitted_currents(base_model.with_instances([*kept, *chosen]))
         return FittedSet(step_of(tuple(names), series), answer_squares([*kept, *chosen], series), gains)
 
     return FittedSets(new, tuple(dict.fromkeys(instance.name for instance in new)), fitted, requests)
+
+
+def with_special_cases(
+    chosen: Sequence[EffectInstance], every: Sequence[EffectInstance]
+) -> list[EffectInstance]:
+    """Effects of a model, also at the places of omitted ones of which they are special cases.
+
+    A law and its special case may each have been identified at one of two motors that have the special case both.
+    """
+    result = list(chosen)
+    for gone in every:
+        if gone in chosen:
+            continue
+        for part in chosen:
+            moved = at_joint(part.effect, gone.joint)
+            if part.effect.name in gone.effect.contains and all(moved.seat != each.seat for each in result):
+                result += with_shapes_of([gone], [moved])
+    return result
 
 
 def values_of(gains: Mapping[str, DriveGain]) -> dict[str, float]:

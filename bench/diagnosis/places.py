@@ -31,7 +31,7 @@ def place_shares(
     kept: dict[str, set[str]] = {}
     for instance in identified:
         kept.setdefault(instance.name, set()).add(instance.place)
-    whole = _weight(system, chosen, kept)
+    whole = weight_at(system, chosen, kept)
     result: dict[str, dict[str, float]] = {}
     for i in chosen:
         instances = system.candidates[i].instances
@@ -41,7 +41,7 @@ def place_shares(
         for instance in sorted(instances, key=lambda instance: instance.place not in of_answer):
             place, share = instance.place, 1.0
             if of_answer - {place}:
-                other = _weight(system, chosen, {**kept, name: of_answer ^ {place}})
+                other = weight_at(system, chosen, {**kept, name: of_answer ^ {place}})
                 share = float(expit(whole - other if place in of_answer else other - whole))
             places = (place, *alike.get(name, {}).get(instance.joint, ()))
             for each in places:
@@ -49,8 +49,8 @@ def place_shares(
     return result
 
 
-def _weight(system: System, chosen: Sequence[int], places: Mapping[str, Collection[str]]) -> float:
-    """Logarithm of a set's weight with its effects at these places."""
+def weight_at(system: System, chosen: Sequence[int], places: Mapping[str, Collection[str]]) -> float:
+    """Log weight of a set with its effects, by name, at these places, at all if not given; without their priors."""
     candidates = list(system.candidates)
     for i in chosen:
         candidates[i] = _at(candidates[i], places.get(candidates[i].instances[0].effect.name, ()))

@@ -9,6 +9,7 @@ from bench.basics.deadline import NEVER, TimeUpError
 from bench.basics.progress import SILENT, Progress
 from bench.diagnosis.base_model import BaseModel, added_names, restarted
 from bench.diagnosis.candidates import Proposal, partners, propose
+from bench.diagnosis.fewer_places import at_its_places, best_places, most_gained
 from bench.diagnosis.normal_equations import System, build_system
 from bench.diagnosis.round import Round, in_their_shape, reshaped_proposals, usable
 from bench.diagnosis.search import best_set, neighbours, score_set, search
@@ -63,6 +64,13 @@ def searched(
     given = [first]
     del first  # passed on without a name, to free its system before the next is built
     this_round = _again(base_model, given.pop(), barred, progress, before)
+    if this_round is before:  # its system is about the model with the barred effects
+        try:
+            about = _about_itself(base_model, this_round, barred)
+        except TimeUpError:
+            return replace(this_round, cut=True)
+        before = with_set(about, this_round.chosen)
+        this_round = _again(base_model, about, barred, progress, before)
     tried = {frozenset(this_round.chosen)}
     for _ in range(TOLERANCES.search.rounds - 1):
         before = this_round
@@ -161,16 +169,12 @@ def _converged(base_model: BaseModel, this_round: Round) -> Round:
     )
 
 
-def _alike(
-    this_round: Round, chosen: tuple[int, ...], barred: Collection[str], less: float = 0.0
-) -> list[Round]:
-    """The best sets of a round's system that differ from this one by one effect, more, less or another, and are at most
-    `less` nats less probable.
+def _alike(this_round: Round, chosen: tuple[int, ...], barred: Collection[str]) -> list[Round]:
+    """The best sets of a round's system that differ from this one by one effect, more, less or another, and are more
+    probable.
     """
     present = score_set(this_round.system, chosen)
-    scored = neighbours(
-        this_round.system, present, usable(this_round.proposals, barred), present.total - less
-    )
+    scored = neighbours(this_round.system, present, usable(this_round.proposals, barred), present.total)
     return [
         replace(this_round, selection=replace(this_round.selection, selected=neighbour))
         for neighbour in scored
@@ -178,12 +182,14 @@ def _alike(
     ][: TOLERANCES.search.alike]
 
 
-def _better(this_round: Round, before: Round) -> bool:
-    """Whether a converged model is more probable than the one before, and no gain has run away only in it."""
+def _better(this_round: Round, before: Round, least: float = 0.0) -> bool:
+    """Whether a converged model is more probable than the one before, by `least` nats, and no gain has run away only in
+    it.
+    """
     new, old = this_round.residual, before.residual
     if new.away and not old.away:
         return False
-    return new.weight(before.system.samples) > old.weight(before.system.samples)
+    return new.weight(before.system.samples) > old.weight(before.system.samples) + least
 
 
 def with_set(this_round: Round, chosen: Sequence[int]) -> Round:
@@ -217,13 +223,45 @@ def _with_partner(base_model: BaseModel, this_round: Round, barred: Collection[s
 
 def _with_rival(base_model: BaseModel, this_round: Round, barred: Collection[str]) -> Round | None:
     """The round from a set one effect away that is hardly less probable about this model, and more probable when
-    converged; or None.
+    converged; or None. An effect that joins acts at its best places, and must surpass the present ones at theirs.
     """
-    for rival in _alike(this_round, this_round.chosen, barred, RULE.undecided):
+    spared = sum(best_places(this_round.system, this_round.chosen, k).gained for k in this_round.chosen)
+    for rival in _rivals(this_round, barred, spared):
         there = _converged(base_model, rival)
-        if _better(there, this_round):
-            return round_about(base_model, there.model, reshaped_proposals(base_model, there, SILENT), barred)
+        if _better(there, this_round, spared):
+            return _about_itself(base_model, there, barred)
     return None
+
+
+def _rivals(this_round: Round, barred: Collection[str], spared: float) -> list[Round]:
+    """As `_alike`, at most RULE.undecided nats less probable, with an effect that joins at its best places.
+
+    spared: nats by which the present effects would be more probable at their best places.
+    """
+    system, proposals = this_round.system, this_round.proposals
+    present = score_set(system, this_round.chosen)
+    able = usable(proposals, barred)
+    least = present.total - RULE.undecided
+    most = max((float(most_gained(system, i)) for i in able), default=0.0)
+    rivals = []
+    for neighbour in neighbours(system, present, able, least - most):
+        new = [i for i in neighbour.fit.chosen if i not in this_round.chosen]
+        if neighbour.total + sum(float(most_gained(system, i)) for i in new) <= least + spared:
+            continue
+        best = {i: best_places(system, neighbour.fit.chosen, i) for i in new}
+        total = neighbour.total + sum(places.gained for places in best.values())
+        if total > least + spared:
+            there = [at_its_places(each, best[i]) if i in best else each for i, each in enumerate(proposals)]
+            selection = replace(this_round.selection, selected=neighbour)
+            rivals.append((total, replace(this_round, proposals=there, selection=selection)))
+    rivals.sort(key=lambda pair: -pair[0])
+    return [rival for _, rival in rivals[: TOLERANCES.search.alike]]
+
+
+def _about_itself(base_model: BaseModel, this_round: Round, barred: Collection[str]) -> Round:
+    """The round from the system about a round's converged model, with every effect in its best shape for it."""
+    proposals = reshaped_proposals(base_model, this_round, SILENT)
+    return round_about(base_model, this_round.model, proposals, barred)
 
 
 def round_about(
