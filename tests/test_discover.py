@@ -115,7 +115,7 @@ def test_where_the_catalogue_explains_all_nothing_is_discovered() -> None:
 
 
 def test_without_anything_hidden_no_law_is_claimed() -> None:
-    found = find_missing_effects(among(FRICTIONS, measured()), discover=True)
+    found = find_missing_effects(problem_of(measured()), discover=True)
     assert (found.missing, found.discovered) == ((), ())
 
 
@@ -138,7 +138,7 @@ def test_a_law_beside_a_known_effect_is_one_law_of_both_motors() -> None:
 def test_a_viscous_friction_that_varies_with_the_position_has_no_false_name() -> None:
     """Once it was called viscous friction and friction that varies with the position, for sure."""
     hidden = {"effect": "position_dependent_viscous_friction", "joint": "left", "a": -0.1, "b": -0.15}
-    found = find_missing_effects(among(FRICTIONS, measured(hidden)))
+    found = find_missing_effects(problem_of(measured(hidden)))
     assert found.missing == ()
     (law,) = found.discovered
     assert [one.term for one in law.terms] == ["v*cos(q)", "v*sin(q)"]
