@@ -3,6 +3,7 @@
 import io
 import json
 from dataclasses import dataclass
+from functools import cache
 from itertools import count, pairwise
 
 import pytest
@@ -18,14 +19,14 @@ from bench.diagnosis.discovery.find import find_missing_effects
 from bench.diagnosis.result import Unfinished
 from bench.document.markdown.tables import diagnosis_markdown
 from bench.document.terminal.diagnosis import diagnosis_report
-from bench.identification.problem import problem_of
 from bench.page.folder import read_run
-from tests.discover_kit import measured
+from tests.discover_kit import FRICTIONS, among, measured
 
 HIDDEN = (
     {"effect": "viscous_friction", "Fv": 0.15},
     {"effect": "cogging_torque", "joint": "left", "a": 0.12, "b": 0.05, "period": 0.35},
 )
+PARTS = (0.0, 0.05, 0.2, 0.4, 0.6, 0.8, 0.95)
 ROUNDING = 1e-9  # relative, of an error that is worked out in another order
 
 
@@ -42,7 +43,7 @@ class Counting:
 
 @pytest.fixture(scope="module")
 def problem():
-    return problem_of(measured(*HIDDEN))
+    return among((*FRICTIONS, "cogging_torque", "torque_ripple"), measured(*HIDDEN))
 
 
 @pytest.fixture(scope="module")
@@ -59,6 +60,18 @@ def looks(problem, whole):
     return clock.looked_at
 
 
+@pytest.fixture(scope="module")
+def after(problem, looks):
+    """The answer after a part of all looks at the clock, and how often it was looked at; each part once."""
+
+    @cache
+    def answer(part):
+        clock = Counting()
+        return find_missing_effects(problem, deadline=Deadline(1.0 + part * looks, clock)), clock.looked_at
+
+    return answer
+
+
 def test_without_a_limit_all_is_looked_at(whole):
     assert set(whole.missing) == {"viscous_friction", "cogging_torque"}
     assert whole.finished
@@ -66,20 +79,19 @@ def test_without_a_limit_all_is_looked_at(whole):
     assert unfinished_sentence(whole) == ""
 
 
-@pytest.mark.parametrize("part", [0.0, 0.05, 0.2, 0.4, 0.6, 0.8, 0.95])
-def test_at_a_deadline_the_best_answer_so_far_is_given(part, problem, whole, looks):
-    clock = Counting()
-    found = find_missing_effects(problem, deadline=Deadline(1.0 + part * looks, clock))
-    assert clock.looked_at < 1.0 + part * looks + 40  # hardly looked at once it has passed
+@pytest.mark.parametrize("part", PARTS)
+def test_at_a_deadline_the_best_answer_so_far_is_given(part, whole, looks, after):
+    found, looked_at = after(part)
+    assert looked_at < 1.0 + part * looks + 40  # hardly looked at once it has passed
     assert not found.finished
     answer = json.loads(json.dumps(diagnosis_json(found), allow_nan=False))
     assert answer["finished"] is False
     assert answer["not_looked_at"] == list(found.unfinished)
     assert set(found.missing) <= set(whole.missing)
-    before, after = found.ladder[0], found.ladder[-1]
-    assert after.validate == pytest.approx(found.after.error.validate)
-    assert after.validate <= before.validate
-    assert whole.ladder[-1].validate <= after.validate * 1.01
+    first, last = found.ladder[0], found.ladder[-1]
+    assert last.validate == pytest.approx(found.after.error.validate)
+    assert last.validate <= first.validate
+    assert whole.ladder[-1].validate <= last.validate * 1.01
     assert all(gain.determined for gain in found.after.drive_gains.values())
     assert {verdict.effect for verdict in found.ranking} >= set(found.missing)
     said = unfinished_sentence(found)
@@ -89,19 +101,15 @@ def test_at_a_deadline_the_best_answer_so_far_is_given(part, problem, whole, loo
     assert said in console.file.getvalue()
 
 
-def test_effects_without_a_shape_are_there_soon(problem, looks):
-    found = find_missing_effects(problem, deadline=Deadline(1.0, Counting()))
+def test_effects_without_a_shape_are_there_soon(after):
+    found, _ = after(0.0)
     assert found.missing[0] == "viscous_friction"
     assert {Unfinished.SETS, Unfinished.OWN_VALUES, Unfinished.LAWS} <= set(found.unfinished)
     assert found.ladder[-1].validate < 0.5 * found.ladder[0].validate
 
 
-def test_later_is_no_worse(problem, looks):
-    parts = (0.0, 0.5, 0.9)
-    errors = [
-        find_missing_effects(problem, deadline=Deadline(1.0 + part * looks, Counting())).ladder[-1].validate
-        for part in parts
-    ]
+def test_later_is_no_worse(after):
+    errors = [after(part)[0].ladder[-1].validate for part in PARTS]
     assert all(later <= earlier * (1.0 + ROUNDING) for earlier, later in pairwise(errors))
 
 

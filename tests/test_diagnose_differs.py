@@ -24,6 +24,7 @@ from bench.truth.dataset import as_dataset
 from bench.truth.resense import sense_again
 from bench.truth.simulate import simulate
 from tests.bounds_kit import with_bounds
+from tests.discover_kit import FRICTIONS, among
 from tests.workbench_kit import RECORDINGS, write_dataset
 
 FRICTION = ("viscous_friction", "coulomb_friction", "constant_offset")
@@ -142,10 +143,10 @@ def test_a_gain_holds_what_values_for_each_recording_make_of_it(unlike: Dataset,
     assert said.endswith("not fitted; `--with constant_offset:left@recording` estimates these values.")
 
 
-def test_both_are_found_where_coulomb_friction_is_missing_too(tmp_path) -> None:
+def test_both_are_found_where_coulomb_friction_is_missing_too(rubbing: Dataset) -> None:
     """One offset for both recordings makes the gain of the left motor 1.7, where 3.3 is right."""
-    dataset = load_dataset(write_dataset(tmp_path / "data", hidden=(RUBS,), recordings=RECORDINGS[:2]))
-    told = diagnose_with_catalogue(problem_of(shifted(dataset, (STEP, -STEP)), ("constant_offset",)))
+    dataset = replace(rubbing, recordings=rubbing.recordings[:2])
+    told = diagnose_with_catalogue(among(FRICTIONS, shifted(dataset, (STEP, -STEP)), ("constant_offset",)))
     assert told.superfluous == ()
     assert told.missing == ("coulomb_friction",)
     assert told.by_recording == ("constant_offset:left@recording",)
@@ -167,7 +168,7 @@ def test_it_stands_in_the_json(told: Diagnosis) -> None:
 
 def test_recordings_that_were_not_fitted_may_have_other_values_still(rubbing: Dataset) -> None:
     """As large ones as that hide the friction from a search that gives them those of the fitted recordings."""
-    told = diagnose_with_catalogue(problem_of(shifted(rubbing, (STEP, -STEP, 4 * STEP, -4 * STEP))))
+    told = diagnose_with_catalogue(among(FRICTIONS, shifted(rubbing, (STEP, -STEP, 4 * STEP, -4 * STEP))))
     assert told.missing == ("coulomb_friction",)
     assert told.by_recording == ("constant_offset:left@recording",)
     assert abs(told.after.drive_gains["left"].value - 3.3) < 0.03
@@ -179,11 +180,11 @@ def test_recordings_that_were_not_fitted_may_have_other_values_still(rubbing: Da
 
 def test_where_only_they_have_other_values_that_is_said_and_what_helps(rubbing: Dataset) -> None:
     dataset = shifted(rubbing, (0.0, 0.0, 4 * STEP, -4 * STEP))
-    told = diagnose_with_catalogue(problem_of(dataset))
+    told = diagnose_with_catalogue(among(FRICTIONS, dataset))
     (said,) = [each for each in told.after.findings if each.code == Code.CHECKED_HAS_OTHER_VALUES]
     assert said.names[1:] == ("constant_offset:left",)
     assert any(sentence(said) in each for each in summary_sentences(told))
-    helped = diagnose_with_catalogue(problem_of(dataset, ("constant_offset:left@recording",)))
+    helped = diagnose_with_catalogue(among(FRICTIONS, dataset, ("constant_offset:left@recording",)))
     assert helped.missing == ("coulomb_friction",)
 
 

@@ -15,12 +15,13 @@ from bench.identification.decision import RULE
 from bench.scenario.scenario import load_scenario
 from bench.truth.dataset import as_dataset
 from bench.truth.simulate import simulate
+from tests.hidden_kit import STEP
 
 SHORT = {"optimise": False, "duration": 6.0}
 
 
 def diagnosed(*hidden):
-    changes = {"design": SHORT, "hidden": list(hidden)}
+    changes = {"design": SHORT, "hidden": list(hidden), "step": STEP}
     return diagnose(as_dataset(simulate(load_scenario("two_link", changes))), discover=False)
 
 

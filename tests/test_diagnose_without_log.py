@@ -14,6 +14,7 @@ from bench.document.diagnosis import without_logs_table
 from bench.scenario.scenario import load_scenario
 from bench.truth.dataset import as_dataset
 from bench.truth.simulate import simulate
+from tests.hidden_kit import STEP
 
 SPRING = {"effect": "joint_spring", "joint": "elbow", "k": 2.0, "q0": 0.0}
 VISCOUS = {"effect": "viscous_friction", "joint": "elbow", "Fv": 0.5}
@@ -21,7 +22,7 @@ VISCOUS = {"effect": "viscous_friction", "joint": "elbow", "Fv": 0.5}
 
 def dataset_of(*hidden: dict[str, object]) -> Dataset:
     """Of a serial arm of two links."""
-    changes = {"design": {"optimise": False, "duration": 6.0}, "hidden": list(hidden)}
+    changes = {"design": {"optimise": False, "duration": 6.0}, "hidden": list(hidden), "step": STEP}
     return as_dataset(simulate(load_scenario("two_link", changes)))
 
 

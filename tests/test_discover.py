@@ -28,7 +28,7 @@ from bench.identification.problem import Problem, problem_of
 from bench.page.folder import read_run
 from bench.truth.dataset import as_dataset, write_simulation
 from bench.truth.simulate import Simulation
-from tests.discover_kit import BRAKED, measured, simulated
+from tests.discover_kit import BRAKED, FRICTIONS, among, measured, simulated
 
 FLOOR = 1.15  # times the noise: what may be left
 
@@ -109,7 +109,7 @@ def test_a_law_is_written_as_an_effect_that_everything_takes(
 
 def test_where_the_catalogue_explains_all_nothing_is_discovered() -> None:
     dataset = measured({"effect": "viscous_friction", "Fv": 0.1})
-    found = find_missing_effects(problem_of(dataset), discover=True)
+    found = find_missing_effects(among(FRICTIONS, dataset), discover=True)
     assert found.missing == ("viscous_friction",)
     assert found.discovered == ()
 
@@ -128,7 +128,7 @@ def test_noise_of_the_encoders_is_not_searched_for_laws() -> None:
 
 def test_a_law_beside_a_known_effect_is_one_law_of_both_motors() -> None:
     dataset = measured({**BRAKED, "c": 0.01}, {"effect": "viscous_friction", "Fv": 0.1})
-    found = find_missing_effects(problem_of(dataset))
+    found = find_missing_effects(among(FRICTIONS, dataset))
     assert found.missing == ("viscous_friction",)
     assert [(one.place, one.law) for one in found.discovered] == [("left", "law"), ("right", "law")]
     assert {one.terms[0].term for one in found.discovered} == {"sign(v)*abs(a)"}
@@ -147,7 +147,7 @@ def test_a_viscous_friction_that_varies_with_the_position_has_no_false_name() ->
 
 def test_what_no_formula_fits_is_added_as_measured(braked: Dataset, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("bench.diagnosis.discovery.with_laws.search_laws", lambda *_: None)
-    found = find_missing_effects(problem_of(braked))
+    found = find_missing_effects(among(FRICTIONS, braked))
     (law,) = found.discovered
     assert (law.place, law.law) == ("left", "measured_left")
     assert all(one.term.startswith("sign(v)*hat(a, ") for one in law.terms)
@@ -160,13 +160,14 @@ def test_what_no_formula_fits_is_added_as_measured(braked: Dataset, monkeypatch:
         "As measured, it is a smooth function of the acceleration that reverses with the direction"
         in sentence
     )
-    assert {one.effect for one in found.ranking} == set(catalogue_for())
+    assert {one.effect for one in found.ranking} == set(FRICTIONS)
 
 
 def test_where_it_is_not_wanted_nothing_is_discovered(braked: Dataset) -> None:
-    plain = find_missing_effects(problem_of(braked), discover=False)
+    problem = among(FRICTIONS, braked)
+    plain = find_missing_effects(problem, discover=False)
     assert plain.discovered == ()
-    assert plain.ladder == diagnose_with_catalogue(problem_of(braked)).ladder
+    assert plain.ladder == diagnose_with_catalogue(problem).ladder
 
 
 def test_a_page_of_a_discovered_law_is_drawn_and_drawn_again(

@@ -12,8 +12,7 @@ from bench.diagnosis.discovery.term import Term
 from bench.diagnosis.discovery.variables import Place
 from bench.diagnosis.result import Diagnosis
 from bench.effects import CATALOGUE, EffectInstance
-from bench.identification.problem import problem_of
-from tests.discover_kit import BRAKED, measured
+from tests.discover_kit import BRAKED, FRICTIONS, among, measured
 
 FLOOR = 1.15  # times the noise: what may be left
 LEFT = Place(("left", "right"), (True, True), 0)
@@ -25,7 +24,7 @@ def power(c: float, exponent: float, joint: str = "left") -> dict[str, object]:
 
 
 def diagnosed(*hidden: dict[str, object]) -> Diagnosis:
-    found = find_missing_effects(problem_of(measured(*hidden)))
+    found = find_missing_effects(among(FRICTIONS, measured(*hidden)))
     assert found.unexplained.error < FLOOR * found.unexplained.noise_floor
     return found
 
@@ -55,7 +54,7 @@ def test_beside_what_goes_by_something_else_it_is_one_power_too() -> None:
     assert law.numbers["p"].value == pytest.approx(1.6, abs=0.02)
 
 
-FRICTIONS = {
+THERE = {
     "left": {"viscous_friction": {"Fv": 0.1}, "quadratic_drag": {"c": 0.05}},
     "right": {
         "stribeck_friction": {"Fc": 0.1, "Fs": 0.1, "vs": 0.3},
@@ -68,7 +67,7 @@ FRICTIONS = {
 def test_frictions_that_are_there_keep_their_names(beside: tuple[dict[str, object], ...]) -> None:
     hidden = [
         {"effect": name, "joint": joint, **values}
-        for joint, frictions in FRICTIONS.items()
+        for joint, frictions in THERE.items()
         for name, values in frictions.items()
     ]
     found = diagnosed(*hidden, *beside)

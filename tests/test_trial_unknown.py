@@ -28,7 +28,9 @@ from bench.truth.dataset import as_dataset
 from bench.truth.hidden.base import rms
 from bench.truth.hidden.reference import Reference
 from bench.truth.simulate import simulate
+from tests.hidden_kit import STEP
 
+SHORT = {"design": {"optimise": False, "duration": 4.0}, "step": STEP}
 ROW = {
     "status": "ok",
     "kind": "unknown",
@@ -50,7 +52,7 @@ ROW = {
 
 @pytest.fixture(scope="module")
 def reference() -> Reference:
-    scenario = load_scenario("five_bar", {"design": {"optimise": False, "duration": 4.0}})
+    scenario = load_scenario("five_bar", SHORT)
     return Reference(simulate(scenario, resolve_trajectories(scenario, designer)))
 
 
@@ -62,7 +64,7 @@ def test_every_family_has_the_size_asked_for(index: int, reference: Reference) -
     assert found == pytest.approx(0.002 * rms(reference.movement("left").torque), rel=1e-3)
 
 
-def test_the_simulated_machine_has_the_law_that_is_judged() -> None:
+def test_the_simulated_machine_has_the_law_that_is_judged(reference: Reference) -> None:
     """What the motor must give beyond the rigid body is the law along the true motion."""
     law = {
         "effect": "product_law",
@@ -73,12 +75,10 @@ def test_the_simulated_machine_has_the_law_that_is_judged() -> None:
         "depth": 0.8,
         "wave": 2.0,
     }
-    changes = {"design": {"optimise": False, "duration": 4.0}}
-    plain = load_scenario("five_bar", changes)
-    with_law = load_scenario("five_bar", {**changes, "hidden": [law]})
-    motions = resolve_trajectories(plain, designer)
-    recordings = simulate(with_law, motions).recordings
-    without = simulate(plain, motions).recordings
+    plain = reference.simulation
+    with_law = load_scenario("five_bar", {**SHORT, "hidden": [law]})
+    recordings = simulate(with_law, resolve_trajectories(plain.scenario, designer)).recordings
+    without = plain.recordings
     m, i = recordings[0].motion, 0
     change = m.torque[:, i] - without[0].motion.torque[:, i]
     velocity, position = without[0].motion.qvel, without[0].motion.qpos
@@ -138,7 +138,7 @@ def test_known_effects_by_their_names_are_no_error_of_a_law(
 def test_a_law_that_is_found_exactly_has_no_error(monkeypatch: pytest.MonkeyPatch) -> None:
     """A friction jumps where its motor reverses, and the equations leave that out."""
     law = {"effect": "product_law", "joint": "left", "c": 0.02, "direction": 1.0, "a": 1.0}
-    scenario = load_scenario("five_bar", {"design": {"optimise": False, "duration": 4.0}, "hidden": [law]})
+    scenario = load_scenario("five_bar", {**SHORT, "hidden": [law], "step": 0.00025})
     simulation = simulate(scenario, resolve_trajectories(scenario, designer))
     prepared = prepare(problem_of(as_dataset(simulation)))
     friction = Term((Power(V, 0.0), Power(A, 1.0, odd=False)))
