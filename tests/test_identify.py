@@ -27,7 +27,10 @@ from bench.truth.report import truth
 from bench.truth.simulate import Simulation, simulate
 
 GAIN_TARGET = {"five_bar": 0.0002, "delta": 0.001}
-DURATION = {"five_bar_clean": 10.0, "delta_clean": 5.0}  # s, of which the gains are a tenth of their targets off
+DURATION = {
+    "five_bar_clean": 10.0,
+    "delta_clean": 5.0,
+}  # s, of which the gains are a tenth of their targets off
 STEP = 0.001  # s
 
 
