@@ -25,6 +25,7 @@ from bench.model.states import random_motion
 from bench.scenario.scenario import load_scenario
 from bench.truth.dataset import as_dataset
 from bench.truth.simulate import simulate
+from tests.hidden_kit import run
 from tests.mechanisms import NAMES, robot_named
 from tests.test_robots_of_others import NAMES as FOREIGN
 
@@ -103,7 +104,7 @@ def test_whatever_a_level_gravity_moves_follows_from_base_parameters_and_weights
 def test_a_tilt_of_a_robot_whose_cranks_turn_about_the_vertical_is_named_alone() -> None:
     """Cosines of the crank angles were called constant offsets and cogging before their weight was estimated."""
     hidden = [{"effect": "base_tilt", "about_x": 0.01, "about_y": -0.02}]
-    changes = {"seed": 2, "design": {"optimise": False, "duration": 10.0}, "hidden": hidden}
+    changes = {"seed": 2, "step": 0.0005, "design": {"optimise": False, "duration": 10.0}, "hidden": hidden}
     answer = diagnose(as_dataset(simulate(load_scenario("three_rrr", changes))), discover=False)
     assert answer.missing == ("base_tilt",)
     tilt = answer.after.effect_parameters["base_tilt"]["robot"]
@@ -112,9 +113,7 @@ def test_a_tilt_of_a_robot_whose_cranks_turn_about_the_vertical_is_named_alone()
 
 
 def test_a_saved_model_has_the_weights_at_their_joints(tmp_path: Path) -> None:
-    hidden = [{"effect": "base_tilt", "about_x": 0.01, "about_y": -0.02}]
-    changes = {"design": {"optimise": False, "duration": 5.0}, "hidden": hidden}
-    dataset = as_dataset(simulate(load_scenario("three_rrr", changes)))
+    dataset = as_dataset(run("three_rrr", {"effect": "base_tilt", "about_x": 0.01, "about_y": -0.02}))
     result = identify(prepare(problem_of(dataset, ["base_tilt"])))
     assert result.effects == ("base_tilt",)
     save_model(result, tmp_path / "model.json")

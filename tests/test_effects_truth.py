@@ -20,7 +20,8 @@ from bench.truth.simulate import simulate
 CURRENT_NOISE = 0.01  # of the RMS current, in the scenario five_bar
 GAINS = {"left": 3.0 * 1.10, "right": 3.0 * 0.92}
 MOST_DEVIATIONS = 4.5
-STEP, DURATION = 0.001, 12.0  # s, of the simulation and of each of its recordings
+STEP, DURATION = 0.001, 6.0  # s, of the simulation and of each of its recordings
+LONGER = 12.0  # s, where less leaves a parameter unsure
 FINER = 0.0005  # s, where what is hidden swings faster
 
 Values = dict[str, float]
@@ -31,7 +32,8 @@ class Case:
     """What the machine has, and what a fit of the effect must find wherever it sits, or at one place.
 
     share: by how much of its value a parameter may be off in addition to its deviation. floor: how many times the
-    noise floor the error may be on recordings that were not fitted. step: of the simulation, s.
+    noise floor the error may be on recordings that were not fitted. step: of the simulation, duration: of each of its
+    recordings, s.
     """
 
     hidden: dict[str, float | str]
@@ -41,6 +43,7 @@ class Case:
     floor: float = 1.1
     beside: tuple[dict[str, float | str], ...] = ()
     step: float = STEP
+    duration: float = DURATION
 
 
 COULOMB: dict[str, float | str] = {"effect": "coulomb_friction", "Fc": 0.15}
@@ -51,7 +54,12 @@ CASES = {
     ),
     # flanks that give way add 2 tau / stiffness to the play
     "backlash": Case(
-        {"play": 0.01, "stiffness": 2000.0, "damping": 2.0, **ROTOR}, {"b": 0.0125}, "left", 0.2, step=FINER
+        {"play": 0.01, "stiffness": 2000.0, "damping": 2.0, **ROTOR},
+        {"b": 0.0125},
+        "left",
+        0.2,
+        step=FINER,
+        duration=LONGER,
     ),
     "base_tilt": Case({"about_y": 0.12}, {"tilt_y": 0.12}),
     "cogging_torque": Case(
@@ -62,13 +70,15 @@ CASES = {
     "current_delay": Case({"T": -0.004}, {"T": -0.004}),
     "current_loop_lag": Case({"T": 0.006}, {"T": 0.006}, share=0.03),
     "drive_flexibility": Case(
-        {"stiffness": 300.0, "damping": 0.3, **ROTOR}, {"C": 1 / 300}, "left", step=FINER
+        {"stiffness": 300.0, "damping": 0.3, **ROTOR}, {"C": 1 / 300}, "left", step=FINER, duration=LONGER
     ),
     "encoder_offset": Case({"offset": 0.02, "joint": "left"}, {"offset": 0.02}, "left"),
     "gain_saturation": Case({"k": 0.02}, {"k": 0.02}),
-    "geometric_error": Case({"error": 0.004, "joint": "left_elbow"}, {"dl": 0.004}, "left_rod"),
+    "geometric_error": Case(
+        {"error": 0.004, "joint": "left_elbow"}, {"dl": 0.004}, "left_rod", duration=LONGER
+    ),
     "hysteretic_cable": Case({"F": 0.2, "reach": 0.2}, {"F": 0.2, "x0": 0.2, "n": 2.0}),
-    "joint_spring": Case({"k": 1.0, "q0": -1.0}, {"k": 1.0, "kq0": -1.0}),
+    "joint_spring": Case({"k": 1.0, "q0": -1.0}, {"k": 1.0, "kq0": -1.0}, duration=LONGER),
     "load_dependent_friction": Case({"mu": 0.05}, {"mu": 0.05}, floor=1.25),
     "passive_coulomb_friction": Case({"Fc": 0.05}, {"Fc": 0.05}, share=0.02),
     # what mum is, only the model's parameters tell; so large that what it does to the force itself shows
@@ -112,11 +122,13 @@ CASES = {
 ABSORBED = {"payload_mass_error": {"error": 0.03}, "rotor_inertia": {"Ia": 0.01}}
 
 
-def measurements(*hidden: dict[str, float | str], robot: str = "five_bar", step: float = STEP) -> Dataset:
+def measurements(
+    *hidden: dict[str, float | str], robot: str = "five_bar", step: float = STEP, duration: float = DURATION
+) -> Dataset:
     """Three of the scenario's recordings, at a larger step and shorter: one to judge on says what two would."""
     tables = [one.model_dump(exclude_none=True) for one in load_scenario(robot).settings.recordings]
     kept = [one for one in tables if one["use"] == "identify" or "payload" in one]
-    short = [{**one, "design": {**one["design"], "duration": DURATION}} for one in kept]
+    short = [{**one, "design": {**one["design"], "duration": duration}} for one in kept]
     scenario = load_scenario(robot, {"hidden": list(hidden), "recordings": short, "step": step})
     return as_dataset(simulate(scenario, resolve_trajectories(scenario, designer)))
 
@@ -134,7 +146,9 @@ def test_every_effect_stands_here() -> None:
 @pytest.mark.parametrize("name", CASES)
 def test_an_effect_finds_what_the_machine_has(name: str) -> None:
     case = CASES[name]
-    dataset = measurements({"effect": name, **case.hidden}, *case.beside, step=case.step)
+    dataset = measurements(
+        {"effect": name, **case.hidden}, *case.beside, step=case.step, duration=case.duration
+    )
     beside = [str(one["effect"]) for one in case.beside]
     prepared = prepare(problem_of(dataset, beside))
     added = select_effects([name], places_in(prepared.model.geometry, dataset.payloads))
@@ -164,7 +178,9 @@ def test_what_the_model_s_own_parameters_take_up_leaves_no_error(name: str) -> N
 
 
 def test_a_rotor_s_inertia_is_a_parameter_where_its_motor_is_carried_along() -> None:
-    dataset = measurements({"effect": "rotor_inertia", "joint": "elbow", "Ia": 0.03}, robot="two_link")
+    dataset = measurements(
+        {"effect": "rotor_inertia", "joint": "elbow", "Ia": 0.03}, robot="two_link", duration=LONGER
+    )
     result = identify(prepare(problem_of(dataset, ["rotor_inertia"])))
     own = {parameter.name: parameter for parameter in result.parameters}["Ia(elbow)"]
     assert own.value == pytest.approx(0.03, abs=4.5 * own.std)

@@ -27,6 +27,11 @@ from bench.truth.report import truth
 from bench.truth.simulate import Simulation, simulate
 
 GAIN_TARGET = {"five_bar": 0.0002, "delta": 0.001}
+DURATION = {
+    "five_bar_clean": 10.0,
+    "delta_clean": 5.0,
+}  # s, of which the gains are a tenth of their targets off
+STEP = 0.001  # s
 
 
 def simulated(name: str, overrides: dict[str, object]) -> Simulation:
@@ -36,7 +41,8 @@ def simulated(name: str, overrides: dict[str, object]) -> Simulation:
 
 @pytest.fixture(scope="module", params=["five_bar_clean", "delta_clean"])
 def clean(request: pytest.FixtureRequest) -> Simulation:
-    return simulated(request.param, {"design": {"optimise": False, "duration": 10.0}, "step": 0.0005})
+    duration = DURATION[request.param]
+    return simulated(request.param, {"design": {"optimise": False, "duration": duration}, "step": STEP})
 
 
 @pytest.fixture(scope="module")
@@ -85,6 +91,7 @@ def test_with_noise_gains_and_error_reach_the_noise(
 def test_the_answer_does_not_depend_on_the_masses_in_the_file(
     noisy: Simulation, five_bar_equations: Prepared, tmp_path: Path
 ) -> None:
+    """Nor on when it is computed: from the same data, prepared anew, it is the same to the last bit."""
     shutil.copytree(built_in_robots()["five_bar"], tmp_path / "five_bar")
     model = tmp_path / "five_bar" / "five_bar.xml"
     text = model.read_text()
@@ -185,18 +192,14 @@ def test_a_model_file_gives_back_the_answer_with_its_covariance_named(
     assert rows == pytest.approx(stds)
 
 
-def test_the_same_data_give_the_same_answer(noisy: Simulation, five_bar_equations: Prepared) -> None:
-    again = prepare(problem_of(as_dataset(noisy)))
-    assert to_json(identify(again)) == to_json(identify(five_bar_equations))
-
-
 def test_hidden_friction_is_recovered_with_its_effects() -> None:
     hidden = [
         {"effect": "viscous_friction", "Fv": 0.12},
         {"effect": "coulomb_friction", "Fc": 0.2},
         {"effect": "constant_offset", "joint": "left", "c": -0.07},
     ]
-    simulation = simulated("five_bar", {"hidden": hidden, "step": 0.0005})
+    brief = {"design": {"optimise": False, "duration": 10.0}, "step": STEP}
+    simulation = simulated("five_bar", {"hidden": hidden, **brief})
     dataset = as_dataset(simulation)
     plain = identify(prepare(problem_of(dataset)))
     result = identify(
@@ -215,7 +218,7 @@ def test_hidden_friction_is_recovered_with_its_effects() -> None:
 
 @pytest.mark.parametrize(("factor", "asked"), [(1000.0, "in grams?"), (0.001, "in mA?")])
 def test_a_payload_in_grams_is_asked_for(noisy: Simulation, factor: float, asked: str) -> None:
-    dataset = as_dataset(noisy)
+    dataset = only(as_dataset(noisy), "unloaded.csv", "loaded.csv")
     payloads = {
         name: replace(one, mass=factor * one.mass, inertia=factor * one.inertia)
         for name, one in dataset.payloads.items()

@@ -10,7 +10,7 @@ from bench.scenario.scenario import load_scenario
 from bench.truth.dataset import as_dataset
 from bench.truth.simulate import simulate
 
-SHORT = {"optimise": False, "duration": 6.0}
+SHORT = {"optimise": False, "duration": 4.0}
 # Random movements (rad), where the design's own would leave what can be reached; long enough that friction along the
 # position is another thing than friction.
 STEPS = {"three_rrr": 0.00025}  # s, where its loops or what is hidden ask for less than 0.5 ms

@@ -9,6 +9,7 @@ from bench.basics.errors import BenchError
 from bench.truth.hidden import HIDDEN_EFFECTS, JointEffect
 from bench.truth.hidden.reference import Reference
 from bench.truth.hidden.sizes import typical
+from bench.truth.machine import build_machine
 from bench.truth.report import truth
 from bench.truth.simulate import simulate
 from tests.hidden_kit import BRIEF, STEP, bare_machine, cart, plain, run, scenario, states
@@ -55,6 +56,7 @@ EACH = {
     "viscoelastic_cable": {"k": 1.0, "T": 0.5},
     "viscous_friction": {"Fv": 0.1},
 }
+SETTLE = 0.1  # s before a log
 STIFF = {"drive_flexibility": STEP / 2, "backlash": STEP}  # s, the steps of springs that swing fast
 KEEPS = {"position_dependent_friction": {"effect": "coulomb_friction", "Fc": 0.1}}
 
@@ -73,10 +75,13 @@ def test_catalogue_and_this_table_are_in_step():
 @pytest.mark.parametrize("effect", HIDDEN_EFFECTS)
 def test_each_effect_changes_the_currents_and_leaves_the_loops_closed(effect, robot):
     step = STIFF.get(effect, 0.001)
-    without = plain(robot, duration=BRIEF["duration"], step=step)
+    # a payload of another mass changes nothing without it; of the others, one recording says what two would
+    recordings = ("free", "held") if effect == "payload_mass_error" else ("held",)
+    brief = {"settle": SETTLE, "step": step, "recordings": recordings}
+    without = plain(robot, duration=BRIEF["duration"], **brief)
     parameters = EACH.get(effect) or _share_of(effect, without)
     hidden = [{"effect": effect, **parameters}] + ([KEEPS[effect]] if effect in KEEPS else [])
-    simulation = run(robot, *hidden, design=BRIEF, step=step)
+    simulation = run(robot, *hidden, design=BRIEF, **brief)
     assert simulation.loop_gap < 1e-5
     for recording, reference in zip(simulation.recordings, without.recordings, strict=True):
         assert np.isfinite(recording.current).all()
@@ -170,7 +175,9 @@ def test_a_law_in_python_and_the_same_law_in_mujoco_move_alike():
     ]
     for native, law, (position, current) in same:
         for one, other in zip(
-            run("five_bar", native).recordings, run("five_bar", law).recordings, strict=True
+            run("five_bar", native, design=BRIEF).recordings,
+            run("five_bar", law, design=BRIEF).recordings,
+            strict=True,
         ):
             np.testing.assert_allclose(one.motion.qpos, other.motion.qpos, atol=position)
             np.testing.assert_allclose(one.current, other.current, atol=current)
@@ -182,7 +189,8 @@ def test_a_law_in_python_and_the_same_law_in_mujoco_move_alike():
 def test_a_longer_step_moves_nearly_alike(effect):
     """Of 0.5 ms instead of 0.25 ms: what the step alone makes of the currents."""
     hidden = {"effect": effect, **EACH[effect]}
-    fine, coarse = run("five_bar", hidden, step=STEP / 2), run("five_bar", hidden)
+    one = {"recordings": ("held",)}
+    fine, coarse = run("five_bar", hidden, step=STEP / 2, **one), run("five_bar", hidden, **one)
     for one, other in zip(fine.recordings, coarse.recordings, strict=True):
         difference = np.sqrt(np.mean((one.current - other.current) ** 2) / np.mean(one.current**2))
         assert difference < 2e-3
@@ -267,12 +275,16 @@ def test_what_a_robot_or_scenario_lacks_is_named(tmp_path):
 def test_without_a_joint_an_effect_is_in_all_that_can_have_it():
     for robot, passive in (("five_bar", 2), ("delta", 12)):
         count = len(bare_machine(robot).dofs)
-        given = run(
-            robot,
-            {"effect": "viscous_friction", "Fv": 0.1},
-            {"effect": "passive_viscous_friction", "Fv": 0.1},
+        given = build_machine(
+            scenario(
+                robot,
+                [
+                    {"effect": "viscous_friction", "Fv": 0.1},
+                    {"effect": "passive_viscous_friction", "Fv": 0.1},
+                ],
+            )
         )
-        names = [effect.name for effect in given.machine.hidden]
+        names = [effect.name for effect in given.hidden]
         assert names == ["viscous_friction"] * count + ["passive_viscous_friction"] * passive
-        damped = np.count_nonzero(given.machine.models[None].dof_damping)
+        damped = np.count_nonzero(given.models[None].dof_damping)
         assert damped == count + passive

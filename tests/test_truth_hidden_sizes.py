@@ -14,10 +14,12 @@ from tests import hidden_kit
 from tests.hidden_kit import BRIEF, SHORT, STEP, cart, measured_share
 
 run = functools.partial(hidden_kit.run, design=BRIEF)
+ONE = ("held",)  # the recording with the payload: a size is of a movement, and two take twice as long
 # asked for by default; less where a robot's motors or controller would not stand it
 SHARE = 0.03
 SHARES = {"gain_saturation": 0.01, "current_loop_lag": 0.01, "current_delay": 0.01, "backlash": 0.01}
 COARSE = 0.001  # s, of a simulation of which no more than a share is asked
+SETTLE = 0.1  # s before its log
 STIFF = {"backlash", "drive_flexibility"}  # springs that swing too fast for it
 ROUGH = {"drive_flexibility", "torque_drift"}  # springs that swing; long waves in a second
 SLOW = {"hysteretic_cable"}  # wound up over more than a second's way
@@ -37,11 +39,11 @@ def entry(effect, robot):
     return {"effect": effect, "joint": {"five_bar": "left", "delta": "motor_1"}[robot]}
 
 
-def with_rotor(simulate, hidden):
+def with_rotor(simulate, hidden, reference):
     """The simulation of a hidden drive, and the one that differs by its rotor alone from nothing hidden."""
     inertia = hidden.get("rotor_inertia", 0.0)
     rotor = {"effect": "rotor_inertia", "joint": hidden["joint"], "Ia": inertia}
-    return simulate(hidden), simulate(rotor) if inertia else simulate()
+    return simulate(hidden), simulate(rotor) if inertia else reference.simulation
 
 
 def share_of_current(simulation, without, motor=0):
@@ -61,25 +63,28 @@ def test_every_effect_has_one_rule():
 @pytest.mark.parametrize("effect", HIDDEN_EFFECTS)
 def test_a_simulation_shows_the_share_that_was_asked_for(effect, robot):
     design, step = SHORT if effect in SLOW else BRIEF, STEP if effect in STIFF else COARSE
-    reference = reference_of(robot, duration=design["duration"], step=step)
+    recordings = ("free", "held") if effect == "payload_mass_error" else ONE
+    brief = {"settle": SETTLE, "step": step, "recordings": recordings}
+    reference = reference_of(robot, duration=design["duration"], **brief)
+    simulated = functools.partial(run, robot, design=design, **brief)
     hidden = entry(effect, robot)
     share = SHARES.get(effect, SHARE)
     hidden |= typical(effect, reference, share, hidden.get("joint"))
     if "rotor_inertia" in hidden:
-        found = share_of_current(*with_rotor(lambda *h: run(robot, *h, step=step), hidden))
+        found = share_of_current(*with_rotor(simulated, hidden, reference))
     elif "joint" in hidden:
-        found = measured_share(run(robot, hidden, design=design, step=step), reference)[0]
+        found = measured_share(simulated(hidden), reference)[0]
     else:
-        simulation = run(robot, hidden, step=step)
         weight = np.mean(reference.torque() ** 2, axis=0)
-        found = np.sqrt(np.average(measured_share(simulation, reference) ** 2, weights=weight))
+        found = np.sqrt(np.average(measured_share(simulated(hidden), reference) ** 2, weights=weight))
     low, high = (0.3, 3.0) if effect in ROUGH else (0.8, 1.25)
     assert low < found / share < high
 
 
 @pytest.mark.parametrize("effect", ["viscous_friction", "base_tilt", "geometric_error", "drive_flexibility"])
 def test_a_larger_share_is_a_stronger_effect(effect):
-    reference, joint = reference_of("five_bar"), entry(effect, "five_bar").get("joint")
+    reference = reference_of("five_bar", recordings=ONE, step=COARSE)
+    joint = entry(effect, "five_bar").get("joint")
     small, large = (typical(effect, reference, share, joint) for share in (0.01, 0.04))
     key = {"drive_flexibility": "stiffness", "geometric_error": "error", "viscous_friction": "Fv"}.get(effect)
     ratio = large[key] / small[key] if key else sum(large.values()) / sum(small.values())
@@ -88,7 +93,7 @@ def test_a_larger_share_is_a_stronger_effect(effect):
 
 def test_an_offset_larger_than_the_movement_is_refused():
     """A turret about the vertical: its zero changes no torque, whatever the size."""
-    reference = reference_of("palletiser")
+    reference = reference_of("palletiser", recordings=("free",))
     with pytest.raises(BenchError, match="the torque of joint motor_1 hardly depends on its zero"):
         typical("encoder_offset", reference, 0.01, "motor_1")
     assert 0 < typical("encoder_offset", reference, 0.01, "motor_2")["offset"] < 0.3
@@ -96,7 +101,7 @@ def test_an_offset_larger_than_the_movement_is_refused():
 
 def test_a_position_dependent_friction_is_never_negative():
     for robot in ("five_bar", "delta"):
-        reference = reference_of(robot)
+        reference = reference_of(robot, recordings=ONE, step=COARSE)
         for joint in reference.simulation.robot.joints:
             size = typical("position_dependent_friction", reference, 0.1, joint)
             q = reference.movement(joint).position * size.get("harmonic", 1.0)
@@ -116,7 +121,7 @@ def test_a_slide_and_a_robot_without_passive_joints(tmp_path):
     )
     for effect in effects:
         hidden = {"effect": effect, "joint": "x", **typical(effect, reference, 0.02, "x")}
-        found = share_of_current(*with_rotor(lambda *h: cart(tmp_path, "1 0 0", *h), hidden))
+        found = share_of_current(*with_rotor(lambda *h: cart(tmp_path, "1 0 0", *h), hidden, reference))
         assert 0.8 < found / 0.02 < 1.25
     for effect, joint, told in (
         ("passive_viscous_friction", None, "the robot has no passive"),
@@ -137,7 +142,7 @@ def test_a_slide_and_a_robot_without_passive_joints(tmp_path):
 
 
 def test_shares_that_an_effect_cannot_have_are_refused():
-    reference = reference_of("five_bar")
+    reference = reference_of("five_bar", recordings=ONE, step=COARSE)
     for effect in ("gain_saturation", "current_loop_lag", "current_delay", "acceleration_dependent_friction"):
         with pytest.raises(BenchError, match="joint left: a share of 0\\.9 of its torque is too large"):
             typical(effect, reference, 0.9, "left")
@@ -165,7 +170,7 @@ def test_inverse_dynamics_gives_the_torque_of_the_simulation(robot):
 
 
 def test_sizes_do_not_depend_on_what_they_are_tried_with():
-    reference = reference_of("five_bar")
+    reference = reference_of("five_bar", recordings=ONE, step=COARSE)
     before = reference.torque().copy()
     first = typical("geometric_error", reference, 0.02, "left")
     assert typical("geometric_error", reference, 0.02, "left") == first
