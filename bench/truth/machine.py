@@ -132,7 +132,8 @@ def build_machine(scenario: Scenario) -> Machine:
 
 def _built(scenario: Scenario) -> Machine:
     robot, settings = scenario.robot, scenario.settings
-    plain = _compiled(_rigid_spec(robot, settings.step), robot)
+    rigid = _rigid_spec(robot, settings.step)
+    plain = _compiled(rigid.copy(), robot)
     dofs = np.array([plain.joint(joint).dofadr[0] for joint in robot.driven])
     home = home_pose(robot)
     inertia = felt_inertia(plain, home, dofs, len(robot.joints))
@@ -143,7 +144,7 @@ def _built(scenario: Scenario) -> Machine:
     models: dict[str | None, mujoco.MjModel] = {}
     for name in (None, *payloads):
         draft = Draft(
-            _rigid_spec(robot, settings.step),
+            rigid.copy(),
             robot,
             plain,
             home,
