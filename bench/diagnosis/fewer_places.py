@@ -51,7 +51,7 @@ def most_gained(system: System, i: int) -> float:
     effect = candidate.instances[0].effect
     if effect.place in AT_MOTORS:
         return 0.0
-    return system.samples.cost_of_unknowns(len(candidate.columns) - len(effect.parameters))
+    return float(system.samples.cost_of_unknowns(len(candidate.columns) - len(effect.parameters)))
 
 
 def at_its_places(proposal: Proposal, best: AtPlaces) -> Proposal:

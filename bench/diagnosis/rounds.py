@@ -242,11 +242,11 @@ def _rivals(this_round: Round, barred: Collection[str], spared: float) -> list[R
     present = score_set(system, this_round.chosen)
     able = usable(proposals, barred)
     least = present.total - RULE.undecided
-    most = max((float(most_gained(system, i)) for i in able), default=0.0)
+    most = max((most_gained(system, i) for i in able), default=0.0)
     rivals = []
     for neighbour in neighbours(system, present, able, least - most):
         new = [i for i in neighbour.fit.chosen if i not in this_round.chosen]
-        if neighbour.total + sum(float(most_gained(system, i)) for i in new) <= least + spared:
+        if neighbour.total + sum(most_gained(system, i) for i in new) <= least + spared:
             continue
         best = {i: best_places(system, neighbour.fit.chosen, i) for i in new}
         total = neighbour.total + sum(places.gained for places in best.values())
