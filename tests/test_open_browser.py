@@ -183,6 +183,9 @@ def a_doubtful_card_has_its_probability_and_the_command_that_decides(page):
     line = "bench discriminate my_data viscous_friction quadratic_drag -o my_data.motion"
     expect(page.locator("#missing .verdict .command pre")).to_have_text(line)
     expect(page.locator("#missing .verdict .command").get_by_role("button", name="Copy")).to_be_visible()
+    group = page.locator("#effects .effects details").first
+    expect(group.locator("summary")).to_have_text("Named by the diagnosis 1")
+    expect(group.locator(".badge")).to_have_text("indistinguishable")
 
 
 @pytest.mark.slow

@@ -3,6 +3,7 @@
 const Choosing = (() => {
   const {el} = Dom;
   const ESTABLISHED = "Established by the diagnosis";
+  const NAMED = "Named by the diagnosis"; // by the answer, with what it could be instead
   const POSSIBLE = "Possible by the diagnosis";
   const OUT = ["not supported", "absorbed"]; // verdicts that make an effect neither
 
@@ -11,12 +12,12 @@ const Choosing = (() => {
     const verdictOf = (name) => ranking.find((told) => told.effect === name);
     const groupOf = (effect) => {
       const told = verdictOf(effect.name);
-      if (missing.includes(effect.name)) return ESTABLISHED;
+      if (missing.includes(effect.name)) return told?.verdict === "missing" ? ESTABLISHED : NAMED;
       return told && !OUT.includes(told.verdict) ? POSSIBLE : effect.group;
     };
     const rank = (effect) => ranking.findIndex((told) => told.effect === effect.name);
     const list = [...effects].sort((a, b) => rank(a) - rank(b) || a.name.localeCompare(b.name));
-    const made = [ESTABLISHED, POSSIBLE, ...groups].flatMap((title) => {
+    const made = [ESTABLISHED, NAMED, POSSIBLE, ...groups].flatMap((title) => {
       const own = list.filter((effect) => groupOf(effect) === title);
       if (!own.length) return [];
       const boxes = own.map((effect) => ({effect, box: boxOf(effect, verdictOf(effect.name), chosen, changed)}));
@@ -32,7 +33,7 @@ const Choosing = (() => {
       for (const {title, boxes, holder, wanted} of made) {
         for (const {effect, box} of boxes) box.hidden = !matches(effect, text);
         holder.hidden = boxes.every(({box}) => box.hidden);
-        holder.open = text !== "" || wanted || title === ESTABLISHED;
+        holder.open = text !== "" || wanted || [ESTABLISHED, NAMED].includes(title);
       }
       none.hidden = made.some(({holder}) => !holder.hidden);
     };
