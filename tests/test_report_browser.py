@@ -1,5 +1,6 @@
 """The report in a real browser: nothing asked for, nothing wrong, keyboard, colours, phone, paper."""
 
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -100,8 +101,16 @@ def test_where_it_fails_leads_to_the_curves_and_those_of_all_motors_share_a_curs
     curves = page.locator("#currents svg[role=img]")
     expect(curves).to_have_count(len(joints) - 1)
     assert page.locator("#currents .charts h4").all_inner_texts() == joints[:-1]
+    captions = page.locator("#currents .caption")
+    resting = captions.all_inner_texts()
+    assert all(re.match(r"error [\d.]+ %", text) for text in resting)  # the heading has the name
+    before = curves.first.bounding_box()
     curves.first.hover()
-    expect(page.locator("#currents .values:visible")).to_have_count(len(joints) - 1)
+    expect(page.locator("#currents .values:visible")).to_have_count(0)  # nothing hides the curves
+    expect(captions.first).to_have_text(re.compile(r"at .* s.*measured .* A.*error .* A"))
+    assert curves.first.bounding_box() == before
+    page.mouse.move(0, 0)
+    expect(captions.first).to_have_text(resting[0])
     assert page.heard == []
 
 
