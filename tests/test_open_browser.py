@@ -286,6 +286,13 @@ def test_the_same_by_keyboard_and_on_a_phone(look, logs, tmp_path):
         press_until(page, "Tab", "#compare")
         page.keyboard.press("Enter")
         expect(page.locator("#errors .charts svg[role=img]")).to_have_count(1)
+        cells = page.locator("#recordings-table td, #errors td:has(button.place)")
+        assert cells.count() == 2 * 6 + 2 * 2
+        ends = cells.evaluate_all("(all) => all.map((one) => one.getBoundingClientRect().right)")
+        assert max(ends) <= PHONE  # also rate and checks, and all errors that can be clicked
+        expect(page.locator("#recordings-table td[data-head=rate]").first).to_contain_text("Hz")
+        errors = page.locator("#errors td[data-head^=error]").all_inner_texts()
+        assert all(re.search(r"(\d\.\d\d|\d\d\.\d|0\.\d{3}|\d{3}) %$", one) for one in errors)
         model = json.loads((tmp_path / "my_data.results" / "1-compare" / "model.json").read_text())
         gain = model["drive_gains"]["left"]
         row = page.locator("#errors .gains tr", has_text="left")

@@ -75,10 +75,12 @@ const Errors = (() => {
       el(
         "div",
         {class: "part"},
-        Dom.table(["motor", "error", "noise of the current", ...recordings], rows, [
-          "",
-          ...Array.from({length: 2 + recordings.length}, () => "right"),
-        ]),
+        Dom.table(
+          ["motor", "error", "noise of the current", ...recordings],
+          rows,
+          ["", ...Array.from({length: 2 + recordings.length}, () => "right")],
+          "stacked",
+        ),
         recordings.length ? el("p", {class: "aid"}, "An error that is clicked is shown by the curves below.") : "",
       ),
       Gains.part(...gains),

@@ -61,9 +61,9 @@ const ChartBasics = (() => {
 
   const decimalsOf = (std) => Math.min(12, Math.max(0, 1 - Math.floor(Math.log10(std))));
 
-  /* A share as a percentage of three digits. */
+  /* A share as a percentage of three digits, so that those below each other can be compared. */
   function formatPercent(share) {
-    return Number.isFinite(share) ? `${formatNumber(100 * share, 3)} %` : "–";
+    return Number.isFinite(share) ? `${formatDigits(100 * share, 3)} %` : "–";
   }
 
   function valueAt(values, i) {
