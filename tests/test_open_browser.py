@@ -148,6 +148,11 @@ def effects_are_in_groups(page):
     expect(page.locator("#effects input:checked")).to_have_count(1)
     page.get_by_label("Search effects").fill("backlash")
     expect(page.locator("#effects .effects fieldset:visible")).to_have_text(re.compile("^Backlash"))
+    found = page.locator("#effects .effects details:visible")
+    expect(found.locator("summary")).to_have_text(re.compile(r" 1 of \d+$"))
+    rules = "(all) => all.map((one) => getComputedStyle(one).borderBottomWidth)"
+    shown = page.locator("#effects .effects fieldset:visible")
+    assert {*found.evaluate_all(rules), *shown.evaluate_all(rules)} == {"0px"}  # no rule below the last
     page.get_by_label("Search effects").fill("nonsense")
     expect(page.locator("#effects .effects")).to_contain_text("No effect is called so.")
     page.get_by_label("Search effects").fill("")

@@ -21,18 +21,20 @@ const Choosing = (() => {
       const own = list.filter((effect) => groupOf(effect) === title);
       if (!own.length) return [];
       const boxes = own.map((effect) => ({effect, box: boxOf(effect, verdictOf(effect.name), chosen, changed)}));
-      const count = el("span", {class: "name"}, ` ${own.length}`);
+      const count = el("span", {class: "name"});
       const holder = el("details", {}, el("summary", {}, title, count), ...boxes.map(({box}) => box));
       const wanted = own.some((effect) => [...chosen].some((request) => request.split(":")[0] === effect.name));
-      return [{title, boxes, holder, wanted}];
+      return [{title, boxes, count, holder, wanted}];
     });
     const none = el("p", {class: "aid", hidden: true}, "No effect is called so.");
     const search = el("input", {type: "search", placeholder: "Search effects", "aria-label": "Search effects"});
     const show = () => {
       const text = search.value.trim().toLowerCase();
-      for (const {title, boxes, holder, wanted} of made) {
+      for (const {title, boxes, count, holder, wanted} of made) {
         for (const {effect, box} of boxes) box.hidden = !matches(effect, text);
-        holder.hidden = boxes.every(({box}) => box.hidden);
+        const shown = boxes.filter(({box}) => !box.hidden).length;
+        count.textContent = shown < boxes.length ? ` ${shown} of ${boxes.length}` : ` ${shown}`;
+        holder.hidden = !shown;
         holder.open = text !== "" || wanted || [ESTABLISHED, NAMED].includes(title);
       }
       none.hidden = made.some(({holder}) => !holder.hidden);
