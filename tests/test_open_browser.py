@@ -86,7 +86,10 @@ def import_by_mouse(page, log, payload, *, again=False):
 def export_by_mouse(page):
     """A model as MJCF, what the command says of it, and the file beside it."""
     page.locator("#effects .export").click()
-    expect(page.locator("#effects .exported")).to_contain_text("the identified base parameters")
+    row = page.locator("#effects .row:has(> #apply):has(> .export)")
+    expect(row.locator("xpath=following-sibling::div[1]").locator(".exported")).to_contain_text(
+        "the identified base parameters"
+    )
     for name, content in ((".xml", b"<mujoco"), (".twin.json", b'"five_bar"')):
         with page.expect_download() as kept:
             page.locator("#effects").get_by_role("link", name=name).click()

@@ -98,17 +98,18 @@ const Effects = (() => {
       "Identify with these",
     );
     const parts = [el("h3", {}, title)];
-    if (fault) parts.push(Dom.outcome(fault));
     if (job) {
       tried = {model: job.files.model, effects: asked.effects};
       const [found, base] = await Promise.all([Server.file(job.files.model), baseModel()]);
       if (mine !== asking) return;
-      parts.push(...numbers(found, base), Dom.command(job.line), apply());
+      parts.push(...numbers(found, base), Dom.command(job.line), ...apply());
     } else {
       const {line, fault: lacks} = await Server.offer("", () => asked);
       if (mine !== asking) return;
       go.disabled = line === null;
-      parts.push(el("div", {class: "row"}, go, lacks), line === null ? "" : Dom.command(line));
+      parts.push(el("div", {class: "row"}, go, lacks));
+      if (fault) parts.push(Dom.outcome(fault));
+      if (line !== null) parts.push(Dom.command(line));
     }
     holder.classList.remove("waiting");
     holder.replaceChildren(...parts);
@@ -172,13 +173,10 @@ const Effects = (() => {
       },
       "Apply and compare",
     );
-    return el(
-      "div",
-      {class: "row"},
-      button,
-      el("a", {href: `files/${Server.address(tried.model)}`, download: true}, "Download the model with these effects"),
-      Errors.exporting(tried.model),
-    );
+    const {controls, said: exported} = Errors.exporting(tried.model);
+    const href = `files/${Server.address(tried.model)}`;
+    const link = el("a", {href, download: true}, "Download the model with these effects");
+    return [el("div", {class: "row"}, button, ...controls, link), exported];
   }
 
   /* The model that a diagnosis found, compared: what its ticks give, and its laws as well. */
@@ -194,7 +192,8 @@ const Effects = (() => {
       },
       "Apply what was found",
     );
-    return el("div", {}, el("div", {class: "row"}, button, Errors.exporting(model)), el("div", {id: FOUND}));
+    const {controls, said: exported} = Errors.exporting(model);
+    return el("div", {}, el("div", {class: "row"}, button, ...controls), exported, el("div", {id: FOUND}));
   }
 
   /* The comparison with the model that was applied, beside the one before. */

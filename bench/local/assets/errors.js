@@ -150,7 +150,7 @@ const Errors = (() => {
     );
   }
 
-  /* A model for other programs: its form, the command, and the file that came of it. */
+  /* A model for other programs: its form and the button of a row; below that row, the command and the file that came of it. */
   function exporting(model) {
     const forms = [
       ["mjcf", "MuJoCo (MJCF)"],
@@ -181,7 +181,7 @@ const Errors = (() => {
       "Export",
     );
     const choice = Dom.select(forms, form, (value) => (form = value), {"aria-label": "Form of the export"});
-    return el("div", {}, el("div", {class: "row"}, choice, button), said);
+    return {controls: [choice, button], said};
   }
 
   return {start, render, exporting, show, curves, links};
