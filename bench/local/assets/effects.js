@@ -84,9 +84,11 @@ const Effects = (() => {
     let job = models.get(key),
       fault = null;
     if (!job && now) {
-      const running = el("div", {class: "running"}, ...Step.progress(null));
-      holder.prepend(running);
-      job = await Server.run(asked, (heard) => running.replaceChildren(...Step.progress(heard)));
+      const [running, show] = Step.progress();
+      const row = holder.querySelector(".row");
+      if (row) row.after(running);
+      else holder.prepend(running);
+      job = await Server.run(asked, show).finally(() => running.remove());
       if (job.state === "done") models.set(key, job);
       else [fault, job] = [job, null];
     }

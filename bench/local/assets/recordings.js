@@ -184,7 +184,9 @@ const Recordings = (() => {
         class: "small",
         disabled: !form.robot,
         click: async () => {
-          checked.replaceChildren(Dom.outcome(await Server.run({step: "robot", robot: form.robot})));
+          checked.replaceChildren();
+          const job = await Step.run(check, {step: "robot", robot: form.robot});
+          if (job.state === "done") checked.replaceChildren(Dom.outcome(job));
           checked.querySelector("details")?.setAttribute("open", "");
         },
       },
