@@ -408,7 +408,7 @@ def test_names_are_shown_as_they_are_and_never_as_markup(look, tmp_path):
         held = []
         page.route("**/api/look/columns", lambda route: held.append(route))  # noqa: PLW0108 - it is given attributes
         page.locator("#robot").select_option("five_bar")
-        expect(page.locator("#add-log [role=status]")).to_contain_text(f"Reading {evil} (28 bytes).")
+        expect(page.locator("#add-log [role=status]")).to_contain_text(f"Reading {evil} (1 kB).")
         while not held:
             page.wait_for_timeout(10)
         held[0].continue_()
