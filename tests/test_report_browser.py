@@ -114,6 +114,15 @@ def test_where_it_fails_leads_to_the_curves_and_those_of_all_motors_share_a_curs
     assert page.heard == []
 
 
+def test_a_rounded_zero_has_no_sign_and_level_errors_are_a_condition(look):
+    page = look()
+    known = page.evaluate(
+        "[[-1e-8, 6.6e-5], [-0.004, 0.0012]].map((pair) => ChartBasics.formatKnown(...pair))"
+    )
+    assert known == ["0.000000", "−0.0040"]
+    assert "If level with the band, nothing depends on it." in page.locator("#figures").text_content()
+
+
 def landed(page, name):
     """How far the heading of a section stands from where a link should bring it, px, once the page is still."""
     page.evaluate("""async () => {

@@ -78,8 +78,7 @@ const Results = (() => {
   /* A gain with its interval, to the digits that its deviation supports. */
   function gain(found) {
     if (!found.interval || !Dom.determined(found)) return quantity(found);
-    const digits = Math.min(12, Math.max(0, 1 - Math.floor(Math.log10(found.std))));
-    const ends = found.interval.map((end) => end.toFixed(digits).replace("-", "−"));
+    const ends = found.interval.map((end) => ChartBasics.formatKnown(end, found.std));
     return `${quantity(found)} [${ends.join(", ")}]`;
   }
 

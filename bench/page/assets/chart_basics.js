@@ -54,9 +54,10 @@ const ChartBasics = (() => {
     return plain ? value.toPrecision(digits).replace("-", "−") : formatNumber(value, digits);
   }
 
-  /* A number to the digits that its standard deviation supports: two of the deviation's. */
+  /* A number to the digits that its standard deviation supports: two of the deviation's. Zero has no sign. */
   function formatKnown(value, std) {
-    return value.toFixed(decimalsOf(std)).replace("-", "−");
+    const text = value.toFixed(decimalsOf(std));
+    return Number(text) ? text.replace("-", "−") : text.replace("-", "");
   }
 
   const decimalsOf = (std) => Math.min(12, Math.max(0, 1 - Math.floor(Math.log10(std))));
