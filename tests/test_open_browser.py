@@ -446,6 +446,21 @@ def test_a_page_says_what_cannot_be_and_when_its_server_is_gone(look, logs, tmp_
     expect(page.locator("#job")).to_be_hidden()
 
 
+def test_later_steps_of_a_dataset_whose_robot_has_moved_refer_to_the_reason(look, logs, tmp_path):
+    shutil.copytree(logs / "truth", tmp_path / "data")
+    toml = tmp_path / "data" / "dataset.toml"
+    toml.write_text(re.sub(r"(?m)^robot = .*$", 'robot = "../moved"', toml.read_text()))
+    with opened(tmp_path) as site:
+        page = look(site)
+        expect(page.locator("#recordings-table .fault")).to_contain_text(
+            "neither a built-in robot nor a folder"
+        )
+        for step in ("errors", "missing", "effects"):
+            expect(page.locator(f"#{step}")).to_contain_text(
+                "This dataset cannot be read: step 1 has the reason."
+            )
+
+
 def test_a_second_browser_hears_of_what_the_first_does(look, logs, tmp_path):
     with opened(tmp_path) as site:
         first, second = look(site), look(site, dark=True)

@@ -24,7 +24,7 @@ const Effects = (() => {
   async function render() {
     const mine = ++round;
     if (!app.described) {
-      for (const part of [missing, body]) Dom.later(part, true, "First a dataset is needed.");
+      for (const part of [missing, body]) Dom.later(part, true, app.awaited());
       return;
     }
     const run = app.latest("diagnosis", () => true);

@@ -14,7 +14,7 @@ const Errors = (() => {
 
   async function render() {
     const mine = ++round;
-    if (!app.described) return Dom.later(body, true, "First a dataset is needed.");
+    if (!app.described) return Dom.later(body, true, app.awaited());
     const asked = {step: "compare", dataset: app.dataset};
     const {line, fault} = await Server.offer("", () => asked);
     const run = app.latest("compare", (job) => !job.applied);

@@ -12,6 +12,7 @@
     refresh,
     choose,
     latest,
+    awaited,
   };
   let numbers = null; // of the commands of other pages that are done
 
@@ -40,6 +41,11 @@
 
   function choose(dataset) {
     return refresh(dataset);
+  }
+
+  /* What later steps wait for where no dataset could be described. */
+  function awaited() {
+    return app.fault ? "This dataset cannot be read: step 1 has the reason." : "First a dataset is needed.";
   }
 
   /* The newest run of a kind in the results of the dataset that is shown. */
