@@ -449,6 +449,9 @@ def test_a_page_says_what_cannot_be_and_when_its_server_is_gone(look, logs, tmp_
 def test_later_steps_of_a_dataset_whose_robot_has_moved_refer_to_the_reason(look, logs, tmp_path):
     shutil.copytree(logs / "truth", tmp_path / "data")
     toml = tmp_path / "data" / "dataset.toml"
+    model = tmp_path / "data.results" / "model-1.json"
+    model.parent.mkdir()
+    assert main(["identify", str(toml.parent), "--with", LEFT, "--json", str(model)]) == 0
     toml.write_text(re.sub(r"(?m)^robot = .*$", 'robot = "../moved"', toml.read_text()))
     with opened(tmp_path) as site:
         page = look(site)

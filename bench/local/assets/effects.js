@@ -54,7 +54,7 @@ const Effects = (() => {
   }
 
   function spoken(name) {
-    const known = app.described.effects.find((effect) => effect.name === name);
+    const known = app.described?.effects.find((effect) => effect.name === name);
     return known ? known.spoken : name.replace(/_/g, " ");
   }
 
