@@ -207,6 +207,7 @@ def test_a_reason_carries_its_size_in_torque_and_in_percent(found):
     text = reason(found, VISCOUS)
     assert text.startswith(reason_sentence(VISCOUS).rstrip("."))
     assert f"0.33 N·m at left ({100 * 0.33 / torque:.2g} % of its torque)" in text
+    assert "; viscous friction has an RMS of 0.33" in text  # "it" could be an alternative
     assert text.endswith("removes 99 % of the squared error.")
     assert error_share(VISCOUS) == pytest.approx(0.99)
     assert (

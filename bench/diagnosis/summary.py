@@ -289,7 +289,8 @@ def reason(diagnosis: Diagnosis, verdict: EffectVerdict) -> str:
     ]
     share = error_share(verdict)
     taken = "" if share is None else f" and removes {_most(share)} of the squared error"
-    return f"{reason_sentence(verdict).rstrip('.')}; it has an RMS of {and_list(sizes)}{taken}."
+    said = reason_sentence(verdict).rstrip(".")
+    return f"{said}; {spoken(verdict.effect)} has an RMS of {and_list(sizes)}{taken}."
 
 
 def error_share(verdict: EffectVerdict) -> float | None:
