@@ -103,7 +103,7 @@ def test_where_it_fails_leads_to_the_curves_and_those_of_all_motors_share_a_curs
     assert page.locator("#currents .charts h4").all_inner_texts() == joints[:-1]
     captions = page.locator("#currents .caption")
     resting = captions.all_inner_texts()
-    assert all(re.match(r"error [\d.]+ %", text) for text in resting)  # the heading has the name
+    assert all(re.match(r"error [\d.]+\s%", text) for text in resting)  # the heading has the name
     before = curves.first.bounding_box()
     curves.first.hover()
     expect(page.locator("#currents .values:visible")).to_have_count(0)  # nothing hides the curves

@@ -66,7 +66,7 @@ const ChartCursor = (() => {
     };
     if (caption) {
       show((box.left + box.right) / 2); // as high as with values, so that the plot does not move
-      caption.style.minHeight = `${caption.offsetHeight}px`;
+      caption.style.minHeight = `${Math.ceil(caption.getBoundingClientRect().height)}px`;
       chart.unpoint();
     }
     const leave = () => {
