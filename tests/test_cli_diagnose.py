@@ -33,6 +33,7 @@ from bench.effects import CATALOGUE, EffectInstance
 from bench.identification.model_file import apply_model, load_model
 from bench.identification.problem import problem_of
 from bench.identification.result import Quantity, relative_error
+from bench.page.verdict import diagnosis_verdict
 from bench.residuals.motor import compared
 from tests.diagnosis_kit import OTHERS, VISCOUS, found_diagnosis
 from tests.shown import dataset_of
@@ -149,6 +150,22 @@ def test_alternatives_are_said_to_be_beyond_these_recordings(found):
     )
 
 
+def test_an_improbable_alternative_is_said_to_be_less_probable_but_not_excluded(found):
+    named = replace(VISCOUS, verdict="indistinguishable", alternatives=("current_delay",), probability=0.997)
+    rival = replace(OTHERS[0], probability=0.003)
+    both = replace(found, ranking=(named, rival, *OTHERS[1:]))
+    assert "current delay in its place is less probable (< 0.01), but" in reason_sentence(named)
+    assert reason_sentence(rival) == (
+        "Current delay in place of viscous friction is less probable (< 0.01), but these data do not exclude it."
+    )
+    said = " ".join(summary_sentences(both))
+    assert "could also be current delay, which is less probable (< 0.01), but not excluded." in said
+    assert "odds of 20,000 to 1; a probability of 0.99 is odds of 100 to 1" in " ".join(printed(both).split())
+    assert "current delay, which is less probable (< 0.01)" in " ".join(diagnosis_verdict(both))
+    assert "as well as" in reason_sentence(replace(rival, probability=0.3))
+    assert "cannot distinguish it from" in reason_sentence(replace(named, probability=0.7))
+
+
 def test_nominal_gains_hold_the_verdict_back(found):
     nominal = replace(found, after=replace(found.after, gains_fitted=False))
     said = " ".join(summary_sentences(nominal))
@@ -190,6 +207,7 @@ def test_a_reason_carries_its_size_in_torque_and_in_percent(found):
     text = reason(found, VISCOUS)
     assert text.startswith(reason_sentence(VISCOUS).rstrip("."))
     assert f"0.33 N·m at left ({100 * 0.33 / torque:.2g} % of its torque)" in text
+    assert "; viscous friction has an RMS of 0.33" in text  # "it" could be an alternative
     assert text.endswith("removes 99 % of the squared error.")
     assert error_share(VISCOUS) == pytest.approx(0.99)
     assert (

@@ -86,7 +86,10 @@ def import_by_mouse(page, log, payload, *, again=False):
 def export_by_mouse(page):
     """A model as MJCF, what the command says of it, and the file beside it."""
     page.locator("#effects .export").click()
-    expect(page.locator("#effects .exported")).to_contain_text("the identified base parameters")
+    row = page.locator("#effects .row:has(> #apply):has(> .export)")
+    expect(row.locator("xpath=following-sibling::div[1]").locator(".exported")).to_contain_text(
+        "the identified base parameters"
+    )
     for name, content in ((".xml", b"<mujoco"), (".twin.json", b'"five_bar"')):
         with page.expect_download() as kept:
             page.locator("#effects").get_by_role("link", name=name).click()
@@ -113,8 +116,8 @@ def curves_go_where_one_clicks_and_share_a_cursor(page):
     curves = page.locator("#errors .charts svg[role=img]")
     expect(curves).to_have_count(2)
     curves.nth(0).hover()
-    expect(page.locator("#errors .values:visible")).to_have_count(2)
-    times = page.locator("#errors .values p:first-child").all_inner_texts()
+    expect(page.locator("#errors .values:visible")).to_have_count(0)  # nothing hides the curves
+    times = page.locator("#errors .caption span:first-child").all_inner_texts()
     first, second = (float(re.search(r"[\d.]+", time).group()) for time in times)
     assert abs(first - second) < 0.2  # the nearest sample that is not in a gap
     box = curves.nth(1).bounding_box()
@@ -125,6 +128,21 @@ def curves_go_where_one_clicks_and_share_a_cursor(page):
     expect(page.get_by_role("button", name="Show all of it")).to_have_count(2)
     motor.select_option("left")
     expect(curves).to_have_count(1)
+
+
+def progress_is_at_its_button_and_in_other_pages_apart(page, other):
+    """One bar, with a button that cancels; after that, the diagnosis runs again."""
+    page.locator("#diagnose").click()
+    expect(page.locator("#missing .row:has(> #diagnose) + .running progress")).to_be_visible()
+    expect(other.locator("#job progress")).to_be_visible()
+    expect(page.locator("#job")).to_be_hidden()
+    page.locator("#missing .running").get_by_role("button", name="Cancel").click()
+    expect(page.locator("#missing .row:has(> #diagnose) + .over")).to_contain_text("Cancelled")
+    expect(other.locator("#job")).to_be_hidden()
+    other.close()
+    page.locator("#diagnose").click()
+    expect(page.locator("#missing .running")).to_have_count(1)
+    expect(page.locator("#missing .over")).to_have_count(0)
 
 
 def the_diagnosis_has_a_card_for_its_effect(page):
@@ -148,6 +166,11 @@ def effects_are_in_groups(page):
     expect(page.locator("#effects input:checked")).to_have_count(1)
     page.get_by_label("Search effects").fill("backlash")
     expect(page.locator("#effects .effects fieldset:visible")).to_have_text(re.compile("^Backlash"))
+    found = page.locator("#effects .effects details:visible")
+    expect(found.locator("summary")).to_have_text(re.compile(r" 1 of \d+$"))
+    rules = "(all) => all.map((one) => getComputedStyle(one).borderBottomWidth)"
+    shown = page.locator("#effects .effects fieldset:visible")
+    assert {*found.evaluate_all(rules), *shown.evaluate_all(rules)} == {"0px"}  # no rule below the last
     page.get_by_label("Search effects").fill("nonsense")
     expect(page.locator("#effects .effects")).to_contain_text("No effect is called so.")
     page.get_by_label("Search effects").fill("")
@@ -183,6 +206,9 @@ def a_doubtful_card_has_its_probability_and_the_command_that_decides(page):
     line = "bench discriminate my_data viscous_friction quadratic_drag -o my_data.motion"
     expect(page.locator("#missing .verdict .command pre")).to_have_text(line)
     expect(page.locator("#missing .verdict .command").get_by_role("button", name="Copy")).to_be_visible()
+    group = page.locator("#effects .effects details").first
+    expect(group.locator("summary")).to_have_text("Named by the diagnosis 1")
+    expect(group.locator(".badge")).to_have_text("indistinguishable")
 
 
 @pytest.mark.slow
@@ -206,8 +232,7 @@ def test_from_an_empty_folder_to_the_applied_model_by_mouse(look, logs, tmp_path
         expect(page.locator("#errors .said").first).to_contain_text("motor left: error")
         expect(page.locator("#errors .charts svg[role=img]")).to_have_count(1)
         curves_go_where_one_clicks_and_share_a_cursor(page)
-        page.locator("#diagnose").click()
-        expect(page.locator("#job progress")).to_be_visible()
+        progress_is_at_its_button_and_in_other_pages_apart(page, look(site))
         the_diagnosis_has_a_card_for_its_effect(page)
         expect(page.locator("#job")).to_be_hidden()
         effects_are_in_groups(page)
@@ -249,6 +274,17 @@ def press_until(page, key, wanted, most=200):
     raise AssertionError(f"no way to {wanted} by {key}")
 
 
+def tables_are_stacked_on_a_phone(page):
+    """Rate and checks of the recordings, and all errors that can be clicked, are on the screen."""
+    cells = page.locator("#recordings-table td, #errors td:has(button.place)")
+    assert cells.count() == 2 * 6 + 2 * 2
+    ends = cells.evaluate_all("(all) => all.map((one) => one.getBoundingClientRect().right)")
+    assert max(ends) <= PHONE
+    expect(page.locator("#recordings-table td[data-head=rate]").first).to_contain_text("Hz")
+    errors = page.locator("#errors td[data-head^=error]").all_inner_texts()
+    assert all(re.search(r"(\d\.\d\d|\d\d\.\d|0\.\d{3}|\d{3}) %$", one) for one in errors)
+
+
 def test_the_same_by_keyboard_and_on_a_phone(look, logs, tmp_path):
     names = {"time": "t_ms", "position.left": "q_left", "position.right": "q_right"}
     names |= {"current.left": "i_left", "current.right": "i_right"}
@@ -283,11 +319,11 @@ def test_the_same_by_keyboard_and_on_a_phone(look, logs, tmp_path):
         press_until(page, "Tab", "#compare")
         page.keyboard.press("Enter")
         expect(page.locator("#errors .charts svg[role=img]")).to_have_count(1)
+        tables_are_stacked_on_a_phone(page)
         model = json.loads((tmp_path / "my_data.results" / "1-compare" / "model.json").read_text())
         gain = model["drive_gains"]["left"]
         row = page.locator("#errors .gains tr", has_text="left")
-        expect(row).to_contain_text(f"{gain['value']:.4f}"[:4])
-        expect(row).to_contain_text("±")
+        expect(row).to_contain_text(re.compile(rf"{gain['value']:.4f}"[:4] + ".* ± "))
         press_until(page, "Tab", "#effects summary")
         page.keyboard.press("Enter")
         press_until(page, "Tab", "#effects input[type=search]")
@@ -372,7 +408,7 @@ def test_names_are_shown_as_they_are_and_never_as_markup(look, tmp_path):
         held = []
         page.route("**/api/look/columns", lambda route: held.append(route))  # noqa: PLW0108 - it is given attributes
         page.locator("#robot").select_option("five_bar")
-        expect(page.locator("#add-log [role=status]")).to_contain_text(f"Reading {evil}: a large log")
+        expect(page.locator("#add-log [role=status]")).to_contain_text(f"Reading {evil} (1 kB).")
         while not held:
             page.wait_for_timeout(10)
         held[0].continue_()
@@ -408,6 +444,24 @@ def test_a_page_says_what_cannot_be_and_when_its_server_is_gone(look, logs, tmp_
     expect(page.locator("#banner")).to_contain_text("If it was ended, so was what ran")
     expect(page.locator("#banner")).to_contain_text("start it again with: bench open")
     expect(page.locator("#job")).to_be_hidden()
+
+
+def test_later_steps_of_a_dataset_whose_robot_has_moved_refer_to_the_reason(look, logs, tmp_path):
+    shutil.copytree(logs / "truth", tmp_path / "data")
+    toml = tmp_path / "data" / "dataset.toml"
+    model = tmp_path / "data.results" / "model-1.json"
+    model.parent.mkdir()
+    assert main(["identify", str(toml.parent), "--with", LEFT, "--json", str(model)]) == 0
+    toml.write_text(re.sub(r"(?m)^robot = .*$", 'robot = "../moved"', toml.read_text()))
+    with opened(tmp_path) as site:
+        page = look(site)
+        expect(page.locator("#recordings-table .fault")).to_contain_text(
+            "neither a built-in robot nor a folder"
+        )
+        for step in ("errors", "missing", "effects"):
+            expect(page.locator(f"#{step}")).to_contain_text(
+                "This dataset cannot be read: step 1 has the reason."
+            )
 
 
 def test_a_second_browser_hears_of_what_the_first_does(look, logs, tmp_path):

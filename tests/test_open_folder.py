@@ -35,6 +35,7 @@ def test_everything_is_found_for_what_it_is(tmp_path):
     assert found.mjcfs == ["mine.xml"]
     assert found.datasets == ["data"]
     assert found.logs == ["log.csv", "more/log.mat"]
+    assert found.sizes == {"log.csv": 0, "more/log.mat": 0}
     assert found.runs == ["data.results/1-compare"]
     assert found.models == ["data.results/2-diagnosis-model.json", "data.results/model-3.json"]
     assert set(found.robots) == {*built_in_robots(), "arm"}

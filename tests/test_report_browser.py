@@ -1,5 +1,6 @@
 """The report in a real browser: nothing asked for, nothing wrong, keyboard, colours, phone, paper."""
 
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -100,9 +101,26 @@ def test_where_it_fails_leads_to_the_curves_and_those_of_all_motors_share_a_curs
     curves = page.locator("#currents svg[role=img]")
     expect(curves).to_have_count(len(joints) - 1)
     assert page.locator("#currents .charts h4").all_inner_texts() == joints[:-1]
+    captions = page.locator("#currents .caption")
+    resting = captions.all_inner_texts()
+    assert all(re.match(r"error [\d.]+\s%", text) for text in resting)  # the heading has the name
+    before = curves.first.bounding_box()
     curves.first.hover()
-    expect(page.locator("#currents .values:visible")).to_have_count(len(joints) - 1)
+    expect(page.locator("#currents .values:visible")).to_have_count(0)  # nothing hides the curves
+    expect(captions.first).to_have_text(re.compile(r"at .* s.*measured .* A.*error .* A"))
+    assert curves.first.bounding_box() == before
+    page.mouse.move(0, 0)
+    expect(captions.first).to_have_text(resting[0])
     assert page.heard == []
+
+
+def test_a_rounded_zero_has_no_sign_and_level_errors_are_a_condition(look):
+    page = look()
+    known = page.evaluate(
+        "[[-1e-8, 6.6e-5], [-0.004, 0.0012]].map((pair) => ChartBasics.formatKnown(...pair))"
+    )
+    assert known == ["0.000000", "−0.0040"]
+    assert "If level with the band, nothing depends on it." in page.locator("#figures").text_content()
 
 
 def landed(page, name):

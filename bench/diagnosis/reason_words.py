@@ -7,6 +7,7 @@ from bench.diagnosis.reason import Because, Doubt
 from bench.diagnosis.result import Diagnosis, EffectVerdict, Remainder, Unexplained
 from bench.effects.display_names import begun, spoken
 from bench.identification.decision import RULE
+from bench.identification.tolerances import TOLERANCES
 
 DOUBTS: Mapping[Doubt, str] = {
     Doubt.MUCH_LEFT: "a large error remains that no effect of the catalogue explains, and this effect may only "
@@ -22,6 +23,26 @@ def reason_sentence(verdict: EffectVerdict) -> str:
     words = WORDS[verdict.why.because]
     said = _filled(words, verdict) if isinstance(words, str) else words(verdict)
     return f"{'; '.join([said, *doubts])}."
+
+
+def probability_text(probability: float) -> str:
+    """A probability with two digits, but never as 0 or 1."""
+    least = TOLERANCES.report.set_probability
+    if probability < least:
+        return f"< {least:g}"
+    return f"> {1.0 - least:g}" if probability > 1.0 - least else f"{probability:.2f}"
+
+
+def less_probable(verdict: EffectVerdict) -> str:
+    """How the less probable side of an indistinguishable pair is qualified; "" if neither side is improbable.
+
+    For an identified effect, its alternatives, in whose sets it is not; for another, that effect itself.
+    """
+    if verdict.probability is None:
+        return ""
+    named = verdict.why.because is Because.EXPLAINS
+    probability = 1.0 - verdict.probability if named else verdict.probability
+    return f"less probable ({probability_text(probability)})" if probability <= 1.0 - RULE.sure else ""
 
 
 def validated_on(diagnosis: Diagnosis) -> str:
@@ -67,8 +88,21 @@ def _explains(verdict: EffectVerdict) -> str:
         f"With {spoken(verdict.effect)}{at} the error of recordings that were not fitted falls "
         f"from {in_percent(verdict.error_before)} to {in_percent(verdict.error_after)} of the current"
     )
-    others = _alternatives(verdict)
+    others, less = _alternatives(verdict), less_probable(verdict)
+    if verdict.alternatives and less:
+        return f"{said}; {others} in its place is {less}, but these data do not exclude it"
     return f"{said}; these data cannot distinguish it from {others}" if verdict.alternatives else said
+
+
+def _as_good(verdict: EffectVerdict) -> str:
+    others, less = (
+        _alternatives(verdict) if verdict.alternatives else "the chosen effects",
+        less_probable(verdict),
+    )
+    name = begun(verdict.effect)
+    if less:
+        return f"{name} in place of {others} is {less}, but these data do not exclude it"
+    return f"{name} would explain the data as well as {others}: these recordings cannot distinguish them"
 
 
 def _filled(template: str, verdict: EffectVerdict) -> str:
@@ -98,7 +132,7 @@ VALIDATED = " on recordings that were not fitted ({before:%} to {after:%})"
 
 WORDS: Mapping[Because, str | Callable[[EffectVerdict], str]] = {
     Because.EXPLAINS: _explains,
-    Because.AS_GOOD: "{begun} would explain the data as well as {others}: these recordings cannot distinguish them",
+    Because.AS_GOOD: _as_good,
     Because.AS_GOOD_AS_A_LAW: "{begun} would explain the data as well as the discovered law{at}: these recordings "
     "cannot distinguish them",
     Because.GAINS_NOTHING: "Adding {spoken} improves nothing" + VALIDATED,

@@ -15,7 +15,7 @@ from bench.diagnosis.dependence_words import (
     usual_sentence,
 )
 from bench.diagnosis.law_words import law_sentences
-from bench.diagnosis.reason_words import reason_sentence, unexplained_words, validated_on
+from bench.diagnosis.reason_words import less_probable, reason_sentence, unexplained_words, validated_on
 from bench.diagnosis.result import Diagnosis, EffectVerdict, Remainder, Unfinished
 from bench.effects.display_names import spoken, telling_motions
 from bench.identification.decision import RULE, deciding_by
@@ -262,10 +262,12 @@ def _cannot_tell(verdict: EffectVerdict, missing: Sequence[EffectVerdict]) -> st
     """Alternatives of an effect, and how to decide."""
     motions = "; ".join(telling_motions([verdict.effect, *verdict.alternatives])[: TOLERANCES.report.motions])
     options = "".join(f" --with {other.effect}" for other in missing if other is not verdict)
+    less = less_probable(verdict)
+    doubt = f", which is {less}, but not excluded" if less else ": these recordings cannot distinguish them"
     return (
         f"Instead of {spoken(verdict.effect)} the cause could also be "
-        f"{or_list([spoken(name) for name in verdict.alternatives])}: "
-        f"these recordings cannot distinguish them. To distinguish them: {motions}. The motion is designed by "
+        f"{or_list([spoken(name) for name in verdict.alternatives])}{doubt}. "
+        f"To distinguish them: {motions}. The motion is designed by "
         f"`bench discriminate DATASET {verdict.effect} {verdict.alternatives[0]}{options} -o DIR`."
     )
 
@@ -287,7 +289,8 @@ def reason(diagnosis: Diagnosis, verdict: EffectVerdict) -> str:
     ]
     share = error_share(verdict)
     taken = "" if share is None else f" and removes {_most(share)} of the squared error"
-    return f"{reason_sentence(verdict).rstrip('.')}; it has an RMS of {and_list(sizes)}{taken}."
+    said = reason_sentence(verdict).rstrip(".")
+    return f"{said}; {spoken(verdict.effect)} has an RMS of {and_list(sizes)}{taken}."
 
 
 def error_share(verdict: EffectVerdict) -> float | None:

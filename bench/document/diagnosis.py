@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 from itertools import pairwise
 
+from bench.diagnosis.reason_words import probability_text
 from bench.diagnosis.result import Diagnosis, EffectVerdict
 from bench.diagnosis.summary import effort_unit, error_share, motor_torques
 from bench.document.layout import TEXT
@@ -11,6 +12,11 @@ from bench.document.table import PLAIN, Column, Mark, Table
 from bench.effects.display_names import spoken
 from bench.effects.select import TAG
 from bench.identification.result import Identification, Quantity
+
+INDISTINGUISHABLE = (
+    "indistinguishable: these data do not exclude the alternatives, which takes odds of 20,000 to 1; a probability of "
+    "0.99 is odds of 100 to 1"
+)
 
 
 def step_labels(steps: Sequence[Sequence[str]]) -> list[str]:
@@ -81,13 +87,6 @@ def ranking_table(diagnosis: Diagnosis, verdicts: Sequence[EffectVerdict] | None
 
 def _probability(verdict: EffectVerdict) -> str:
     return "" if verdict.probability is None else probability_text(verdict.probability)
-
-
-def probability_text(probability: float) -> str:
-    """A probability with two digits, but never as 0 or 1."""
-    if probability < TEXT.probability:
-        return f"< {TEXT.probability:g}"
-    return f"> {1.0 - TEXT.probability:g}" if probability > 1.0 - TEXT.probability else f"{probability:.2f}"
 
 
 def something_else_words(diagnosis: Diagnosis) -> str:

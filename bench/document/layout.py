@@ -48,7 +48,6 @@ class TextLayout:
 
     alternatives: int = 4  # listed in a cell
     certain: float = 0.95  # probability, from which a place is listed without its probability
-    probability: float = 0.01  # distance from 0 or 1, below which no digits are shown
     zero: float = 1e-6  # evidence in nats, or a share: a smaller one is rounding
     moved: int = 6  # parameters that are listed
     unsupported: int = 4  # effects that the data do not support, shown with the supported ones

@@ -48,7 +48,7 @@ def value_and_std(value: float, std: float) -> tuple[str, str]:
     decimals = 1 - leading
     if leading < -6 or large:
         return f"{value:.4e}", f"{std:.1e}"
-    return f"{value:.{max(decimals, 0)}f}", f"{std:.{max(decimals, 0)}f}"
+    return f"{value:z.{max(decimals, 0)}f}", f"{std:.{max(decimals, 0)}f}"
 
 
 def percent(share: float | None, *, signed: bool = False) -> str:

@@ -93,4 +93,4 @@ def _interval_text(gain: DriveGain) -> str:
     if ends is None or not gain.determined:
         return quantity_text(gain)
     digits = max(0, len(quantity_text(gain).partition(" ")[0].partition(".")[2]))
-    return f"{gain.value:.{digits}f} [{ends[0]:.{digits}f}, {ends[1]:.{digits}f}]"
+    return f"{gain.value:z.{digits}f} [{ends[0]:z.{digits}f}, {ends[1]:z.{digits}f}]"

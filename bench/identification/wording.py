@@ -14,7 +14,7 @@ def with_error(value: float, std: float) -> str:
     digits = 1 - math.floor(math.log10(std))
     std = round(std, digits)
     digits = max(0, 1 - math.floor(math.log10(std)))  # 0.0996 is 0.10
-    return f"{value:.{digits}f} ± {std:.{digits}f}"
+    return f"{value:z.{digits}f} ± {std:.{digits}f}"
 
 
 def motor_words(joint: str) -> str:

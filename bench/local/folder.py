@@ -32,12 +32,14 @@ LARGEST = 1 << 30  # bytes of one log
 class FolderEntry:
     """Contents of the folder, as paths relative to it, with slashes.
 
-    robots: name or path -> label; runs: folders of results, oldest first; models: model files next to them. mjcfs: MJCF
-    files without a robot.toml next to them. cut: whether the search stopped after `MANY` entries.
+    sizes: of the logs, bytes. robots: name or path -> label; runs: folders of results, oldest first; models: model
+    files next to them. mjcfs: MJCF files without a robot.toml next to them. cut: whether the search stopped after
+    `MANY` entries.
     """
 
     datasets: list[str] = field(default_factory=list)
     logs: list[str] = field(default_factory=list)
+    sizes: dict[str, int] = field(default_factory=dict)
     mjcfs: list[str] = field(default_factory=list)
     robots: dict[str, str] = field(default_factory=dict)
     runs: list[str] = field(default_factory=list)
@@ -147,8 +149,10 @@ class Folder:
             elif place.endswith(RESULTS) or (place == RESULTS[1:] and entry.datasets == ["."]):
                 entry.models.extend(f"{place}/{name}" for name in sorted(files) if MODEL.fullmatch(name))
             elif ROBOT_FILE not in files:
-                logs = sorted(name for name in files if Path(name).suffix.lower() in LOGS)
-                entry.logs.extend(name if place == "." else f"{place}/{name}" for name in logs)
+                for name in sorted(name for name in files if Path(name).suffix.lower() in LOGS):
+                    log = name if place == "." else f"{place}/{name}"
+                    entry.logs.append(log)
+                    entry.sizes[log] = _size(folder / name)
                 models = sorted(name for name in files if _is_mjcf(folder / name))
                 entry.mjcfs.extend(name if place == "." else f"{place}/{name}" for name in models)
         return replace(entry, runs=_by_time(runs))
@@ -160,6 +164,14 @@ class Folder:
             folders[:] = [] if deep else sorted(name for name in folders if not name.startswith("."))
             folders[:] = [name for name in folders if not (folder / name).is_symlink()]
             yield folder, [name for name in files if not name.startswith(".")]
+
+
+def _size(path: Path) -> int:
+    """Bytes of a file; 0 if it is no longer there."""
+    try:
+        return path.stat().st_size
+    except OSError:
+        return 0
 
 
 def _is_mjcf(path: Path) -> bool:

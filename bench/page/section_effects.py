@@ -15,6 +15,7 @@ from bench.document import table as document
 from bench.document.charts.chart import Axis, Binned, Chart, Line, Panel, Role, Series
 from bench.document.charts.currents import gains_chart
 from bench.document.diagnosis import (
+    INDISTINGUISHABLE,
     gains_before_after,
     ranking_table,
     sets_table,
@@ -49,10 +50,10 @@ from bench.residuals.profile import Profile, binned, profile
 
 UNSUPPORTED = ("not supported", "absorbed")
 VERDICTS_AID = (
-    "missing: supported beyond what the model has. indistinguishable: these data cannot tell it from the named "
-    "alternatives. resembles: it fits, and leaves much that no effect explains, or does as well as a discovered law. "
-    "Evidence: log-likelihood ratio on recordings that were not fitted, in nats; 10 is strong. Probability: "
-    "that it is there, given that the catalogue holds what is there. Saves: share of the squared error that it removes."
+    f"missing: supported beyond what the model has. {INDISTINGUISHABLE}. resembles: it fits, and leaves much that no "
+    "effect explains, or does as well as a discovered law. Evidence: log-likelihood ratio on recordings that were not "
+    "fitted, in nats; 10 is strong. Probability: that it is there, given that the catalogue holds what is there. "
+    "Saves: share of the squared error that it removes."
 )
 SIZES_AID = (
     "In the completed model, after ± the standard error. What the letters mean stands under the laws below."

@@ -156,7 +156,9 @@ def currents_section(
             chart = currents_chart(of_models, last.what.units[joint][0], f"Current of {joint} in {name}")
             widths.add(rows_a_pair(chart, most))
             spec = spec_of(chart, 150 + 115 * len(chart.panels), most=most)
-            variants[f"{j}|{k}"] = Variant((PageChart("", "", spec),), (_facts(joint, of_models),))
+            heading, facts = _facts(joint, of_models)
+            shown = PageChart("", "", {**spec, "facts": facts})
+            variants[f"{j}|{k}"] = Variant((shown,), (f"{heading}: {facts}",))
     worst = [_worst(last, joint, names) for joint in joints]
     first = worst[_loudest(last)] if worst else 0
     loads = {trace.recording: trace for trace in last.what.series}
@@ -187,8 +189,8 @@ def currents_section(
     return Section(CURRENTS, "Measured against modelled", lead, (figure, *robot), "Measured, modelled")
 
 
-def _facts(joint: str, curves: Sequence[Curve]) -> str:
-    """The errors of one motor in one recording, as a sentence."""
+def _facts(joint: str, curves: Sequence[Curve]) -> tuple[str, str]:
+    """What is shown, a motor in a recording, and its errors."""
     errors = []
     for _, name, trace in curves:
         measured = float(trace.measured @ trace.measured)
@@ -199,10 +201,8 @@ def _facts(joint: str, curves: Sequence[Curve]) -> str:
     noise = trace.noise * (len(trace.time) / measured) ** 0.5 if measured else None
     said_of = f"with payload {trace.payload}" if trace.payload else "without payload"
     rows = plural(len(trace.time), "row")
-    return (
-        f"{joint} in {trace.recording}, {said_of}: error {', '.join(errors)}; noise {share(noise)}; {rows} "
-        f"that move."
-    )
+    heading = f"{joint} in {trace.recording}, {said_of}"
+    return heading, f"error {', '.join(errors)}; noise {share(noise)}; {rows} that move."
 
 
 def _loudest(shown: ShownModel) -> int:

@@ -188,7 +188,7 @@ def _motion_table(result: Identification) -> PageTable:
 def _at(value: float, values: np.ndarray) -> str:
     """A position, to a thousandth of the range of `values`."""
     extent = float(np.ptp(values)) or 1.0
-    return typeset(f"{value:.{max(0, 3 - int(np.ceil(np.log10(extent))))}f}")
+    return typeset(f"{value:z.{max(0, 3 - int(np.ceil(np.log10(extent))))}f}")
 
 
 def _rms(values: np.ndarray) -> float:

@@ -4,6 +4,7 @@ from collections.abc import Collection, Mapping
 
 from bench.basics.chi_squared import WITHIN_95
 from bench.basics.sentence import and_list, or_list
+from bench.diagnosis.reason_words import less_probable
 from bench.diagnosis.result import Diagnosis
 from bench.diagnosis.summary import moved_gain, named_effects, summary_of
 from bench.document.numbers import gain_change, pretty_unit
@@ -30,7 +31,7 @@ def diagnosis_verdict(diagnosis: Diagnosis) -> tuple[str, ...]:
     middle = middle.rstrip(".")
     doubtful = [
         f"instead of {effect_name(verdict.effect)} it could as well be "
-        f"{or_list(list(map(effect_name, verdict.alternatives)))}"
+        f"{or_list(list(map(effect_name, verdict.alternatives)))}{_qualified(less_probable(verdict))}"
         for verdict in named_effects(diagnosis)
         if verdict.alternatives
     ]
@@ -43,6 +44,10 @@ def diagnosis_verdict(diagnosis: Diagnosis) -> tuple[str, ...]:
         middle += f"; {and_list(doubtful)}: these recordings cannot tell"
     sentences = (said.verdict, said.unfinished, *said.laws, f"{middle}.", said.usual, said.residual)
     return tuple(typeset(name) for name in sentences if name)
+
+
+def _qualified(less: str) -> str:
+    return f", which is {less}" if less else ""
 
 
 def identification_verdict(result: Identification, where: WhereItFails, noise: float) -> tuple[str, ...]:

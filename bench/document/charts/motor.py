@@ -55,7 +55,7 @@ def against_chart(errors: ErrorBreakdown, variable: Variable) -> Chart:
         f"Against {'modelled current' if variable == 'current' else variable}",
         Axis(label, unit),
         (Panel(_error_axis(errors), series),),
-        aid="Level with the band: nothing depends on it.",
+        aid="If level with the band, nothing depends on it.",
         legend="shared",
     )
 

@@ -9,6 +9,7 @@ from bench.diagnosis.reason_words import validated_on
 from bench.diagnosis.result import Diagnosis, EffectVerdict
 from bench.diagnosis.summary import reason, summary_sentences
 from bench.document.diagnosis import (
+    INDISTINGUISHABLE,
     gains_before_after,
     ladder_table,
     parameters_before_after,
@@ -51,6 +52,8 @@ def diagnosis_report(diagnosis: Diagnosis, console: Console, *, verbose: bool = 
         Text("probability: that the effect is there, given that the catalogue holds what is there", "dim")
     )
     console.print(Text(something_else_words(diagnosis), "dim"))
+    if any(verdict.alternatives for verdict in diagnosis.ranking):
+        console.print(Text(INDISTINGUISHABLE, "dim"))
     if diagnosis.missing:
         console.print(Text("size: RMS torque of the effect, in brackets as a share of the motor's", "dim"))
     if left_out:

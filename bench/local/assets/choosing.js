@@ -3,6 +3,7 @@
 const Choosing = (() => {
   const {el} = Dom;
   const ESTABLISHED = "Established by the diagnosis";
+  const NAMED = "Named by the diagnosis"; // by the answer, with what it could be instead
   const POSSIBLE = "Possible by the diagnosis";
   const OUT = ["not supported", "absorbed"]; // verdicts that make an effect neither
 
@@ -11,28 +12,30 @@ const Choosing = (() => {
     const verdictOf = (name) => ranking.find((told) => told.effect === name);
     const groupOf = (effect) => {
       const told = verdictOf(effect.name);
-      if (missing.includes(effect.name)) return ESTABLISHED;
+      if (missing.includes(effect.name)) return told?.verdict === "missing" ? ESTABLISHED : NAMED;
       return told && !OUT.includes(told.verdict) ? POSSIBLE : effect.group;
     };
     const rank = (effect) => ranking.findIndex((told) => told.effect === effect.name);
     const list = [...effects].sort((a, b) => rank(a) - rank(b) || a.name.localeCompare(b.name));
-    const made = [ESTABLISHED, POSSIBLE, ...groups].flatMap((title) => {
+    const made = [ESTABLISHED, NAMED, POSSIBLE, ...groups].flatMap((title) => {
       const own = list.filter((effect) => groupOf(effect) === title);
       if (!own.length) return [];
       const boxes = own.map((effect) => ({effect, box: boxOf(effect, verdictOf(effect.name), chosen, changed)}));
-      const count = el("span", {class: "name"}, ` ${own.length}`);
+      const count = el("span", {class: "name"});
       const holder = el("details", {}, el("summary", {}, title, count), ...boxes.map(({box}) => box));
       const wanted = own.some((effect) => [...chosen].some((request) => request.split(":")[0] === effect.name));
-      return [{title, boxes, holder, wanted}];
+      return [{title, boxes, count, holder, wanted}];
     });
     const none = el("p", {class: "aid", hidden: true}, "No effect is called so.");
     const search = el("input", {type: "search", placeholder: "Search effects", "aria-label": "Search effects"});
     const show = () => {
       const text = search.value.trim().toLowerCase();
-      for (const {title, boxes, holder, wanted} of made) {
+      for (const {title, boxes, count, holder, wanted} of made) {
         for (const {effect, box} of boxes) box.hidden = !matches(effect, text);
-        holder.hidden = boxes.every(({box}) => box.hidden);
-        holder.open = text !== "" || wanted || title === ESTABLISHED;
+        const shown = boxes.filter(({box}) => !box.hidden).length;
+        count.textContent = shown < boxes.length ? ` ${shown} of ${boxes.length}` : ` ${shown}`;
+        holder.hidden = !shown;
+        holder.open = text !== "" || wanted || [ESTABLISHED, NAMED].includes(title);
       }
       none.hidden = made.some(({holder}) => !holder.hidden);
     };

@@ -46,14 +46,12 @@ const Dataset = (() => {
     return el(
       "div",
       {},
-      Dom.table(["recording", "use", "payload", "length", "rate", "checks"], rows, [
-        "",
-        "",
-        "",
-        "right",
-        "right",
-        data.recordings.some((recording) => recording.asked) ? "words" : "keep",
-      ]),
+      Dom.table(
+        ["recording", "use", "payload", "length", "rate", "checks"],
+        rows,
+        ["", "", "", "right", "right", data.recordings.some((recording) => recording.asked) ? "words" : "keep"],
+        "stacked",
+      ),
       advice,
     );
   }

@@ -62,9 +62,9 @@ const Dom = (() => {
     return svg;
   }
 
-  /* A sentence as a program says it: true minus signs, no line ends before a %, and what is to be typed, between backticks, set so. */
+  /* A sentence as a program says it: true minus signs, no line ends before a % or after a <, and what is to be typed, between backticks, set so. */
   function sentence(text) {
-    const minus = text.replace(/(?<![\w.])-(?=\d)/g, "−").replace(/(?<=\d) (?=%)/g, "\u00a0");
+    const minus = text.replace(/(?<![\w.])-(?=\d)/g, "−").replace(/(?<=\d) (?=%)|(?<=[<>]) (?=\d)/g, "\u00a0");
     return minus.split("`").map((part, i) => (i % 2 ? el("code", {}, part) : part));
   }
 

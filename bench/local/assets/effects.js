@@ -24,7 +24,7 @@ const Effects = (() => {
   async function render() {
     const mine = ++round;
     if (!app.described) {
-      for (const part of [missing, body]) Dom.later(part, true, "First a dataset is needed.");
+      for (const part of [missing, body]) Dom.later(part, true, app.awaited());
       return;
     }
     const run = app.latest("diagnosis", () => true);
@@ -54,7 +54,7 @@ const Effects = (() => {
   }
 
   function spoken(name) {
-    const known = app.described.effects.find((effect) => effect.name === name);
+    const known = app.described?.effects.find((effect) => effect.name === name);
     return known ? known.spoken : name.replace(/_/g, " ");
   }
 
@@ -84,9 +84,11 @@ const Effects = (() => {
     let job = models.get(key),
       fault = null;
     if (!job && now) {
-      const running = el("div", {class: "running"}, ...Step.progress(null));
-      holder.prepend(running);
-      job = await Server.run(asked, (heard) => running.replaceChildren(...Step.progress(heard)));
+      const [running, show] = Step.progress();
+      const row = holder.querySelector(".row");
+      if (row) row.after(running);
+      else holder.prepend(running);
+      job = await Server.run(asked, show).finally(() => running.remove());
       if (job.state === "done") models.set(key, job);
       else [fault, job] = [job, null];
     }
@@ -98,17 +100,18 @@ const Effects = (() => {
       "Identify with these",
     );
     const parts = [el("h3", {}, title)];
-    if (fault) parts.push(Dom.outcome(fault));
     if (job) {
       tried = {model: job.files.model, effects: asked.effects};
       const [found, base] = await Promise.all([Server.file(job.files.model), baseModel()]);
       if (mine !== asking) return;
-      parts.push(...numbers(found, base), Dom.command(job.line), apply());
+      parts.push(...numbers(found, base), Dom.command(job.line), ...apply());
     } else {
       const {line, fault: lacks} = await Server.offer("", () => asked);
       if (mine !== asking) return;
       go.disabled = line === null;
-      parts.push(el("div", {class: "row"}, go, lacks), line === null ? "" : Dom.command(line));
+      parts.push(el("div", {class: "row"}, go, lacks));
+      if (fault) parts.push(Dom.outcome(fault));
+      if (line !== null) parts.push(Dom.command(line));
     }
     holder.classList.remove("waiting");
     holder.replaceChildren(...parts);
@@ -172,13 +175,10 @@ const Effects = (() => {
       },
       "Apply and compare",
     );
-    return el(
-      "div",
-      {class: "row"},
-      button,
-      el("a", {href: `files/${Server.address(tried.model)}`, download: true}, "Download the model with these effects"),
-      Errors.exporting(tried.model),
-    );
+    const {controls, said: exported} = Errors.exporting(tried.model);
+    const href = `files/${Server.address(tried.model)}`;
+    const link = el("a", {href, download: true}, "Download the model with these effects");
+    return [el("div", {class: "row"}, button, ...controls, link), exported];
   }
 
   /* The model that a diagnosis found, compared: what its ticks give, and its laws as well. */
@@ -194,7 +194,8 @@ const Effects = (() => {
       },
       "Apply what was found",
     );
-    return el("div", {}, el("div", {class: "row"}, button, Errors.exporting(model)), el("div", {id: FOUND}));
+    const {controls, said: exported} = Errors.exporting(model);
+    return el("div", {}, el("div", {class: "row"}, button, ...controls), exported, el("div", {id: FOUND}));
   }
 
   /* The comparison with the model that was applied, beside the one before. */

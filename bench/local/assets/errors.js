@@ -14,7 +14,7 @@ const Errors = (() => {
 
   async function render() {
     const mine = ++round;
-    if (!app.described) return Dom.later(body, true, "First a dataset is needed.");
+    if (!app.described) return Dom.later(body, true, app.awaited());
     const asked = {step: "compare", dataset: app.dataset};
     const {line, fault} = await Server.offer("", () => asked);
     const run = app.latest("compare", (job) => !job.applied);
@@ -75,10 +75,12 @@ const Errors = (() => {
       el(
         "div",
         {class: "part"},
-        Dom.table(["motor", "error", "noise of the current", ...recordings], rows, [
-          "",
-          ...Array.from({length: 2 + recordings.length}, () => "right"),
-        ]),
+        Dom.table(
+          ["motor", "error", "noise of the current", ...recordings],
+          rows,
+          ["", ...Array.from({length: 2 + recordings.length}, () => "right")],
+          "stacked",
+        ),
         recordings.length ? el("p", {class: "aid"}, "An error that is clicked is shown by the curves below.") : "",
       ),
       Gains.part(...gains),
@@ -148,7 +150,7 @@ const Errors = (() => {
     );
   }
 
-  /* A model for other programs: its form, the command, and the file that came of it. */
+  /* A model for other programs: its form and the button of a row; below that row, the command and the file that came of it. */
   function exporting(model) {
     const forms = [
       ["mjcf", "MuJoCo (MJCF)"],
@@ -179,7 +181,7 @@ const Errors = (() => {
       "Export",
     );
     const choice = Dom.select(forms, form, (value) => (form = value), {"aria-label": "Form of the export"});
-    return el("div", {}, el("div", {class: "row"}, choice, button), said);
+    return {controls: [choice, button], said};
   }
 
   return {start, render, exporting, show, curves, links};

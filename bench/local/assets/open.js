@@ -12,6 +12,7 @@
     refresh,
     choose,
     latest,
+    awaited,
   };
   let numbers = null; // of the commands of other pages that are done
 
@@ -40,6 +41,11 @@
 
   function choose(dataset) {
     return refresh(dataset);
+  }
+
+  /* What later steps wait for where no dataset could be described. */
+  function awaited() {
+    return app.fault ? "This dataset cannot be read: step 1 has the reason." : "First a dataset is needed.";
   }
 
   /* The newest run of a kind in the results of the dataset that is shown. */
@@ -83,35 +89,22 @@
     app.drawn = drawn;
   }
 
+  const [floating, showFloating] = Step.progress();
+
+  /* Whether a button of this page shows a job, or one that was asked for just now and has no number yet. */
+  const atButton = (job) => document.querySelector(`main .running:is([data-job="${job.number}"], :not([data-job]))`);
+
+  /* What runs and is at no button of this page: that of another page, or from before the page was loaded. */
   function showJobs(jobs) {
-    const job =
-      jobs.findLast((entry) => entry.state === "running") || jobs.findLast((entry) => entry.state === "waiting");
+    const apart = jobs.filter((entry) => ["running", "waiting"].includes(entry.state) && !atButton(entry));
+    const job = apart.findLast((entry) => entry.state === "running") || apart.at(-1);
     const holder = document.getElementById("job");
     holder.hidden = !job;
     document.body.classList.toggle("working", Boolean(job));
     if (job) {
-      const waiting = jobs.filter((entry) => entry.state === "waiting").length;
-      const [words, bar] = Step.progress(job);
-      words.prepend(`${job.line.split(" ").slice(0, 2).join(" ")}: `);
-      if (waiting) words.append(`, ${waiting} more waiting`);
-      holder.replaceChildren(
-        el(
-          "div",
-          {class: "row"},
-          words,
-          el(
-            "button",
-            {
-              type: "button",
-              class: "small",
-              id: "cancel",
-              click: () => Server.cancel(job.number).catch(() => undefined),
-            },
-            "Cancel",
-          ),
-        ),
-        bar,
-      );
+      const waiting = apart.filter((entry) => entry.state === "waiting" && entry !== job).length;
+      const command = job.line.split(" ").slice(0, 2).join(" ");
+      showFloating(job, `${command}: `, waiting ? `, ${waiting} more waiting` : "");
     }
     // what another page has asked for changes this one, too
     const foreign = jobs
@@ -130,6 +123,7 @@
     document.body.classList.remove("working");
   }
 
+  document.getElementById("job").append(floating);
   for (const part of [Recordings, Errors, Effects, Results]) part.start(app);
   Frame.startTheme();
   Frame.startContents();

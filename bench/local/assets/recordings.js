@@ -75,7 +75,7 @@ const Recordings = (() => {
           `${file.name}: larger than this page takes (${Math.floor(app.folder.largest / 2 ** 20)} MB): put it into the folder by hand, then load this page anew`,
         );
       else {
-        notes = [`${file.name} is being copied into the folder (${Math.ceil(file.size / 2 ** 20)} MB).`];
+        notes = [`${file.name} is being copied into the folder (${sized(file.size)}).`];
         render();
         await Server.upload(file).then(
           ({log}) => {
@@ -156,6 +156,8 @@ const Recordings = (() => {
     return Object.keys(app.folder.robots).find((path) => path === name || path.split("/").pop() === name) || "";
   }
 
+  const sized = (bytes) => (bytes < 2 ** 20 ? `${Math.ceil(bytes / 2 ** 10)} kB` : `${Math.ceil(bytes / 2 ** 20)} MB`);
+
   let drawn = 0; // of several that overlap only the last one goes on
 
   async function draw() {
@@ -184,7 +186,9 @@ const Recordings = (() => {
         class: "small",
         disabled: !form.robot,
         click: async () => {
-          checked.replaceChildren(Dom.outcome(await Server.run({step: "robot", robot: form.robot})));
+          checked.replaceChildren();
+          const job = await Step.run(check, {step: "robot", robot: form.robot});
+          if (job.state === "done") checked.replaceChildren(Dom.outcome(job));
           checked.querySelector("details")?.setAttribute("open", "");
         },
       },
@@ -209,7 +213,11 @@ const Recordings = (() => {
           draw();
         }),
       );
-    const reading = el("p", {class: "aid", role: "status"}, `Reading ${form.log}: a large log takes its time.`);
+    const reading = el(
+      "p",
+      {class: "aid", role: "status"},
+      `Reading ${form.log} (${sized(app.folder.sizes[form.log])}).`,
+    );
     setup.append(reading);
     let look;
     try {

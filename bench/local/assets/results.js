@@ -18,7 +18,13 @@ const Results = (() => {
     const answer = el("div");
     const button = el(
       "button",
-      {type: "button", class: "main", id: "side-by-side", disabled: chosen.size < 2, click: () => compare(answer)},
+      {
+        type: "button",
+        class: "main",
+        id: "side-by-side",
+        disabled: chosen.size < 2,
+        click: () => compare(button, answer),
+      },
       "Side by side",
     );
     const rows = app.runs.map((run) => {
@@ -62,9 +68,9 @@ const Results = (() => {
     return undefined;
   }
 
-  async function compare(holder) {
-    const job = await Server.run({step: "compare", dataset: app.dataset, models: [...chosen]});
-    if (job.state !== "done") return holder.replaceChildren(Dom.outcome(job));
+  async function compare(button, holder) {
+    const job = await Step.run(button, {step: "compare", dataset: app.dataset, models: [...chosen]});
+    if (job.state !== "done") return holder.replaceChildren();
     side = {line: job.line, found: await Server.file(job.files.answer)};
     return show(holder, side);
   }
@@ -72,8 +78,7 @@ const Results = (() => {
   /* A gain with its interval, to the digits that its deviation supports. */
   function gain(found) {
     if (!found.interval || !Dom.determined(found)) return quantity(found);
-    const digits = Math.min(12, Math.max(0, 1 - Math.floor(Math.log10(found.std))));
-    const ends = found.interval.map((end) => end.toFixed(digits).replace("-", "−"));
+    const ends = found.interval.map((end) => ChartBasics.formatKnown(end, found.std));
     return `${quantity(found)} [${ends.join(", ")}]`;
   }
 

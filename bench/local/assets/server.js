@@ -5,7 +5,8 @@ const Server = (() => {
   const waiting = new Map(); // number of a job -> who waits for it
   const hearing = new Map(); // number of a job -> what hears how far it is
   const own = new Set(); // numbers of the jobs that this page has asked for
-  let jobs = [];
+  let jobs = [],
+    changed = () => undefined; // called with all jobs after every change
 
   async function answered(response) {
     const found = await response.json();
@@ -51,13 +52,16 @@ const Server = (() => {
     hearing.set(job.number, heard);
     const known = jobs.find((entry) => entry.number === job.number);
     if (known && OVER.includes(known.state)) return known;
+    heard(known || job);
+    changed(jobs);
     return new Promise((done) => waiting.set(job.number, done));
   }
 
   const cancel = (number) => post("api/cancel", {number});
 
-  /* changed: called with all jobs after every change; reachable: with whether the server answers. */
-  function listen(changed, reachable) {
+  /* hear: called with all jobs after every change; reachable: with whether the server answers. */
+  function listen(hear, reachable) {
+    changed = hear;
     const events = new EventSource("events");
     events.addEventListener("message", (event) => {
       jobs = JSON.parse(event.data);

@@ -20,29 +20,47 @@ const Step = (() => {
     ];
   }
 
-  /* Run what a button asks for; below its row stands how far it is, and then what went wrong. The job once it is over. */
+  /*
+  Run what a button asks for; below its row stands how far it is, and then what went wrong, in place of what went wrong
+  before. The job once it is over.
+  */
   async function run(button, asked) {
     const row = button.closest(".row");
-    const running = el("div", {class: "running"}, ...progress(null));
-    if (row.nextElementSibling?.matches(".running")) row.nextElementSibling.remove();
+    const [running, show] = progress();
+    while (row.nextElementSibling?.matches(".over")) row.nextElementSibling.remove();
     row.after(running);
     button.disabled = true;
     try {
-      const job = await Server.run(asked, (now) => running.replaceChildren(...progress(now)));
-      if (job.state === "done") running.remove();
-      else running.replaceChildren(Dom.outcome(job));
+      const job = await Server.run(asked, show);
+      if (job.state !== "done") row.after(el("div", {class: "over"}, Dom.outcome(job)));
       return job;
     } finally {
+      running.remove();
       button.disabled = false;
     }
   }
 
-  /* How far a job is: words and a bar; null: it is not known yet. */
-  function progress(job) {
-    const phase = job?.phase || (job?.state === "waiting" ? "waiting for the command before" : "starting");
-    const steps = job?.total ? ` ${job.done} of ${job.total}` : "";
-    const known = job?.total ? {value: job.done, max: job.total} : {};
-    return [el("span", {class: "words"}, `${phase}${steps}`), el("progress", {...known, "aria-label": phase})];
+  /*
+  How far a job is, and a function that shows it: words, a bar, and a button that cancels it. They stay as the job goes
+  on, so that the button can be clicked. Its number is in `data-job`.
+  */
+  function progress() {
+    let number = null;
+    const words = el("span", {class: "words"}, "starting");
+    const click = () => Server.cancel(number).catch(() => undefined);
+    const cancel = el("button", {type: "button", class: "small cancel", hidden: true, click}, "Cancel");
+    const bar = el("progress", {"aria-label": "starting"});
+    const holder = el("div", {class: "running"}, el("div", {class: "row"}, words, cancel), bar);
+    const show = (job, before = "", after = "") => {
+      const phase = job.phase || (job.state === "waiting" ? "waiting for the command before" : "starting");
+      holder.dataset.job = number = job.number;
+      words.textContent = `${before}${phase}${job.total ? ` ${job.done} of ${job.total}` : ""}${after}`;
+      bar.setAttribute("aria-label", phase);
+      if (job.total) Object.assign(bar, {max: job.total, value: job.done});
+      else bar.removeAttribute("value");
+      cancel.hidden = false;
+    };
+    return [holder, show];
   }
 
   return {create, run, progress};

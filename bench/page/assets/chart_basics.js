@@ -54,16 +54,17 @@ const ChartBasics = (() => {
     return plain ? value.toPrecision(digits).replace("-", "−") : formatNumber(value, digits);
   }
 
-  /* A number to the digits that its standard deviation supports: two of the deviation's. */
+  /* A number to the digits that its standard deviation supports: two of the deviation's. Zero has no sign. */
   function formatKnown(value, std) {
-    return value.toFixed(decimalsOf(std)).replace("-", "−");
+    const text = value.toFixed(decimalsOf(std));
+    return Number(text) ? text.replace("-", "−") : text.replace("-", "");
   }
 
   const decimalsOf = (std) => Math.min(12, Math.max(0, 1 - Math.floor(Math.log10(std))));
 
-  /* A share as a percentage of three digits. */
+  /* A share as a percentage of three digits, so that those below each other can be compared. */
   function formatPercent(share) {
-    return Number.isFinite(share) ? `${formatNumber(100 * share, 3)} %` : "–";
+    return Number.isFinite(share) ? `${formatDigits(100 * share, 3)} %` : "–";
   }
 
   function valueAt(values, i) {

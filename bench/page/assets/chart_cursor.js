@@ -5,8 +5,11 @@ const ChartCursor = (() => {
 
   const unitIn = (label) => ((label || "").match(/\[([^\]]*)\]/) || ["", ""])[1];
 
-  /* box: the scale xs and the edges of the plot in units of the drawing, `width` of which it is wide. */
-  function watch(chart, svg, holder, box) {
+  /*
+  box: the scale xs and the edges of the plot in units of the drawing, `width` of which it is wide. caption: a line
+  above the plot that the values replace; null: they are in a box at the cursor.
+  */
+  function watch(chart, svg, holder, box, caption) {
     const told = new Map(); // a series that stands in two panels is told once
     for (const panel of chart.figure.panels) {
       for (const entry of panel.series) {
@@ -17,8 +20,9 @@ const ChartCursor = (() => {
     const readable = [...told.values()];
     if (!readable.length) return;
     const cursor = node("path", {class: "cursor"}, svg);
-    const note = block("div", "values", holder);
-    note.hidden = true;
+    const note = caption || block("div", "values", holder);
+    const part = caption ? "span" : "p";
+    note.hidden = !caption;
     /* The place of the value that is nearest to px. */
     const nearest = (entry, px) => {
       const values = entry.y || entry.mean;
@@ -40,17 +44,19 @@ const ChartCursor = (() => {
         const best = nearest(entry, px);
         if (best < 0) return;
         if (k === 0) at = valueAt(entry.x, best);
-        if (k === 0) block("p", "", note, `at ${formatNumber(at)} ${unitIn(chart.figure.x.label)}`.trim());
+        if (k === 0) block(part, "", note, `at ${formatNumber(at)} ${unitIn(chart.figure.x.label)}`.trim());
         const value = formatNumber((entry.y || entry.mean)[best] * (y.percent ? 100 : 1), 3);
-        block("p", `key ${entry.role}`, note, `${entry.name} ${value} ${unitIn(y.label)}`.trim());
+        block(part, `key ${entry.role}`, note, `${entry.name} ${value} ${unitIn(y.label)}`.trim());
       });
+      if (caption) return at;
       note.hidden = false;
       const beside = px / box.width > 0.6 ? px - note.offsetWidth - 12 : px + 12;
       note.style.left = `${Math.max(0, Math.min(beside, box.width - note.offsetWidth))}px`;
       return at;
     };
     chart.unpoint = () => {
-      note.hidden = true;
+      if (caption) caption.textContent = chart.figure.caption;
+      else note.hidden = true;
       cursor.setAttribute("d", "");
     };
     chart.point = (value) => {
@@ -58,6 +64,11 @@ const ChartCursor = (() => {
       if (px >= box.left && px <= box.right) show(px);
       else chart.unpoint();
     };
+    if (caption) {
+      show((box.left + box.right) / 2); // as high as with values, so that the plot does not move
+      caption.style.minHeight = `${Math.ceil(caption.getBoundingClientRect().height)}px`;
+      chart.unpoint();
+    }
     const leave = () => {
       chart.unpoint();
       svg.dispatchEvent(new CustomEvent("uncursor", {bubbles: true}));

@@ -13,13 +13,18 @@ const ChartSeveral = (() => {
       const found = figure.variants[chosen.map((number, i) => (i === every ? String(k) : number)).join("|")];
       return {title, ...found};
     });
-    const drawn = each.flatMap(({title, notes, charts}) =>
-      charts.map(({spec}) => ({title, aid: notes.map((note) => note.text || note).join(" "), spec})),
-    );
+    const drawn = each.flatMap(({title, charts}) => charts.map(({spec}) => ({title, spec})));
     const domain = extent(drawn.map(({spec}) => spec));
     const charts = drawn.map(({spec, ...words}) => ({
       ...words,
-      spec: {...spec, x: {...spec.x, domain}, height: LOWER * spec.height, legend: false, shared: true},
+      spec: {
+        ...spec,
+        x: {...spec.x, domain},
+        height: LOWER * spec.height,
+        legend: false,
+        shared: true,
+        caption: spec.facts,
+      },
     }));
     const notes = each.filter((option) => !option.charts.length).flatMap((option) => option.notes);
     return {notes, charts, several: true};

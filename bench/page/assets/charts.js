@@ -12,6 +12,7 @@ Charts: small figures in SVG, drawn from plain data; colours come from the style
 A figure is {label, height, x: axis, panels: [{weight, y: axis, series: [...]}], legend: true}; panels stand below each
 other and share x. An axis is {label, scale: "linear" | "log" | "band", domain: [low, high], include: [values],
 categories: [text], percent: true, turned: true}; all but the label may be left out. `turned` names stand upright;
+`caption` is a line above the panels, which the values at the cursor replace; without it, they are in a box at the cursor;
 a figure with `least` is never narrower, in px, and scrolls where there is less room.
 
 Values are arrays, in which null is a gap; an x of even steps may be {start, step}. Every series has `kind`, `role` (its
@@ -227,6 +228,7 @@ const Charts = (() => {
     const figure = ChartZoom.shown(chart);
     chart.element.replaceChildren();
     legendOf(figure, chart.element);
+    const caption = figure.caption ? block("p", "aid caption", chart.element, figure.caption) : null;
     const total = figure.height || 240;
     const wider = width > chart.width + 1;
     const holder = block("div", wider ? "plot wider" : "plot", chart.element);
@@ -299,7 +301,7 @@ const Charts = (() => {
       node("text", {...place, class: "label", "text-anchor": "middle"}, svg, text);
     });
     const box = {xs, left, right, top: boxes[0].top, bottom, width};
-    if (!xs.band) ChartCursor.watch(chart, svg, holder, box);
+    if (!xs.band) ChartCursor.watch(chart, svg, holder, box, caption);
     if (ChartZoom.possible(figure)) ChartZoom.watch(chart, svg, holder, box);
   }
 

@@ -3,13 +3,17 @@
 const Elements = (() => {
   const {el} = ChartBasics;
 
-  /* A table in a holder that scrolls; kinds: classes of its columns. */
-  function table(heads, rows, kinds = []) {
+  /* A table in a holder that scrolls; kinds: classes of its columns. holding: further classes of the holder. */
+  function table(heads, rows, kinds = [], holding = "") {
     const head = el("tr", {}, ...heads.map((text, i) => el("th", {scope: "col", class: kinds[i] || null}, text)));
     const body = rows.map((cells) =>
-      el("tr", {}, ...cells.map((cell, i) => el("td", {class: kinds[i] || null}, cell))),
+      el("tr", {}, ...cells.map((cell, i) => el("td", {class: kinds[i] || null, "data-head": heads[i]}, cell))),
     );
-    return el("div", {class: "scroll"}, el("table", {}, el("thead", {}, head), el("tbody", {}, ...body)));
+    return el(
+      "div",
+      {class: `scroll ${holding}`.trim()},
+      el("table", {}, el("thead", {}, head), el("tbody", {}, ...body)),
+    );
   }
 
   /* A command, which may change, with a button that copies it. */
