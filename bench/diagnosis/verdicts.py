@@ -11,7 +11,7 @@ from bench.diagnosis.pruning import refused
 from bench.diagnosis.reason import Because, Doubt, Reason
 from bench.diagnosis.result import EffectVerdict, Unexplained, Verdict
 from bench.diagnosis.round import Round
-from bench.diagnosis.search import Scored, close, contains, held_out_error, score_set
+from bench.diagnosis.search import Scored, close, contains, held_out_error, possible, score_set
 from bench.diagnosis.search_result import SearchResult
 from bench.diagnosis.split_problem import SplitProblem
 from bench.diagnosis.starting import given_wholly
@@ -109,6 +109,12 @@ def _absorbed(proposal: Proposal, error: float) -> EffectVerdict:
     return EffectVerdict(proposal.name, "absorbed", error, error, 0.0, (), (), {}, why)
 
 
+def _as_good(system: System, best: Scored, chosen: Sequence[int]) -> bool:
+    """Whether a set has possible signs and is hardly less probable than the best."""
+    other = score_set(system, chosen)
+    return close(best, other) and possible(system, other.fit)
+
+
 def _identified(
     last: Round, i: int, places: tuple[str, ...], scale: float, sure: float, before: float
 ) -> EffectVerdict:
@@ -120,7 +126,7 @@ def _identified(
         for k in last.selection.singles
         if k not in last.chosen
         and not contains(system.candidates[k], system.candidates[i])
-        and close(best, score_set(system, (*others, k)))
+        and _as_good(system, best, (*others, k))
     ]
     after = _error(system, best, scale)
     unsure = without.fit.held_out < sure**2 * best.fit.held_out
@@ -139,7 +145,7 @@ def _other(last: Round, i: int, scale: float) -> EffectVerdict:
         last.proposals[k].name
         for k in last.chosen
         if not contains(system.candidates[i], system.candidates[k])
-        and close(best, score_set(system, (*(c for c in last.chosen if c != k), i)))
+        and _as_good(system, best, (*(c for c in last.chosen if c != k), i))
     )
     if rivals:
         why = Reason(Because.AS_GOOD)
