@@ -12,6 +12,7 @@ import pytest
 from bench.cli import main
 from bench.dataset.catalogue import built_in_robots
 from bench.dataset.robot import load_robot
+from bench.dataset.robot_drawing import home_gap
 from bench.model.geometry import read_geometry
 from bench.model.mobility import smallest_singular_values
 from bench.model.states import random_motion
@@ -178,7 +179,30 @@ def test_a_small_gap_is_rounding_which_is_taken_up_and_said(linkage):
     assert verdict(report, "home assembled").values["gap"] < 1e-12
     (rounded,) = (check for check in report.checks if check.code == CheckCode.DRAWING_ROUNDED)
     assert rounded.verdict == "note"
-    assert "open by 2.2e-08 m or rad" in detail_of(rounded)
+    assert "open by 2.2e-08 m, a rounding" in detail_of(rounded)
+
+
+@pytest.mark.parametrize(
+    ("equality", "unit"),
+    [
+        ('<weld body1="hand" relpose=".3 1e-7 0 1 0 0 0"/>', "m"),
+        ('<weld body1="hand" relpose=".3 0 0 1 0 1e-7 0"/>', "rad"),
+        ('<connect body1="hand" body2="arm" anchor="0 0 0"/>', "m"),
+        ('<joint joint1="turn" polycoef="1e-7"/>', "rad"),
+        ('<joint joint1="slide" polycoef="1e-7"/>', "m"),
+        ('<tendon tendon1="both" polycoef="1e-7"/>', "m"),
+    ],
+)
+def test_a_gap_has_the_unit_of_what_is_open(equality, unit):
+    """The arm has a slide and a hinge; a hand is on the world beside it."""
+    spec = mujoco.MjSpec.from_string(
+        f"""<mujoco><worldbody>
+        <body name="arm" pos=".3 1e-7 0"><joint name="slide" type="slide"/><joint name="turn"/><geom size=".1"/></body>
+        <body name="hand" pos="-.3 0 0"><freejoint/><geom size=".1"/></body></worldbody>
+        <tendon><fixed name="both"><joint joint="slide" coef="1"/></fixed></tendon>
+        <equality>{equality}</equality></mujoco>"""
+    )
+    assert home_gap(spec)[1] == unit
 
 
 # --- singularities ------------------------------------------------------------------------------------------

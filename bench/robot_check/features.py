@@ -82,9 +82,9 @@ def _notes(compiled: mujoco.MjModel, robot: Robot) -> Iterator[tuple[CheckCode, 
                 "as_a_whole": as_a_whole,
             }
             yield CheckCode.JOINT_FORCE_NOT_MODELLED, values
-    gap = home_gap(robot.mjcf_as_drawn())
+    gap, unit = home_gap(robot.mjcf_as_drawn())
     if CLOSED < gap <= ROUNDING:
-        yield CheckCode.DRAWING_ROUNDED, {"gap": gap}
+        yield CheckCode.DRAWING_ROUNDED, {"gap": gap, "unit": unit}
     yield from _sizes(compiled)
     yield from _surroundings(compiled)
     if compiled.nplugin:

@@ -320,7 +320,7 @@ WORDS: Mapping[CheckCode, str | tuple[str, Callable[..., str]]] = {
     CheckCode.COUPLING: ("coupling", _coupling),
     CheckCode.HOME_WITHOUT_LOOPS: ("home assembled", _no_loops),
     CheckCode.HOME_CLOSED: ("home assembled", _closed),
-    CheckCode.DRAWING_ROUNDED: "note: as drawn, home is open by {gap:.1e} m or rad, a rounding error that is "
+    CheckCode.DRAWING_ROUNDED: "note: as drawn, home is open by {gap:.1e} {unit}, a rounding error that is "
     "corrected when the robot is read; the loops of the model and of the simulated machine close",
     CheckCode.WELD_TOO_MUCH: ("loop closures", _weld_too_much),
     CheckCode.NEARLY_PARALLEL: "axes: hinges {first!r} and {second!r} are {angle:.1e} rad from parallel, as an angle "
