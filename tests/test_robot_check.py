@@ -13,6 +13,7 @@ from bench.cli import main
 from bench.dataset.catalogue import built_in_robots
 from bench.dataset.robot import load_robot
 from bench.dataset.robot_drawing import home_gap
+from bench.document.terminal.robot import joints_table
 from bench.model.geometry import read_geometry
 from bench.model.mobility import smallest_singular_values
 from bench.model.states import random_motion
@@ -203,6 +204,21 @@ def test_a_gap_has_the_unit_of_what_is_open(equality, unit):
         <equality>{equality}</equality></mujoco>"""
     )
     assert home_gap(spec)[1] == unit
+
+
+def test_the_rounding_of_a_closed_pose_is_printed_as_zero():
+    report = check_robot(load_robot("five_bar"))
+    first, *rest = report.joints
+    table = joints_table(replace(report, joints=(replace(first, home=-3.9e-13), *rest)))
+    (home,) = (column for column in table.columns if column.header == "home")
+    assert home.cells[0] == 0.0
+    assert home.cells[1] == rest[0].home
+    met = Check(
+        CheckCode.SINGULARITY_WITHIN_RANGES,
+        "note",
+        {"positions": {"left": 4.81e-7, "right": -0.5}, "units": {}},
+    )
+    assert "at left 0, right -0.5:" in detail_of(met)
 
 
 # --- singularities ------------------------------------------------------------------------------------------

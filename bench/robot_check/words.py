@@ -60,6 +60,11 @@ def nearest_singularity(singularity: Singularity) -> str:
     )
 
 
+def without_rounding(position: float) -> float:
+    """A joint's position as printed, rad or m: zero where closing the loops has moved it no further from zero."""
+    return 0.0 if abs(position) < PLAUSIBLE.still else position
+
+
 def _unsupported(features: Sequence[str]) -> str:
     others = features[1:]
     return "".join(features[:1]) + (f" (and {len(others)} more: {'; '.join(others)})" if others else "")
@@ -257,7 +262,9 @@ def _positions(positions: Mapping[str, float], units: Mapping[str, str], sign: s
     """Positions of motors, with units if there are both hinges and slides."""
     mixed = len({*units.values()}) > 1
     of = {name: f" {units.get(name, '')}" if mixed else "" for name in positions}
-    return ", ".join(f"{name} {value:{sign}.3g}{of[name]}" for name, value in positions.items())
+    return ", ".join(
+        f"{name} {without_rounding(value):{sign}.3g}{of[name]}" for name, value in positions.items()
+    )
 
 
 REGULAR = (
