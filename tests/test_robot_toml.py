@@ -94,7 +94,7 @@ def test_the_tool_may_be_left_out(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("old", "new", "named"),
     [
-        ("name =", "nane =", ("nane", "unknown key")),
+        ("name =", "nane =", ("nane", "unknown key: did you mean 'name'?")),
         ('name = "slider"\n', "", ("name", "missing")),
         ('"slider"', '""', ("name", "at least 1 character")),
         ('model = "slider.xml"\n', "", ("model", "missing")),
@@ -116,10 +116,10 @@ def test_the_tool_may_be_left_out(tmp_path: Path) -> None:
         ('"turn"', '"slide"', ("actuators[1].joint", "'slide'", "actuators[0]")),
         ('"turn"', '"wrist"', ("actuators[1].joint", "'wrist'", "ball")),
         ('site = "tool"', 'site = "flange"', ("tool.site", "slider.xml", "'flange'")),
-        ('site = "tool"', 'sites = "tool"', ("tool.sites", "unknown key")),
+        ('site = "tool"', 'sites = "tool"', ("tool.sites", "unknown key: did you mean 'site'?")),
         ("[tool]", "[tool", ("not valid TOML", "line 14")),
         ("[tool]", "[gripper]", ("gripper", "unknown key")),
-        ("[[actuators]]", "[[motors]]", ("motors", "unknown key")),
+        ("[[actuators]]", "[[motors]]", ("motors", "unknown key: did you mean 'actuators'?")),
         (TOML[TOML.index("[[") : TOML.index("[tool]")], "", ("actuators", "missing")),
         (TOML[TOML.index("[[") : TOML.index("[tool]")], "actuators = []\n", ("actuators", "at least one")),
         (TOML[TOML.index("[[") : TOML.index("[tool]")], "actuators = [3]\n", ("actuators[0]", "table", "3")),
