@@ -18,6 +18,7 @@ from bench.model.geometry import read_geometry
 from bench.model.mobility import smallest_singular_values
 from bench.model.states import random_motion
 from bench.robot_check.check import check_robot
+from bench.robot_check.features import notes
 from bench.robot_check.loops import check_constraints
 from bench.robot_check.machine import make_machine, random_open_poses, to_mujoco
 from bench.robot_check.mobility import amplification
@@ -219,6 +220,17 @@ def test_the_rounding_of_a_closed_pose_is_printed_as_zero():
         {"positions": {"left": 4.81e-7, "right": -0.5}, "units": {}},
     )
     assert "at left 0, right -0.5:" in detail_of(met)
+
+
+def test_a_robot_without_a_tool_is_noted_with_the_lines_to_add(linkage):
+    codes = [check.code for check in notes(load_robot(linkage).mjcf_model(), load_robot(linkage))]
+    assert CheckCode.TOOL_MISSING not in codes
+    edit(linkage / "robot.toml", ('[tool]\nsite = "tool"\n', ""))
+    robot = load_robot(linkage)
+    (missing,) = (check for check in notes(robot.mjcf_model(), robot) if check.code == CheckCode.TOOL_MISSING)
+    assert "bench excite --payload-mass needs one" in detail_of(missing)
+    assert "(sites of the MJCF: base, left_tip, tool, right_tip)" in detail_of(missing)
+    assert "the MJCF needs a <site>" in detail_of(replace(missing, values={"sites": []}))
 
 
 # --- singularities ------------------------------------------------------------------------------------------

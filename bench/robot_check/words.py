@@ -11,6 +11,7 @@ from bench.basics.plural import plural
 from bench.basics.sentence import say
 from bench.dataset.robot_locked import locked_from_data, locked_in_words
 from bench.dataset.robot_redundancy import use_connect
+from bench.dataset.robot_toml import no_tool
 from bench.robot_check.bounds import PLAUSIBLE
 from bench.robot_check.home_key import home_key
 from bench.robot_check.outcome import Check, CheckCode
@@ -288,6 +289,7 @@ WORDS: Mapping[CheckCode, str | tuple[str, Callable[..., str]]] = {
     CheckCode.PLUGINS_NOT_MODELLED: "note: {plugins} MuJoCo plug-ins: the model does not contain them",
     CheckCode.ACTUATORS_UNUSED: "note: {actuators} actuators of the MJCF are not used: robot.toml names the motors",
     CheckCode.TENDON_UNUSED: "note: tendon {tendon!r} is ignored",
+    CheckCode.TOOL_MISSING: ("note", no_tool),
     CheckCode.LENGTHS_LARGE: "note: lengths of up to {length:.3g} m: an MJCF is in metres, and lengths look like "
     "millimetres or inches; divide every pos by 1000, or by 39.37",
     CheckCode.MASSES_LARGE: ("note", _masses_large),
