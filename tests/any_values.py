@@ -151,7 +151,7 @@ _CARRIES = {  # names, numbers, whether it is of unknowns
     Code.BAD_STRETCH: (_TWO, "start end", False),
     Code.NO_VALUE_OF_ITS_OWN: (_SOME, "", True),
     Code.TOLD: (_ONE, "", False),
-    Code.GAIN_NOT_DETERMINED: (_NONE, "", True),
+    Code.GAIN_NOT_DETERMINED: (_NONE, "times", True),
     Code.GAINS_NOT_WANTED: (_SOME, "", False),
     Code.PAYLOAD_NOT_WEIGHED: (_SOME, _REMEDIES, True),
     Code.GAINS_NOT_FIXED: (_SOME, _REMEDIES, True),

@@ -1,9 +1,12 @@
 """Identified models of short simulations, saved as a user would have them."""
 
 import functools
+import shutil
 import tempfile
 from pathlib import Path
 
+from bench.dataset.catalogue import built_in_robots
+from bench.dataset.robot import load_robot
 from bench.export.identified import load_identified
 from bench.identification.identify import identify
 from bench.identification.model_file import save_model
@@ -36,3 +39,11 @@ def identified_file(name, hidden=False, effects=(), **overrides):
 def identified(name, hidden=False, effects=(), **overrides):
     """The same, read."""
     return load_identified(identified_file(name, hidden, effects, **overrides))
+
+
+def robot_with(folder, source, name):
+    """A robot folder whose MJCF is an exported file."""
+    folder.mkdir()
+    shutil.copy(built_in_robots()[name] / "robot.toml", folder)
+    shutil.copy(source, folder / f"{name}.xml")
+    return load_robot(folder)

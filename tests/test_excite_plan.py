@@ -17,11 +17,12 @@ from bench.excitation.experiment.between_samples import derivative_bound, extrem
 from bench.excitation.experiment.files import scenario_text
 from bench.excitation.experiment.forecast import forecast
 from bench.excitation.experiment.plan import Aim, plan_experiment
-from bench.excitation.experiment.request import ExperimentTable, assumed_units, by_unit
-from bench.excitation.experiment.room import outside, tool_positions
+from bench.excitation.experiment.request import ExperimentTable, assumed_units, by_unit, with_units
+from bench.excitation.experiment.room import outside, room_of, tool_positions
 from bench.excitation.experiment.sentences import note_sentence
 from bench.identification.prepare import prepare
 from bench.identification.problem import problem_of
+from bench.model.geometry import read_geometry
 from bench.model.motion import motion_of
 from bench.scenario.scenario import load_scenario, resolve_trajectories
 from bench.scenario.trajectory import random_trajectory
@@ -339,6 +340,16 @@ def test_speeds_are_given_by_unit_or_as_one_number():
     assert by_unit("velocity", [], both) is None
     assert by_unit("velocity", [(0.3, "m/s"), (3.0, "rad/s")], both) == {"crank": 3.0, "carriage": 0.3}
     assert by_unit("velocity", [(0.3, "")], load_robot("emps")) == 0.3
-    assert assumed_units("velocity", 0.3, load_robot("emps")) == []
+    assert assumed_units("velocity", 0.3, load_robot("emps")) == ["velocity 0.3: m/s"]
+    assert assumed_units("velocity", 0.3, load_robot("five_bar")) == []
     assert assumed_units("acceleration", {"crank": 3.0, "carriage": 0.3}, both) == []
     assert assumed_units("acceleration", 20.0, both) == ["acceleration 20: rad/s2 at hinges, m/s2 at slides"]
+
+
+def test_assumed_speeds_have_numbers_and_units():
+    both = load_robot("crank_slide")
+    assert with_units("velocity", np.array([3.0, 0.3]), both) == "crank 3 rad/s, carriage 0.3 m/s"
+    assert with_units("acceleration", np.array([20.0, 20.0]), load_robot("five_bar")) == "20 rad/s2"
+    table = ExperimentTable.model_validate({"duration": 5.0, "velocity": 0.3})
+    room = room_of(read_geometry(load_robot("emps")), table)
+    assert room.assumed == ("velocity 0.3: m/s", "acceleration: the largest speed within 0.1 s (3 m/s2)")

@@ -17,7 +17,6 @@ from bench.cli import main
 from bench.cli.next_steps import after_export
 from bench.dataset.catalogue import built_in_robots
 from bench.dataset.dataset import load_dataset
-from bench.dataset.robot import load_robot
 from bench.effects import CATALOGUE
 from bench.effects.select import EffectInstance
 from bench.export.bodies import cad_prior
@@ -33,7 +32,7 @@ from bench.identification.problem import problem_of
 from bench.model.geometry import read_geometry
 from bench.model.motion import Motion
 from bench.model.regressor import projected_regressor
-from tests.export_kit import identified, identified_file
+from tests.export_kit import identified, identified_file, robot_with
 from tests.test_export_physical import base_of
 
 EFFECTS = ("coulomb_friction:left", "viscous_friction:left")
@@ -45,20 +44,12 @@ def with_effects(model, *effects):
     return replace(model, effects=tuple(made))
 
 
-def robot_beside(folder, source, name):
-    """A robot folder whose MJCF is an exported file."""
-    folder.mkdir()
-    shutil.copy(built_in_robots()[name] / "robot.toml", folder)
-    shutil.copy(source, folder / f"{name}.xml")
-    return load_robot(folder)
-
-
 @pytest.mark.parametrize("name", ["five_bar", "two_link"])
 def test_the_exported_file_has_the_base_parameters_and_keeps_the_rest(name, tmp_path):
     model = identified(name)
     physical = physical_set(model)
     write_mjcf(tmp_path / "out.xml", physical)
-    robot = robot_beside(tmp_path / "robot", tmp_path / "out.xml", name)
+    robot = robot_with(tmp_path / "robot", tmp_path / "out.xml", name)
     geometry, prior = read_geometry(robot), cad_prior(read_geometry(robot))
     base = model.model.base
     assert base.grouping @ prior.parameters + base.rotors @ prior.rotors == pytest.approx(

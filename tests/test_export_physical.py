@@ -10,14 +10,16 @@ from bench.cli import main
 from bench.dataset.dataset import load_dataset
 from bench.export.bodies import about_center, cad_prior, from_scaled, pseudo_inertia, standard_parameters
 from bench.export.identified import load_identified
+from bench.export.mjcf import write_mjcf
 from bench.export.physical import physical_set
 from bench.identification.identify import identify
 from bench.identification.model_file import save_model
 from bench.identification.prepare import prepare
 from bench.identification.problem import problem_of
+from bench.model.geometry import read_geometry
 from bench.model.regressor import moved_parameters
 from bench.truth.dataset import write_simulation
-from tests.export_kit import RICH, identified, identified_file
+from tests.export_kit import RICH, identified, identified_file, robot_with
 from tests.hidden_kit import run
 
 BODY = np.array([2.0, 0.2, -0.1, 0.3, 0.5, 0.01, 0.6, -0.02, 0.03, 0.4])
@@ -112,18 +114,46 @@ def test_what_moves_with_the_base_parameters_moves_as_the_covariance_says():
     assert moved.estimated == pytest.approx(estimated, abs=1e-15)
 
 
-def test_a_payload_that_was_estimated_is_a_real_body_too(tmp_path):
-    write_simulation(run("two_link", design=RICH), tmp_path / "data")
-    toml = tmp_path / "data" / "dataset.toml"
+@pytest.fixture(scope="module")
+def with_load(tmp_path_factory):
+    """A model with a payload of which only the mass is declared."""
+    folder = tmp_path_factory.mktemp("with_load")
+    write_simulation(run("two_link", design=RICH), folder / "data")
+    toml = folder / "data" / "dataset.toml"
     lines = toml.read_text().splitlines()
     toml.write_text("\n".join(line for line in lines if not line.startswith(("center", "inertia"))) + "\n")
-    path = tmp_path / "model.json"
-    save_model(identify(prepare(problem_of(load_dataset(tmp_path / "data")))), path, tmp_path / "data")
-    model = load_identified(path)
-    physical = physical_set(model)
+    path = folder / "model.json"
+    save_model(identify(prepare(problem_of(load_dataset(folder / "data")))), path, folder / "data")
+    return load_identified(path)
+
+
+def test_a_payload_that_was_estimated_is_a_real_body_too(with_load):
+    physical = physical_set(with_load)
     ((name, payload),) = physical.payloads.items()
-    assert payload[0] == pytest.approx(model.declared[name].mass, rel=1e-6)
+    assert payload[0] == pytest.approx(with_load.declared[name].mass, rel=1e-6)
     assert np.linalg.eigvalsh(pseudo_inertia(payload))[0] > 0.0
+
+
+@pytest.mark.parametrize("share", [0.0, -1e-4])
+def test_a_payload_at_the_limit_of_what_is_real_becomes_a_body_beside_it(with_load, share, tmp_path):
+    real = physical_set(with_load).model
+    ((name, values),) = real.payloads.items()
+    model = replace(real, payloads={name: {index: share * value for index, value in values.items()}})
+    physical = physical_set(model)
+    assert physical.contradiction is None
+    assert 0.0 < physical.distance < 1.0
+    assert physical.payloads[name][0] == pytest.approx(model.declared[name].mass, rel=1e-6)
+    assert np.linalg.eigvalsh(pseudo_inertia(physical.payloads[name]))[0] > 0.0
+    assert base_of(physical) == pytest.approx(physical.model.base, rel=1e-9, abs=1e-10)
+    off = physical.model.estimated - model.estimated
+    errors = np.sqrt(np.diag(model.covariance))[: len(off)]
+    assert np.abs(off / errors).max() <= physical.distance + 1e-6
+    write_mjcf(tmp_path / "out.xml", physical)
+    geometry = read_geometry(robot_with(tmp_path / "robot", tmp_path / "out.xml", "two_link"))
+    written, base = cad_prior(geometry), model.model.base
+    assert base.grouping @ written.parameters + base.rotors @ written.rotors == pytest.approx(
+        base_of(physical), rel=1e-6, abs=1e-9
+    )
 
 
 def test_a_model_of_another_robot_is_refused():
@@ -158,5 +188,10 @@ def test_a_solver_that_fails_in_every_way_is_one_line_and_leaves_nothing(monkeyp
     words = ["export", str(identified_file("two_link")), "--to", "mjcf", "-o", str(tmp_path / "arm.xml")]
     assert main(words) == 2
     told = capsys.readouterr()
-    assert (told.out, told.err) == ("", "bench: the search for real bodies failed: no way\n")
+    assert told.out == ""
+    assert told.err.startswith(
+        "bench: no physically possible bodies were found for this model: the data determine"
+    )
+    assert "no way" not in told.err
+    assert told.err.count("\n") == 1
     assert list(tmp_path.iterdir()) == []

@@ -81,6 +81,7 @@ def test_every_log_becomes_a_recording_with_its_payload(
 
 FAULTS: dict[str, tuple[tuple[str, str], str]] = {
     "an unknown key": (("use = ", "usage = "), "line 30: logs[2].usage: unknown key"),
+    "a like key": (("[[logs]]", "[[recordings]]"), "map.toml: recordings: unknown key: did you mean 'logs'?"),
     "a pattern without a file": (("free_*", "fast_*"), "logs[0].files: no file 'logs/fast_*.csv' in "),
     "a log that is not there": (("held.csv", "heavy.csv"), "logs[1].files: no file 'logs/heavy.csv' in "),
     "one name for two logs": (
@@ -127,6 +128,11 @@ def test_nothing_stands_beside_a_mapping(
     assert main(["import", "--mapping", str(mapping), "-o", str(tmp_path / "data"), *words]) == 2
     assert "belongs in the mapping file" in capsys.readouterr().err
     assert not (tmp_path / "data").exists()
+
+
+def test_several_logs_need_a_mapping(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["import", "a.csv", "b.csv", "--robot", "five_bar"]) == 2
+    assert "got 2 logs; --mapping MAP.toml imports several" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize("words", [[], ["log.csv"], ["--robot", "five_bar"]])

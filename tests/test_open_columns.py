@@ -6,7 +6,10 @@ import numpy as np
 import pytest
 from rosbags.rosbag2 import StoragePlugin
 
+from bench.basics.errors import BenchError
+from bench.dataset.logs.columns import LogMap
 from bench.dataset.logs.guess import guesses
+from bench.dataset.logs.importing import LogRequest, import_log
 from bench.dataset.logs.units import unit_in, units_of
 from bench.dataset.robot import load_robot
 from bench.local.checks import Mapped, checked
@@ -76,6 +79,22 @@ def test_units_tell_what_is_what_where_the_words_are_not_known(robot):
     found = guesses(names, robot, stated)
     assert {target: one["column"] for target, one in found.items()} == dict(zip(targets, names, strict=True))
     assert set(guesses(names, robot)) == {"time"}
+
+
+def test_columns_of_a_kind_are_taken_in_their_order_where_there_are_as_many_as_joints(robot):
+    names = [
+        "Zeit [ms]",
+        "Winkel links [deg]",
+        "Winkel rechts [deg]",
+        "Strom links [mA]",
+        "Strom rechts [mA]",
+    ]
+    found = guesses(names, robot)
+    targets = ("position.left", "position.right", "current.left", "current.right")
+    assert [found[target]["column"] for target in targets] == names[1:]
+    assert {found[target]["why"] for target in targets} == {"order"}
+    assert set(guesses([*names[:3], "Winkel Mitte [deg]"], robot)) == {"time"}
+    assert set(guesses(["t", "Weg links [mm]", "Weg rechts [mm]"], robot)) == {"time"}  # hinges have no paths
 
 
 def test_a_current_is_that_of_the_position_that_is_named_alike():
@@ -211,3 +230,13 @@ def test_a_unit_is_told_with_the_one_that_was_chosen(tmp_path, robot):
         found = checked(str(log), robot, Mapped(columns, {"time": chosen}))["time"]
         assert found["problems"][0]["remedy"] == {"unit": "us"}
     assert checked(str(log), robot, Mapped(columns, {"time": "us"}))["time"]["ok"]
+
+
+def test_options_by_order_are_marked_and_no_preamble_is_suspected(tmp_path, robot):
+    log = tmp_path / "log.csv"
+    names = "Zeit [ms];Winkel links [deg];Winkel rechts [deg];Strom links [mA];Strom rechts [mA]"
+    log.write_text(names + "\n" + "1;2;3;4;5\n" * 5, encoding="utf-8")
+    with pytest.raises(BenchError, match="by their names and their order these may be right") as caught:
+        import_log(robot, LogRequest(log, LogMap({}, {})), tmp_path / "data")
+    assert "--map current.right='Strom rechts [mA]'" in str(caught.value)
+    assert "preamble" not in str(caught.value)

@@ -12,10 +12,13 @@ import pytest
 from bench.cli import main
 from bench.dataset.catalogue import built_in_robots
 from bench.dataset.robot import load_robot
+from bench.dataset.robot_drawing import home_gap
+from bench.document.terminal.robot import joints_table
 from bench.model.geometry import read_geometry
 from bench.model.mobility import smallest_singular_values
 from bench.model.states import random_motion
 from bench.robot_check.check import check_robot
+from bench.robot_check.features import notes
 from bench.robot_check.loops import check_constraints
 from bench.robot_check.machine import make_machine, random_open_poses, to_mujoco
 from bench.robot_check.mobility import amplification
@@ -178,7 +181,56 @@ def test_a_small_gap_is_rounding_which_is_taken_up_and_said(linkage):
     assert verdict(report, "home assembled").values["gap"] < 1e-12
     (rounded,) = (check for check in report.checks if check.code == CheckCode.DRAWING_ROUNDED)
     assert rounded.verdict == "note"
-    assert "open by 2.2e-08 m or rad" in detail_of(rounded)
+    assert "open by 2.2e-08 m, a rounding" in detail_of(rounded)
+
+
+@pytest.mark.parametrize(
+    ("equality", "unit"),
+    [
+        ('<weld body1="hand" relpose=".3 1e-7 0 1 0 0 0"/>', "m"),
+        ('<weld body1="hand" relpose=".3 0 0 1 0 1e-7 0"/>', "rad"),
+        ('<connect body1="hand" body2="arm" anchor="0 0 0"/>', "m"),
+        ('<joint joint1="turn" polycoef="1e-7"/>', "rad"),
+        ('<joint joint1="slide" polycoef="1e-7"/>', "m"),
+        ('<tendon tendon1="both" polycoef="1e-7"/>', "m"),
+    ],
+)
+def test_a_gap_has_the_unit_of_what_is_open(equality, unit):
+    """The arm has a slide and a hinge; a hand is on the world beside it."""
+    spec = mujoco.MjSpec.from_string(
+        f"""<mujoco><worldbody>
+        <body name="arm" pos=".3 1e-7 0"><joint name="slide" type="slide"/><joint name="turn"/><geom size=".1"/></body>
+        <body name="hand" pos="-.3 0 0"><freejoint/><geom size=".1"/></body></worldbody>
+        <tendon><fixed name="both"><joint joint="slide" coef="1"/></fixed></tendon>
+        <equality>{equality}</equality></mujoco>"""
+    )
+    assert home_gap(spec)[1] == unit
+
+
+def test_the_rounding_of_a_closed_pose_is_printed_as_zero():
+    report = check_robot(load_robot("five_bar"))
+    first, *rest = report.joints
+    table = joints_table(replace(report, joints=(replace(first, home=-3.9e-13), *rest)))
+    (home,) = (column for column in table.columns if column.header == "home")
+    assert home.cells[0] == 0.0
+    assert home.cells[1] == rest[0].home
+    met = Check(
+        CheckCode.SINGULARITY_WITHIN_RANGES,
+        "note",
+        {"positions": {"left": 4.81e-7, "right": -0.5}, "units": {}},
+    )
+    assert "at left 0, right -0.5:" in detail_of(met)
+
+
+def test_a_robot_without_a_tool_is_noted_with_the_lines_to_add(linkage):
+    codes = [check.code for check in notes(load_robot(linkage).mjcf_model(), load_robot(linkage))]
+    assert CheckCode.TOOL_MISSING not in codes
+    edit(linkage / "robot.toml", ('[tool]\nsite = "tool"\n', ""))
+    robot = load_robot(linkage)
+    (missing,) = (check for check in notes(robot.mjcf_model(), robot) if check.code == CheckCode.TOOL_MISSING)
+    assert "bench excite --payload-mass needs one" in detail_of(missing)
+    assert "(sites of the MJCF: base, left_tip, tool, right_tip)" in detail_of(missing)
+    assert "the MJCF needs a <site>" in detail_of(replace(missing, values={"sites": []}))
 
 
 # --- singularities ------------------------------------------------------------------------------------------

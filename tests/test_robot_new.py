@@ -62,6 +62,16 @@ def test_it_says_what_the_robot_toml_of_a_built_in_robot_says(name, tmp_path):
     assert made.tool_site == robot.tool_site
 
 
+def test_a_missing_tool_is_said_with_the_option_and_the_lines_to_add(geared, capsys):
+    words = ["robot", "new", str(geared), "--motor=turn=2", "--motor=out=20"]
+    assert main(words) == 0
+    (note,) = [line for line in capsys.readouterr().out.splitlines() if line.startswith("note: ")]
+    assert 'add the lines [tool] and site = "NAME" to robot.toml (sites of the MJCF: tip)' in note
+    assert "--tool NAME --overwrite" in note
+    assert main([*words, "--tool", "tip", "--overwrite"]) == 0
+    assert "note: " not in capsys.readouterr().out
+
+
 def test_what_a_motor_may_drive(geared):
     parts = mjcf_parts(geared)
     assert parts.motors == (

@@ -77,6 +77,16 @@ def test_logs_of_torques_have_gains_of_one(tmp_path: Path) -> None:
     assert units == ["N/N", "N*m/(N*m)"]
 
 
+def test_a_file_in_place_of_a_folder_is_named_with_what_to_do(tmp_path: Path) -> None:
+    folder = write_robot(tmp_path)
+    mjcf = folder / "slider.xml"
+    assert f"this is a file; give its folder {folder}" in refusal(mjcf)
+    (folder / "robot.toml").unlink()
+    assert f"this is an MJCF file; bench robot new {mjcf} makes a robot folder of it" in refusal(mjcf)
+    mjcf.unlink()
+    assert f"neither a built-in robot nor a folder: there is no {mjcf}" in refusal(mjcf)
+
+
 def test_the_tool_may_be_left_out(tmp_path: Path) -> None:
     assert load_robot(write_robot(tmp_path, TOML.split("[tool]", maxsplit=1)[0])).tool_site is None
 
@@ -84,7 +94,7 @@ def test_the_tool_may_be_left_out(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("old", "new", "named"),
     [
-        ("name =", "nane =", ("nane", "unknown key")),
+        ("name =", "nane =", ("nane", "unknown key: did you mean 'name'?")),
         ('name = "slider"\n', "", ("name", "missing")),
         ('"slider"', '""', ("name", "at least 1 character")),
         ('model = "slider.xml"\n', "", ("model", "missing")),
@@ -106,10 +116,10 @@ def test_the_tool_may_be_left_out(tmp_path: Path) -> None:
         ('"turn"', '"slide"', ("actuators[1].joint", "'slide'", "actuators[0]")),
         ('"turn"', '"wrist"', ("actuators[1].joint", "'wrist'", "ball")),
         ('site = "tool"', 'site = "flange"', ("tool.site", "slider.xml", "'flange'")),
-        ('site = "tool"', 'sites = "tool"', ("tool.sites", "unknown key")),
+        ('site = "tool"', 'sites = "tool"', ("tool.sites", "unknown key: did you mean 'site'?")),
         ("[tool]", "[tool", ("not valid TOML", "line 14")),
         ("[tool]", "[gripper]", ("gripper", "unknown key")),
-        ("[[actuators]]", "[[motors]]", ("motors", "unknown key")),
+        ("[[actuators]]", "[[motors]]", ("motors", "unknown key: did you mean 'actuators'?")),
         (TOML[TOML.index("[[") : TOML.index("[tool]")], "", ("actuators", "missing")),
         (TOML[TOML.index("[[") : TOML.index("[tool]")], "actuators = []\n", ("actuators", "at least one")),
         (TOML[TOML.index("[[") : TOML.index("[tool]")], "actuators = [3]\n", ("actuators[0]", "table", "3")),

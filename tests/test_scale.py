@@ -19,7 +19,7 @@ from bench.document.identification import gains_table
 from bench.document.markdown.tables import markdown
 from bench.identification.finding import Code, Finding
 from bench.identification.finding_words import note, sentence
-from bench.identification.findings import with_findings
+from bench.identification.findings import runaway, with_findings
 from bench.identification.fixed_scale import random_states, scale_of
 from bench.identification.identify import identify
 from bench.identification.model_json import from_json, to_json
@@ -338,6 +338,24 @@ def test_a_gain_less_sure_than_itself_is_not_determined_and_no_number_is_told(ap
     assert Code.GAIN_NOT_DETERMINED in {each.code for each in told.findings}
     assert not {Code.GAIN_RUNAWAY, Code.GAIN_NEGATIVE, Code.GAIN_FAR} & {each.code for each in told.findings}
     assert DriveGain(3.0, 2.0, "N*m/A", 3.0).determined
+
+
+@pytest.mark.parametrize(
+    ("effects", "said", "unsaid"),
+    [
+        (["viscous_friction"], "Declare more of the payload", "bench diagnose"),
+        ([], "so the model lacks an effect: `bench diagnose` first", "Declare more"),
+    ],
+)
+def test_a_gain_that_missing_friction_hides_is_diagnosed_first(
+    apart: Dataset, effects: list[str], said: str, unsaid: str
+) -> None:
+    result = identify(prepare(problem_of(apart, effects)))
+    weak = replace(result.drive_gains["lift"], value=-2e-12, std=4.6e-11)
+    doubt = runaway(replace(result, drive_gains={**result.drive_gains, "lift": weak}))
+    assert doubt is not None
+    assert said in sentence(doubt)
+    assert unsaid not in sentence(doubt)
 
 
 def test_every_case_has_its_words() -> None:

@@ -1,5 +1,8 @@
 """Summaries, tables and figures of sweeps."""
 
+from dataclasses import replace
+from types import SimpleNamespace
+
 import numpy as np
 import pyarrow as pa
 import pyarrow.parquet as pq
@@ -7,9 +10,19 @@ import pytest
 
 from bench.basics.errors import BenchError
 from bench.cli import main
+from bench.page.sweep_page import _over_all, _tiles
 from bench.studies.sweep.plan import make_plan
 from bench.studies.sweep.results import default_plots, write_plots, write_summary
-from bench.studies.sweep.summary import share_interval, summarise, summarise_in_parts
+from bench.studies.sweep.summary import (
+    Summary,
+    SummaryLine,
+    explanation,
+    share_interval,
+    spread,
+    summarise,
+    summarise_in_parts,
+    summary_markdown,
+)
 from bench.studies.sweep.sweep_file import load_sweep
 from tests.sweep_stand_in import Accidents, StandIn, plan_of, run
 
@@ -194,3 +207,19 @@ def test_a_number_that_rounds_up_to_another_digit_stays_readable() -> None:
     assert number(99.4, 2) == "99"
     assert number(0.0123, 2) == "0.012"
     assert number(12345.0) == "12345"
+
+
+def test_a_single_run_has_a_value_and_no_spread():
+    one = spread("gain_error", np.array([7e-5]))
+    summary = Summary((), ("gain_error",), (SummaryLine((), 1, 0, {"gain_error": one}),))
+    assert explanation(summary) == ""
+    assert "brackets" not in summary_markdown(summary)
+    said = _over_all("gain_error", one)
+    assert "runs in ten" not in said
+    assert said.endswith(": 0.007\xa0%.")
+    (_, tile) = _tiles(SimpleNamespace(overall=summary.lines[0], metrics=("gain_error",)))
+    assert (tile.value, tile.note) == ("0.007\xa0%", "")
+    assert "median" not in tile.label
+    two = SummaryLine((), 2, 0, {"gain_error": spread("gain_error", np.array([7e-5, 9e-5]))})
+    assert "in brackets the middle 90 %" in explanation(replace(summary, lines=(two,)))
+    assert "nine runs in ten" in _over_all("gain_error", two.spreads["gain_error"])

@@ -126,7 +126,7 @@ def test_a_scenario_that_no_case_can_use_is_refused_once_and_at_once(
     out, err = capsys.readouterr()
     assert out == ""
     assert err.count("\n") == 1
-    assert "add `encoder_resolution = { axis = 1e-6 }`" in err
+    assert "add `encoder_resolution = { axis = 1e-6 }` (m, from your data sheets)" in err
     assert not (tmp_path / "out").exists()
 
 

@@ -12,7 +12,7 @@ from bench.basics.errors import BenchError
 from bench.studies.sweep.journal import cell_of, names_in
 from bench.studies.trial.charts import write_trial_figures
 from bench.studies.trial.command import check_numbers, show, write_results
-from bench.studies.trial.markdown import deviation_text, parts, trial_markdown
+from bench.studies.trial.markdown import coverage_table, deviation_text, parts, trial_markdown
 from bench.studies.trial.summary import TrialSummary, summarised
 from bench.studies.trial.target import Attained, Share, Target, TargetFigure
 from tests.trial_rows import trial_row, trial_rows
@@ -112,6 +112,8 @@ def test_every_table_has_a_title_and_rows_with_cases() -> None:
 
 def test_what_is_another_value_altogether_has_no_number_of_standard_errors() -> None:
     assert deviation_text(0.674) == "0.67"
+    headers = [column.header for column in coverage_table(summarised("robot", trial_rows())).columns]
+    assert headers[-1] == "median error / std (expected: 0.67)"  # "right" is the name of many a motor
     assert deviation_text(10904.78) == "over 100"
 
 

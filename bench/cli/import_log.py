@@ -20,7 +20,7 @@ BESIDE_MAPPING = ("mapping_file", "output", "replace", "quiet")
 
 
 @click.command("import")
-@click.argument("file", type=click.Path(path_type=Path), required=False)
+@click.argument("files", metavar="[FILE]", type=click.Path(path_type=Path), nargs=-1)
 @click.option("--robot", shell_complete=robots, help="Built-in name, or path of a robot folder.")
 @path_option(
     "--mapping",
@@ -119,7 +119,7 @@ BESIDE_MAPPING = ("mapping_file", "output", "replace", "quiet")
 def import_log(
     context: click.Context,
     /,
-    file: Path | None,
+    files: tuple[Path, ...],
     mapping_file: Path | None,
     output: Path | None,
     quiet: bool,
@@ -143,8 +143,14 @@ def import_log(
         with shown_progress(quiet) as progress:
             imported = import_mapping(mapping_file, folder, replace=options["replace"], progress=progress)
     else:
-        if file is None or options["robot"] is None:
+        if len(files) > 1:
+            raise click.UsageError(
+                f"got {len(files)} logs; --mapping MAP.toml imports several in one call, with robot, columns and"
+                " [[logs]] files = [...] in that file"
+            )
+        if not files or options["robot"] is None:
             raise click.UsageError("give a log and --robot, or --mapping MAP.toml")
+        (file,) = files
         folder = output or Path(f"{file.name}_dataset" if file.is_dir() else file.stem)
         request, payload = _request(file, options), _payload(options)
         with shown_progress(quiet) as progress:

@@ -93,7 +93,7 @@ def new(
     """
     from bench.cli.options import unique
     from bench.dataset.names import ROBOT_FILE
-    from bench.dataset.robot_toml import mjcf_parts, write_robot_toml
+    from bench.dataset.robot_toml import mjcf_parts, no_tool, write_robot_toml
 
     if not motors:
         raise click.UsageError(
@@ -111,7 +111,10 @@ def new(
         folder=output,
         overwrite=overwrite,
     )
-    say([wrote(folder / ROBOT_FILE, "robot"), next_line(["robot", "check", folder])])
+    lacking = (
+        [] if tool else [f"note: {no_tool(mjcf_parts(model).sites)}; or repeat with --tool NAME --overwrite"]
+    )
+    say([*lacking, wrote(folder / ROBOT_FILE, "robot"), next_line(["robot", "check", folder])])
 
 
 def _listed(parts: "MjcfParts") -> str:

@@ -1,6 +1,7 @@
 """A robot: its folder, its actuators with their nominal drive gains, its tool."""
 
 import re
+import shlex
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import islice
@@ -221,8 +222,19 @@ def _find_description(robot: str | Path, relative_to: Path | None) -> Path:
         return description.resolve()
     if path.is_dir():
         raise BenchError(f"robot {str(robot)!r}: there is no robot.toml in {path}")
+    if path.is_file():
+        raise BenchError(f"robot {str(robot)!r}: {_as_folder(robot, path)}")
     hint = meant(str(robot), built_in, f"there is no {path}, and built-in are")
     raise BenchError(f"robot {str(robot)!r}: neither a built-in robot nor a folder: {hint}")
+
+
+def _as_folder(robot: str | Path, file: Path) -> str:
+    """How a robot is named for which a file was given."""
+    if (file.parent / "robot.toml").is_file():
+        return f"this is a file; give its folder {file.parent}"
+    if file.suffix.lower() == ".xml":
+        return f"this is an MJCF file; bench robot new {shlex.quote(str(robot))} makes a robot folder of it"
+    return "this is a file; give a built-in robot, or a folder with a robot.toml and an MJCF"
 
 
 def compiler_message(path: Path, text: str) -> str:

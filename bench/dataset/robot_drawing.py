@@ -80,6 +80,22 @@ class _Closures:
             poses.append(pose)
         return poses
 
+    def turns(self, row: int) -> bool:
+        """Whether a row of the gaps is an angle: the last three of a weld, and a coupling of hinges."""
+        import mujoco  # noqa: PLC0415 - slow to import: only once a robot is really read
+
+        equality = int(self.data.efc_id[row])
+        kind, first = int(self.model.eq_type[equality]), int(self.model.eq_obj1id[equality])
+        if kind == int(mujoco.mjtEq.mjEQ_WELD):
+            return row - int(np.argmax(self.data.efc_id == equality)) >= 3
+        if kind == int(mujoco.mjtEq.mjEQ_TENDON):
+            kind, first = (
+                int(mujoco.mjtEq.mjEQ_JOINT),
+                int(self.model.wrap_objid[self.model.tendon_adr[first]]),
+            )
+        hinge = int(mujoco.mjtJoint.mjJNT_HINGE)
+        return kind == int(mujoco.mjtEq.mjEQ_JOINT) and int(self.model.jnt_type[first]) == hinge
+
     def open_by(self, qpos: np.ndarray) -> float:
         """The widest gap, m or rad."""
         return float(np.abs(self.at(qpos)[0]).max(initial=0.0))
@@ -107,10 +123,14 @@ def take_up_rounding(spec: mujoco.MjSpec) -> mujoco.MjSpec:
     return spec
 
 
-def home_gap(spec: mujoco.MjSpec) -> float:
-    """The widest gap of the equalities in the home pose of a file, m or rad."""
+def home_gap(spec: mujoco.MjSpec) -> tuple[float, str]:
+    """The widest gap of the equalities in the home pose of a file, and its unit: m or rad."""
     closures = _closures(spec)
-    return closures.open_by(_home(spec, closures.model)) if closures.model.neq else 0.0
+    gaps = np.abs(closures.at(_home(spec, closures.model))[0]) if closures.model.neq else np.zeros(0)
+    if not len(gaps):
+        return 0.0, "m"
+    row = int(np.argmax(gaps))
+    return float(gaps[row]), "rad" if closures.turns(row) else "m"
 
 
 def _closures(spec: mujoco.MjSpec) -> _Closures:

@@ -103,6 +103,17 @@ def robot_toml(
     return "\n".join(lines) + "\n"
 
 
+def no_tool(sites: Sequence[str]) -> str:
+    """What a robot without a tool site lacks, and the lines to add. sites: of its MJCF."""
+    there = (
+        f"sites of the MJCF: {', '.join(sites)}" if sites else "the MJCF needs a <site> of that name first"
+    )
+    return (
+        "the robot has no tool site to fix payloads at (bench excite --payload-mass needs one): add the lines "
+        f'[tool] and site = "NAME" to robot.toml ({there})'
+    )
+
+
 def write_robot_toml(
     mjcf: str | Path,
     motors: Sequence[tuple[str, float]],

@@ -17,7 +17,7 @@ from bench.basics.chi_squared import exceeded_with
 from bench.basics.errors import BenchError
 from bench.export.bodies import BodyEquations, equations_of, pseudo_inertia
 from bench.export.identified import IdentifiedModel, identified_model
-from bench.export.programs import Programs
+from bench.export.programs import Programs, Reached
 from bench.identification.finding import Code, Finding
 from bench.identification.model_file import SavedModel, apply_model
 from bench.identification.problem import Problem
@@ -25,7 +25,7 @@ from bench.identification.result import Identification, ModelledRecording, Quant
 
 BY_CHANCE = 1e-3  # probability with which noise alone may call a real body impossible
 LEEWAY = 0.5  # standard errors farther than the nearest real bodies, which are at the limit of what is real
-EXACT = 0.01  # standard errors: nearer than this, the estimate itself belongs to real bodies
+EXACT = 0.01  # standard errors: nearer than this, bodies that reproduce the estimate are looked for
 
 
 @dataclass(frozen=True)
@@ -82,15 +82,7 @@ def physical_set(identified: IdentifiedModel, *, use_cad: bool = True) -> Physic
     programs = Programs(equations)
     nearest = programs.nearest()
     contradiction = contradiction_of(equations, programs, nearest.distance, nearest.freedom)
-    exact = nearest.distance < EXACT
-    reached = programs.drawn_to_prior(0.0 if exact else nearest.distance + LEEWAY)
-    if exact:
-        moved = programs.moved_onto(reached)
-        if moved is None:
-            raise BenchError(
-                f"{identified.path}: the search for physically possible bodies failed: none fits exactly"
-            )
-        reached = moved
+    reached, distance = _drawn_to_prior(programs, nearest.distance)
     parameters, rotors = reached
     names = [body.name for body in equations.bodies]
     count = len(identified.model.geometry.bodies)
@@ -101,12 +93,30 @@ def physical_set(identified: IdentifiedModel, *, use_cad: bool = True) -> Physic
         bodies=dict(zip(names[:count], parameters[:count], strict=True)),
         rotors=rotors,
         payloads=dict(zip(identified.payloads, parameters[count:], strict=True)),
-        distance=0.0 if exact else nearest.distance + LEEWAY,
-        model=identified if exact else identified.moved(programs.estimated_of(parameters, rotors)),
+        distance=distance,
+        model=identified.moved(programs.estimated_of(parameters, rotors)) if distance else identified,
         contradiction=contradiction,
         prior=equations.prior.source,
         guessed=equations.prior.guessed,
     )
+
+
+def _drawn_to_prior(programs: Programs, nearest: float) -> tuple[Reached, float]:
+    """The bodies nearest to the prior, and how far from the estimate they may be, in standard errors: 0 if they
+    reproduce it.
+
+    nearest: distance of the nearest real bodies. On the limit of what is real, none may reproduce the estimate.
+    """
+    if nearest < EXACT:
+        drawn = programs.drawn_to_prior(0.0)
+        moved = programs.moved_onto(drawn) if drawn else None
+        if moved:
+            return moved, 0.0
+    distance = nearest + LEEWAY
+    drawn = programs.drawn_to_prior(distance)
+    if drawn is None:
+        raise programs.not_found()
+    return drawn, distance
 
 
 def explained_by_noise(freedom: int) -> float:

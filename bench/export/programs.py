@@ -127,7 +127,8 @@ class Programs:
         finite += [] if rotors is None else [rotors <= MOST]
         off = scale * (known @ self._map) @ x - scale * known @ self.equations.estimated
         problem = cp.Problem(cp.Minimize(cp.norm(off)), [*real, *finite, *self._held_conditions(x)])
-        self._solve(problem)
+        if not self._solved(problem):
+            raise self.not_found()
         estimated = self._map @ x.value
         distance = float(np.linalg.norm(known @ (estimated - self.equations.estimated)))
         pressing = [_pressures(condition.dual_value) for condition in real]
@@ -138,10 +139,10 @@ class Programs:
             freedom += rank * (rank + 1) // 2 if matrix else rank
         return Nearest(distance, min(freedom, len(known)), np.asarray(estimated))
 
-    def drawn_to_prior(self, distance: float) -> Reached:
+    def drawn_to_prior(self, distance: float) -> Reached | None:
         """Of all bodies within `distance` standard errors of the estimate, those nearest to the prior.
 
-        distance: zero to reproduce the estimate.
+        distance: zero to reproduce the estimate. None if there are no such bodies.
         """
         cp = self._cvxpy
         bodies, rotors, x = self._unknowns()
@@ -162,8 +163,7 @@ class Programs:
             for i, has_prior in enumerate(given):
                 far = far + (rotors[i] - cp.log(rotors[i]) if has_prior else ROTOR * rotors[i])
         problem = cp.Problem(cp.Minimize(far), conditions)
-        self._solve(problem)
-        return self._split(x.value)
+        return self._split(x.value) if self._solved(problem) else None
 
     def moved_onto(self, reached: Reached) -> Reached | None:
         """The bodies moved by the least distance onto the estimate, to rounding; None if no longer real."""
@@ -204,31 +204,32 @@ class Programs:
         rotors[self._moving] = np.maximum(x[16 * count :], 0.0) * self._unit[self._moving]
         return parameters, rotors
 
-    def _solve(self, problem: Any) -> None:
-        """Solve it, with safer settings if the solver fails; any solution must keep its conditions."""
-        failed = ""
-        for settings in SETTINGS:
-            failed = self._tried(problem, settings)
-            if not failed:
-                return
-        left_out = " (the model omits base parameters: identify without --essential)"
-        raise BenchError(
-            f"the search for real bodies failed: {failed}{left_out if self.equations.fixed.any() else ''}"
-        )
+    def not_found(self) -> BenchError:
+        """That no real bodies were found, and what the user can do."""
+        if self.equations.fixed.any():
+            why = "the model omits base parameters; identify without --essential"
+        else:
+            why = (
+                "the data determine its parameters too unequally; declare more of the payload, or add recordings that "
+                "load the motors more (bench excite --after)"
+            )
+        return BenchError(f"no physically possible bodies were found for this model: {why}")
 
-    def _tried(self, problem: Any, settings: Mapping[str, float]) -> str:
-        """Why a program is not solved with these settings of the solver; "" if it is."""
+    def _solved(self, problem: Any) -> bool:
+        """Solve it, with safer settings if the solver fails; any solution must keep its conditions."""
+        return any(self._solved_with(problem, settings) for settings in SETTINGS)
+
+    def _solved_with(self, problem: Any, settings: Mapping[str, float]) -> bool:
         cp = self._cvxpy
         try:
             with warnings.catch_warnings():
                 warnings.simplefilter("ignore", UserWarning)  # of an inaccurate solution: it is checked below
                 problem.solve(solver=cp.CLARABEL, **settings)
-        except cp.error.SolverError as error:
-            return str(error)
+        except cp.error.SolverError:
+            return False
         if problem.status not in ("optimal", "optimal_inaccurate"):
-            return str(problem.status)
-        missed = max(float(np.max(constraint.violation())) for constraint in problem.constraints)
-        return str(problem.status) if missed > VIOLATED else ""
+            return False
+        return max(float(np.max(constraint.violation())) for constraint in problem.constraints) <= VIOLATED
 
 
 def _pressures(dual: np.ndarray) -> tuple[np.ndarray, bool]:

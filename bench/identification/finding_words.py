@@ -48,6 +48,20 @@ def _locked(finding: Finding) -> str:
     return f"Locked in robot.toml: {values}."
 
 
+def _not_determined(finding: Finding) -> str:
+    said = _filled(
+        "These data do not determine the drive gain{places:?|s} of {places:and}: the standard error is larger than the "
+        "value.",
+        finding,
+    )
+    if "times" in finding.numbers:
+        return (
+            f"{said} The error is {finding.numbers['times']:.3g} times that of noise, so the model lacks an effect: "
+            "`bench diagnose` first."
+        )
+    return f"{said} Declare more of the payload, or record one that loads the motor more."
+
+
 def _swapped(finding: Finding) -> str:
     first, second, *recording = finding.names
     where = f" in {recording[0]}" if recording else ""
@@ -236,8 +250,7 @@ NOISE = (
 )
 
 WORDS: Mapping[Code, str | Callable[[Finding], str]] = {
-    Code.GAIN_NOT_DETERMINED: "These data do not determine the drive gain{places:?|s} of {places:and}: the standard "
-    "error is larger than the value. Declare more of the payload, or record one that loads the motor more.",
+    Code.GAIN_NOT_DETERMINED: _not_determined,
     Code.GAIN_RUNAWAY: f"{GAIN}; its nominal value is {{nominal:.3g}}. No drive differs that much from its data "
     "sheet: a physical effect is missing in the model, or the payload is not as declared.",
     Code.PARAMETER_WITHOUT_DEVIATION: "{of[0].name} is estimated as {value:.3g} {unit} without a known standard "

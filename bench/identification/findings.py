@@ -12,6 +12,7 @@ from bench.dataset.payload import Payload
 from bench.dataset.recording import Recording
 from bench.dataset.robot_locked import LockedJoint
 from bench.effects import EffectInstance
+from bench.identification.current_noise import squares_of_noise
 from bench.identification.decision import RULE
 from bench.identification.finding import Code, Finding, Unknown
 from bench.identification.result import DriveGain, Identification
@@ -162,11 +163,23 @@ def _doubtful_gain(result: Identification) -> Finding | None:
         return Finding(thousand)
     open_ = tuple(joint for joint, gain in result.drive_gains.items() if not gain.determined)
     if open_:
-        return Finding(Code.GAIN_NOT_DETERMINED, of=tuple(Unknown("gain", "gain", joint) for joint in open_))
+        unknowns, times = tuple(Unknown("gain", "gain", joint) for joint in open_), _times_noise(result)
+        numbers = {"times": times} if times > RULE.much else {}
+        return Finding(Code.GAIN_NOT_DETERMINED, of=unknowns, numbers=numbers)
     for joint, gain in result.drive_gains.items() if result.gains_fitted else ():
         if not 1.0 / RULE.gain_far <= gain.value / gain.nominal <= RULE.gain_far:
             return (_negative(result) or [_gain(Code.GAIN_RUNAWAY, joint, gain)])[0]
     return None
+
+
+def _times_noise(result: Identification) -> float:
+    """The error of the fitted recordings over that of noise, whose density is that of the errors near the end of the
+    fit's band; 0 without either.
+    """
+    fitted = [series for series in result.recordings if series.use == "identify"]
+    noise = sum(float(squares_of_noise(series, result.settings)[0].sum()) for series in fitted)
+    error = sum(float(np.square(series.error * series.moving).sum()) for series in fitted)
+    return math.sqrt(error / noise) if noise > 0.0 else 0.0
 
 
 def _runs_away(far: Finding, doubt: Finding | None) -> bool:

@@ -144,6 +144,8 @@ def _over_all(metric: str, spread: Spread) -> str:
     what = what_is_measured(metric)
     low, high = value_text(metric, spread.low), value_text(metric, spread.high)
     middle = value_text(metric, spread.middle)
+    if spread.count == 1 and not is_share(metric):
+        return f"{begun(what)}: {middle}."
     if is_share(metric):
         return f"{begun(what)}: {middle}, 95 % interval {low} to {high}."
     return f"{begun(what)}: {middle} in the median; nine runs in ten lie between {low} and {high}."
@@ -164,6 +166,8 @@ def _tiles(result: SweepResult) -> tuple[Tile, ...]:
             kind = "95 % interval" if is_share(metric) else "middle 90 %"
             note = f"{kind}: {value_text(metric, spread.low)} to {value_text(metric, spread.high)}"
             name = f"{begun(metric_title(metric))}, {'mean' if is_share(metric) else 'median'}"
+            if spread.count == 1 and not is_share(metric):
+                name, note = begun(metric_title(metric)), ""
             tiles.append(Tile(name, value_text(metric, spread.middle), typeset(note)))
     return tuple(tiles)
 

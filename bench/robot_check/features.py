@@ -82,9 +82,9 @@ def _notes(compiled: mujoco.MjModel, robot: Robot) -> Iterator[tuple[CheckCode, 
                 "as_a_whole": as_a_whole,
             }
             yield CheckCode.JOINT_FORCE_NOT_MODELLED, values
-    gap = home_gap(robot.mjcf_as_drawn())
+    gap, unit = home_gap(robot.mjcf_as_drawn())
     if CLOSED < gap <= ROUNDING:
-        yield CheckCode.DRAWING_ROUNDED, {"gap": gap}
+        yield CheckCode.DRAWING_ROUNDED, {"gap": gap, "unit": unit}
     yield from _sizes(compiled)
     yield from _surroundings(compiled)
     if compiled.nplugin:
@@ -95,6 +95,9 @@ def _notes(compiled: mujoco.MjModel, robot: Robot) -> Iterator[tuple[CheckCode, 
     used = set(np.concatenate((compiled.eq_obj1id[held], compiled.eq_obj2id[held])).tolist())
     for tendon in set(range(compiled.ntendon)) - used:
         yield CheckCode.TENDON_UNUSED, {"tendon": label_of(compiled, mujoco.mjtObj.mjOBJ_TENDON, tendon)}
+    if robot.tool_site is None:
+        names = [compiled.site(site).name for site in range(compiled.nsite)]
+        yield CheckCode.TOOL_MISSING, {"sites": [name for name in names if name]}
 
 
 def _surroundings(compiled: mujoco.MjModel) -> Iterator[tuple[CheckCode, dict[str, Any]]]:

@@ -26,6 +26,7 @@ class CheckCode(StrEnum):
     PLUGINS_NOT_MODELLED = auto()
     ACTUATORS_UNUSED = auto()
     TENDON_UNUSED = auto()
+    TOOL_MISSING = auto()
     LENGTHS_LARGE = auto()
     MASSES_LARGE = auto()
     JOINTS_LOCKED = auto()

@@ -11,6 +11,7 @@ from bench.basics.plural import plural
 from bench.basics.sentence import say
 from bench.dataset.robot_locked import locked_from_data, locked_in_words
 from bench.dataset.robot_redundancy import use_connect
+from bench.dataset.robot_toml import no_tool
 from bench.robot_check.bounds import PLAUSIBLE
 from bench.robot_check.home_key import home_key
 from bench.robot_check.outcome import Check, CheckCode
@@ -58,6 +59,11 @@ def nearest_singularity(singularity: Singularity) -> str:
         f"{_positions(singularity.singular_at, singularity.units)}: in that pose "
         f"{_first(singularity.loose)} can move while the motors are held"
     )
+
+
+def without_rounding(position: float) -> float:
+    """A joint's position as printed, rad or m: zero where closing the loops has moved it no further from zero."""
+    return 0.0 if abs(position) < PLAUSIBLE.still else position
 
 
 def _unsupported(features: Sequence[str]) -> str:
@@ -257,7 +263,9 @@ def _positions(positions: Mapping[str, float], units: Mapping[str, str], sign: s
     """Positions of motors, with units if there are both hinges and slides."""
     mixed = len({*units.values()}) > 1
     of = {name: f" {units.get(name, '')}" if mixed else "" for name in positions}
-    return ", ".join(f"{name} {value:{sign}.3g}{of[name]}" for name, value in positions.items())
+    return ", ".join(
+        f"{name} {without_rounding(value):{sign}.3g}{of[name]}" for name, value in positions.items()
+    )
 
 
 REGULAR = (
@@ -281,6 +289,7 @@ WORDS: Mapping[CheckCode, str | tuple[str, Callable[..., str]]] = {
     CheckCode.PLUGINS_NOT_MODELLED: "note: {plugins} MuJoCo plug-ins: the model does not contain them",
     CheckCode.ACTUATORS_UNUSED: "note: {actuators} actuators of the MJCF are not used: robot.toml names the motors",
     CheckCode.TENDON_UNUSED: "note: tendon {tendon!r} is ignored",
+    CheckCode.TOOL_MISSING: ("note", no_tool),
     CheckCode.LENGTHS_LARGE: "note: lengths of up to {length:.3g} m: an MJCF is in metres, and lengths look like "
     "millimetres or inches; divide every pos by 1000, or by 39.37",
     CheckCode.MASSES_LARGE: ("note", _masses_large),
@@ -320,7 +329,7 @@ WORDS: Mapping[CheckCode, str | tuple[str, Callable[..., str]]] = {
     CheckCode.COUPLING: ("coupling", _coupling),
     CheckCode.HOME_WITHOUT_LOOPS: ("home assembled", _no_loops),
     CheckCode.HOME_CLOSED: ("home assembled", _closed),
-    CheckCode.DRAWING_ROUNDED: "note: as drawn, home is open by {gap:.1e} m or rad, a rounding error that is "
+    CheckCode.DRAWING_ROUNDED: "note: as drawn, home is open by {gap:.1e} {unit}, a rounding error that is "
     "corrected when the robot is read; the loops of the model and of the simulated machine close",
     CheckCode.WELD_TOO_MUCH: ("loop closures", _weld_too_much),
     CheckCode.NEARLY_PARALLEL: "axes: hinges {first!r} and {second!r} are {angle:.1e} rad from parallel, as an angle "

@@ -7,7 +7,7 @@ from typing import Any, TypeVar
 
 from pydantic import BaseModel, ConfigDict, ValidationError
 
-from bench.basics.errors import BenchError
+from bench.basics.errors import BenchError, nearest
 
 
 class UserTable(BaseModel):
@@ -81,11 +81,26 @@ def first_mistake(error: ValidationError) -> str:
     mistakes = mistakes_of(error)
     first = mistakes[0]
     text = f"{key_name(first['loc'])}: {_explain(first['type'], first['msg'])}"
+    if (misspelt := _missing_instead(mistakes)) is not None:
+        text += f": did you mean {misspelt['loc'][-1]!r}?"
+        mistakes.remove(misspelt)
     if first["type"] not in ("missing", "extra_forbidden"):
         text += f", got {_shorten(first['input'])}"
     if len(mistakes) > 1:
         text += f"; and {len(mistakes) - 1} more, for example {key_name(mistakes[1]['loc'])}"
     return one_line(text)
+
+
+def _missing_instead(mistakes: list[Any]) -> Any | None:
+    """The missing key that the first mistake, an unknown key, stands for: one with a like name, or the only one of its
+    table.
+    """
+    *table, name = mistakes[0]["loc"]
+    if mistakes[0]["type"] != "extra_forbidden":
+        return None
+    missing = {m["loc"][-1]: m for m in mistakes if m["type"] == "missing" and [*m["loc"][:-1]] == table}
+    near = nearest(str(name), missing) or (next(iter(missing)) if len(missing) == 1 else None)
+    return None if near is None else missing[near]
 
 
 def key_name(location: tuple[int | str, ...]) -> str:

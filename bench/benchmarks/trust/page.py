@@ -137,7 +137,7 @@ def gains_table(evaluation: Evaluation) -> str:
         )
     heads = (
         *("", "largest gain error, median: without effects", "as diagnosed", "with the true effects"),
-        *("95 % intervals contain the truth", "error / std, median (right: 0.67)"),
+        *("95 % intervals contain the truth", "error / std, median (expected: 0.67)"),
     )
     return rows_in_markdown(heads, lines)
 

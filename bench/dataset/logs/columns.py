@@ -195,7 +195,7 @@ def _sources(
         raise BenchError(
             f"{file}: {what}{_misspelt(missing, log_map)}"
             f"{_proposed(missing, sources, log, robot) or _example(missing[0], sources, there, robot)}"
-            f"{_skipping(log, sources)}"
+            f"{_skipping(log, sources, robot)}"
         )
     absent = [(target, source) for target, source in sources.items() if source not in there]
     if absent:
@@ -209,7 +209,7 @@ def _sources(
             else ""
         )
         raise BenchError(
-            f"{file}: there is no {named}{hint} (the log has {_inventory(log)}){_skipping(log, sources)}"
+            f"{file}: there is no {named}{hint} (the log has {_inventory(log)}){_skipping(log, sources, robot)}"
         )
     return sources
 
@@ -245,7 +245,9 @@ def _proposed(missing: Sequence[str], sources: Mapping[str, str], log: LogFile, 
     first = guessed[missing[0]]
     known = first["unit"] or first["column"] in stated
     hint = "" if known else _unit_hint(missing[0], "", robot)
-    return f"; by their names these may be right, look at each: {' '.join(options)}{hint}"
+    ordered = any(guessed[target]["why"] == "order" for target in missing)
+    by = "by their names and their order" if ordered else "by their names"
+    return f"; {by} these may be right, look at each: {' '.join(options)}{hint}"
 
 
 def _example(target: str, sources: Mapping[str, str], there: Sequence[str], robot: Robot) -> str:
@@ -278,12 +280,14 @@ def _check_targets(
             raise BenchError(f"{file}: {target!r} has a scale but nothing is mapped to it")
 
 
-def _skipping(log: LogFile, sources: Mapping[str, str]) -> str:
-    """The cure if a text has none of the columns: its column names may be below a preamble."""
+def _skipping(log: LogFile, sources: Mapping[str, str], robot: Robot) -> str:
+    """The cure if a text has none of the columns, and no name like one: its column names may be below a preamble."""
     there = [*log.vectors, *log.texts]
     if log.lines is None or any(source in there for source in sources.values()):
         return ""
-    return ": if a preamble precedes the column names, skip it with --skip-rows N"
+    if guesses(there, robot, stated_units(log.units)):
+        return ""
+    return "; if a preamble precedes the column names, skip it with --skip-rows N"
 
 
 def _inventory(log: LogFile, most: int = 30) -> str:

@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from bench.basics.files.recording_fault import IN_UNIT
+from bench.basics.joint_units import units_of_gain
 from bench.dataset.joint_facts import JointFacts, joint_facts
 from bench.dataset.logs.units import LAST, UNITS, measured_by, name_of, unit_in, units_of
 from bench.dataset.recording_checks import Channel, position_units
@@ -34,7 +35,7 @@ def guesses(
 
     stated: units by column as the log gives them; they identify columns with names in an unknown language. values: of
     the columns (N,); with the joint's range, they distinguish a path in mm from one in m.
-    why is "name" if the log's name contains the joint's, "order" if numbered names are assigned in order, "unit" if
+    why is "name" if the log's name contains the joint's, "order" if names are assigned in their order, "unit" if
     no other column has a unit of this joint's kind, "rest" if only this joint and this column remain, "alike" if a
     current's name shares a word with that of its joint's position, and "range" if the values determine the unit.
     """
@@ -60,6 +61,8 @@ def guesses(
     )
     currents = [name for name in rest if _measures(name, stated) in DRIVES]
     proposed |= _alike(currents, {target: name for target, (name, _) in proposed.items()}, robot.driven)
+    taken = {name for name, _ in proposed.values()}
+    proposed |= _in_order([name for name in names if name not in taken], proposed, robot, stated)
     guessed = {}
     for target, (name, why) in proposed.items():
         unit = unit_in(name, units_of(target, robot))
@@ -109,6 +112,36 @@ def _alike(
         if len(alike) == 1 and f"current.{joint}" not in proposed:
             chosen[f"current.{joint}"] = alike[0], "alike"
     return chosen if len({name for name, _ in chosen.values()}) == len(chosen) else {}
+
+
+def _in_order(
+    free: Sequence[str], proposed: Mapping[str, object], robot: Robot, stated: Mapping[str, str] | None
+) -> dict[str, tuple[str, str]]:
+    """Columns in their order for the joints in theirs, where exactly as many measure what these joints need.
+
+    None for joints of which one has a column, for names of which one contains a joint's, and for currents of hinges and
+    slides together.
+    """
+    chosen: dict[str, tuple[str, str]] = {}
+    turns = {units_of_gain(actuator.gain_unit).rotates for actuator in robot.motors}
+    for kind, spoken, quantities in (("position", POSITION, PLACES), ("current", CURRENT, DRIVES)):
+        if robot.redundant or (kind == "current" and len(turns) > 1):
+            continue
+        for measured in quantities:
+            joints = [joint for joint in robot.driven if measured_by(f"{kind}.{joint}", robot) == measured]
+            columns = [
+                name
+                for name in free
+                if _measures(name, stated) == measured
+                or (spoken & set(_words(name)) and not _measures(name, stated))
+            ]
+            named = any(set(_parts(joint)) <= set(_parts(name)) for joint in robot.driven for name in columns)
+            assigned = any(f"{kind}.{joint}" in proposed for joint in joints)
+            if len(columns) == len(joints) and not named and not assigned:
+                chosen |= {
+                    f"{kind}.{joint}": (name, "order") for joint, name in zip(joints, columns, strict=True)
+                }
+    return chosen
 
 
 def _within(joint: JointFacts, values: np.ndarray | None, unit: str | None) -> bool:

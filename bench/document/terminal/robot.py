@@ -12,7 +12,7 @@ from bench.document.terminal.identification import heading, listing, section
 from bench.document.terminal.tables import printed
 from bench.robot_check.outcome import Check, CheckCode
 from bench.robot_check.report import JointLine, Mobility, RobotReport, Singularity
-from bench.robot_check.words import detail_of, name_of, nearest_singularity
+from bench.robot_check.words import detail_of, name_of, nearest_singularity, without_rounding
 
 UNREAD = {CheckCode.MJCF_UNSUPPORTED, CheckCode.GEOMETRY_UNREADABLE}  # then the loops are unknown
 MARKS = {"ok": ("✓", "green"), "note": ("!", "yellow"), "failed": ("✗", "bold red")}
@@ -48,6 +48,7 @@ def robot_report(report: RobotReport, console: Console, *, verbose: bool = False
 def joints_table(report: RobotReport) -> Table:
     """Every joint: kind, the body on which it is mounted, motor, range and home position."""
     joints = report.joints
+    homes = [None if joint.home is None else without_rounding(joint.home) for joint in joints]
     return Table(
         (
             Column("joint", [joint.name for joint in joints]),
@@ -55,7 +56,7 @@ def joints_table(report: RobotReport) -> Table:
             Column("on", [joint.parent for joint in joints], rank=1),
             Column("motor", [joint.gain if joint.actuated else "– passive" for joint in joints], "unit"),
             Column("range", [_range(joint) for joint in joints]),
-            Column("home", [joint.home for joint in joints], "number", format=".4g"),
+            Column("home", homes, "number", format=".4g"),
             Column("unit", [{"hinge": "rad", "slide": "m"}.get(joint.kind, "") for joint in joints]),
         ),
         tuple("" if joint.actuated else "weak" for joint in joints),

@@ -81,11 +81,24 @@ def joint_values(key: str, value: float | Mapping[str, float], joints: Sequence[
 
 
 def assumed_units(key: str, value: float | Mapping[str, float], robot: Robot) -> list[str]:
-    """The assumption on speeds or accelerations that one number for hinges and slides is in the units of each."""
+    """The assumption on speeds or accelerations that one number is in the unit of slides, or of hinges and slides."""
     turns = [units_of_gain(actuator.gain_unit).rotates for actuator in robot.actuators]
-    if isinstance(value, Mapping) or all(turns) or not any(turns):
+    if isinstance(value, Mapping) or all(turns):
         return []
+    if not any(turns):
+        return [f"{key} {value:g}: m/{PER[key]}"]
     return [f"{key} {value:g}: rad/{PER[key]} at hinges, m/{PER[key]} at slides"]
+
+
+def with_units(key: str, values: np.ndarray, robot: Robot) -> str:
+    """Speeds or accelerations (n,) of the joints with their units: one number if they are alike."""
+    said = {
+        actuator.joint: f"{value:.3g} {units_of_gain(actuator.gain_unit).position}/{PER[key]}"
+        for actuator, value in zip(robot.actuators, values, strict=True)
+    }
+    if len(set(said.values())) == 1:
+        return next(iter(said.values()))
+    return ", ".join(f"{joint} {text}" for joint, text in said.items())
 
 
 def assumed_ranges(robot: Robot, joints: Sequence[str], low: np.ndarray, high: np.ndarray) -> str:

@@ -14,6 +14,7 @@ from bench.excitation.experiment.request import (
     assumed_units,
     check_joint,
     joint_values,
+    with_units,
 )
 from bench.excitation.limits import Limits, limits_of, passive_room, unlimited
 from bench.model.geometry import Geometry
@@ -74,13 +75,15 @@ def room_of(geometry: Geometry, table: ExperimentTable) -> Room:
     width = high - low
     if table.velocity is None:
         velocity = width / LIMITS.crossing
-        assumed.append(f"speed: the joint's range in {LIMITS.crossing:g} s")
+        numbers = with_units("velocity", velocity, geometry.robot)
+        assumed.append(f"speed: the joint's range in {LIMITS.crossing:g} s ({numbers})")
     else:
         velocity = joint_values("velocity", table.velocity, joints)
         assumed += assumed_units("velocity", table.velocity, geometry.robot)
     if table.acceleration is None:
         acceleration = velocity / LIMITS.reaching
-        assumed.append(f"acceleration: the largest speed within {LIMITS.reaching:g} s")
+        numbers = with_units("acceleration", acceleration, geometry.robot)
+        assumed.append(f"acceleration: the largest speed within {LIMITS.reaching:g} s ({numbers})")
     else:
         acceleration = joint_values("acceleration", table.acceleration, joints)
         assumed += assumed_units("acceleration", table.acceleration, geometry.robot)

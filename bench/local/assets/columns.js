@@ -4,7 +4,7 @@ const Columns = (() => {
   const {el, field, select, spark} = Dom;
   const PAUSE = 150; // ms without a change after which the columns are checked
   const GUESSED = {
-    order: () => "taken in the order of their numbers",
+    order: () => "taken in their order",
     unit: () => "taken for its unit",
     alike: () => "named like the position",
     rest: () => "taken as the last one",

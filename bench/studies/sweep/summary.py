@@ -177,7 +177,8 @@ def print_summary(summary: Summary, console: Console) -> None:
             width += chosen[-1].width + GAP
         console.print(_table(axes, chosen))
         console.print()
-    console.print(f"[dim]{explanation(summary)}[/]", highlight=False)
+    if said := explanation(summary):
+        console.print(f"[dim]{said}[/]", highlight=False)
 
 
 def summary_markdown(summary: Summary) -> str:
@@ -189,15 +190,21 @@ def summary_markdown(summary: Summary) -> str:
         "|" + "|".join(["---"] * len(axes) + ["---:"] * len(numbers)) + "|",
         *("| " + " | ".join(row) + " |" for row in zip(*(values for _, values in columns), strict=True)),
     ]
-    return "\n".join([*lines, "", explanation(summary)]) + "\n"
+    return "\n".join([*lines, "", explanation(summary)]).rstrip() + "\n"
 
 
 def explanation(summary: Summary) -> str:
-    """An explanation of the numbers of a summary."""
-    text = "Median, and in brackets the middle 90 % of the runs."
+    """An explanation of the numbers of a summary; "" if they are values of single runs."""
+    counts = [
+        spread.count
+        for line in summary.lines
+        for metric, spread in line.spreads.items()
+        if not is_share(metric)
+    ]
+    text = "Median, and in brackets the middle 90 % of the runs." if max(counts, default=0) > 1 else ""
     if any(is_share(metric) for metric in summary.metrics):
         text += " Of a share: the mean, and in brackets its 95 % interval (Jeffreys)."
-    return text
+    return text.strip()
 
 
 def number(value: float, digits: int = 3) -> str:

@@ -118,7 +118,7 @@ def coverage_table(summary: TrialSummary) -> Table:
                 format="s",
             ),
             Column(
-                "median error / std (right: 0.67)",
+                "median error / std (expected: 0.67)",
                 [deviation_text(coverage.deviation) for coverage in summary.coverage],
                 "number",
                 format="s",

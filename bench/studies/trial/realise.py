@@ -58,10 +58,11 @@ def check_scenario(setup: Setup, case: Case) -> None:
     turns = {motor.joint: units_of_gain(motor.gain_unit).rotates for motor in robot.motors}
     if not all(turns.values()) and not sensors.get("encoder_resolution"):
         steps = ", ".join(f"{joint} = {'6e-6' if turns[joint] else '1e-6'}" for joint in turns)
+        unit = "rad or m" if any(turns.values()) else "m"
         slides = and_list([joint for joint, rotates in turns.items() if not rotates])
         raise BenchError(
             f"trial: the encoder of a slide joint ({slides}) has no bits per turn: add `encoder_resolution = "
-            f"{{ {steps} }}` (rad or m, from your data sheets) under [sensors] in the scenario"
+            f"{{ {steps} }}` ({unit}, from your data sheets) under [sensors] in the scenario"
         )
     _scenario(setup, case, [])
 
