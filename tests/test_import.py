@@ -198,9 +198,7 @@ def test_where_nothing_is_mapped_the_options_are_proposed_that_the_names_tell(
     words = ["import", str(tmp_path / "log.csv"), "--robot", robot, "-o", str(tmp_path / "out")]
     assert main(words) == 2
     said = capsys.readouterr().err
-    proposed = said.partition("by their names these may be right, look at each: ")[2].partition(
-        ": if a preamble"
-    )[0]
+    proposed = said.partition("by their names these may be right, look at each: ")[2].strip()
     assert proposed == (
         "--map time=Zeit_ms --map position.arm='Winkel arm' --map position.rail='Weg rail'"
         " --map position.wheel='Winkel wheel' --map current.arm='Strom arm'"

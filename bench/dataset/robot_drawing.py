@@ -15,6 +15,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from bench.basics.joint_units import joint_units
+
 if TYPE_CHECKING:
     import mujoco
 
@@ -130,7 +132,7 @@ def home_gap(spec: mujoco.MjSpec) -> tuple[float, str]:
     if not len(gaps):
         return 0.0, "m"
     row = int(np.argmax(gaps))
-    return float(gaps[row]), "rad" if closures.turns(row) else "m"
+    return float(gaps[row]), joint_units(closures.turns(row)).position
 
 
 def _closures(spec: mujoco.MjSpec) -> _Closures:

@@ -95,9 +95,9 @@ def _missing_instead(mistakes: list[Any]) -> Any | None:
     """The missing key that the first mistake, an unknown key, stands for: one with a like name, or the only one of its
     table.
     """
-    *table, name = mistakes[0]["loc"]
     if mistakes[0]["type"] != "extra_forbidden":
         return None
+    *table, name = mistakes[0]["loc"]
     missing = {m["loc"][-1]: m for m in mistakes if m["type"] == "missing" and [*m["loc"][:-1]] == table}
     near = nearest(str(name), missing) or (next(iter(missing)) if len(missing) == 1 else None)
     return None if near is None else missing[near]
