@@ -17,7 +17,7 @@ from bench.identification.tolerances import TOLERANCES
 from bench.model.geometry import Geometry, Joint
 from bench.model.model import IdentificationModel
 from bench.model.motion import LongMotion, Motion, path_of
-from bench.model.nodes import NearSingularError
+from bench.model.nodes import of_recording
 from bench.model.reaction import HeldMotion
 from bench.signals.filtering import low_pass
 from bench.signals.processing import LoggedVelocity, compared_velocity, estimate_motion, trim
@@ -126,17 +126,6 @@ def measure(model: IdentificationModel, recording: Recording, settings: FilterSe
         else standstills(motion.position, motion.velocity, passive, recording.rate, settings.position_cutoff),
         logged=logged,
     )
-
-
-def of_recording(name: str, error: BenchError) -> BenchError:
-    """The same error with the recording's name and a remedy."""
-    if isinstance(error, NearSingularError):
-        cure = (
-            "if the robot was elsewhere, check units, signs and zeros of its positions; if it was there, leave that "
-            "part out by `exclude = [[start, end]]` under the file's name in dataset.toml"
-        )
-        return BenchError(f"{name}: {error}; {cure}")
-    return BenchError(f"{name}: {error}")
 
 
 def _closed(

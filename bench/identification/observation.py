@@ -6,11 +6,12 @@ from typing import Literal
 import numpy as np
 
 from bench.basics.errors import BenchError
-from bench.identification.filtered import Measured, of_recording
+from bench.identification.filtered import Measured
 from bench.identification.standstill import around, interpolated_part, moving_rows
 from bench.identification.tolerances import TOLERANCES
 from bench.model.model import IdentificationModel
 from bench.model.motion import blocks_of
+from bench.model.nodes import of_recording
 from bench.model.regressor import projected_regressor, redundant_columns
 from bench.signals.decimation import Decimation, decimated_indices
 from bench.signals.returning import Course

@@ -16,6 +16,17 @@ class NearSingularError(BenchError):
     """At some time the loop closures do not, or hardly, determine the passive joints."""
 
 
+def of_recording(name: str, error: BenchError) -> BenchError:
+    """The same error with the recording's name and a remedy."""
+    if isinstance(error, NearSingularError):
+        cure = (
+            "if the robot was elsewhere, check units, signs and zeros of its positions; if it was there, leave that "
+            "part out by `exclude = [[start, end]]` under the file's name in dataset.toml"
+        )
+        return BenchError(f"{name}: {error}; {cure}")
+    return BenchError(f"{name}: {error}")
+
+
 @dataclass(frozen=True)
 class Track:
     """The input: time (N,); of the active joints position as logged, velocity and acceleration, (N, n) each.

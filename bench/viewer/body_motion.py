@@ -12,6 +12,7 @@ from bench.dataset.recording import Recording
 from bench.dataset.robot import Robot
 from bench.model.geometry import Geometry, read_geometry, to_mujoco
 from bench.model.motion import motion_of
+from bench.model.nodes import of_recording
 from bench.signals.processing import estimate_motion, trim
 from bench.signals.settings import FilterSettings
 
@@ -193,7 +194,7 @@ def body_motion(
             motion.acceleration[frames],
         )
     except BenchError as error:
-        raise BenchError(f"{recording.name}: {error}") from None
+        raise of_recording(recording.name, error) from None
     return placed(model, geometry.robot.tool_site, time[frames], to_mujoco(geometry.joints, tree.q))
 
 
