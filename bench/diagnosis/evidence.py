@@ -7,6 +7,7 @@ motor count in full, many never for more than `DecisionRule.coarsening` samples.
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from math import log
 
 import numpy as np
@@ -49,7 +50,7 @@ class Samples:
         """Nats that unknowns (...,) of a model must bring."""
         return 0.5 * unknowns * log(max(float(self._share @ self.fitted), 1.0))
 
-    @property
+    @cached_property
     def _share(self) -> np.ndarray:
         """Weight of a sample of each motor, z_j."""
         return np.asarray(self.coarsening / (self.coarsening + self.fitted + self.held_out))

@@ -27,7 +27,7 @@ def reason_sentence(verdict: EffectVerdict) -> str:
 
 def probability_text(probability: float) -> str:
     """A probability with two digits, but never as 0 or 1."""
-    least = TOLERANCES.report.set_probability
+    least = TOLERANCES.report.near_certain
     if probability < least:
         return f"< {least:g}"
     return f"> {1.0 - least:g}" if probability > 1.0 - least else f"{probability:.2f}"

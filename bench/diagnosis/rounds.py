@@ -240,17 +240,15 @@ def _rivals(this_round: Round, barred: Collection[str], spared: float) -> list[R
     """
     system, proposals = this_round.system, this_round.proposals
     present = score_set(system, this_round.chosen)
-    able = usable(proposals, barred)
-    least = present.total - RULE.undecided
-    most = max((most_gained(system, i) for i in able), default=0.0)
+    least = present.total - RULE.undecided + spared
     rivals = []
-    for neighbour in neighbours(system, present, able, least - most):
+    for neighbour in neighbours(system, present, usable(proposals, barred), -np.inf):
         new = [i for i in neighbour.fit.chosen if i not in this_round.chosen]
-        if neighbour.total + sum(most_gained(system, i) for i in new) <= least + spared:
-            continue
+        if neighbour.total + sum(most_gained(system, i) for i in new) <= least:
+            continue  # whatever its places
         best = {i: best_places(system, neighbour.fit.chosen, i) for i in new}
         total = neighbour.total + sum(places.gained for places in best.values())
-        if total > least + spared:
+        if total > least:
             there = [at_its_places(each, best[i]) if i in best else each for i, each in enumerate(proposals)]
             selection = replace(this_round.selection, selected=neighbour)
             rivals.append((total, replace(this_round, proposals=there, selection=selection)))

@@ -8,7 +8,7 @@ from bench.basics.chi_squared import exceeded_with
 from bench.dataset.recording import Recording
 from bench.diagnosis.noise import not_repeated
 from bench.diagnosis.result import Remainder, Unexplained, excess_of
-from bench.identification.current_noise import current_noise, squares_of_noise
+from bench.identification.current_noise import current_noise, relative_noise_in_band
 from bench.identification.decision import RULE
 from bench.identification.result import CurrentSeries, Identification, relative_error
 from bench.identification.tolerances import TOLERANCES
@@ -89,15 +89,8 @@ def _judged(
     error = relative_error(held_out) or 0.0
     floor = relative_noise_floor(recordings, held_out, result.settings)
     if error**2 < TOLERANCES.statistics.white * floor**2:
-        floor = min(_noise_in_band(held_out, result.settings), error)
+        floor = min(relative_noise_in_band(held_out, result.settings), error)
     return held_out, error, floor
-
-
-def _noise_in_band(series: Sequence[CurrentSeries], settings: FilterSettings) -> float:
-    """Relative error of noise with the density of the errors in the upper half of the fit's band."""
-    noise = sum(float(squares_of_noise(trace, settings)[0].sum()) for trace in series)
-    measured = sum(float(((trace.measured * trace.moving) ** 2).sum()) for trace in series)
-    return float(np.sqrt(noise / measured)) if measured else 0.0
 
 
 def _variables(series: Sequence[CurrentSeries], j: int) -> dict[str, np.ndarray]:

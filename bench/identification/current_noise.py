@@ -1,5 +1,7 @@
 """Noise of the measured currents, from their spectra."""
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from bench.basics.chi_squared import exceeded_with
@@ -49,3 +51,10 @@ def squares_of_noise(series: CurrentSeries, settings: FilterSettings) -> tuple[n
     low, high = (int(band * share * len(power)) for share in TOLERANCES.statistics.noise_alone)
     top = power[low : max(high, low + 1)]
     return np.asarray(band * top.mean(axis=0)), len(top)
+
+
+def relative_noise_in_band(series: Sequence[CurrentSeries], settings: FilterSettings) -> float:
+    """Noise of this density, RMS(noise) / RMS(measured) over recordings; 0 without currents."""
+    noise = sum(float(squares_of_noise(trace, settings)[0].sum()) for trace in series)
+    measured = sum(float(((trace.measured * trace.moving) ** 2).sum()) for trace in series)
+    return float(np.sqrt(noise / measured)) if measured else 0.0

@@ -12,10 +12,10 @@ from bench.dataset.payload import Payload
 from bench.dataset.recording import Recording
 from bench.dataset.robot_locked import LockedJoint
 from bench.effects import EffectInstance
-from bench.identification.current_noise import squares_of_noise
+from bench.identification.current_noise import relative_noise_in_band
 from bench.identification.decision import RULE
 from bench.identification.finding import Code, Finding, Unknown
-from bench.identification.result import DriveGain, Identification
+from bench.identification.result import DriveGain, Identification, relative_error
 from bench.identification.tolerances import TOLERANCES
 from bench.signals.bounds import BANDS
 from bench.signals.settings import FilterSettings
@@ -177,9 +177,8 @@ def _times_noise(result: Identification) -> float:
     fit's band; 0 without either.
     """
     fitted = [series for series in result.recordings if series.use == "identify"]
-    noise = sum(float(squares_of_noise(series, result.settings)[0].sum()) for series in fitted)
-    error = sum(float(np.square(series.error * series.moving).sum()) for series in fitted)
-    return math.sqrt(error / noise) if noise > 0.0 else 0.0
+    noise = relative_noise_in_band(fitted, result.settings)
+    return (relative_error(fitted) or 0.0) / noise if noise > 0.0 else 0.0
 
 
 def _runs_away(far: Finding, doubt: Finding | None) -> bool:

@@ -303,7 +303,8 @@ class ReportBounds:
 
     stretches: int = 8  # that do not fit, the longest
     sets: int = 8  # of effects, the most probable
-    set_probability: float = 0.01  # of such a set; a probability nearer to 0 or 1 is not written out
+    set_probability: float = 0.01  # of such a set
+    near_certain: float = 0.01  # distance of a probability from 0 or 1, below which no digits are shown
     motions: int = 3  # that are advised: those of an effect and of its nearest alternatives
     places: int = 3  # in a headline, besides the first
     width: int = 100  # letters in a line of generated code
