@@ -36,7 +36,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     try:
         if given.case:
             console.file = sys.stdout
-            for line in case_lines(given.case):
+            for line in case_lines(given.case, given.also):
                 console.print(line, markup=False, highlight=False, soft_wrap=True)
             return 0
         if not given.page:
@@ -61,7 +61,13 @@ def _parser() -> argparse.ArgumentParser:
     add = parser.add_argument
     add("robots", nargs="*", metavar="ROBOT", help=f"names or folders; by default {', '.join(ROBOTS)}")
     add("--hours", type=float, default=HOURS, help="of all workers at the same time [default: %(default)s]")
-    add("--also", action="append", default=[], metavar="ROBOT", help="a further robot, may be repeated")
+    add(
+        "--also",
+        action="append",
+        default=[],
+        metavar="ROBOT",
+        help="a folder or scenario file, may be repeated",
+    )
     where = parser.add_mutually_exclusive_group()
     where.add_argument("--workers", type=int, metavar="N", help="processes; by default one for each core")
     where.add_argument("--scheduler", metavar="ADDRESS", help="of a Dask cluster")

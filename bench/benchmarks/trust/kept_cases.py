@@ -14,7 +14,7 @@ from bench.benchmarks.trust.evaluation import Evaluation, read_evaluation
 from bench.benchmarks.trust.overview import cost_of
 from bench.benchmarks.trust.plan import case_runs
 from bench.benchmarks.trust.questions import QUESTIONS
-from bench.benchmarks.trust.run import setups_of
+from bench.benchmarks.trust.run import ROBOTS, setups_of
 from bench.benchmarks.trust.words import answer_text, hidden_text
 from bench.benchmarks.trust.work import trust_work
 from bench.studies.sweep.journal import Journal, Row
@@ -39,7 +39,9 @@ def cheapest_right(evaluation: Evaluation, seconds: float) -> list[Row]:
     """
     chosen: list[Row] = []
     kinds = tuple(QUESTIONS)
-    of_robot = {robot: evaluation.of([robot], kinds, frozen=True) for robot in evaluation.robots}
+    of_robot = {
+        robot: evaluation.of([robot], kinds, frozen=True) for robot in evaluation.robots if robot in ROBOTS
+    }
     asked = [robot for robot, rows in of_robot.items() if rows]
     for robot in sorted(asked, key=lambda robot: _mean(of_robot[robot])):
         for kind in kinds:

@@ -1,7 +1,7 @@
 """One case run again, to see what went wrong."""
 
 import json
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 from bench.basics.errors import BenchError
 from bench.benchmarks.trust.run import setups_of
@@ -13,15 +13,17 @@ from bench.studies.trial.cases import KINDS
 from bench.studies.trial.work import trial_trajectories
 
 
-def case_lines(name: str) -> Iterator[str]:
+def case_lines(name: str, also: Sequence[str] = ()) -> Iterator[str]:
     """Run the case ROBOT/QUESTION/NUMBER: the hidden effects and the diagnosis, as lines.
 
+    also: robot folders or scenario files of robots that are not built in.
     Raises BenchError if `name` is not a case.
     """
     robot, kind, number = ["", "", *name.rsplit("/", 2)][-3:]
     if not robot or kind not in KINDS or not number.isdecimal():
         raise BenchError(f"--case {name}: give ROBOT/QUESTION/NUMBER; questions are {', '.join(KINDS)}")
-    (setup,) = setups_of([robot]).values()
+    further = setups_of(also)
+    setup = further[robot] if robot in further else setups_of([robot])[robot]
     place: dict[str, str | int] = {"robot": robot, "question": kind, "number": int(number)}
     (row,) = case_rows(setup, place, 0, True, trial_trajectories(setup))
     yield f"hidden: {hidden_text(row)}"

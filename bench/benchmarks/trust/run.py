@@ -14,6 +14,7 @@ from bench.benchmarks.trust.cells import TrustCells
 from bench.benchmarks.trust.plan import Budget, runs_within
 from bench.benchmarks.trust.tally import Tally
 from bench.benchmarks.trust.work import trust_work
+from bench.scenario.file import find_scenario, read_with_bases
 from bench.studies.sweep.journal import Journal, Row
 from bench.studies.sweep.plan import digest
 from bench.studies.sweep.pool import Pool
@@ -64,8 +65,18 @@ class CaseJournal(Journal):
 
 
 def setups_of(robots: Sequence[str], duration: float = DURATION) -> dict[str, Setup]:
-    """The trial setups of robots, by name or folder. duration: of each recording, s."""
-    return {robot: make_setup(robot, duration=duration) for robot in robots}
+    """The trial setups of robots: built-in names, robot folders, or scenario files (with their robot).
+
+    Keys: the built-in names, else the robots' names. duration: of each designed recording, s.
+    """
+    setups = {}
+    for given in robots:
+        if given.endswith(".toml") and "robot" in (content := read_with_bases(find_scenario(given))):
+            setup = make_setup(str(content["robot"]), given, duration)
+        else:
+            setup = make_setup(given, duration=duration)
+        setups[given if given in ROBOTS else setup.name] = setup
+    return setups
 
 
 def run_trust(
