@@ -2,6 +2,7 @@
 
 from scipy.special import chdtrc, chdtri
 
+CONFIDENCE = 0.95
 WITHIN_95 = 1.959964
 """Number of standard deviations that contain 95 % of a normal distribution."""
 

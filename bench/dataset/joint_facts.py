@@ -5,6 +5,7 @@ from typing import Literal
 
 import mujoco
 
+from bench.dataset.home_qpos import home_qpos
 from bench.dataset.robot import TORQUE_LOGS, Robot
 
 
@@ -32,8 +33,7 @@ class JointFacts:
 def joint_facts(robot: Robot) -> tuple[JointFacts, ...]:
     """The facts of each driven joint, in the order of the robot's motors, redundant ones last."""
     model = robot.mjcf_model()
-    key = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_KEY, "home")
-    home = model.qpos0 if key < 0 else model.key_qpos[key]
+    home = home_qpos(model)
     loops = (mujoco.mjtEq.mjEQ_CONNECT, mujoco.mjtEq.mjEQ_WELD)
     in_loop = any(int(kind) in map(int, loops) for kind in model.eq_type)
     facts = []

@@ -16,6 +16,7 @@ import numpy.typing as npt
 
 from bench.basics.files.recording_fault import Remedy
 from bench.basics.joint_units import joint_units
+from bench.basics.plural import and_more
 from bench.dataset.joint_facts import JointFacts
 from bench.dataset.names import Check
 
@@ -159,7 +160,7 @@ def limits(channel: Channel) -> Fault | None:
         "limits",
         row,
         f"{values[row]:g} {unit} is outside of the joint's range [{joint.lower:g}, {joint.upper:g}]"
-        f"{_more(outside.size)}",
+        f"{and_more(outside.size)}",
     )
 
 
@@ -194,7 +195,7 @@ def position_spikes(channel: Channel) -> Fault | None:
     count = len(alone) // 2 if back else len(alone)
     what = "spikes" if back else "jumps"
     hint = ": an angle wrapped at a full turn? unwrap it" if wraps and not back else ""
-    return Fault("spikes", row, f"{what} by {jump:.4g} from one sample to the next{hint}{_more(count)}")
+    return Fault("spikes", row, f"{what} by {jump:.4g} from one sample to the next{hint}{and_more(count)}")
 
 
 def _stands_alone(steps: Array, k: int, reach: int = 6) -> bool:
@@ -213,7 +214,7 @@ def current_spikes(channel: Channel) -> Fault | None:
     alone = [k for k in far.tolist() if _excursion_alone(distance, k)]
     if not alone:
         return None
-    return Fault("spikes", alone[0], f"spikes to {values[alone[0]]:.4g} for one sample{_more(len(alone))}")
+    return Fault("spikes", alone[0], f"spikes to {values[alone[0]]:.4g} for one sample{and_more(len(alone))}")
 
 
 def _excursion_alone(distance: Array, k: int) -> bool:
@@ -249,7 +250,7 @@ def frozen(channel: Channel) -> Fault | None:
     return Fault(
         "frozen",
         row,
-        f"is stuck at {values[row]:g} for {count} samples though the joint is moving{_more(stuck.size)}",
+        f"is stuck at {values[row]:g} for {count} samples though the joint is moving{and_more(stuck.size)}",
     )
 
 
@@ -303,10 +304,6 @@ def _joint(channel: Channel) -> JointFacts:
     if channel.joint is None:
         raise TypeError("this check is for positions")
     return channel.joint
-
-
-def _more(count: int) -> str:
-    return f" (and {count - 1} more)" if count > 1 else ""
 
 
 _Function = Callable[[Channel], Fault | None]

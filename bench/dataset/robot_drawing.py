@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from bench.basics.joint_units import joint_units
+from bench.dataset.home_qpos import home_qpos
 
 if TYPE_CHECKING:
     import mujoco
@@ -110,7 +111,7 @@ def take_up_rounding(spec: mujoco.MjSpec) -> mujoco.MjSpec:
     closures = _closures(spec)
     if not closures.model.neq:
         return spec
-    home = _home(spec, closures.model)
+    home = home_qpos(closures.model)
     closed = closures.closed(home)
     if closures.open_by(home) > ROUNDING or closures.open_by(closed) > ROUNDING:
         return spec
@@ -128,7 +129,7 @@ def take_up_rounding(spec: mujoco.MjSpec) -> mujoco.MjSpec:
 def home_gap(spec: mujoco.MjSpec) -> tuple[float, str]:
     """The widest gap of the equalities in the home pose of a file, and its unit: m or rad."""
     closures = _closures(spec)
-    gaps = np.abs(closures.at(_home(spec, closures.model))[0]) if closures.model.neq else np.zeros(0)
+    gaps = np.abs(closures.at(home_qpos(closures.model))[0]) if closures.model.neq else np.zeros(0)
     if not len(gaps):
         return 0.0, "m"
     row = int(np.argmax(gaps))
@@ -143,11 +144,6 @@ def _closures(spec: mujoco.MjSpec) -> _Closures:
     for flag in ("CONTACT", "LIMIT", "FRICTIONLOSS"):
         model.opt.disableflags |= int(getattr(mujoco.mjtDisableBit, f"mjDSBL_{flag}"))
     return _Closures(model, mujoco.MjData(model))
-
-
-def _home(spec: mujoco.MjSpec, model: mujoco.MjModel) -> np.ndarray:
-    names = [key.name for key in spec.keys]
-    return np.array(model.key_qpos[names.index("home")] if "home" in names else model.qpos0)
 
 
 def _set_home(spec: mujoco.MjSpec, qpos: np.ndarray) -> None:

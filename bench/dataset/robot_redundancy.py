@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from bench.basics.errors import BenchError
+from bench.dataset.home_qpos import home_qpos
 from bench.dataset.locked_couplings import held_bodies
 
 if TYPE_CHECKING:
@@ -152,8 +153,7 @@ def _closures(model: mujoco.MjModel) -> tuple[np.ndarray, np.ndarray]:
     import mujoco  # noqa: PLC0415 - slow to import: only once a robot is really read
 
     data = mujoco.MjData(model)
-    key = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_KEY, "home")
-    data.qpos[:] = model.qpos0 if key < 0 else model.key_qpos[key]
+    data.qpos[:] = home_qpos(model)
     mujoco.mj_fwdPosition(model, data)
     closing = np.asarray(data.efc_type) == int(mujoco.mjtConstraint.mjCNSTR_EQUALITY)
     full = np.zeros((data.nefc, model.nv))

@@ -21,7 +21,7 @@ import numpy.typing as npt
 
 from bench.basics.files.recording_fault import Remedy
 from bench.basics.interpolation import cubic_spline
-from bench.basics.plural import plural
+from bench.basics.plural import and_more, plural
 
 FEWEST = 100  # samples: filters and decimation need them to settle
 SLOWEST_STEP = 0.1  # s: a robot's controller logs faster than 10 Hz
@@ -77,7 +77,7 @@ def _order_fault(time: Array, steps: Array) -> TimeFault | None:
         return None
     row = int(wrong[0]) + 1
     what = "repeats" if steps[row - 1] == 0.0 else "goes back: it follows"
-    text = f"{_stamp(time[row])} s {what} {_stamp(time[row - 1])} s{_more(wrong.size)}"
+    text = f"{_stamp(time[row])} s {what} {_stamp(time[row - 1])} s{and_more(wrong.size)}"
     if wrong.size > 1 and not (steps < 0.0).any():
         rate = (time.size - 1) / (time[-1] - time[0]) if time[-1] > time[0] else 0.0
         cure = (
@@ -138,7 +138,7 @@ def _gap_fault(time: Array, steps: Array) -> TimeFault | None:
     return TimeFault(
         row,
         f"a gap of {steps[row - 1]:.6g} s before {_stamp(time[row])} s, where samples are {step:.6g} s apart"
-        f"{_more(rows.size)}",
+        f"{and_more(rows.size)}",
         Remedy.CUT_AT_GAPS,
     )
 
@@ -157,10 +157,6 @@ def stamp_to(value: float, resolution: float, outward: int = 0) -> str:
 def _stamp(value: float) -> str:
     """A time stamp to twelve digits, without the digits of its binary representation."""
     return f"{float(value):.12g}"
-
-
-def _more(count: int) -> str:
-    return f" (and {count - 1} more)" if count > 1 else ""
 
 
 def repeated_rows(position: Array, current: Array) -> npt.NDArray[np.bool_]:

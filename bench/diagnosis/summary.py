@@ -23,7 +23,7 @@ from bench.identification.finding import CAUSES, Code
 from bench.identification.finding_words import sentence
 from bench.identification.findings import runaway, unlike
 from bench.identification.result import Identification, Quantity
-from bench.identification.scale_words import cure, nominal_gains, why_nominal
+from bench.identification.scale_words import cure, is_one_gain, nominal_gains, why_nominal
 from bench.identification.scale_words import reason as why_in_words
 from bench.identification.summary import ROBOT
 from bench.identification.tolerances import TOLERANCES, bounded_by
@@ -226,7 +226,7 @@ def _nominal(result: Identification) -> str:
     if why is None or len(result.drive_gains) == 1:
         return ""
     gains = nominal_gains(why)
-    are = "is" if gains.startswith("the drive gain ") else "are"
+    are = "is" if is_one_gain(why) else "are"
     return (
         f"T{gains[1:]} {are} nominal, because {why_in_words(why)}: gains that are wrong by a tenth look like other "
         f"effects, so the named effects may be wrong. {cure(why)}"

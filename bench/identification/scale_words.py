@@ -56,6 +56,11 @@ def nominal_gains(finding: Finding) -> str:
     return f"the drive gain{'s' * (len(finding.of) > 1)} of {and_list([unknown.place for unknown in finding.of])}"
 
 
+def is_one_gain(finding: Finding) -> bool:
+    """Whether a single gain of several stays nominal."""
+    return finding.code is Code.GAINS_FIXED_FOR_SOME and len(finding.of) == 1
+
+
 def reason(finding: Finding) -> str:
     """Why, as a clause that follows "since"."""
     return REASONS[finding.code](finding)
@@ -84,7 +89,7 @@ def in_short(finding: Finding) -> str:
 def scale_sentence(finding: Finding) -> str:
     """The finding by itself: which gains stay nominal, why, and what would fix them."""
     gains = nominal_gains(finding)
-    single = finding.code is Code.GAINS_FIXED_FOR_SOME and len(finding.of) == 1
+    single = is_one_gain(finding)
     stay, their, they = ("stays", "its", "it is") if single else ("stay", "their", "they are")
     wrong = (
         f"parameters that {'it' if single else 'they'} alone scale{'s' * single} are as wrong as {they}"
@@ -109,12 +114,8 @@ def _not_fixed(finding: Finding) -> str:
     single = len(finding.names) == 1
     return (
         f"{_payloads(finding.names)}, as {'it is' if single else 'they are'} declared and moved, "
-        f"{'does' if single else 'do'} not fix {'it' if _one_of_some(finding) else 'them'}"
+        f"{'does' if single else 'do'} not fix {'it' if is_one_gain(finding) else 'them'}"
     )
-
-
-def _one_of_some(finding: Finding) -> bool:
-    return finding.code is Code.GAINS_FIXED_FOR_SOME and len(finding.of) == 1
 
 
 def _way(remedies: Sequence[str], payloads: Sequence[str]) -> str:

@@ -12,6 +12,7 @@ import mujoco
 import numpy as np
 
 from bench.basics.errors import BenchError
+from bench.dataset.home_qpos import home_qpos
 from bench.dataset.robot import Robot
 from bench.dataset.robot_mjcf import ROTOR
 from bench.model.cures import cure_in_words, floating_base, joints_in_words, no_motor_in_words, what_to_do
@@ -201,7 +202,7 @@ def read_geometry(robot: Robot) -> Geometry:
         loops=loops,
         couplings=_couplings(compiled),
         gravity=compiled.opt.gravity.copy(),
-        home=_home(compiled, joints),
+        home=from_mujoco(joints, home_qpos(compiled)[None, :])[0],
         active=np.array([names[actuator.joint].v.start for actuator in robot.actuators]),
         redundant=np.array([names[actuator.joint].v.start for actuator in robot.redundant], dtype=int),
         tool=_tool(robot, compiled, frames),
@@ -314,11 +315,6 @@ def _tendon_joints(compiled: mujoco.MjModel, tendon: int) -> tuple[tuple[int, fl
     first = int(compiled.tendon_adr[tendon])
     wraps = range(first, first + int(compiled.tendon_num[tendon]))
     return tuple((int(compiled.wrap_objid[wrap]), float(compiled.wrap_prm[wrap])) for wrap in wraps)
-
-
-def _home(compiled: mujoco.MjModel, joints: tuple[Joint, ...]) -> np.ndarray:
-    key = mujoco.mj_name2id(compiled, mujoco.mjtObj.mjOBJ_KEY, "home")
-    return from_mujoco(joints, (compiled.key_qpos[key] if key >= 0 else compiled.qpos0)[None, :])[0]
 
 
 def from_mujoco(joints: tuple[Joint, ...], qpos: np.ndarray) -> np.ndarray:

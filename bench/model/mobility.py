@@ -13,7 +13,10 @@ from bench.model.geometry import Coupling, Geometry
 from bench.model.nodes import robot_length
 
 SEED = 20120602  # of that pose
-SINGULAR_HOME = "home is a singular pose"
+
+
+class SingularHomeError(BenchError):
+    """The home pose is singular, although the poses near it are not."""
 
 
 def check_assembled(geometry: Geometry) -> None:
@@ -81,8 +84,8 @@ def check_mobility(geometry: Geometry) -> None:
             f"robot {name}: {_in_words(geometry, undetermined)} can move with all motors held: {said}{cure}"
         )
     if loose:
-        raise BenchError(
-            f"robot {name}: {SINGULAR_HOME}: {_in_words(geometry, loose)} can move there, all motors held; "
+        raise SingularHomeError(
+            f"robot {name}: home is a singular pose: {_in_words(geometry, loose)} can move there, all motors held; "
             "write a keyframe home away from it"
         )
     jacobian = scaled_jacobian(geometry, geometry.home if general is None else general)

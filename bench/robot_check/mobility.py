@@ -9,7 +9,7 @@ from bench.basics.errors import BenchError
 from bench.model.base import BaseParameters
 from bench.model.bounds import RANKS
 from bench.model.geometry import Geometry
-from bench.model.mobility import SINGULAR_HOME, column_scales, scaled_jacobians, smallest_singular_values
+from bench.model.mobility import SingularHomeError, column_scales, scaled_jacobians, smallest_singular_values
 from bench.model.mobility import check_mobility as require_mobility
 from bench.model.regressor import rotor_columns
 from bench.model.spin import idle_spins
@@ -49,7 +49,7 @@ def check_mobility(geometry: Geometry, mobility: Mobility) -> Check:
         require_mobility(geometry)
     except BenchError as error:
         fault = str(error).removeprefix(f"robot {geometry.robot.name}: ")
-        if fault.startswith(SINGULAR_HOME):
+        if isinstance(error, SingularHomeError):
             pose = closed_pose(geometry)
             if pose is not None and smallest_singular_values(geometry, pose[None])[0] > PLAUSIBLE.regular:
                 qpos = geometry.robot.file_qpos(to_mujoco(geometry, pose).tolist())

@@ -6,6 +6,7 @@ import mujoco
 import numpy as np
 
 from bench.basics.joint_units import joint_units
+from bench.dataset.home_qpos import home_qpos
 from bench.dataset.robot import Robot
 from bench.model.base import BaseParameters
 from bench.model.geometry import Geometry
@@ -133,11 +134,9 @@ class RobotReport:
 
 def home_of(compiled: mujoco.MjModel, robot: Robot) -> tuple[np.ndarray, HomeSource]:
     """The home pose as qpos (nq,), and where it comes from."""
-    key = mujoco.mj_name2id(compiled, mujoco.mjtObj.mjOBJ_KEY, "home")
-    home = compiled.qpos0.copy() if key < 0 else compiled.key_qpos[key].copy()
     # MuJoCo takes missing positions from qpos0 without a warning
     given = next((len(drawn.qpos) for drawn in robot.mjcf_as_drawn().keys if drawn.name == "home"), None)
-    return home, HomeSource(given, int(compiled.nq))
+    return home_qpos(compiled), HomeSource(given, int(compiled.nq))
 
 
 def joint_lines(compiled: mujoco.MjModel, robot: Robot) -> tuple[JointLine, ...]:

@@ -5,7 +5,6 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-import mujoco
 import numpy as np
 from numpy.typing import NDArray
 from pydantic import ValidationError
@@ -14,6 +13,7 @@ from bench.basics.errors import BenchError
 from bench.basics.files.toml_input import UserTable, first_mistake
 from bench.basics.joint_units import units_of_gain
 from bench.dataset.catalogue import built_in_robots
+from bench.dataset.home_qpos import home_qpos
 from bench.dataset.payload import Payload, payload_fault
 from bench.dataset.robot import Robot, load_robot
 from bench.scenario.file import (
@@ -111,8 +111,7 @@ def per_joint(value: float | Mapping[str, float], joints: Sequence[str]) -> Arra
 def home_position(robot: Robot) -> Array:
     """Positions of the actuated joints (n,) in the keyframe `home`, or in the reference pose if there is none."""
     model = robot.mjcf_model()
-    key = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_KEY, "home")
-    qpos = model.key_qpos[key] if key >= 0 else model.qpos0
+    qpos = home_qpos(model)
     return np.array([qpos[model.joint(joint).qposadr[0]] for joint in robot.joints])
 
 

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from bench.basics.errors import BenchError
 from bench.basics.files.toml_input import one_line
+from bench.dataset.home_qpos import home_qpos
 from bench.dataset.mjcf_neutral import keep_masses, neutral
 from bench.dataset.payload import Payload, inertia_matrix
 from bench.dataset.robot import Robot
@@ -135,7 +136,7 @@ def _built(scenario: Scenario) -> Machine:
     rigid = _rigid_spec(robot, settings.step)
     plain = _compiled(rigid.copy(), robot)
     dofs = np.array([plain.joint(joint).dofadr[0] for joint in robot.driven])
-    home = home_pose(robot)
+    home = home_qpos(robot.mjcf_model())
     inertia = felt_inertia(plain, home, dofs, len(robot.joints))
     hidden = hidden_effects(settings.hidden, robot.driven, plain)
     laws = _rubbing_ball(plain, hidden) or any(has_law(effect, law) for effect in hidden for law in LAWS)
@@ -194,13 +195,6 @@ def _rubbing_ball(plain: mujoco.MjModel, hidden: Sequence[HiddenEffect]) -> bool
     return any(np.any(plain.dof_frictionloss[dofs]) for _, dofs in balls) or any(
         isinstance(effect, JointEffect) and effect.joint in names for effect in hidden
     )
-
-
-def home_pose(robot: Robot) -> Array:
-    """Pose (nq,) of the keyframe `home`, or the reference pose if there is none."""
-    model = robot.mjcf_model()
-    key = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_KEY, "home")
-    return np.array(model.key_qpos[key] if key >= 0 else model.qpos0)
 
 
 def true_gains(scenario: Scenario) -> Array:

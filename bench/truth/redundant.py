@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bench.basics.errors import BenchError
+from bench.dataset.home_qpos import home_qpos
 from bench.dataset.robot import Robot
 from bench.scenario.trajectory import FourierTrajectory
 from bench.truth.assembly import assembled, close_loops
@@ -61,8 +62,7 @@ def _followed(robot: Robot, trajectory: FourierTrajectory) -> BSpline:
         for name in ("dofadr", "qposadr")
     )
     m = len(robot.joints)
-    key = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_KEY, "home")
-    home = np.array(model.key_qpos[key] if key >= 0 else model.qpos0)
+    home = home_qpos(model)
     time = np.linspace(0.0, trajectory.duration, max(8, int(np.ceil(trajectory.duration / NODES)) + 1))
     wanted = trajectory.evaluate(time)[0]
     data = mujoco.MjData(model)

@@ -6,7 +6,6 @@ Only the named machines run again; the pages show all records in the folder.
 """
 
 import argparse
-import os
 import sys
 from collections.abc import Sequence
 from pathlib import Path
@@ -21,6 +20,7 @@ from bench.benchmarks.measured.page import measured_page
 from bench.benchmarks.measured.repeats import COMPARED, keep_repeats, repeats_of
 from bench.benchmarks.measured.run import keep, kept, measured
 from bench.benchmarks.measured.tables import measured_markdown
+from bench.benchmarks.measured_data import measured_data
 from bench.page.render import render_page
 
 RESULT = Path("results/measured")
@@ -53,7 +53,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def _run(names: Sequence[str], output: Path) -> None:
-    data = Path(os.environ.get("PARABENCH_DATA", "../shared/data"))
+    data = measured_data()
     if unknown := [name for name in names if name not in MACHINES]:
         raise BenchError(f"{unknown[0]}: the measured machines are {', '.join(MACHINES)}")
     tables = known_machines()
@@ -67,7 +67,7 @@ def _run(names: Sequence[str], output: Path) -> None:
 
 def _repeats(output: Path) -> None:
     """Compare the logs of each machine, or their halves, with each other."""
-    data, rows = Path(os.environ.get("PARABENCH_DATA", "../shared/data")), []
+    data, rows = measured_data(), []
     for name, kind, logs in COMPARED:
         with TemporaryDirectory() as folder:
             make = MACHINES[name]

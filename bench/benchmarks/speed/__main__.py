@@ -5,13 +5,12 @@
 measures only the named parts.
 """
 
-import os
 import sys
 from collections.abc import Callable, Mapping
-from pathlib import Path
 
 import click
 
+from bench.benchmarks.measured_data import measured_data
 from bench.benchmarks.speed import (
     diagnosis,
     first_words,
@@ -83,7 +82,7 @@ def long_log_figures() -> list[SpeedFigure]:
         SpeedFigure(name, seconds, "s", long_log.SECONDS_LIMIT),
         SpeedFigure(f"{name}, memory", gigabytes, "GB", long_log.MEMORY_LIMIT),
     ]
-    measured = Path(os.environ.get("PARABENCH_DATA", "../shared/data"))
+    measured = measured_data()
     if (measured / long_log.ARM).is_dir():
         name = "identify six axes, 45,000 samples at 5 kHz"
         figures.append(SpeedFigure(name, long_log.measured_arm_seconds(measured), "s", long_log.ARM_LIMIT))

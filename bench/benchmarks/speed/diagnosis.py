@@ -1,6 +1,5 @@
 """Cost of a diagnosis against the whole catalogue: time, processor time, memory, and several at once."""
 
-import os
 from collections.abc import Iterator, Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from multiprocessing import get_context
@@ -9,6 +8,7 @@ from tempfile import TemporaryDirectory
 from time import perf_counter
 from typing import Any
 
+from bench.benchmarks.measured_data import measured_data
 from bench.benchmarks.speed import report
 from bench.benchmarks.speed.one_diagnosis import Cost, cost_alone, cost_of
 from bench.dataset.dataset import Dataset, load_dataset
@@ -74,7 +74,7 @@ def cases(folder: Path) -> Iterator[tuple[str, float, Dataset]]:
     yield three, 4.0, simulated("three_rrr", (), checked=True)
     yield f"{three} with three hidden effects", 8.0, simulated("three_rrr", THREE, checked=True)
     yield "diagnose three recordings of 10 s, hexapod", 10.0, hexapod(folder)
-    measured = Path(os.environ.get("PARABENCH_DATA", "../shared/data")) / "ur10e"
+    measured = measured_data() / "ur10e"
     if measured.is_dir():
         yield "diagnose four measured logs, six-axis arm", 15.0, load_dataset(measured)
 

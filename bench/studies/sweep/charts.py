@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from bench.basics.chi_squared import CONFIDENCE
 from bench.basics.sentence import and_list
 from bench.document.charts.chart import Axis, Chart, Histogram, Panel, Role, Rule, Whiskers, is_wide
 from bench.document.typeset import share, short, typeset
@@ -23,7 +24,6 @@ from bench.studies.sweep.metrics import (
 from bench.studies.sweep.summary import Spread, SummaryPart, rank, summarise_in_parts
 
 ROLES: tuple[Role, ...] = ("one", "two", "three", "four", "five", "six", "seven")
-COVERAGE = 0.95
 STEP = 0.008  # offset between lines, as a share of the axis
 STEP_OF_NAMES = 0.1  # the same on an axis of names, as a share of the room of a name
 SLABS = 24
@@ -85,7 +85,7 @@ def plot_chart(
                 pick=tuple({x: point_label(value), **line_pick} for value, _ in points) if pick else (),
             )
         )
-    marks = (Rule("95 %", "noise", "y", COVERAGE, dashed=True),) if is_share(y) else ()
+    marks = (Rule("95 %", "noise", "y", CONFIDENCE, dashed=True),) if is_share(y) else ()
     by = f", by {axis_title(lines)}" if lines else ""
     together = [axis_words(axis) for axis in picked if axis not in (x, lines)] if pick else []
     pooled = f" All values together of {and_list(together)}." if together else ""

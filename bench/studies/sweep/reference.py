@@ -9,6 +9,7 @@ from typing import Annotated, Any, Literal
 import numpy as np
 from pydantic import Field
 
+from bench.basics.chi_squared import CONFIDENCE
 from bench.basics.errors import BenchError
 from bench.basics.files.atomic import write_text_atomically
 from bench.basics.versions import versions
@@ -21,7 +22,6 @@ from bench.studies.sweep.table import column_names, read_table
 DIGITS = 9  # significant digits of stored values
 Tolerance = Annotated[float, Field(ge=0, allow_inf_nan=False)]
 ALARMS = ("worse", "over its limit")
-COVERAGE = 0.95
 RELATIVE_SPREAD = 0.01  # least spread, as a share of the value, for example with a single seed
 LEAST_SPREAD = 1e-12
 LIMITS = {"identify_error": "error.identify", "validate_error": "error.validate"}
@@ -239,8 +239,8 @@ def _change(
         return float("-inf") if any(value is not None for value in new) else 0.0
     before, after = np.array(pairs).T
     if is_share(metric):
-        unit = float(np.sqrt(COVERAGE * (1 - COVERAGE) / len(pairs)))
-        return float(abs(after.mean() - COVERAGE) - abs(before.mean() - COVERAGE)) / unit
+        unit = float(np.sqrt(CONFIDENCE * (1 - CONFIDENCE) / len(pairs)))
+        return float(abs(after.mean() - CONFIDENCE) - abs(before.mean() - CONFIDENCE)) / unit
     known = np.array([value for value in everything if value is not None])
     spread = float(np.std(known, ddof=1)) if len(known) > 1 else 0.0
     unit = max(spread, RELATIVE_SPREAD * float(np.abs(known).mean()), LEAST_SPREAD)

@@ -7,6 +7,7 @@ import matplotlib as mpl
 import numpy as np
 from matplotlib.figure import Figure
 
+from bench.basics.chi_squared import CONFIDENCE
 from bench.basics.figure_style import STYLE
 from bench.document.charts.chart import Axis, Cells, Chart, Panel, Points, Role, Rule, Series, Spans, Whiskers
 from bench.document.figures.draw import draw
@@ -17,7 +18,6 @@ from bench.studies.trial.markdown import size_text
 from bench.studies.trial.summary import A_LAW, LARGE, NOTHING, SOMETHING, TrialSummary
 from bench.studies.trial.target import FLOOR_FACTOR, Share
 
-COVERAGE = 0.95
 CELL, SIZE = 0.26, (6.4, 3.8)  # inches
 LETTERS = 14  # characters of a class per line
 
@@ -79,7 +79,7 @@ def coverage_chart(summary: TrialSummary) -> Chart:
         np.array([share.interval[0] for share in within]),
         np.array([share.interval[1] for share in within]),
     )
-    rule = Rule("95 %", "noise", "x", COVERAGE, dashed=True)
+    rule = Rule("95 %", "noise", "x", CONFIDENCE, dashed=True)
     names = tuple(
         f"{effect_name(covered.effect)} {covered.parameter} ({covered.within.of})"
         for covered in summary.coverage

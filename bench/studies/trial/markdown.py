@@ -64,10 +64,10 @@ def confusion_table(summary: TrialSummary) -> Table:
     """Hidden effect, cases, share named first, effects named instead, cases explicitly undecided."""
     rows = []
     for hidden, named in summary.confusion.items():
-        unnamed = Share(named.get(hidden, 0), sum(named.values()))
-        first = f"nothing named: {percent(unnamed)}" if hidden == NOTHING else percent(unnamed)
+        first_named = Share(named.get(hidden, 0), sum(named.values()))
+        first = f"nothing named: {percent(first_named)}" if hidden == NOTHING else percent(first_named)
         others = ", ".join(f"{spoken(name)} {n}" for name, n in named.items() if name != hidden)
-        rows.append((hidden, unnamed.of, first, others, summary.undecided.get(hidden) or ""))
+        rows.append((hidden, first_named.of, first, others, summary.undecided.get(hidden) or ""))
     effects, cases, named_first, instead, undecided = zip(*rows, strict=True) if rows else ((),) * 5
     return Table(
         (

@@ -1,7 +1,7 @@
 """The robot of a trial: its motions, and the effects that can be hidden in it."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Literal
 
@@ -98,7 +98,7 @@ def make_setup(robot: str, scenario: str | None = None, duration: float | None =
         if _possible(setup, name, description)
         and (name not in CATALOGUE or _everywhere(places, CATALOGUE[name]))
     )
-    return Setup(description.name, content, description.joints, places.passive, links, places.payload, names)
+    return replace(setup, effects=names)
 
 
 def _everywhere(places: Places, effect: Effect) -> bool:
