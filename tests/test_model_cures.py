@@ -122,6 +122,17 @@ def test_what_nothing_determines_is_locked_by_the_line_that_is_told(body, motors
     assert build_model(load_robot(tmp_path)).geometry.robot.joints == motors
 
 
+def test_a_robot_that_already_locks_joints_gets_further_lines_of_its_table(tmp_path):
+    robot = write_robot(tmp_path, LEAF.format(gripper=GRIPPER), ("arm", "leaf"))
+    toml = tmp_path / "robot.toml"
+    toml.write_text(f"{toml.read_text()}\n[locked]\njaw = 0.0\n")
+    message = refusal(load_robot(tmp_path))
+    assert "lock it under [locked] in robot.toml: `other = 0.0`" in message
+    line = re.search(r"`(other = .*?)`", message).group(1)
+    toml.write_text(f"{toml.read_text()}{line}\n")
+    assert build_model(load_robot(tmp_path)).geometry.robot.joints == robot.joints
+
+
 def test_a_pin_closed_by_a_weld_asks_for_a_connect(tmp_path):
     """Open in its orientation it is refused; closed it is a robot of one degree of freedom, which is noted."""
     robot = write_robot(tmp_path, BY_SITES, ("left", "right"))

@@ -36,7 +36,7 @@ class Cure:
     """names: of a body to fix or remove, of joints to lock, of welds; positions: of the joints at home, rad or m.
 
     others: joints that could be locked instead; stops: joints at their end stops at home that would suffice, if all
-    joints to lock have springs.
+    joints to lock have springs. locks: whether robot.toml already locks joints, in a table [locked].
     """
 
     code: CureCode
@@ -44,6 +44,7 @@ class Cure:
     positions: Mapping[str, float] = field(default_factory=dict)
     others: tuple[str, ...] = ()
     stops: tuple[str, ...] = ()
+    locks: bool = False
 
 
 def floating_base(geometry: Geometry) -> Cure | None:
@@ -128,6 +129,7 @@ def joints_to_lock(geometry: Geometry, jacobian: np.ndarray, rank: int) -> Cure 
         home,
         tuple(name for name in moving if name not in chosen),
         tuple(stops) if by_springs else (),
+        bool(geometry.robot.locked),
     )
 
 
@@ -199,21 +201,26 @@ def cure_in_words(cure: Cure | None) -> str:
         return f"; {use_connect(cure.names)}"
     if cure.code in SENTENCES:
         return say(SENTENCES[cure.code], names=cure.names)
-    held, stops = (
-        toml_line("locked", {name: float(f"{cure.positions[name]:.10g}") for name in names})
-        for names in (cure.names, cure.stops)
-    )
+    held, stops = (_lock_lines(cure, names) for names in (cure.names, cure.stops))
     single = len(cure.names) == 1
-    line = f"lock {'it' if single else 'them'} by a first line of robot.toml: {held}"
+    where = "under [locked] in robot.toml" if cure.locks else "by a first line of robot.toml"
+    line = f"lock {'it' if single else 'them'} {where}: {held}"
     if cure.code == CureCode.LOCK_SPRINGS:
         said = f"; {'its spring is' if single else 'their springs are'} not in the model, {line}"
         pressed = f"; or, where springs press joints against their end stops: {stops}"
         return f"{said}{pressed}" if cure.stops else said
     if cure.others:
-        return (
-            f"; a motor, a closure or a lock is missing, for example as the first line of robot.toml: {held}"
-        )
+        place = where if cure.locks else "as the first line of robot.toml"
+        return f"; a motor, a closure or a lock is missing, for example {place}: {held}"
     return f"; if {'it is' if single else 'they are'} held, {line}"
+
+
+def _lock_lines(cure: Cure, names: Sequence[str]) -> str:
+    """What robot.toml needs: a table in one line, or further lines of its table [locked]."""
+    values = {name: float(f"{cure.positions[name]:.10g}") for name in names}
+    if cure.locks:
+        return " and ".join(f"`{toml_line(name, value)}`" for name, value in values.items())
+    return toml_line("locked", values)
 
 
 SENTENCES: Mapping[CureCode, str] = {
