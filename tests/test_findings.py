@@ -3,6 +3,7 @@
 import json
 from dataclasses import replace
 
+import numpy as np
 import pytest
 
 from bench.dataset.robot import load_robot
@@ -74,6 +75,21 @@ def test_periods_that_are_certainly_no_whole_number_are_told(result, periods, st
         assert found[0].numbers == {"periods": periods, "std": std}
         said = f"Cogging torque at left repeats {periods:.3f} ± 0.010 times per turn."
         assert sentence(found[0]).startswith(said)
+
+
+def test_the_condition_number_is_named_only_where_no_parameter_is_loose(result):
+    alike = replace(result, scaled_condition=1e6)
+    known = replace(alike, parameters=tuple(replace(each, std=0.0) for each in alike.parameters))
+    loose = replace(alike, parameters=tuple(replace(each, std=np.inf) for each in alike.parameters))
+    of = {
+        name: {each.code for each in with_findings(one, ()).findings}
+        for name, one in (("k", known), ("l", loose))
+    }
+    both = {Code.ILL_CONDITIONED, Code.POORLY_DETERMINED}
+    assert {name: codes & both for name, codes in of.items()} == {
+        "k": {Code.ILL_CONDITIONED},
+        "l": {Code.POORLY_DETERMINED},
+    }
 
 
 def test_findings_are_saved_with_the_model(result, tmp_path):

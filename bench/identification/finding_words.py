@@ -304,7 +304,7 @@ WORDS: Mapping[Code, str | Callable[[Finding], str]] = {
     Code.RANK_DEFICIENT: "The data determine only {rank:.0f} of {unknowns:.0f} unknowns: move all joints together, "
     "with larger and faster motions, or record an unloaded and a loaded trajectory.",
     Code.ILL_CONDITIONED: "The scaled observation matrix has a condition number of {condition:.0f}: some parameters "
-    "are strongly correlated; a more exciting trajectory helps.",
+    "are strongly correlated. `bench excite` plans motions that separate them better.",
     Code.TAKEN_UP: "These data cannot show {values}: other parameters of the model have the same effect and absorb it.",
     Code.HARDLY_APART: "These data determine {values:and} only in combination: each is {wider:.0f} times less certain "
     "than their joint effect. Omit one, or measure it another way.",

@@ -49,8 +49,6 @@ def with_findings(
     if result.rank < result.unknowns:
         rank = {"rank": result.rank, "unknowns": result.unknowns}
         findings.append(Finding(Code.RANK_DEFICIENT, numbers=rank))
-    if result.scaled_condition > TOLERANCES.findings.condition:
-        findings.append(Finding(Code.ILL_CONDITIONED, numbers={"condition": result.scaled_condition}))
     apart = {instance.key for instance in outside}
     apart |= {
         (unknown.effect, unknown.place)
@@ -85,6 +83,8 @@ def with_findings(
     if loose:
         numbers = {"count": loose, "of": len(result.parameters), "limit": RULE.loose}
         findings.append(Finding(Code.POORLY_DETERMINED, numbers=numbers))
+    elif result.scaled_condition > TOLERANCES.findings.condition:
+        findings.append(Finding(Code.ILL_CONDITIONED, numbers={"condition": result.scaled_condition}))
     return replace(result, findings=(*findings, *more))
 
 
