@@ -159,6 +159,33 @@ def test_a_pin_with_a_range_of_a_whole_turn_has_no_end_stop(tmp_path):
     assert driven.mjcf_model().joint("rocker").limited
 
 
+def parallelogram(crank='range="0 0.9"', rocker='range="0 0.9"', coupler=""):
+    """Of drawn lengths that agree to 4 µm."""
+    return f"""<body name="crank"><joint name="crank" axis="0 1 0" {crank}/>{INERTIAL}
+        <body name="coupler" pos="0 0 0.1"><joint name="coupler" axis="0 1 0" {coupler}/>{INERTIAL}
+          <site name="tip" pos="0.2 0 0"/></body></body>
+      <body name="rocker" pos="0.200004 0 0"><joint name="rocker" axis="0 1 0" {rocker}/>{INERTIAL}
+        <site name="end" pos="0 0 0.100004"/></body>"""
+
+
+def test_an_end_stop_is_not_passed_by_the_rounding_of_a_drawing(tmp_path):
+    """Both ends of a parallelogram have one range, and reach its end together."""
+    pin = '<connect site1="tip" site2="end"/><joint joint1="other" joint2="crank" polycoef="0 1 0 0 0"/>'
+    other = f'<body name="other"><joint name="other" axis="0 1 0" range="{{}} 0.9"/>{INERTIAL}</body>'
+    within = parallelogram('range="0.1 0.9"', coupler='range="-0.9 0"') + other.format(0)
+    key = '<keyframe><key name="home" qpos="0.3 -0.3 0.3 0.3"/></keyframe>'
+    report = check_robot(robot(tmp_path / "within", within, pin, ["crank"], key))
+    assert failures(report) == []
+    assert notes(report, CheckCode.PASSIVE_RANGE_LEFT) == []
+    beyond = within.replace("0 0.9", "0 0.8").replace("-0.9 0", "-0.8 0")
+    (note,) = notes(
+        check_robot(robot(tmp_path / "beyond", beyond, pin, ["crank"], key)), CheckCode.PASSIVE_RANGE_LEFT
+    )
+    assert "3 joints leave theirs" in note
+    for joint in ("coupler", "rocker", "other"):
+        assert f"'{joint}' (" in note
+
+
 def test_a_tool_on_the_base_is_answered_with_the_sites_that_move(tmp_path):
     palm = f'<site name="palm"/>{CHAIN}'
     (failure,) = failures(

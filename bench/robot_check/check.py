@@ -6,6 +6,7 @@ import numpy as np
 
 from bench.basics.errors import BenchError
 from bench.dataset.robot import Robot
+from bench.dataset.robot_locked import ROUNDED
 from bench.dataset.robot_redundancy import welds_to_connect
 from bench.model.base import base_parameters
 from bench.model.bounds import CLOSURE
@@ -13,7 +14,7 @@ from bench.model.closure import loop_residual
 from bench.model.cures import welds_as_connects
 from bench.model.geometry import Geometry, read_geometry
 from bench.model.mobility import check_assembled
-from bench.model.passive_ranges import passive_ranges
+from bench.model.passive_ranges import PassiveRange, passive_ranges
 from bench.model.states import random_motion
 from bench.robot_check import agreement
 from bench.robot_check.agreement import check_base_parameters
@@ -30,7 +31,7 @@ from bench.robot_check.mobility import (
     spin_notes,
     with_tilts,
 )
-from bench.robot_check.outcome import Check, CheckCode
+from bench.robot_check.outcome import Check, CheckCode, RangeLeft
 from bench.robot_check.report import (
     RobotReport,
     Singularity,
@@ -173,17 +174,29 @@ def _regular_home(singularity: Singularity) -> Check:
 
 
 def _passive_ranges(geometry: Geometry, swept: SingularitySweep) -> list[Check]:
-    """Notes on passive joints that leave their ranges while the motors stay within theirs."""
-    checks = []
-    for limit in passive_ranges(geometry):
-        at = limit.at(swept.q)
-        lowest, highest = float(at.min()), float(at.max())
-        if lowest < limit.low or highest > limit.high:
-            values = {
-                "lowest": lowest + limit.offset,
-                "highest": highest + limit.offset,
-                "lower": limit.low + limit.offset if np.isfinite(limit.low) else 0.0,
-                "upper": limit.high + limit.offset,
-            }
-            checks.append(Check(CheckCode.PASSIVE_RANGE_LEFT, "note", {"joint": limit.joint, **values}))
-    return checks
+    """A note on joints without an independent motor that leave their ranges while the motors stay within theirs."""
+    redundant = {actuator.joint for actuator in geometry.robot.redundant}
+    joints = [
+        travel
+        for limit in passive_ranges(geometry)
+        if (travel := _beyond(limit, swept.q, limit.joint in redundant)) is not None
+    ]
+    return [Check(CheckCode.PASSIVE_RANGE_LEFT, "note", {"joints": joints})] if joints else []
+
+
+def _beyond(limit: PassiveRange, q: np.ndarray, redundant: bool) -> RangeLeft | None:
+    """The travel of a joint over the poses q (N, nq), if it leaves its range by more than a rounding of its numbers."""
+    at = limit.at(q)
+    lowest, highest = float(at.min()), float(at.max())
+    lower = limit.low if np.isfinite(limit.low) else 0.0
+    allowed = ROUNDED * (limit.high - lower)
+    if lowest >= limit.low - allowed and highest <= limit.high + allowed:
+        return None
+    return {
+        "joint": limit.joint,
+        "redundant": redundant,
+        "lowest": lowest + limit.offset,
+        "highest": highest + limit.offset,
+        "lower": lower + limit.offset,
+        "upper": limit.high + limit.offset,
+    }

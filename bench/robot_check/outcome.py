@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from enum import StrEnum, auto
-from typing import Any, Literal
+from typing import Any, Literal, TypedDict
 
 Verdict = Literal["ok", "note", "failed", "skipped"]
 
@@ -89,3 +89,14 @@ class Check:
     code: CheckCode
     verdict: Verdict
     values: Mapping[str, Any] = field(default_factory=dict)
+
+
+class RangeLeft(TypedDict):
+    """A joint that leaves its range, whether it has a redundant motor, its travel and its range, rad or m."""
+
+    joint: str
+    redundant: bool
+    lowest: float
+    highest: float
+    lower: float
+    upper: float

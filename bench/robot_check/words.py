@@ -14,7 +14,7 @@ from bench.dataset.robot_redundancy import use_connect
 from bench.dataset.robot_toml import no_tool
 from bench.robot_check.bounds import PLAUSIBLE
 from bench.robot_check.home_key import home_key
-from bench.robot_check.outcome import Check, CheckCode
+from bench.robot_check.outcome import Check, CheckCode, RangeLeft
 from bench.robot_check.report import Singularity
 
 TERMS = {  # of an MJCF's joint
@@ -259,6 +259,19 @@ def _singularity(positions: Mapping[str, float], units: Mapping[str, str]) -> st
     return f"the joint ranges contain a singularity, at {_positions(positions, units)}: keep trajectories away from it"
 
 
+def _ranges_left(joints: Sequence[RangeLeft]) -> str:
+    by_range: dict[str, list[str]] = {}
+    for joint in joints:
+        motor = "redundant motor, " if joint["redundant"] else ""
+        travel = " to ".join(f"{without_rounding(end):.3g}" for end in (joint["lowest"], joint["highest"]))
+        ends = f"[{joint['lower']:.4g}, {joint['upper']:.4g}]"
+        by_range.setdefault(ends, []).append(f"{joint['joint']!r} ({motor}{travel})")
+    ranges = "; ".join(f"range {ends} of {', '.join(moved)}" for ends, moved in by_range.items())
+    motors = "the other motors" if any(joint["redundant"] for joint in joints) else "the motors"
+    count = f"{len(joints)} joints leave theirs" if len(joints) > 1 else "a joint leaves its own"
+    return f"while {motors} move within their ranges, {count}, as the model has no end stops: {ranges}"
+
+
 def _positions(positions: Mapping[str, float], units: Mapping[str, str], sign: str = "") -> str:
     """Positions of motors, with units if there are both hinges and slides."""
     mixed = len({*units.values()}) > 1
@@ -351,6 +364,5 @@ WORDS: Mapping[CheckCode, str | tuple[str, Callable[..., str]]] = {
     CheckCode.MOTION_FAULT: "motion within the joint ranges: {fault}",
     CheckCode.ROTOR_INERTIA: ("rotor inertia", _rotors),
     CheckCode.SINGULARITY_WITHIN_RANGES: ("note", _singularity),
-    CheckCode.PASSIVE_RANGE_LEFT: "note: passive joint {joint!r} moves from {lowest:.3g} to {highest:.3g} within the "
-    "motors' ranges, its range is [{lower:g}, {upper:g}]: the model has no end stops",
+    CheckCode.PASSIVE_RANGE_LEFT: ("note", _ranges_left),
 }
