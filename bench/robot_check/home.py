@@ -10,7 +10,7 @@ from bench.model.bounds import CLOSURE
 from bench.model.closure import loop_jacobian, loop_residual
 from bench.model.configuration import integrate, normalised
 from bench.model.geometry import Geometry, Joint, from_mujoco
-from bench.model.mobility import column_scales, smallest_singular_values
+from bench.model.mobility import column_scales, free_motions, smallest_singular_values
 from bench.model.passive_ranges import passive_ranges
 from bench.robot_check.bounds import PLAUSIBLE
 from bench.robot_check.machine import to_mujoco
@@ -109,23 +109,24 @@ def closed_pose(geometry: Geometry) -> np.ndarray | None:
 
     Starts, in this order: the keyframes if none is named home, with the motors held; home, home with the joints put
     into their ranges, and random poses, each with the motors held, then with all joints free; random poses put into the
-    ranges, with all joints free. Of the poses from one start, the one with the largest smallest singular value counts,
-    those within the ranges first; it is the answer if it is within them and not nearly singular. If no start gives such
-    a pose, the answer is the first that is not nearly singular, else the first.
+    ranges, with all joints free. The answer is the first pose that is not nearly singular and within the ranges, else
+    the first with one of these properties, regular ones first, else the first. Joints that nothing holds make no pose
+    singular. Of the poses from one start, the one with the largest smallest singular value counts.
     """
-    other, most = None, 0.0
+    best, highest = None, -1
+    free_motion = free_motions(geometry, _random_starts(geometry).T)
     for starts, free in _starts(geometry):
-        closed = _turned_into_ranges(geometry, _closed(geometry, starts, free))
-        if not len(closed):
+        poses = _turned_into_ranges(geometry, _closed(geometry, starts, free))
+        if not len(poses):
             continue
-        held, within = smallest_singular_values(geometry, closed), _within_ranges(geometry, closed)
-        index = int(np.argmax(np.where(within, 1.0, 1e-3) * held))
-        regular = held[index] > PLAUSIBLE.regular
-        if within.any() and regular:
-            return np.asarray(closed[index])
-        if other is None or (regular and most <= PLAUSIBLE.regular):
-            other, most = np.asarray(closed[index]), float(held[index])
-    return other
+        held = smallest_singular_values(geometry, poses, free_motion)
+        grades = 2 * (held > PLAUSIBLE.regular) + _within_ranges(geometry, poses)
+        index = int(np.lexsort((held, grades))[-1])
+        if grades[index] > highest:
+            best, highest = np.asarray(poses[index]), int(grades[index])
+        if highest == 3:
+            break
+    return best
 
 
 def _starts(geometry: Geometry) -> Iterator[tuple[np.ndarray, np.ndarray]]:
