@@ -7,6 +7,7 @@ import pytest
 
 from bench.dataset.robot import load_robot
 from bench.robot_check.check import check_robot
+from bench.robot_check.home_key import home_key
 from bench.robot_check.words import detail_of, nearest_singularity
 from tests.small_robots import write_robot
 
@@ -106,3 +107,9 @@ def test_a_joint_that_nothing_holds_does_not_put_the_proposed_pose_outside_the_r
     assert proposed_lift(tmp_path / "held", "") == pytest.approx(height)
     assert proposed_lift(tmp_path / "idle", IDLE) == pytest.approx(height)
     assert proposed_lift(tmp_path / "below", IDLE, below) == pytest.approx(height)
+
+
+def test_a_proposed_pose_has_no_digits_that_are_rounding():
+    assert home_key([1.9e-32, -8.95e-17, 0.1 + 0.2, -2.467128845306809e-07]) == (
+        '<key name="home" qpos="0 0 0.3 -2.46713e-07"/>'
+    )
