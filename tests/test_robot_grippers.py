@@ -5,10 +5,15 @@ import re
 import numpy as np
 import pytest
 
+from bench.basics.errors import BenchError
 from bench.cli import main
 from bench.dataset.mjcf_files import unreadable
 from bench.dataset.robot import load_robot
 from bench.dataset.robot_toml import write_robot_toml
+from bench.excitation.bounds import LIMITS
+from bench.excitation.experiment.request import ExperimentTable
+from bench.excitation.experiment.room import room_of
+from bench.model.geometry import read_geometry
 from bench.robot_check.check import check_robot
 from bench.robot_check.outcome import CheckCode
 from bench.robot_check.words import detail_of
@@ -166,6 +171,36 @@ def parallelogram(crank='range="0 0.9"', rocker='range="0 0.9"', coupler=""):
           <site name="tip" pos="0.2 0 0"/></body></body>
       <body name="rocker" pos="0.200004 0 0"><joint name="rocker" axis="0 1 0" {rocker}/>{INERTIAL}
         <site name="end" pos="0 0 0.100004"/></body>"""
+
+
+@pytest.mark.parametrize("rounding", [0.0, 1e-16, 1e-3])
+def test_a_proposed_home_leaves_room_for_planned_motions(rounding, tmp_path):
+    """A home at the end of the ranges, or inside by less than planned motions keep free."""
+    pin = '<connect site1="tip" site2="end"/>'
+    rest = '<tendon><fixed name="drive"><joint joint="crank" coef="0.5"/></fixed></tendon><keyframe>{}</keyframe>'
+    body = parallelogram().replace("0.200004", "0.2").replace("0.100004", "0.1")
+    drawn_key = f'<key name="home" qpos="{rounding} {-rounding} {rounding}"/>'
+    drawn = robot(tmp_path / "drawn", body, pin, ["drive"], rest.format(drawn_key))
+    (note,) = notes(check_robot(drawn), CheckCode.HOME_AT_RANGE_END)
+    (key,) = re.findall("<key .*/>", note)
+    proposed = robot(tmp_path / "proposed", body, pin, ["drive"], rest.format(key))
+    report = check_robot(proposed)
+    assert notes(report, CheckCode.HOME_AT_RANGE_END) == []
+    homes = [joint.home / joint.upper for joint in report.joints if joint.upper]
+    assert len(homes) == 2
+    assert all(LIMITS.margin < home < 1.0 - LIMITS.margin for home in homes)
+    assert room_of(read_geometry(proposed), ExperimentTable())
+
+
+def test_a_home_without_room_is_refused_with_the_pose_that_the_check_proposes(tmp_path):
+    pin = '<connect site1="tip" site2="end"/>'
+    body = parallelogram('range="-0.9 0.9"').replace("0.200004", "0.2").replace("0.100004", "0.1")
+    key = '<keyframe><key name="home" qpos="1e-16 0 1e-16"/></keyframe>'
+    drawn = robot(tmp_path / "drawn", body, pin, ["crank"], key)
+    (note,) = notes(check_robot(drawn), CheckCode.HOME_AT_RANGE_END)
+    assert "this pose closes further inside: <key " in note
+    with pytest.raises(BenchError, match=re.escape(note)):
+        room_of(read_geometry(drawn), ExperimentTable())
 
 
 def test_an_end_stop_is_not_passed_by_the_rounding_of_a_drawing(tmp_path):

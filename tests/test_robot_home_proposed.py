@@ -88,15 +88,16 @@ IDLE = """
     <body name="foot" pos="0 1 0"><joint name="foot" axis="0 1 0"/><geom size="0.05"/></body>"""
 
 
-def proposed_lift(folder, idle, keyframe=""):
-    """Position of the lift in the pose that is proposed."""
-    write_robot(folder, LIFT.format(idle=idle, keyframe=keyframe), {"crank": "N*m/A"})
-    (proposed,) = {
+def proposed(folder, idle="", keyframe="", crank="-1 1"):
+    """Positions of crank, rod and lift in the pose that is proposed."""
+    mjcf = LIFT.format(idle=idle, keyframe=keyframe).replace("-1 1", crank)
+    write_robot(folder, mjcf, {"crank": "N*m/A"})
+    (pose,) = {
         key
         for check in check_robot(load_robot(folder)).checks
         for key in re.findall("<key .*/>", detail_of(check))
     }
-    return float(re.findall(r"[-+.\de]+", proposed.partition("qpos=")[2])[2])
+    return [float(position) for position in re.findall(r"[-+.\de]+", pose.partition("qpos=")[2])]
 
 
 def test_a_joint_that_nothing_holds_does_not_put_the_proposed_pose_outside_the_ranges(tmp_path):
@@ -104,12 +105,19 @@ def test_a_joint_that_nothing_holds_does_not_put_the_proposed_pose_outside_the_r
     height = np.sqrt(0.1**2 + 0.38**2 - 0.2**2)
     rod = np.arctan2(-height, -0.2) - np.arctan2(-0.38, -0.1)
     below = f'<keyframe><key name="home" qpos="0 {rod:.16g} {-height:.16g} 0"/></keyframe>'
-    assert proposed_lift(tmp_path / "held", "") == pytest.approx(height)
-    assert proposed_lift(tmp_path / "idle", IDLE) == pytest.approx(height)
-    assert proposed_lift(tmp_path / "below", IDLE, below) == pytest.approx(height)
+    assert proposed(tmp_path / "held")[2] == pytest.approx(height)
+    assert proposed(tmp_path / "idle", IDLE)[2] == pytest.approx(height)
+    assert proposed(tmp_path / "below", IDLE, below)[2] == pytest.approx(height)
 
 
 def test_a_proposed_pose_has_no_digits_that_are_rounding():
     assert home_key([1.9e-32, -8.95e-17, 0.1 + 0.2, -2.467128845306809e-07]) == (
         '<key name="home" qpos="0 0 0.3 -2.46713e-07"/>'
     )
+
+
+def test_the_first_proposed_pose_is_already_inside_the_ranges(tmp_path):
+    """As drawn, the crank is at the end of its range: with the motor held there, the lift closes as well."""
+    crank, _, lift = proposed(tmp_path / "robot", crank="0 0.5")
+    assert 0.05 * 0.5 < crank < 0.95 * 0.5
+    assert lift > 0.0

@@ -73,10 +73,9 @@ def check_robot(robot: Robot) -> RobotReport:
     )
     if at_home.verdict != "failed":
         ranges = with_pose_in_ranges(geometry, ranges)
-    checks = (_for_the_file(robot, check) for check in (at_home, ranges))
-    report = _with(report, *_welds_too_much(geometry), *checks)
+    report = _with(report, *_welds_too_much(geometry), at_home, ranges)
     if not report.failures:
-        report = _with(report, *(_for_the_file(robot, check) for check in home_at_range_end(geometry)))
+        report = _with(report, *home_at_range_end(geometry))
         report = _assembled(report, machine)
     return with_tilts(report, geometry)
 
@@ -91,14 +90,6 @@ def _welds_too_much(geometry: Geometry) -> list[Check]:
         return [Check(CheckCode.WELD_TOO_MUCH, "failed", {"welds": list(turned.names), "motors": motors})]
     welds = welds_to_connect(geometry.robot.mjcf_model(), geometry.robot.driven) if motors else ()
     return [Check(CheckCode.WELD_TOO_MUCH, "note", {"welds": list(welds), "motors": motors})] if welds else []
-
-
-def _for_the_file(robot: Robot, check: Check) -> Check:
-    """A check of home with its closed pose as the MJCF needs it, including the locked joints."""
-    values = dict(check.values)
-    if "closed_qpos" in values:
-        values["closed_qpos"] = robot.file_qpos(values["closed_qpos"])
-    return replace(check, values=values)
 
 
 def _with(report: RobotReport, *checks: Check) -> RobotReport:

@@ -1,7 +1,8 @@
 """Whether the robot is assembled at home, and if not, a pose in which it is."""
 
 from collections.abc import Collection, Iterator
-from dataclasses import asdict, replace
+from dataclasses import asdict, dataclass, replace
+from enum import IntEnum
 
 import mujoco
 import numpy as np
@@ -24,7 +25,7 @@ ATTEMPTS = 200
 STARTS = 60  # random ones
 SEED = 20120606
 INSIDE = 0.2  # of a joint's range: margin at both ends of poses put into their ranges
-MARGIN = 0.05  # of a motor's range, which planned motions keep free at both ends
+MARGIN = 0.05  # of a joint's range, which planned motions keep free at both ends
 DEPENDENT = 1e-7  # singular values below this share of the largest are omitted from a step
 
 
@@ -50,9 +51,7 @@ def check_home(geometry: Geometry, loops: tuple[LoopLine, ...], source: HomeSour
     if closed is None:
         fixed_gaps = _fixed_gaps(geometry)
         return Check(CheckCode.HOME_OPEN_AND_NO_CLOSED_POSE, verdict, {**opening, "fixed_gaps": fixed_gaps})
-    return Check(
-        CheckCode.HOME_OPEN, verdict, {**opening, "closed_qpos": to_mujoco(geometry, closed).tolist()}
-    )
+    return Check(CheckCode.HOME_OPEN, verdict, {**opening, "closed_qpos": _file_qpos(geometry, closed)})
 
 
 def _fixed_gaps(geometry: Geometry) -> dict[str, list[float]]:
@@ -80,51 +79,100 @@ def with_pose_in_ranges(geometry: Geometry, ranges: Check) -> Check:
     closed = closed_pose(geometry)
     if closed is None or not _within_ranges(geometry, closed[None])[0]:
         return ranges
-    return replace(ranges, values={**ranges.values, "closed_qpos": to_mujoco(geometry, closed).tolist()})
+    return replace(ranges, values={**ranges.values, "closed_qpos": _file_qpos(geometry, closed)})
 
 
 def home_at_range_end(geometry: Geometry) -> list[Check]:
-    """A note if a joint is at the end of its range at home, a motor within MARGIN, with a pose further inside."""
-    home, pose = geometry.home[:, None], None
+    """A note if a joint is within MARGIN of the end of its range at home, or beyond, with a pose further inside."""
     joint = _at_end(geometry, geometry.home)
     if joint is None or joint.limits is None:
         return []
-    motors = [other for other, _, _ in _ranged(geometry) if other.v.start in geometry.active]
-    for start in (_put_into_ranges(geometry, home, motors), _put_into_ranges(geometry, home)):
-        for free in (geometry.passive, np.arange(geometry.nv)) if geometry.closed else ():
-            poses = _turned_into_ranges(geometry, _closed(geometry, start, free))
-            inside = [other for other in poses if _at_end(geometry, other) is None]
-            pose = inside[0] if pose is None and inside else pose
-        if not geometry.closed:
-            pose = start[:, 0]
     low, high = joint.limits
     values = {"joint": joint.name, "lower": low, "upper": high}
+    pose = _pose_inside(geometry)
     if pose is not None:
-        values["closed_qpos"] = to_mujoco(geometry, pose).tolist()
+        values["closed_qpos"] = _file_qpos(geometry, pose)
     return [Check(CheckCode.HOME_AT_RANGE_END, "note", values)]
 
 
+def _file_qpos(geometry: Geometry, q: np.ndarray) -> list[float]:
+    """A pose (nq,) as a keyframe of the MJCF, with the locked joints."""
+    return geometry.robot.file_qpos(to_mujoco(geometry, q).tolist())
+
+
+def _pose_inside(geometry: Geometry) -> np.ndarray | None:
+    """A pose (nq,) with every joint further than MARGIN from the ends of its range, or None."""
+    home = geometry.home[:, None]
+    if not geometry.closed:
+        return np.asarray(_put_into_ranges(geometry, home)[:, 0])
+    best = _best(geometry, _starts_inside(geometry))
+    return best.q if best is not None and best.grade == Grade.REGULAR_INSIDE else None
+
+
+def _starts_inside(geometry: Geometry) -> Iterator[tuple[np.ndarray, np.ndarray]]:
+    """Poses (nq, S) from which to close the loops, and the velocities that may change: home with the motors, then home
+    and random poses with all joints put into their ranges, the joints without a range moved first.
+    """
+    home, every = geometry.home[:, None], np.arange(geometry.nv)
+    ranged = [joint for joint, _, _ in _ranged(geometry)]
+    unlimited = np.setdiff1d(every, [joint.v.start for joint in ranged])
+    motors = [joint for joint in ranged if joint.v.start in geometry.active]
+    inside = _newton(geometry, _put_into_ranges(geometry, home), unlimited)
+    for start in (_put_into_ranges(geometry, home, motors), inside):
+        for free in (geometry.passive, every):
+            yield start, free
+    yield _newton(geometry, _put_into_ranges(geometry, _random_starts(geometry)), unlimited), every
+
+
 def closed_pose(geometry: Geometry) -> np.ndarray | None:
-    """An assembled pose (nq,) within the joint ranges; None if the loops close from no start.
+    """An assembled pose (nq,), if possible inside the joint ranges; None if the loops close from no start.
 
     Starts, in this order: the keyframes if none is named home, with the motors held; home, home with the joints put
     into their ranges, and random poses, each with the motors held, then with all joints free; random poses put into the
-    ranges, with all joints free. The answer is the first pose that is not nearly singular and within the ranges, else
-    the first with one of these properties, regular ones first, else the first. Joints that nothing holds make no pose
-    singular. Of the poses from one start, the one with the largest smallest singular value counts.
+    ranges, with all joints free. The answer is the first pose of the highest grade that any of them has.
     """
-    best, highest = None, -1
-    free_motion = free_motions(geometry, _random_starts(geometry).T)
-    for starts, free in _starts(geometry):
-        poses = _turned_into_ranges(geometry, _closed(geometry, starts, free))
+    best = _best(geometry, _starts(geometry))
+    return None if best is None else best.q
+
+
+class Grade(IntEnum):
+    """Of a closed pose, the best last: nearly singular or regular; beyond a joint range, within all, and further inside
+    than MARGIN.
+    """
+
+    SINGULAR = 0
+    SINGULAR_WITHIN = 1
+    SINGULAR_INSIDE = 2
+    REGULAR = 3
+    REGULAR_WITHIN = 4
+    REGULAR_INSIDE = 5
+
+
+@dataclass(frozen=True)
+class _Graded:
+    """A closed pose q (nq,)."""
+
+    q: np.ndarray
+    grade: Grade
+
+
+def _best(geometry: Geometry, starts: Iterator[tuple[np.ndarray, np.ndarray]]) -> _Graded | None:
+    """The first of the closed poses with the highest grade, from the first start that reaches it; of the poses from one
+    start, the one with the largest smallest singular value. Joints that nothing holds make no pose singular.
+    """
+    best: _Graded | None = None
+    loose = free_motions(geometry, _random_starts(geometry).T)
+    for start, free in starts:
+        poses = _turned_into_ranges(geometry, _closed(geometry, start, free))
         if not len(poses):
             continue
-        held = smallest_singular_values(geometry, poses, free_motion)
-        grades = 2 * (held > PLAUSIBLE.regular) + _within_ranges(geometry, poses)
+        held = smallest_singular_values(geometry, poses, loose)
+        inside = np.array([_at_end(geometry, pose) is None for pose in poses])
+        grades = 3 * (held > PLAUSIBLE.regular) + _within_ranges(geometry, poses) + inside
         index = int(np.lexsort((held, grades))[-1])
-        if grades[index] > highest:
-            best, highest = np.asarray(poses[index]), int(grades[index])
-        if highest == 3:
+        if best is None or grades[index] > best.grade:
+            best = _Graded(np.asarray(poses[index]), Grade(grades[index]))
+        if best.grade == Grade.REGULAR_INSIDE:
             break
     return best
 
@@ -144,7 +192,12 @@ def _starts(geometry: Geometry) -> Iterator[tuple[np.ndarray, np.ndarray]]:
 
 def _closed(geometry: Geometry, starts: np.ndarray, free: np.ndarray) -> np.ndarray:
     """The closed poses (K, nq) that Newton's method reaches from starts (nq, S) along the velocities `free`."""
-    q = starts
+    q = _newton(geometry, starts, free)
+    return np.asarray(q[:, np.abs(loop_residual(geometry, q)).max(axis=0) < EXACT].T)
+
+
+def _newton(geometry: Geometry, q: np.ndarray, free: np.ndarray) -> np.ndarray:
+    """Poses q (nq, S) moved along the velocities `free` until the loops are closed as far as these can close them."""
     for _ in range(ATTEMPTS):
         residual = loop_residual(geometry, q)
         jacobian = loop_jacobian(geometry, q)[:, free].transpose(2, 0, 1)
@@ -156,7 +209,7 @@ def _closed(geometry: Geometry, starts: np.ndarray, free: np.ndarray) -> np.ndar
         )
         if largest.max() < EXACT:
             break
-    return np.asarray(q[:, np.abs(loop_residual(geometry, q)).max(axis=0) < EXACT].T)
+    return q
 
 
 def _random_starts(geometry: Geometry) -> np.ndarray:
@@ -214,9 +267,9 @@ def _within_ranges(geometry: Geometry, q: np.ndarray) -> np.ndarray:
 
 
 def _at_end(geometry: Geometry, q: np.ndarray) -> Joint | None:
-    """The first joint at or beyond an end of its range at q (nq,); a motor's joint already within MARGIN of it."""
+    """The first joint within MARGIN of an end of its range, or beyond it, at q (nq,)."""
     for joint, low, high in _ranged(geometry):
-        margin = MARGIN * (high - low) if joint.v.start in geometry.active else 0.0
+        margin = MARGIN * (high - low) + PLAUSIBLE.end
         if not low + margin < q[joint.q.start] < high - margin:
             return joint
     return None
