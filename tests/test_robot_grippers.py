@@ -127,6 +127,54 @@ def test_what_acts_on_a_tendon_of_constant_length_does_no_work(part, tmp_path):
         assert not np.any(getattr(simulated, f"tendon_{field}")), field
 
 
+def coupled(folder, ranges, equality):
+    """A chain whose joints have these ranges."""
+    body = CHAIN
+    for joint, ends in ranges.items():
+        body = body.replace(
+            f'name="{joint}" axis="0 1 0" range="-1 1"', f'name="{joint}" axis="0 1 0" range="{ends}"'
+        )
+    return robot(folder, body, equality, ["a"])
+
+
+def proportional(first, second, factor=1):
+    return f'<joint joint1="{first}" joint2="{second}" polycoef="0 {factor} 0 0 0"/>'
+
+
+@pytest.mark.parametrize(
+    ("equality", "equation"),
+    [
+        (proportional("b", "a", -1), "1 b = -1 x^1 with x = 1 a"),
+        ('<joint joint1="b" joint2="a" polycoef="0 -1 -2 0 0"/>', "1 b = -1 x^1 + -2 x^2 with x = 1 a"),
+    ],
+)
+def test_couplings_that_contradict_the_ranges_are_named(equality, equation, tmp_path):
+    """No pose has room for planned motions, and none is proposed."""
+    drawn = coupled(tmp_path, {"a": "0 1", "b": "0 1"}, equality + proportional("c", "b"))
+    (note,) = notes(check_robot(drawn), CheckCode.HOME_AT_RANGE_END)
+    assert "<key" not in note
+    assert f"{equation} contradicts the ranges 0 to 1 of b and 0 to 1 of a; in the MJCF, widen" in note
+    assert note.count("contradicts") == 1
+    with pytest.raises(BenchError, match=re.escape(note)):
+        room_of(read_geometry(drawn), ExperimentTable())
+
+
+def test_a_home_outside_a_range_says_which_coupling_keeps_it_there(tmp_path):
+    drawn = coupled(tmp_path, {"b": "0.5 1"}, proportional("b", "a", 0.1) + proportional("c", "b"))
+    (failure,) = failures(check_robot(drawn))
+    assert "joint 'b' is at 0 rad at home, outside its range" in failure
+    assert "0.1 x^1 with x = 1 a contradicts the ranges 0.5 to 1 of b and -1 to 1 of a" in failure
+
+
+def test_a_joint_without_room_in_any_pose_is_named(tmp_path):
+    """Each coupling admits positions inside the ranges, but not both together."""
+    drawn = coupled(tmp_path, {"a": "0 1", "c": "-1 0"}, proportional("b", "a") + proportional("c", "b"))
+    (note,) = notes(check_robot(drawn), CheckCode.HOME_AT_RANGE_END)
+    assert re.search(
+        "no pose was reached with all joints inside their ranges: widen that of '[ac]' in the MJCF", note
+    )
+
+
 def test_tendons_that_couple_alike_are_refused_in_one_sentence(tmp_path):
     tendons = TENDONS.format(ab='range="-1 1" stiffness="3"', bc='range="-1 1" stiffness="3"')
     coupled = robot(tmp_path / "robot", CHAIN, "", ["a", "b", "c"], tendons)

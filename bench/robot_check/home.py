@@ -3,6 +3,7 @@
 from collections.abc import Collection, Iterator
 from dataclasses import asdict, dataclass, replace
 from enum import IntEnum
+from typing import Any
 
 import mujoco
 import numpy as np
@@ -14,6 +15,7 @@ from bench.model.geometry import Geometry, Joint, from_mujoco
 from bench.model.mobility import column_scales, free_motions, smallest_singular_values
 from bench.model.passive_ranges import passive_ranges
 from bench.robot_check.bounds import PLAUSIBLE
+from bench.robot_check.couplings import contradictions
 from bench.robot_check.machine import to_mujoco
 from bench.robot_check.outcome import Check, CheckCode, Verdict
 from bench.robot_check.report import HomeSource, LoopLine
@@ -73,26 +75,39 @@ def _fixed_gaps(geometry: Geometry) -> dict[str, list[float]]:
 
 
 def with_pose_in_ranges(geometry: Geometry, ranges: Check) -> Check:
-    """The check of the joint ranges at home; if it failed, with a closed pose within all ranges, if there is one."""
+    """The check of the joint ranges at home; if it failed, with a closed pose within them, or why there is none."""
     if ranges.verdict != "failed" or not geometry.closed:
         return ranges
     closed = closed_pose(geometry)
-    if closed is None or not _within_ranges(geometry, closed[None])[0]:
-        return ranges
-    return replace(ranges, values={**ranges.values, "closed_qpos": _file_qpos(geometry, closed)})
+    within = closed is not None and bool(_within_ranges(geometry, closed[None])[0])
+    return replace(ranges, values={**ranges.values, **_pose_or_reason(geometry, closed, within)})
 
 
 def home_at_range_end(geometry: Geometry) -> list[Check]:
-    """A note if a joint is within MARGIN of the end of its range at home, or beyond, with a pose further inside."""
+    """A note if a joint is within MARGIN of the end of its range at home, or beyond, with a pose further inside, or why
+    there is none.
+    """
     joint = _at_end(geometry, geometry.home)
     if joint is None or joint.limits is None:
         return []
     low, high = joint.limits
-    values = {"joint": joint.name, "lower": low, "upper": high}
-    pose = _pose_inside(geometry)
-    if pose is not None:
-        values["closed_qpos"] = _file_qpos(geometry, pose)
+    pose, inside = _pose_inside(geometry)
+    reason = _pose_or_reason(geometry, pose, inside)
+    values = {"joint": joint.name, "lower": low, "upper": high, **reason}
     return [Check(CheckCode.HOME_AT_RANGE_END, "note", values)]
+
+
+def _pose_or_reason(geometry: Geometry, closed: np.ndarray | None, accepted: bool) -> dict[str, Any]:
+    """The closed pose (nq,) if it is accepted; else the couplings that contradict the ranges, and a joint that is not
+    inside its range in this pose.
+    """
+    if closed is not None and accepted:
+        return {"closed_qpos": _file_qpos(geometry, closed)}
+    outside = None if closed is None else _at_end(geometry, closed)
+    return {
+        "contradictions": contradictions(geometry, _inside(geometry)),
+        "outside": None if outside is None else outside.name,
+    }
 
 
 def _file_qpos(geometry: Geometry, q: np.ndarray) -> list[float]:
@@ -100,13 +115,12 @@ def _file_qpos(geometry: Geometry, q: np.ndarray) -> list[float]:
     return geometry.robot.file_qpos(to_mujoco(geometry, q).tolist())
 
 
-def _pose_inside(geometry: Geometry) -> np.ndarray | None:
-    """A pose (nq,) with every joint further than MARGIN from the ends of its range, or None."""
-    home = geometry.home[:, None]
+def _pose_inside(geometry: Geometry) -> tuple[np.ndarray | None, bool]:
+    """A pose (nq,) from starts inside the ranges, and whether every joint is further than MARGIN from their ends."""
     if not geometry.closed:
-        return np.asarray(_put_into_ranges(geometry, home)[:, 0])
+        return _put_into_ranges(geometry, geometry.home[:, None])[:, 0], True
     best = _best(geometry, _starts_inside(geometry))
-    return best.q if best is not None and best.grade == Grade.REGULAR_INSIDE else None
+    return (None, False) if best is None else (best.q, _at_end(geometry, best.q) is None)
 
 
 def _starts_inside(geometry: Geometry) -> Iterator[tuple[np.ndarray, np.ndarray]]:
@@ -266,10 +280,19 @@ def _within_ranges(geometry: Geometry, q: np.ndarray) -> np.ndarray:
     return within
 
 
+def _inside(geometry: Geometry) -> dict[int, tuple[float, float]]:
+    """By the index of a joint with a range, the positions further than MARGIN from its ends."""
+    numbers = {joint.name: number for number, joint in enumerate(geometry.joints)}
+    margins = (
+        (joint, low, high, MARGIN * (high - low) + PLAUSIBLE.end) for joint, low, high in _ranged(geometry)
+    )
+    return {numbers[joint.name]: (low + margin, high - margin) for joint, low, high, margin in margins}
+
+
 def _at_end(geometry: Geometry, q: np.ndarray) -> Joint | None:
     """The first joint within MARGIN of an end of its range, or beyond it, at q (nq,)."""
-    for joint, low, high in _ranged(geometry):
-        margin = MARGIN * (high - low) + PLAUSIBLE.end
-        if not low + margin < q[joint.q.start] < high - margin:
+    for number, (low, high) in _inside(geometry).items():
+        joint = geometry.joints[number]
+        if not low < q[joint.q.start] < high:
             return joint
     return None

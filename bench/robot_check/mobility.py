@@ -14,6 +14,7 @@ from bench.model.mobility import check_mobility as require_mobility
 from bench.model.regressor import rotor_columns
 from bench.model.spin import idle_spins
 from bench.robot_check.bounds import PLAUSIBLE
+from bench.robot_check.couplings import equation_of
 from bench.robot_check.home import closed_pose
 from bench.robot_check.home_key import home_key
 from bench.robot_check.machine import to_mujoco
@@ -71,15 +72,9 @@ def check_mobility(geometry: Geometry, mobility: Mobility) -> Check:
 
 def coupling_lines(geometry: Geometry) -> list[Check]:
     """Lines on couplings: the joints of both sides with their factors, and the polynomial between them."""
-    lines = []
-    for coupling in geometry.couplings:
-        first, second = (
-            {geometry.joints[joint].name: factor for joint, factor in side}
-            for side in (coupling.first, coupling.second)
-        )
-        equation = {"first": first, "second": second, "polynomial": list(coupling.polynomial)}
-        lines.append(Check(CheckCode.COUPLING, "ok", {"coupling": coupling.name, **equation}))
-    return lines
+    return [
+        Check(CheckCode.COUPLING, "ok", equation_of(geometry, coupling)) for coupling in geometry.couplings
+    ]
 
 
 def spin_notes(geometry: Geometry) -> list[Check]:

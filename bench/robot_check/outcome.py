@@ -1,6 +1,6 @@
 """The result of a check as a code with its values; `bench.robot_check.words` has the sentences."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from enum import StrEnum, auto
 from typing import Any, Literal, TypedDict
@@ -100,3 +100,26 @@ class RangeLeft(TypedDict):
     highest: float
     lower: float
     upper: float
+
+
+class Equation(TypedDict):
+    """A coupling: by joint the factors of the first and of the second side, of which the polynomial is taken."""
+
+    coupling: str
+    first: Mapping[str, float]
+    second: Mapping[str, float]
+    polynomial: Sequence[float]
+
+
+class JointRange(TypedDict):
+    """The range of a joint, rad or m."""
+
+    joint: str
+    lower: float
+    upper: float
+
+
+class RangeConflict(Equation):
+    """A coupling that the ranges of its joints do not admit."""
+
+    ranges: Sequence[JointRange]
