@@ -15,7 +15,7 @@ from bench.model.cures import welds_as_connects
 from bench.model.geometry import Geometry, read_geometry
 from bench.model.mobility import check_assembled
 from bench.model.passive_ranges import PassiveRange, passive_ranges
-from bench.model.states import random_motion
+from bench.model.states import LoosePosesError, random_motion
 from bench.robot_check import agreement
 from bench.robot_check.agreement import check_base_parameters
 from bench.robot_check.bounds import AGREEMENT, PLAUSIBLE
@@ -125,7 +125,10 @@ def _assembled(report: RobotReport, machine: CheckedMachine) -> RobotReport:
         check_assembled(geometry)
         swept = sweep(geometry) if geometry.closed else None
         motion = random_motion(geometry, AGREEMENT.poses, SEED)
+        fresh = random_motion(geometry, AGREEMENT.poses, FRESH)
         base = base_parameters(geometry)
+    except LoosePosesError:
+        return _with(report, Check(CheckCode.POSES_LOOSE, "failed"))
     except BenchError as error:
         return _with(report, Check(CheckCode.MOTION_FAULT, "failed", {"fault": str(error)}))
     report = _with(replace(report, base=base), check_rotors(geometry, base))
@@ -144,7 +147,7 @@ def _assembled(report: RobotReport, machine: CheckedMachine) -> RobotReport:
         report,
         agreement.check_body_poses(machine, motion.q, "closed"),
         agreement.check_motor_forces(machine, motion),
-        check_base_parameters(machine, base, random_motion(geometry, AGREEMENT.poses, FRESH)),
+        check_base_parameters(machine, base, fresh),
     )
 
 

@@ -124,7 +124,7 @@ def with_tilts(report: RobotReport, geometry: Geometry) -> RobotReport:
     """The report with the most tilted pair of nearly parallel hinges, if any.
 
     It is a note; it is a failure, put before the first one, if something else fails, or if closures make a motor
-    redundant, since such a tilt can remove degrees of freedom.
+    redundant, since such a tilt can remove degrees of freedom. It is the reason for loose poses, and replaces them.
     """
     widest = max(_tilts(geometry), key=lambda tilt: tilt[2], default=None) if geometry.closed else None
     if widest is None:
@@ -135,7 +135,8 @@ def with_tilts(report: RobotReport, geometry: Geometry) -> RobotReport:
         return replace(report, checks=(*report.checks, Check(CheckCode.NEARLY_PARALLEL, "note", values)))
     at = report.checks.index(report.failures[0]) if report.failures else len(report.checks)
     tilted = Check(CheckCode.NEARLY_PARALLEL, "failed", values)
-    return replace(report, checks=(*report.checks[:at], tilted, *report.checks[at:]))
+    rest = (check for check in report.checks[at:] if check.code is not CheckCode.POSES_LOOSE)
+    return replace(report, checks=(*report.checks[:at], tilted, *rest))
 
 
 def _tilts(geometry: Geometry) -> Iterator[tuple[str, str, float]]:

@@ -77,6 +77,7 @@ class CheckCode(StrEnum):
     MOBILITY_FAULT = auto()
     ROD_SPINS = auto()
     MOTION_FAULT = auto()
+    POSES_LOOSE = auto()
     ROTOR_INERTIA = auto()
     SINGULARITY_WITHIN_RANGES = auto()
     PASSIVE_RANGE_LEFT = auto()

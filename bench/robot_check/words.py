@@ -321,6 +321,8 @@ WORDS: Mapping[CheckCode, str | tuple[str, Callable[..., str]]] = {
     CheckCode.ROD_SPINS: "note: {bodies:quoted}: free to spin about the line through the joints at both ends, the "
     "motors held. The model assumes no spin, which is exact if a rod's mass lies on that line",
     CheckCode.MOTION_FAULT: "motion within the joint ranges: {fault}",
+    CheckCode.POSES_LOOSE: "motion within the joint ranges: there are poses in which the loop closures do not "
+    "determine the passive joints; give the joints narrower ranges around home, away from singular poses",
     CheckCode.ROTOR_INERTIA: ("rotor inertia", _rotors),
     CheckCode.SINGULARITY_WITHIN_RANGES: ("note", _singularity),
     CheckCode.PASSIVE_RANGE_LEFT: ("note", ranges_left),
