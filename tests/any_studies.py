@@ -2,7 +2,7 @@
 
 from string import Formatter
 from types import SimpleNamespace
-from typing import Any, get_args, get_type_hints
+from typing import Any, get_args, get_type_hints, is_typeddict
 
 from hypothesis import strategies as st
 
@@ -80,12 +80,21 @@ failures = st.builds(WhereItFails, names, st.lists(motors, max_size=2).map(tuple
 
 # --- checks of a robot: the values of a code are the arguments of its sentence ------------------------------
 
-_OF_TYPE: dict[Any, st.SearchStrategy[Any]] = {float: numbers, int: st.integers(0, 99), str: names}
+_OF_TYPE: dict[Any, st.SearchStrategy[Any]] = {
+    float: numbers,
+    int: st.integers(0, 99),
+    str: names,
+    bool: st.booleans(),
+}
 
 
 def _of_type(kind: Any) -> st.SearchStrategy[Any]:
     if kind in _OF_TYPE:
         return _OF_TYPE[kind]
+    if is_typeddict(kind):
+        return st.fixed_dictionaries(
+            {field: _of_type(value) for field, value in get_type_hints(kind).items()}
+        )
     arguments = get_args(kind)
     if type(None) in arguments:
         return st.none() | _of_type(arguments[0])

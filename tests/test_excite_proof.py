@@ -16,7 +16,7 @@ from bench.excitation.experiment.nominal import seen
 from bench.excitation.experiment.open_limits import Kept, margins
 from bench.excitation.experiment.plan import nominal_machine
 from bench.excitation.experiment.proof import Promise, Proof, Unproven, prove
-from bench.excitation.experiment.proof_words import limit_in_words, made_smaller
+from bench.excitation.experiment.proof_words import limit_in_words, made_smaller, refused
 from bench.excitation.experiment.request import Box, ExperimentTable
 from bench.excitation.experiment.room import filled, robot_motion, room_of, tool_positions
 from bench.model.configuration import displacements, integrate
@@ -358,4 +358,11 @@ def test_a_motion_that_was_made_smaller_says_where_and_what_relaxes_it(limit):
     said = made_smaller("unloaded", Unproven(limit, "elbow", 2.25, True))
     assert said.startswith("The motion 'unloaded' was reduced, because at t = 2.25 s ")
     assert "--limits" in said or "MJCF" in said
+
+
+@pytest.mark.parametrize("limit", Kept)
+def test_a_limit_that_leaves_no_room_is_refused_with_what_relaxes_it(limit):
+    said = refused(Unproven(limit, "elbow", None, True))
+    assert said.startswith(limit_in_words(Unproven(limit, "elbow", None, True)))
+    assert "--limits" in said or ("range` in the MJCF" in said and "home further inside" in said)
     assert "{" not in said

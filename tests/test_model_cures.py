@@ -101,6 +101,11 @@ def test_a_loose_body_without_motors_is_no_base(tmp_path):
             "if they are held, lock them by a first line of robot.toml: locked = {jaw = 0.0, other = 0.0}",
         ),
         (
+            f"{LEAF.format(gripper=GRIPPER)}<keyframe><key name='home' qpos='0 0 -7.4941786e-30 0.02'/></keyframe>",
+            ("arm", "leaf"),
+            "if they are held, lock them by a first line of robot.toml: locked = {jaw = 0.0, other = 0.02}",
+        ),
+        (
             TILTED,
             ("left",),
             "a lock is missing, for example as the first line of robot.toml: locked = {left_elbow = -0.2",

@@ -25,6 +25,9 @@ from bench.identification.perturbations import Nearby
 from bench.identification.prepare import prepare
 from bench.identification.problem import problem_of
 from bench.identification.result import Identification
+from bench.robot_check.check import check_robot
+from bench.robot_check.outcome import CheckCode
+from bench.robot_check.words import detail_of
 from bench.scenario.scenario import load_scenario
 from bench.truth.dataset import as_dataset, write_simulation
 from bench.truth.machine import true_gains
@@ -63,6 +66,24 @@ def test_the_motors_that_the_others_determine_are_redundant(third_motor: Path) -
     assert robot.joints == ("left", "right")
     assert [one.joint for one in robot.redundant] == ["left_elbow"]
     assert robot.driven == tuple(TRUE)
+
+
+def test_the_range_of_a_redundant_motor_is_not_called_that_of_a_passive_joint(
+    project_root: Path, tmp_path: Path
+) -> None:
+    folder = with_third_motor(project_root, tmp_path)
+    file = folder / "five_bar.xml"
+    file.write_text(
+        file.read_text().replace('<joint name="left_elbow"/>', '<joint name="left_elbow" range="1.4 1.6"/>')
+    )
+    notes = [
+        detail_of(check)
+        for check in check_robot(load_robot(folder)).checks
+        if check.code is CheckCode.PASSIVE_RANGE_LEFT
+    ]
+    assert len(notes) == 1
+    assert "the other motors" in notes[0]
+    assert "'left_elbow' (redundant motor, " in notes[0]
 
 
 def test_all_gains_follow_from_the_motors_powers_whatever_the_internal_force(third_motor: Path) -> None:

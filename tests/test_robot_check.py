@@ -408,9 +408,10 @@ def test_a_ball_joint_that_is_turned_too_far_is_told(tmp_path):
     tight = BALL.replace('type="ball"', 'type="ball" range="0 0.05"')
     report = check_robot(mechanism(tmp_path, tight, ("crank",)))
     (check,) = (one for one in report.checks if one.code is CheckCode.PASSIVE_RANGE_LEFT)
-    assert check.values["joint"] == "ball"
-    assert (check.values["lower"], check.values["upper"]) == (0.0, 0.05)
-    assert 0.05 < check.values["highest"] <= np.pi
+    (left,) = check.values["joints"]
+    assert left["joint"] == "ball"
+    assert (left["lower"], left["upper"]) == (0.0, 0.05)
+    assert 0.05 < left["highest"] <= np.pi
 
 
 def test_a_home_close_to_a_singularity_is_told_or_refused(linkage):

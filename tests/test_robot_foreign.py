@@ -9,6 +9,10 @@ from bench.basics.errors import BenchError
 from bench.dataset.mjcf_files import unreadable
 from bench.dataset.robot import load_robot
 from bench.dataset.robot_toml import mjcf_parts, write_robot_toml
+from bench.model import states
+from bench.model.model import build_model
+from bench.model.nodes import NearSingularError
+from bench.model.states import LoosePosesError
 from bench.robot_check.check import check_robot
 from bench.robot_check.outcome import CheckCode
 from bench.robot_check.words import detail_of
@@ -205,6 +209,28 @@ def test_an_angle_with_too_few_digits_is_named(angle, tmp_path):
     assert "'m1' and 'm2'" in detail_of(tilt)
     assert "1.5707963267948966" in detail_of(tilt)
     assert tilt.verdict == "note" or report.failures[0] is tilt
+
+
+def test_an_angle_with_too_few_digits_is_the_only_reason_that_is_named(tmp_path):
+    """The loops cannot be closed in all poses then; times of states that nobody asked for are not named."""
+    made = robot(tmp_path / "robot", turned("1.57"), '<connect body1="r1" body2="r2" anchor="0.1 -0.3 0"/>')
+    (failure,) = check_robot(made).failures
+    assert failure.code is CheckCode.NEARLY_PARALLEL
+    with pytest.raises(
+        LoosePosesError, match=f"; bench robot check {re.escape(str(tmp_path))}/robot names"
+    ) as error:
+        build_model(made)
+    assert "t = " not in str(error.value)
+
+
+def test_poses_in_which_joints_are_loose_have_a_remedy_where_no_angle_is_the_reason(tmp_path, monkeypatch):
+    def singular(*_):
+        raise NearSingularError("t = 14.0000 s: singular")
+
+    monkeypatch.setattr(states, "rates_at", singular)
+    (failure,) = check_robot(robot(tmp_path / "robot", FIVE_BAR)).failures
+    assert failure.code is CheckCode.POSES_LOOSE
+    assert "narrower ranges around home" in detail_of(failure)
 
 
 def test_an_angle_with_all_digits_is_not(tmp_path):

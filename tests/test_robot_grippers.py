@@ -5,10 +5,15 @@ import re
 import numpy as np
 import pytest
 
+from bench.basics.errors import BenchError
 from bench.cli import main
 from bench.dataset.mjcf_files import unreadable
 from bench.dataset.robot import load_robot
 from bench.dataset.robot_toml import write_robot_toml
+from bench.excitation.bounds import LIMITS
+from bench.excitation.experiment.request import ExperimentTable
+from bench.excitation.experiment.room import room_of
+from bench.model.geometry import read_geometry
 from bench.robot_check.check import check_robot
 from bench.robot_check.outcome import CheckCode
 from bench.robot_check.words import detail_of
@@ -122,6 +127,54 @@ def test_what_acts_on_a_tendon_of_constant_length_does_no_work(part, tmp_path):
         assert not np.any(getattr(simulated, f"tendon_{field}")), field
 
 
+def coupled(folder, ranges, equality):
+    """A chain whose joints have these ranges."""
+    body = CHAIN
+    for joint, ends in ranges.items():
+        body = body.replace(
+            f'name="{joint}" axis="0 1 0" range="-1 1"', f'name="{joint}" axis="0 1 0" range="{ends}"'
+        )
+    return robot(folder, body, equality, ["a"])
+
+
+def proportional(first, second, factor=1):
+    return f'<joint joint1="{first}" joint2="{second}" polycoef="0 {factor} 0 0 0"/>'
+
+
+@pytest.mark.parametrize(
+    ("equality", "equation"),
+    [
+        (proportional("b", "a", -1), "1 b = -1 x^1 with x = 1 a"),
+        ('<joint joint1="b" joint2="a" polycoef="0 -1 -2 0 0"/>', "1 b = -1 x^1 + -2 x^2 with x = 1 a"),
+    ],
+)
+def test_couplings_that_contradict_the_ranges_are_named(equality, equation, tmp_path):
+    """No pose has room for planned motions, and none is proposed."""
+    drawn = coupled(tmp_path, {"a": "0 1", "b": "0 1"}, equality + proportional("c", "b"))
+    (note,) = notes(check_robot(drawn), CheckCode.HOME_AT_RANGE_END)
+    assert "<key" not in note
+    assert f"{equation} contradicts the ranges 0 to 1 of b and 0 to 1 of a; in the MJCF, widen" in note
+    assert note.count("contradicts") == 1
+    with pytest.raises(BenchError, match=re.escape(note)):
+        room_of(read_geometry(drawn), ExperimentTable())
+
+
+def test_a_home_outside_a_range_says_which_coupling_keeps_it_there(tmp_path):
+    drawn = coupled(tmp_path, {"b": "0.5 1"}, proportional("b", "a", 0.1) + proportional("c", "b"))
+    (failure,) = failures(check_robot(drawn))
+    assert "joint 'b' is at 0 rad at home, outside its range" in failure
+    assert "0.1 x^1 with x = 1 a contradicts the ranges 0.5 to 1 of b and -1 to 1 of a" in failure
+
+
+def test_a_joint_without_room_in_any_pose_is_named(tmp_path):
+    """Each coupling admits positions inside the ranges, but not both together."""
+    drawn = coupled(tmp_path, {"a": "0 1", "c": "-1 0"}, proportional("b", "a") + proportional("c", "b"))
+    (note,) = notes(check_robot(drawn), CheckCode.HOME_AT_RANGE_END)
+    assert re.search(
+        "no pose was reached with all joints inside their ranges: widen that of '[ac]' in the MJCF", note
+    )
+
+
 def test_tendons_that_couple_alike_are_refused_in_one_sentence(tmp_path):
     tendons = TENDONS.format(ab='range="-1 1" stiffness="3"', bc='range="-1 1" stiffness="3"')
     coupled = robot(tmp_path / "robot", CHAIN, "", ["a", "b", "c"], tendons)
@@ -157,6 +210,63 @@ def test_a_pin_with_a_range_of_a_whole_turn_has_no_end_stop(tmp_path):
     assert notes(check_robot(short), CheckCode.HOME_AT_RANGE_END)
     driven = robot(tmp_path / "driven", four_bars(""), pin, ["rocker"])
     assert driven.mjcf_model().joint("rocker").limited
+
+
+def parallelogram(crank='range="0 0.9"', rocker='range="0 0.9"', coupler=""):
+    """Of drawn lengths that agree to 4 µm."""
+    return f"""<body name="crank"><joint name="crank" axis="0 1 0" {crank}/>{INERTIAL}
+        <body name="coupler" pos="0 0 0.1"><joint name="coupler" axis="0 1 0" {coupler}/>{INERTIAL}
+          <site name="tip" pos="0.2 0 0"/></body></body>
+      <body name="rocker" pos="0.200004 0 0"><joint name="rocker" axis="0 1 0" {rocker}/>{INERTIAL}
+        <site name="end" pos="0 0 0.100004"/></body>"""
+
+
+@pytest.mark.parametrize("rounding", [0.0, 1e-16, 1e-3])
+def test_a_proposed_home_leaves_room_for_planned_motions(rounding, tmp_path):
+    """A home at the end of the ranges, or inside by less than planned motions keep free."""
+    pin = '<connect site1="tip" site2="end"/>'
+    rest = '<tendon><fixed name="drive"><joint joint="crank" coef="0.5"/></fixed></tendon><keyframe>{}</keyframe>'
+    body = parallelogram().replace("0.200004", "0.2").replace("0.100004", "0.1")
+    drawn_key = f'<key name="home" qpos="{rounding} {-rounding} {rounding}"/>'
+    drawn = robot(tmp_path / "drawn", body, pin, ["drive"], rest.format(drawn_key))
+    (note,) = notes(check_robot(drawn), CheckCode.HOME_AT_RANGE_END)
+    (key,) = re.findall("<key .*/>", note)
+    proposed = robot(tmp_path / "proposed", body, pin, ["drive"], rest.format(key))
+    report = check_robot(proposed)
+    assert notes(report, CheckCode.HOME_AT_RANGE_END) == []
+    homes = [joint.home / joint.upper for joint in report.joints if joint.upper]
+    assert len(homes) == 2
+    assert all(LIMITS.margin < home < 1.0 - LIMITS.margin for home in homes)
+    assert room_of(read_geometry(proposed), ExperimentTable())
+
+
+def test_a_home_without_room_is_refused_with_the_pose_that_the_check_proposes(tmp_path):
+    pin = '<connect site1="tip" site2="end"/>'
+    body = parallelogram('range="-0.9 0.9"').replace("0.200004", "0.2").replace("0.100004", "0.1")
+    key = '<keyframe><key name="home" qpos="1e-16 0 1e-16"/></keyframe>'
+    drawn = robot(tmp_path / "drawn", body, pin, ["crank"], key)
+    (note,) = notes(check_robot(drawn), CheckCode.HOME_AT_RANGE_END)
+    assert "this pose closes further inside: <key " in note
+    with pytest.raises(BenchError, match=re.escape(note)):
+        room_of(read_geometry(drawn), ExperimentTable())
+
+
+def test_an_end_stop_is_not_passed_by_the_rounding_of_a_drawing(tmp_path):
+    """Both ends of a parallelogram have one range, and reach its end together."""
+    pin = '<connect site1="tip" site2="end"/><joint joint1="other" joint2="crank" polycoef="0 1 0 0 0"/>'
+    other = f'<body name="other"><joint name="other" axis="0 1 0" range="{{}} 0.9"/>{INERTIAL}</body>'
+    within = parallelogram('range="0.1 0.9"', coupler='range="-0.9 0"') + other.format(0)
+    key = '<keyframe><key name="home" qpos="0.3 -0.3 0.3 0.3"/></keyframe>'
+    report = check_robot(robot(tmp_path / "within", within, pin, ["crank"], key))
+    assert failures(report) == []
+    assert notes(report, CheckCode.PASSIVE_RANGE_LEFT) == []
+    beyond = within.replace("0 0.9", "0 0.8").replace("-0.9 0", "-0.8 0")
+    (note,) = notes(
+        check_robot(robot(tmp_path / "beyond", beyond, pin, ["crank"], key)), CheckCode.PASSIVE_RANGE_LEFT
+    )
+    assert "3 joints leave theirs" in note
+    for joint in ("coupler", "rocker", "other"):
+        assert f"'{joint}' (" in note
 
 
 def test_a_tool_on_the_base_is_answered_with_the_sites_that_move(tmp_path):

@@ -1,4 +1,6 @@
-"""The units at a joint, N·m and rad at a hinge or N and m at a slide, and their relation to the unit of a gain."""
+"""The units at a joint, N·m and rad at a hinge or N and m at a slide, their relation to the unit of a gain, and
+positions in them.
+"""
 
 from dataclasses import dataclass
 
@@ -38,3 +40,8 @@ def units_of_gain(gain_unit: str) -> JointUnits:
 def drive_unit(gain_unit: str) -> str:
     """The unit of the drive's current reference, such as "A" from "N*m/A"."""
     return gain_unit.partition("/")[2]
+
+
+def written_position(position: float) -> float:
+    """A joint position, rad or m, as it is written to a file: without the rounding errors of its computation."""
+    return round(position, 12) + 0.0

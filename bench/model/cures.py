@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from bench.basics.files.toml_output import toml_line
+from bench.basics.joint_units import written_position
 from bench.basics.sentence import say
 from bench.dataset.joint_facts import joints_with_springs
 from bench.dataset.robot_redundancy import listed, use_connect, welds_to_connect
@@ -217,7 +218,7 @@ def cure_in_words(cure: Cure | None) -> str:
 
 def _lock_lines(cure: Cure, names: Sequence[str]) -> str:
     """What robot.toml needs: a table in one line, or further lines of its table [locked]."""
-    values = {name: float(f"{cure.positions[name]:.10g}") for name in names}
+    values = {name: written_position(cure.positions[name]) for name in names}
     if cure.locks:
         return " and ".join(f"`{toml_line(name, value)}`" for name, value in values.items())
     return toml_line("locked", values)

@@ -133,20 +133,33 @@ def scaled_jacobians(geometry: Geometry, q: np.ndarray) -> np.ndarray:
     return np.asarray(jacobian)
 
 
-def smallest_singular_values(geometry: Geometry, q: np.ndarray) -> np.ndarray:
+def smallest_singular_values(geometry: Geometry, q: np.ndarray, free: int = 0) -> np.ndarray:
     """The smallest singular values (N,) of the scaled loop Jacobian by the passive joints at q (N, nq). Zero: some
     joint is loose.
+
+    free: number of `free_motions`, which are omitted.
     """
-    return _smallest(scaled_jacobians(geometry, q)[:, :, geometry.passive])
+    return _smallest(scaled_jacobians(geometry, q)[:, :, geometry.passive], free)
 
 
-def _smallest(passive: np.ndarray) -> np.ndarray:
-    """The smallest singular values (N,) of matrices (N, m, np)."""
-    if not passive.shape[2]:
+def _smallest(passive: np.ndarray, free: int = 0) -> np.ndarray:
+    """The smallest singular values (N,) of matrices (N, m, np), without `free` of them."""
+    held = passive.shape[2] - free
+    if held <= 0:
         return np.full(len(passive), np.inf)
-    if passive.shape[1] < passive.shape[2]:
+    if passive.shape[1] < held:
         return np.zeros(len(passive))
-    return np.asarray(np.linalg.svd(passive, compute_uv=False)[:, -1])
+    return np.asarray(np.linalg.svd(passive, compute_uv=False)[:, held - 1])
+
+
+def free_motions(geometry: Geometry, q: np.ndarray) -> int:
+    """Number of motions that no closure prevents in any of the poses q (N, nq), loops open or closed, the motors held:
+    joints that nothing holds.
+    """
+    passive = scaled_jacobians(geometry, q)[:, :, geometry.passive]
+    values = np.linalg.svd(passive, compute_uv=False)
+    held = values > RANKS.dependent * values.max(axis=1, initial=0.0, keepdims=True)
+    return int(passive.shape[2] - held.sum(axis=1).max(initial=0))
 
 
 def conditioning(geometry: Geometry, q: np.ndarray) -> float:

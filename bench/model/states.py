@@ -2,11 +2,18 @@
 
 import numpy as np
 
+from bench.basics.errors import BenchError
+from bench.basics.shell_word import quoted
 from bench.model.bounds import CLOSURE, RANDOM_POSES
 from bench.model.follow import Pose, advance, home_pose, make_follower
 from bench.model.geometry import Geometry
 from bench.model.mobility import column_scales, smallest_singular_values
 from bench.model.motion import Motion, rates_at
+from bench.model.nodes import NearSingularError
+
+
+class LoosePosesError(BenchError):
+    """In poses within the joint ranges, the loop closures do not, or hardly, determine the passive joints."""
 
 
 def random_motion(geometry: Geometry, count: int, seed: int) -> Motion:
@@ -14,7 +21,7 @@ def random_motion(geometry: Geometry, count: int, seed: int) -> Motion:
 
     Every pose is reached from the last one along the closures, so all lie in home's assembly mode. More are reached
     than returned: those nearest to a singularity are omitted. Active velocities and accelerations are normal, of unit
-    variance (times 5 for accelerations); with a gear, those of the driven joint.
+    variance (times 5 for accelerations); with a gear, those of the driven joint. Raises LoosePosesError.
     """
     random = np.random.default_rng(seed)
     low, high = active_ranges(geometry)
@@ -47,7 +54,13 @@ def random_motion(geometry: Geometry, count: int, seed: int) -> Motion:
     units = follower.units[:, None]
     velocity = units * random.normal(size=(n, len(states)))
     acceleration = units * 5.0 * random.normal(size=(n, len(states)))
-    return rates_at(geometry, np.arange(len(states), dtype=float), states, velocity.T, acceleration.T)
+    try:
+        return rates_at(geometry, np.arange(len(states), dtype=float), states, velocity.T, acceleration.T)
+    except NearSingularError:
+        raise LoosePosesError(
+            f"robot {geometry.robot.name}: in poses within the joint ranges, the loop closures do not determine the "
+            f"passive joints; bench robot check {quoted(geometry.robot.folder)} names the reason"
+        ) from None
 
 
 def active_ranges(geometry: Geometry) -> tuple[np.ndarray, np.ndarray]:

@@ -6,6 +6,7 @@ import numpy as np
 
 from bench.basics.errors import BenchError
 from bench.dataset.robot import Robot
+from bench.dataset.robot_locked import ROUNDED
 from bench.dataset.robot_redundancy import welds_to_connect
 from bench.model.base import base_parameters
 from bench.model.bounds import CLOSURE
@@ -13,8 +14,8 @@ from bench.model.closure import loop_residual
 from bench.model.cures import welds_as_connects
 from bench.model.geometry import Geometry, read_geometry
 from bench.model.mobility import check_assembled
-from bench.model.passive_ranges import passive_ranges
-from bench.model.states import random_motion
+from bench.model.passive_ranges import PassiveRange, passive_ranges
+from bench.model.states import LoosePosesError, random_motion
 from bench.robot_check import agreement
 from bench.robot_check.agreement import check_base_parameters
 from bench.robot_check.bounds import AGREEMENT, PLAUSIBLE
@@ -30,7 +31,7 @@ from bench.robot_check.mobility import (
     spin_notes,
     with_tilts,
 )
-from bench.robot_check.outcome import Check, CheckCode
+from bench.robot_check.outcome import Check, CheckCode, RangeLeft
 from bench.robot_check.report import (
     RobotReport,
     Singularity,
@@ -72,10 +73,9 @@ def check_robot(robot: Robot) -> RobotReport:
     )
     if at_home.verdict != "failed":
         ranges = with_pose_in_ranges(geometry, ranges)
-    checks = (_for_the_file(robot, check) for check in (at_home, ranges))
-    report = _with(report, *_welds_too_much(geometry), *checks)
+    report = _with(report, *_welds_too_much(geometry), at_home, ranges)
     if not report.failures:
-        report = _with(report, *(_for_the_file(robot, check) for check in home_at_range_end(geometry)))
+        report = _with(report, *home_at_range_end(geometry))
         report = _assembled(report, machine)
     return with_tilts(report, geometry)
 
@@ -90,14 +90,6 @@ def _welds_too_much(geometry: Geometry) -> list[Check]:
         return [Check(CheckCode.WELD_TOO_MUCH, "failed", {"welds": list(turned.names), "motors": motors})]
     welds = welds_to_connect(geometry.robot.mjcf_model(), geometry.robot.driven) if motors else ()
     return [Check(CheckCode.WELD_TOO_MUCH, "note", {"welds": list(welds), "motors": motors})] if welds else []
-
-
-def _for_the_file(robot: Robot, check: Check) -> Check:
-    """A check of home with its closed pose as the MJCF needs it, including the locked joints."""
-    values = dict(check.values)
-    if "closed_qpos" in values:
-        values["closed_qpos"] = robot.file_qpos(values["closed_qpos"])
-    return replace(check, values=values)
 
 
 def _with(report: RobotReport, *checks: Check) -> RobotReport:
@@ -133,7 +125,10 @@ def _assembled(report: RobotReport, machine: CheckedMachine) -> RobotReport:
         check_assembled(geometry)
         swept = sweep(geometry) if geometry.closed else None
         motion = random_motion(geometry, AGREEMENT.poses, SEED)
+        fresh = random_motion(geometry, AGREEMENT.poses, FRESH)
         base = base_parameters(geometry)
+    except LoosePosesError:
+        return _with(report, Check(CheckCode.POSES_LOOSE, "failed"))
     except BenchError as error:
         return _with(report, Check(CheckCode.MOTION_FAULT, "failed", {"fault": str(error)}))
     report = _with(replace(report, base=base), check_rotors(geometry, base))
@@ -152,7 +147,7 @@ def _assembled(report: RobotReport, machine: CheckedMachine) -> RobotReport:
         report,
         agreement.check_body_poses(machine, motion.q, "closed"),
         agreement.check_motor_forces(machine, motion),
-        check_base_parameters(machine, base, random_motion(geometry, AGREEMENT.poses, FRESH)),
+        check_base_parameters(machine, base, fresh),
     )
 
 
@@ -173,17 +168,29 @@ def _regular_home(singularity: Singularity) -> Check:
 
 
 def _passive_ranges(geometry: Geometry, swept: SingularitySweep) -> list[Check]:
-    """Notes on passive joints that leave their ranges while the motors stay within theirs."""
-    checks = []
-    for limit in passive_ranges(geometry):
-        at = limit.at(swept.q)
-        lowest, highest = float(at.min()), float(at.max())
-        if lowest < limit.low or highest > limit.high:
-            values = {
-                "lowest": lowest + limit.offset,
-                "highest": highest + limit.offset,
-                "lower": limit.low + limit.offset if np.isfinite(limit.low) else 0.0,
-                "upper": limit.high + limit.offset,
-            }
-            checks.append(Check(CheckCode.PASSIVE_RANGE_LEFT, "note", {"joint": limit.joint, **values}))
-    return checks
+    """A note on joints without an independent motor that leave their ranges while the motors stay within theirs."""
+    redundant = {actuator.joint for actuator in geometry.robot.redundant}
+    joints = [
+        travel
+        for limit in passive_ranges(geometry)
+        if (travel := _beyond(limit, swept.q, limit.joint in redundant)) is not None
+    ]
+    return [Check(CheckCode.PASSIVE_RANGE_LEFT, "note", {"joints": joints})] if joints else []
+
+
+def _beyond(limit: PassiveRange, q: np.ndarray, redundant: bool) -> RangeLeft | None:
+    """The travel of a joint over the poses q (N, nq), if it leaves its range by more than a rounding of its numbers."""
+    at = limit.at(q)
+    lowest, highest = float(at.min()), float(at.max())
+    lower = limit.low if np.isfinite(limit.low) else 0.0
+    allowed = ROUNDED * (limit.high - lower)
+    if lowest >= limit.low - allowed and highest <= limit.high + allowed:
+        return None
+    return {
+        "joint": limit.joint,
+        "redundant": redundant,
+        "lowest": lowest + limit.offset,
+        "highest": highest + limit.offset,
+        "lower": lower + limit.offset,
+        "upper": limit.high + limit.offset,
+    }

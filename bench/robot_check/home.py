@@ -1,7 +1,9 @@
 """Whether the robot is assembled at home, and if not, a pose in which it is."""
 
 from collections.abc import Collection, Iterator
-from dataclasses import asdict, replace
+from dataclasses import asdict, dataclass, replace
+from enum import IntEnum
+from typing import Any
 
 import mujoco
 import numpy as np
@@ -10,9 +12,10 @@ from bench.model.bounds import CLOSURE
 from bench.model.closure import loop_jacobian, loop_residual
 from bench.model.configuration import integrate, normalised
 from bench.model.geometry import Geometry, Joint, from_mujoco
-from bench.model.mobility import column_scales, smallest_singular_values
+from bench.model.mobility import column_scales, free_motions, smallest_singular_values
 from bench.model.passive_ranges import passive_ranges
 from bench.robot_check.bounds import PLAUSIBLE
+from bench.robot_check.couplings import contradictions
 from bench.robot_check.machine import to_mujoco
 from bench.robot_check.outcome import Check, CheckCode, Verdict
 from bench.robot_check.report import HomeSource, LoopLine
@@ -24,7 +27,7 @@ ATTEMPTS = 200
 STARTS = 60  # random ones
 SEED = 20120606
 INSIDE = 0.2  # of a joint's range: margin at both ends of poses put into their ranges
-MARGIN = 0.05  # of a motor's range, which planned motions keep free at both ends
+MARGIN = 0.05  # of a joint's range, which planned motions keep free at both ends
 DEPENDENT = 1e-7  # singular values below this share of the largest are omitted from a step
 
 
@@ -50,9 +53,7 @@ def check_home(geometry: Geometry, loops: tuple[LoopLine, ...], source: HomeSour
     if closed is None:
         fixed_gaps = _fixed_gaps(geometry)
         return Check(CheckCode.HOME_OPEN_AND_NO_CLOSED_POSE, verdict, {**opening, "fixed_gaps": fixed_gaps})
-    return Check(
-        CheckCode.HOME_OPEN, verdict, {**opening, "closed_qpos": to_mujoco(geometry, closed).tolist()}
-    )
+    return Check(CheckCode.HOME_OPEN, verdict, {**opening, "closed_qpos": _file_qpos(geometry, closed)})
 
 
 def _fixed_gaps(geometry: Geometry) -> dict[str, list[float]]:
@@ -74,58 +75,120 @@ def _fixed_gaps(geometry: Geometry) -> dict[str, list[float]]:
 
 
 def with_pose_in_ranges(geometry: Geometry, ranges: Check) -> Check:
-    """The check of the joint ranges at home; if it failed, with a closed pose within all ranges, if there is one."""
+    """The check of the joint ranges at home; if it failed, with a closed pose within them, or why there is none."""
     if ranges.verdict != "failed" or not geometry.closed:
         return ranges
     closed = closed_pose(geometry)
-    if closed is None or not _within_ranges(geometry, closed[None])[0]:
-        return ranges
-    return replace(ranges, values={**ranges.values, "closed_qpos": to_mujoco(geometry, closed).tolist()})
+    within = closed is not None and bool(_within_ranges(geometry, closed[None])[0])
+    return replace(ranges, values={**ranges.values, **_pose_or_reason(geometry, closed, within)})
 
 
 def home_at_range_end(geometry: Geometry) -> list[Check]:
-    """A note if a joint is at the end of its range at home, a motor within MARGIN, with a pose further inside."""
-    home, pose = geometry.home[:, None], None
+    """A note if a joint is within MARGIN of the end of its range at home, or beyond, with a pose further inside, or why
+    there is none.
+    """
     joint = _at_end(geometry, geometry.home)
     if joint is None or joint.limits is None:
         return []
-    motors = [other for other, _, _ in _ranged(geometry) if other.v.start in geometry.active]
-    for start in (_put_into_ranges(geometry, home, motors), _put_into_ranges(geometry, home)):
-        for free in (geometry.passive, np.arange(geometry.nv)) if geometry.closed else ():
-            poses = _turned_into_ranges(geometry, _closed(geometry, start, free))
-            inside = [other for other in poses if _at_end(geometry, other) is None]
-            pose = inside[0] if pose is None and inside else pose
-        if not geometry.closed:
-            pose = start[:, 0]
     low, high = joint.limits
-    values = {"joint": joint.name, "lower": low, "upper": high}
-    if pose is not None:
-        values["closed_qpos"] = to_mujoco(geometry, pose).tolist()
+    pose, inside = _pose_inside(geometry)
+    reason = _pose_or_reason(geometry, pose, inside)
+    values = {"joint": joint.name, "lower": low, "upper": high, **reason}
     return [Check(CheckCode.HOME_AT_RANGE_END, "note", values)]
 
 
+def _pose_or_reason(geometry: Geometry, closed: np.ndarray | None, accepted: bool) -> dict[str, Any]:
+    """The closed pose (nq,) if it is accepted; else the couplings that contradict the ranges, and a joint that is not
+    inside its range in this pose.
+    """
+    if closed is not None and accepted:
+        return {"closed_qpos": _file_qpos(geometry, closed)}
+    outside = None if closed is None else _at_end(geometry, closed)
+    return {
+        "contradictions": contradictions(geometry, _inside(geometry)),
+        "outside": None if outside is None else outside.name,
+    }
+
+
+def _file_qpos(geometry: Geometry, q: np.ndarray) -> list[float]:
+    """A pose (nq,) as a keyframe of the MJCF, with the locked joints."""
+    return geometry.robot.file_qpos(to_mujoco(geometry, q).tolist())
+
+
+def _pose_inside(geometry: Geometry) -> tuple[np.ndarray | None, bool]:
+    """A pose (nq,) from starts inside the ranges, and whether every joint is further than MARGIN from their ends."""
+    if not geometry.closed:
+        return _put_into_ranges(geometry, geometry.home[:, None])[:, 0], True
+    best = _best(geometry, _starts_inside(geometry))
+    return (None, False) if best is None else (best.q, _at_end(geometry, best.q) is None)
+
+
+def _starts_inside(geometry: Geometry) -> Iterator[tuple[np.ndarray, np.ndarray]]:
+    """Poses (nq, S) from which to close the loops, and the velocities that may change: home with the motors, then home
+    and random poses with all joints put into their ranges, the joints without a range moved first.
+    """
+    home, every = geometry.home[:, None], np.arange(geometry.nv)
+    ranged = [joint for joint, _, _ in _ranged(geometry)]
+    unlimited = np.setdiff1d(every, [joint.v.start for joint in ranged])
+    motors = [joint for joint in ranged if joint.v.start in geometry.active]
+    inside = _newton(geometry, _put_into_ranges(geometry, home), unlimited)
+    for start in (_put_into_ranges(geometry, home, motors), inside):
+        for free in (geometry.passive, every):
+            yield start, free
+    yield _newton(geometry, _put_into_ranges(geometry, _random_starts(geometry)), unlimited), every
+
+
 def closed_pose(geometry: Geometry) -> np.ndarray | None:
-    """An assembled pose (nq,) within the joint ranges; None if the loops close from no start.
+    """An assembled pose (nq,), if possible inside the joint ranges; None if the loops close from no start.
 
     Starts, in this order: the keyframes if none is named home, with the motors held; home, home with the joints put
     into their ranges, and random poses, each with the motors held, then with all joints free; random poses put into the
-    ranges, with all joints free. Of the poses from one start, the one with the largest smallest singular value counts,
-    those within the ranges first; it is the answer if it is within them and not nearly singular. If no start gives such
-    a pose, the answer is the first that is not nearly singular, else the first.
+    ranges, with all joints free. The answer is the first pose of the highest grade that any of them has.
     """
-    other, most = None, 0.0
-    for starts, free in _starts(geometry):
-        closed = _turned_into_ranges(geometry, _closed(geometry, starts, free))
-        if not len(closed):
+    best = _best(geometry, _starts(geometry))
+    return None if best is None else best.q
+
+
+class Grade(IntEnum):
+    """Of a closed pose, the best last: nearly singular or regular; beyond a joint range, within all, and further inside
+    than MARGIN.
+    """
+
+    SINGULAR = 0
+    SINGULAR_WITHIN = 1
+    SINGULAR_INSIDE = 2
+    REGULAR = 3
+    REGULAR_WITHIN = 4
+    REGULAR_INSIDE = 5
+
+
+@dataclass(frozen=True)
+class _Graded:
+    """A closed pose q (nq,)."""
+
+    q: np.ndarray
+    grade: Grade
+
+
+def _best(geometry: Geometry, starts: Iterator[tuple[np.ndarray, np.ndarray]]) -> _Graded | None:
+    """The first of the closed poses with the highest grade, from the first start that reaches it; of the poses from one
+    start, the one with the largest smallest singular value. Joints that nothing holds make no pose singular.
+    """
+    best: _Graded | None = None
+    loose = free_motions(geometry, _random_starts(geometry).T)
+    for start, free in starts:
+        poses = _turned_into_ranges(geometry, _closed(geometry, start, free))
+        if not len(poses):
             continue
-        held, within = smallest_singular_values(geometry, closed), _within_ranges(geometry, closed)
-        index = int(np.argmax(np.where(within, 1.0, 1e-3) * held))
-        regular = held[index] > PLAUSIBLE.regular
-        if within.any() and regular:
-            return np.asarray(closed[index])
-        if other is None or (regular and most <= PLAUSIBLE.regular):
-            other, most = np.asarray(closed[index]), float(held[index])
-    return other
+        held = smallest_singular_values(geometry, poses, loose)
+        inside = np.array([_at_end(geometry, pose) is None for pose in poses])
+        grades = 3 * (held > PLAUSIBLE.regular) + _within_ranges(geometry, poses) + inside
+        index = int(np.lexsort((held, grades))[-1])
+        if best is None or grades[index] > best.grade:
+            best = _Graded(np.asarray(poses[index]), Grade(grades[index]))
+        if best.grade == Grade.REGULAR_INSIDE:
+            break
+    return best
 
 
 def _starts(geometry: Geometry) -> Iterator[tuple[np.ndarray, np.ndarray]]:
@@ -143,7 +206,12 @@ def _starts(geometry: Geometry) -> Iterator[tuple[np.ndarray, np.ndarray]]:
 
 def _closed(geometry: Geometry, starts: np.ndarray, free: np.ndarray) -> np.ndarray:
     """The closed poses (K, nq) that Newton's method reaches from starts (nq, S) along the velocities `free`."""
-    q = starts
+    q = _newton(geometry, starts, free)
+    return np.asarray(q[:, np.abs(loop_residual(geometry, q)).max(axis=0) < EXACT].T)
+
+
+def _newton(geometry: Geometry, q: np.ndarray, free: np.ndarray) -> np.ndarray:
+    """Poses q (nq, S) moved along the velocities `free` until the loops are closed as far as these can close them."""
     for _ in range(ATTEMPTS):
         residual = loop_residual(geometry, q)
         jacobian = loop_jacobian(geometry, q)[:, free].transpose(2, 0, 1)
@@ -155,7 +223,7 @@ def _closed(geometry: Geometry, starts: np.ndarray, free: np.ndarray) -> np.ndar
         )
         if largest.max() < EXACT:
             break
-    return np.asarray(q[:, np.abs(loop_residual(geometry, q)).max(axis=0) < EXACT].T)
+    return q
 
 
 def _random_starts(geometry: Geometry) -> np.ndarray:
@@ -212,10 +280,19 @@ def _within_ranges(geometry: Geometry, q: np.ndarray) -> np.ndarray:
     return within
 
 
+def _inside(geometry: Geometry) -> dict[int, tuple[float, float]]:
+    """By the index of a joint with a range, the positions further than MARGIN from its ends."""
+    numbers = {joint.name: number for number, joint in enumerate(geometry.joints)}
+    margins = (
+        (joint, low, high, MARGIN * (high - low) + PLAUSIBLE.end) for joint, low, high in _ranged(geometry)
+    )
+    return {numbers[joint.name]: (low + margin, high - margin) for joint, low, high, margin in margins}
+
+
 def _at_end(geometry: Geometry, q: np.ndarray) -> Joint | None:
-    """The first joint at or beyond an end of its range at q (nq,); a motor's joint already within MARGIN of it."""
-    for joint, low, high in _ranged(geometry):
-        margin = MARGIN * (high - low) if joint.v.start in geometry.active else 0.0
-        if not low + margin < q[joint.q.start] < high - margin:
+    """The first joint within MARGIN of an end of its range, or beyond it, at q (nq,)."""
+    for number, (low, high) in _inside(geometry).items():
+        joint = geometry.joints[number]
+        if not low < q[joint.q.start] < high:
             return joint
     return None

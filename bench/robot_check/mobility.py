@@ -14,6 +14,7 @@ from bench.model.mobility import check_mobility as require_mobility
 from bench.model.regressor import rotor_columns
 from bench.model.spin import idle_spins
 from bench.robot_check.bounds import PLAUSIBLE
+from bench.robot_check.couplings import equation_of
 from bench.robot_check.home import closed_pose
 from bench.robot_check.home_key import home_key
 from bench.robot_check.machine import to_mujoco
@@ -71,15 +72,9 @@ def check_mobility(geometry: Geometry, mobility: Mobility) -> Check:
 
 def coupling_lines(geometry: Geometry) -> list[Check]:
     """Lines on couplings: the joints of both sides with their factors, and the polynomial between them."""
-    lines = []
-    for coupling in geometry.couplings:
-        first, second = (
-            {geometry.joints[joint].name: factor for joint, factor in side}
-            for side in (coupling.first, coupling.second)
-        )
-        equation = {"first": first, "second": second, "polynomial": list(coupling.polynomial)}
-        lines.append(Check(CheckCode.COUPLING, "ok", {"coupling": coupling.name, **equation}))
-    return lines
+    return [
+        Check(CheckCode.COUPLING, "ok", equation_of(geometry, coupling)) for coupling in geometry.couplings
+    ]
 
 
 def spin_notes(geometry: Geometry) -> list[Check]:
@@ -129,7 +124,7 @@ def with_tilts(report: RobotReport, geometry: Geometry) -> RobotReport:
     """The report with the most tilted pair of nearly parallel hinges, if any.
 
     It is a note; it is a failure, put before the first one, if something else fails, or if closures make a motor
-    redundant, since such a tilt can remove degrees of freedom.
+    redundant, since such a tilt can remove degrees of freedom. It is the reason for loose poses, and replaces them.
     """
     widest = max(_tilts(geometry), key=lambda tilt: tilt[2], default=None) if geometry.closed else None
     if widest is None:
@@ -140,7 +135,8 @@ def with_tilts(report: RobotReport, geometry: Geometry) -> RobotReport:
         return replace(report, checks=(*report.checks, Check(CheckCode.NEARLY_PARALLEL, "note", values)))
     at = report.checks.index(report.failures[0]) if report.failures else len(report.checks)
     tilted = Check(CheckCode.NEARLY_PARALLEL, "failed", values)
-    return replace(report, checks=(*report.checks[:at], tilted, *report.checks[at:]))
+    rest = (check for check in report.checks[at:] if check.code is not CheckCode.POSES_LOOSE)
+    return replace(report, checks=(*report.checks[:at], tilted, *rest))
 
 
 def _tilts(geometry: Geometry) -> Iterator[tuple[str, str, float]]:

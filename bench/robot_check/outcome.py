@@ -1,9 +1,9 @@
 """The result of a check as a code with its values; `bench.robot_check.words` has the sentences."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from enum import StrEnum, auto
-from typing import Any, Literal
+from typing import Any, Literal, TypedDict
 
 Verdict = Literal["ok", "note", "failed", "skipped"]
 
@@ -77,6 +77,7 @@ class CheckCode(StrEnum):
     MOBILITY_FAULT = auto()
     ROD_SPINS = auto()
     MOTION_FAULT = auto()
+    POSES_LOOSE = auto()
     ROTOR_INERTIA = auto()
     SINGULARITY_WITHIN_RANGES = auto()
     PASSIVE_RANGE_LEFT = auto()
@@ -89,3 +90,37 @@ class Check:
     code: CheckCode
     verdict: Verdict
     values: Mapping[str, Any] = field(default_factory=dict)
+
+
+class RangeLeft(TypedDict):
+    """A joint that leaves its range, whether it has a redundant motor, its travel and its range, rad or m."""
+
+    joint: str
+    redundant: bool
+    lowest: float
+    highest: float
+    lower: float
+    upper: float
+
+
+class Equation(TypedDict):
+    """A coupling: by joint the factors of the first and of the second side, of which the polynomial is taken."""
+
+    coupling: str
+    first: Mapping[str, float]
+    second: Mapping[str, float]
+    polynomial: Sequence[float]
+
+
+class JointRange(TypedDict):
+    """The range of a joint, rad or m."""
+
+    joint: str
+    lower: float
+    upper: float
+
+
+class RangeConflict(Equation):
+    """A coupling that the ranges of its joints do not admit."""
+
+    ranges: Sequence[JointRange]

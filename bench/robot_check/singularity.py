@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from bench.basics.joint_units import units_of_gain
+from bench.basics.joint_units import units_of_gain, written_position
 from bench.model.follow import Follower, Pose, advance, close, home_pose, make_follower
 from bench.model.geometry import Geometry
 from bench.model.mobility import column_scales, scaled_jacobians, smallest_singular_values
@@ -165,7 +165,7 @@ def _positions(geometry: Geometry, q: np.ndarray) -> dict[str, float]:
     """Positions of the actuated joints as they are logged, rad or m."""
     qpos = to_mujoco(geometry, q)
     return {
-        name: round(float(qpos[index]), 12) + 0.0
+        name: written_position(float(qpos[index]))
         for name, index in zip(geometry.robot.joints, geometry.active_configuration, strict=True)
     }
 

@@ -15,6 +15,13 @@ from bench.dataset.robot_toml import no_tool
 from bench.robot_check.bounds import PLAUSIBLE
 from bench.robot_check.home_key import home_key
 from bench.robot_check.outcome import Check, CheckCode
+from bench.robot_check.range_words import (
+    at_range_end,
+    coupling_equation,
+    outside_range,
+    ranges_left,
+    without_rounding,
+)
 from bench.robot_check.report import Singularity
 
 TERMS = {  # of an MJCF's joint
@@ -59,11 +66,6 @@ def nearest_singularity(singularity: Singularity) -> str:
         f"{_positions(singularity.singular_at, singularity.units)}: in that pose "
         f"{_first(singularity.loose)} can move while the motors are held"
     )
-
-
-def without_rounding(position: float) -> float:
-    """A joint's position as printed, rad or m: zero where closing the loops has moved it no further from zero."""
-    return 0.0 if abs(position) < PLAUSIBLE.still else position
 
 
 def _unsupported(features: Sequence[str]) -> str:
@@ -152,19 +154,6 @@ def _base_agree(parameters: int, difference: float, states: int, neglected: floa
     )
 
 
-def _coupling(
-    coupling: str, first: Mapping[str, float], second: Mapping[str, float], polynomial: Sequence[float]
-) -> str:
-    """As an equation of joint positions, relative to qpos0."""
-    left_side, right_side = (
-        " + ".join(f"{factor:g} {joint}" for joint, factor in side.items()) for side in (first, second)
-    )
-    if tuple(polynomial) == (0.0, 1.0):
-        return f"{coupling}: {left_side} = {right_side}"
-    powers = [f"{c:g}" if k == 0 else f"{c:g} x^{k}" for k, c in enumerate(polynomial) if c]
-    return f"{coupling}: {left_side} = {' + '.join(powers) or '0'}{f' with x = {right_side}' if right_side else ''}"
-
-
 def _source(given: int | None, positions: int) -> str:
     """Source of the home pose: a keyframe that gives `given` of the positions, or qpos0."""
     if given is None:
@@ -221,23 +210,6 @@ def _open_home(
 def _weld_too_much(welds: Sequence[str], motors: Sequence[str]) -> str:
     redundant = f", so that {', '.join(motors)} cannot move independently" if motors else ""
     return f"{use_connect(welds)}{redundant}"
-
-
-def _outside_range(
-    joint: str, home: float, unit: str, lower: float, upper: float, closed_qpos: Sequence[float] = ()
-) -> str:
-    said = f"joint {joint!r} is at {home:.6g} {unit} at home, outside its range [{lower:g}, {upper:g}]"
-    return (
-        f"{said}; this pose closes within all ranges: {home_key(closed_qpos)}" if len(closed_qpos) else said
-    )
-
-
-def _at_range_end(joint: str, lower: float, upper: float, closed_qpos: Sequence[float] = ()) -> str:
-    said = (
-        f"home is at the end of the range of {joint!r}, {lower:.4g} to {upper:.4g}; bench excite starts its motions at "
-        "home and needs room on both sides"
-    )
-    return f"{said}; this pose closes further inside: {home_key(closed_qpos)}" if len(closed_qpos) else said
 
 
 def _mobility(tree: int, rank: int, spins: int, remaining: int, motors: int, redundant: Sequence[str]) -> str:
@@ -326,7 +298,7 @@ WORDS: Mapping[CheckCode, str | tuple[str, Callable[..., str]]] = {
     "Jacobian by {jacobian:.2e}",
     CheckCode.LOOP_OPENING_IN_MOTION: "closed motion: velocities open the loops by {velocity:.0e} of their size, "
     "accelerations by {acceleration:.0e}",
-    CheckCode.COUPLING: ("coupling", _coupling),
+    CheckCode.COUPLING: ("coupling", coupling_equation),
     CheckCode.HOME_WITHOUT_LOOPS: ("home assembled", _no_loops),
     CheckCode.HOME_CLOSED: ("home assembled", _closed),
     CheckCode.DRAWING_ROUNDED: "note: as drawn, home is open by {gap:.1e} {unit}, a rounding error that is "
@@ -339,8 +311,8 @@ WORDS: Mapping[CheckCode, str | tuple[str, Callable[..., str]]] = {
     CheckCode.HOME_OPEN_AND_NO_CLOSED_POSE: ("home assembled", _no_closed_pose),
     CheckCode.HOME_OPEN_AS_LOOPS_DISAGREE: ("home assembled", _loops_disagree),
     CheckCode.HOME_WITHIN_RANGES: "home within ranges: {ranged} of {joints} joints have a range",
-    CheckCode.HOME_OUTSIDE_RANGE: ("home within ranges", _outside_range),
-    CheckCode.HOME_AT_RANGE_END: ("note", _at_range_end),
+    CheckCode.HOME_OUTSIDE_RANGE: ("home within ranges", outside_range),
+    CheckCode.HOME_AT_RANGE_END: ("note", at_range_end),
     CheckCode.HOME_REGULAR: f"home is regular: {REGULAR}",
     CheckCode.HOME_NEAR_SINGULAR: f"home is regular: home is near a singularity: {REGULAR}",
     CheckCode.HOME_SINGULAR: f"home is regular: home is singular or nearly so: {REGULAR}",
@@ -349,8 +321,9 @@ WORDS: Mapping[CheckCode, str | tuple[str, Callable[..., str]]] = {
     CheckCode.ROD_SPINS: "note: {bodies:quoted}: free to spin about the line through the joints at both ends, the "
     "motors held. The model assumes no spin, which is exact if a rod's mass lies on that line",
     CheckCode.MOTION_FAULT: "motion within the joint ranges: {fault}",
+    CheckCode.POSES_LOOSE: "motion within the joint ranges: there are poses in which the loop closures do not "
+    "determine the passive joints; give the joints narrower ranges around home, away from singular poses",
     CheckCode.ROTOR_INERTIA: ("rotor inertia", _rotors),
     CheckCode.SINGULARITY_WITHIN_RANGES: ("note", _singularity),
-    CheckCode.PASSIVE_RANGE_LEFT: "note: passive joint {joint!r} moves from {lowest:.3g} to {highest:.3g} within the "
-    "motors' ranges, its range is [{lower:g}, {upper:g}]: the model has no end stops",
+    CheckCode.PASSIVE_RANGE_LEFT: ("note", ranges_left),
 }

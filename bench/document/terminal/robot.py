@@ -11,8 +11,9 @@ from bench.document.table import Column, Table
 from bench.document.terminal.identification import heading, listing, section
 from bench.document.terminal.tables import printed
 from bench.robot_check.outcome import Check, CheckCode
+from bench.robot_check.range_words import without_rounding
 from bench.robot_check.report import JointLine, Mobility, RobotReport, Singularity
-from bench.robot_check.words import detail_of, name_of, nearest_singularity, without_rounding
+from bench.robot_check.words import detail_of, name_of, nearest_singularity
 
 UNREAD = {CheckCode.MJCF_UNSUPPORTED, CheckCode.GEOMETRY_UNREADABLE}  # then the loops are unknown
 MARKS = {"ok": ("✓", "green"), "note": ("!", "yellow"), "failed": ("✗", "bold red")}

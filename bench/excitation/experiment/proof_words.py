@@ -15,20 +15,31 @@ def limit_in_words(unproven: Unproven) -> str:
     return f"{what}{when}{why}"
 
 
+def refused(unproven: Unproven) -> str:
+    """`limit_in_words`, and what relaxes the limit."""
+    return f"{limit_in_words(unproven)}; {_CURES[unproven.limit]}"
+
+
 def made_smaller(name: str, unproven: Unproven) -> str:
     """A sentence on the motion of that name, which was made smaller: the limit, where, what relaxes it."""
     when = "" if unproven.time is None else f"at t = {unproven.time:.4g} s "
-    return f"The motion {name!r} was reduced, because {when}{_IN_THE_WAY[unproven.limit].format(unproven.where)}."
+    because = _IN_THE_WAY[unproven.limit].format(unproven.where)
+    return f"The motion {name!r} was reduced, because {when}{because}; {_CURES[unproven.limit]}."
 
 
 _IN_THE_WAY = {
-    Kept.LOOPS: "it could not be proven that the loops stay closed in one assembly mode; smaller ranges (`position` in "
-    "the file of --limits) avoid such poses",
-    Kept.AMPLIFICATION: "{0} would move too fast for the motors' speed; a larger `amplification` in the file of "
-    "--limits allows it",
-    Kept.SINGULAR: "it came too close to a singular pose; smaller ranges (`position` in the file of --limits) "
-    "avoid it",
-    Kept.PASSIVE_RANGE: "{0} would leave its range; a larger `range` in the MJCF allows it",
-    Kept.WORKSPACE: "the tool would leave workspace[{0}]; a larger box in the file of --limits allows it",
-    Kept.TORQUE: "{0} would need too much torque; a larger `torque` or `current` in the file of --limits allows it",
+    Kept.LOOPS: "it could not be proven that the loops stay closed in one assembly mode",
+    Kept.AMPLIFICATION: "{0} would move too fast for the motors' speed",
+    Kept.SINGULAR: "it came too close to a singular pose",
+    Kept.PASSIVE_RANGE: "{0} would leave its range",
+    Kept.WORKSPACE: "the tool would leave workspace[{0}]",
+    Kept.TORQUE: "{0} would need too much torque",
+}
+_CURES = {
+    Kept.LOOPS: "smaller ranges (`position` in the file of --limits) avoid such poses",
+    Kept.AMPLIFICATION: "a larger `amplification` in the file of --limits allows it",
+    Kept.SINGULAR: "smaller ranges (`position` in the file of --limits) avoid it",
+    Kept.PASSIVE_RANGE: "a larger `range` in the MJCF, or a home further inside it, allows it",
+    Kept.WORKSPACE: "a larger box in the file of --limits allows it",
+    Kept.TORQUE: "a larger `torque` or `current` in the file of --limits allows it",
 }

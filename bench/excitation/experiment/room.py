@@ -22,6 +22,9 @@ from bench.model.kinematics import ancestors, end_of, end_point, frames_of, link
 from bench.model.mobility import least_held
 from bench.model.motion import Motion, motion_of
 from bench.model.passive_ranges import passive_ranges
+from bench.robot_check.bounds import PLAUSIBLE
+from bench.robot_check.home import home_at_range_end
+from bench.robot_check.words import detail_of
 from bench.scenario.trajectory import FourierTrajectory
 
 
@@ -63,11 +66,7 @@ def room_of(geometry: Geometry, table: ExperimentTable) -> Room:
             )
     for j, joint in enumerate(joints):
         if not low[j] < home[j] < high[j]:
-            raise BenchError(
-                f"robot {geometry.robot.name}: home is at the end of the range of {joint!r}, {low[j]:.4g} to "
-                f"{high[j]:.4g} with a margin: motions start at home, put it further inside; bench "
-                "robot check prints such a pose"
-            )
+            raise _home_refused(geometry, joint)
     amplification = limits.amplification if table.amplification is None else table.amplification
     limits = replace(limits, low=low, high=high, amplification=amplification)
     unranged = tuple(joint for joint in without_range if joint not in table.position)
@@ -114,11 +113,8 @@ def _check_home(geometry: Geometry, room: Room) -> None:
             f"amplification: {room.joint.amplification:g} leaves no room, home has {largest:.3g} already"
         )
     for limit in passive_ranges(geometry):
-        if not limit.low < limit.at(at_home.q)[0] < limit.high:
-            raise BenchError(
-                f"robot {geometry.robot.name}: home is at the end of the range of {limit.joint!r}, or beyond: motions "
-                "start at home, put it further inside; bench robot check prints such a pose"
-            )
+        if not limit.low + PLAUSIBLE.still < limit.at(at_home.q)[0] < limit.high - PLAUSIBLE.still:
+            raise _home_refused(geometry, limit.joint)
     if room.boxes:
         point = tool_positions(geometry, at_home)
         for i, box in enumerate(room.boxes):
@@ -127,6 +123,16 @@ def _check_home(geometry: Geometry, room: Room) -> None:
                 raise BenchError(
                     f"workspace[{i}]: the tool is at {place} m at home, which that does not allow"
                 )
+
+
+def _home_refused(geometry: Geometry, joint: str) -> BenchError:
+    """A home at the end of the range of this joint, in the words of the robot's check."""
+    for note in home_at_range_end(geometry):
+        return BenchError(f"robot {geometry.robot.name}: {detail_of(note)}")
+    return BenchError(
+        f"robot {geometry.robot.name}: home is at the end of the range of {joint!r}: motions start at home, put it "
+        "further inside"
+    )
 
 
 def tool_positions(geometry: Geometry, motion: Motion) -> np.ndarray:

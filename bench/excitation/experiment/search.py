@@ -14,7 +14,7 @@ from bench.excitation.current_band import band_shares
 from bench.excitation.experiment.covariance import Errors
 from bench.excitation.experiment.nominal import Equations, Evidence, Nominal, equations, evidence, seen
 from bench.excitation.experiment.proof import Promise, Proof, Unproven, prove
-from bench.excitation.experiment.proof_words import limit_in_words
+from bench.excitation.experiment.proof_words import refused
 from bench.excitation.experiment.room import Room, filled, keeps_joints, robot_motion
 from bench.model.motion import Motion, motion_of
 from bench.scenario.trajectory import FourierTrajectory, random_trajectory
@@ -139,10 +139,8 @@ def check_proven_at_home(search: Search) -> None:
     for load in search.loads:
         proof = prove(Promise(search.nominal, search.room, standing, load))
         if isinstance(proof, Unproven):
-            robot = search.nominal.model.geometry.robot.name
-            raise BenchError(
-                f"robot {robot}: of no motion from home it could be proven that it keeps {limit_in_words(proof)}"
-            )
+            robot, kept = search.nominal.model.geometry.robot.name, refused(replace(proof, time=None))
+            raise BenchError(f"robot {robot}: of no motion from home it could be proven that it keeps {kept}")
 
 
 def largest_of(errors: Errors, fit: Equations) -> float:
@@ -234,9 +232,7 @@ def _no_room(search: Search, smallest: FourierTrajectory, load: str | None) -> B
     """Message if no motion keeps the limits: the limit that the smallest one violates."""
     proof = prove(Promise(search.nominal, search.room, smallest, load))
     which = (
-        f"; the smallest that was tried does not keep {limit_in_words(proof)}"
-        if isinstance(proof, Unproven)
-        else ""
+        f"; the smallest that was tried does not keep {refused(proof)}" if isinstance(proof, Unproven) else ""
     )
     robot = search.nominal.model.geometry.robot.name
     return BenchError(
@@ -285,7 +281,7 @@ def _proven(search: Search, motion: tuple[Tried, str | None]) -> Proven:
         less = less if attempt < SEARCH.small_shrinks else min(2.0 * less, 1.0 - DESIGN.shrink)
         trajectory = scaled(trajectory, 1.0 - less)
     robot = search.nominal.model.geometry.robot.name
-    what = limit_in_words(given_way[-1]) if given_way else "all limits"
+    what = refused(given_way[-1]) if given_way else "all limits"
     raise BenchError(f"robot {robot}: of no motion from home it could be proven that it keeps {what}")
 
 
