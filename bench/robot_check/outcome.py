@@ -78,6 +78,7 @@ class CheckCode(StrEnum):
     ROD_SPINS = auto()
     MOTION_FAULT = auto()
     ROTOR_INERTIA = auto()
+    GEOMS_TOUCH = auto()
     SINGULARITY_WITHIN_RANGES = auto()
     PASSIVE_RANGE_LEFT = auto()
 

@@ -13,6 +13,7 @@ from bench.dataset.robot_locked import locked_from_data, locked_in_words
 from bench.dataset.robot_redundancy import use_connect
 from bench.dataset.robot_toml import no_tool
 from bench.robot_check.bounds import PLAUSIBLE
+from bench.robot_check.contact_words import geoms_touch
 from bench.robot_check.home_key import home_key
 from bench.robot_check.outcome import Check, CheckCode
 from bench.robot_check.report import Singularity
@@ -350,6 +351,7 @@ WORDS: Mapping[CheckCode, str | tuple[str, Callable[..., str]]] = {
     "motors held. The model assumes no spin, which is exact if a rod's mass lies on that line",
     CheckCode.MOTION_FAULT: "motion within the joint ranges: {fault}",
     CheckCode.ROTOR_INERTIA: ("rotor inertia", _rotors),
+    CheckCode.GEOMS_TOUCH: ("note", geoms_touch),
     CheckCode.SINGULARITY_WITHIN_RANGES: ("note", _singularity),
     CheckCode.PASSIVE_RANGE_LEFT: "note: passive joint {joint!r} moves from {lowest:.3g} to {highest:.3g} within the "
     "motors' ranges, its range is [{lower:g}, {upper:g}]: the model has no end stops",
