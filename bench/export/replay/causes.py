@@ -78,7 +78,8 @@ def _of_simulation(
             solref = change.solref(now.tracked[0].step)
             causes.append(SoftLoops(now.opened, solref, change.solimp, stiff.error))
         now = stiff
-    return tuple(causes) if now.error < (1.0 - RULE.helps) * first.error else ()
+    # without any current, the error is 1
+    return tuple(causes) if now.error < (1.0 - RULE.helps) * min(first.error, 1.0) else ()
 
 
 def _unexplained(simulated: Simulated, possible: float) -> bool:
