@@ -110,8 +110,8 @@ def parameter_layout(
         for name in used:
             columns = payload_columns(payloads[name])
             known = rows @ columns.known
-            own = np.append(sizes[columns.unknown], 1.0 / (payloads[name].mass or 1.0))
-            kept = independent_columns(np.column_stack((rows[:, columns.unknown], known)), sizes=own).kept
+            of_load = np.append(sizes[columns.unknown], 1.0 / (payloads[name].mass or 1.0))
+            kept = independent_columns(np.column_stack((rows[:, columns.unknown], known)), sizes=of_load).kept
             indices[name] = columns.unknown[kept[kept < len(columns.unknown)]]
     return ParameterLayout(len(model.base.columns), indices, effects)
 

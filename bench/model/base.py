@@ -47,11 +47,11 @@ def independent_columns(
     """Columns of rows (r, p) that are independent of those before them, at least `least`, and how the others follow.
 
     Rows are scaled to equal length: rows near a singular pose are a million times larger. With columns of unit length,
-    the rank is where the singular values fall by a gap to less than the slack of a drawing, such as the lengths of a
-    parallelogram that are rounded to five digits; likewise a column counts as zero after such a gap of the columns'
-    sizes: a planar robot is drawn slightly out of its plane. This slack gives no parameters. sizes (p,): of the
-    columns' parameters, NaN where none compares to the others; without them, columns of all units are compared, and
-    only smaller ones count as zero. Raises UndecidedRankError if no gap decides.
+    the rank is where the singular values fall by a gap to less than the slack of a drawing, as of a parallelogram whose
+    lengths are rounded to five digits; likewise a column counts as zero after such a gap of the columns' sizes: a
+    planar robot is drawn slightly out of its plane. This slack gives no parameters. sizes (p,): of the columns'
+    parameters, NaN where none compares to the others; without them, columns of all units are compared, and only smaller
+    ones count as zero. Raises UndecidedRankError if no gap decides.
     """
     rows = _rows_alike(rows)
     norms = np.linalg.norm(rows, axis=0)
