@@ -1,5 +1,6 @@
 """Strategies: whatever a check, a comparison, a plan or a replay may say."""
 
+from dataclasses import asdict
 from string import Formatter
 from types import SimpleNamespace
 from typing import Any, get_args, get_type_hints, is_typeddict
@@ -10,6 +11,7 @@ from bench.excitation.discrimination.result import Discrimination, ImpossibleSig
 from bench.excitation.experiment.forecast import Enough, Expected, Forecast, ForecastCode, ForecastNote
 from bench.excitation.experiment.open_limits import Kept
 from bench.excitation.experiment.proof import Unproven
+from bench.export.replay.causes import Contacts, PossibleBodies, SoftLoops
 from bench.identification.finding import Code
 from bench.residuals.look_alikes import QUESTION, LookAlike
 from bench.residuals.opposing_motion import Change, Opposing
@@ -17,6 +19,7 @@ from bench.residuals.periods import SpectralLine
 from bench.residuals.profile import VARIABLES, Dependence
 from bench.residuals.regions import Concentration, RegionKind, RegionPlace
 from bench.residuals.residuals import MotorErrors, WhereItFails
+from bench.robot_check.contacts import GeomPair
 from bench.robot_check.outcome import Check, CheckCode
 from bench.robot_check.report import Amplification, Singularity
 from bench.robot_check.words import TERMS, WORDS
@@ -85,6 +88,7 @@ _OF_TYPE: dict[Any, st.SearchStrategy[Any]] = {
     int: st.integers(0, 99),
     str: names,
     bool: st.booleans(),
+    Any: names,
 }
 
 
@@ -113,6 +117,10 @@ def _of_template(words: str) -> dict[str, Any]:
     return hints | ({"difference": float} if "{agree}" in words else {})
 
 
+_two = st.tuples(names, names)
+geom_pairs = st.builds(GeomPair, _two, _two, _two, st.booleans())
+
+
 def checks_of(code: CheckCode) -> st.SearchStrategy[Check]:
     words = WORDS[code]
     hints = _of_template(words) if isinstance(words, str) else get_type_hints(words[1])
@@ -122,6 +130,8 @@ def checks_of(code: CheckCode) -> st.SearchStrategy[Check]:
         for each, kind in hints.items()
         if each != "joints" or code is not CheckCode.JOINTS_LOCKED
     }
+    if "pairs" in values:
+        values["pairs"] = st.lists(geom_pairs.map(asdict), min_size=1, max_size=6)
     if "term" in values:
         values["term"] = st.sampled_from(sorted(TERMS))
     if code is CheckCode.JOINTS_LOCKED:
@@ -129,6 +139,13 @@ def checks_of(code: CheckCode) -> st.SearchStrategy[Check]:
         values["joints"] = st.dictionaries(names, held, max_size=3)
     return st.builds(Check, st.just(code), st.just("note"), st.fixed_dictionaries(values))
 
+
+_error = sizes | st.just(float("inf"))
+causes = st.one_of(
+    st.builds(Contacts, st.lists(geom_pairs, min_size=1, max_size=6).map(tuple), _error),
+    st.builds(SoftLoops, sizes, st.tuples(sizes, sizes), st.tuples(sizes, sizes, sizes), _error),
+    st.builds(PossibleBodies, sizes, sizes),
+)
 
 _at = st.dictionaries(names, numbers, max_size=2)
 singularities = st.builds(

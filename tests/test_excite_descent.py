@@ -9,16 +9,18 @@ import pytest
 from bench.basics.errors import BenchError
 from bench.dataset.robot import load_robot
 from bench.effects import CATALOGUE
-from bench.excitation.bounds import LIMITS, SEARCH
+from bench.excitation.bounds import FORECAST, LIMITS, SEARCH
 from bench.excitation.experiment import descent
 from bench.excitation.experiment import linearised as linear
 from bench.excitation.experiment.covariance import RelativeErrors, Volume
 from bench.excitation.experiment.descent import begun, best_near, descended
 from bench.excitation.experiment.linearised import coefficient_sizes, linearised, moved
+from bench.excitation.experiment.nominal import Equations, reference_sizes, seen
 from bench.excitation.experiment.plan import Aim, nominal_machine, shape_of, started
 from bench.excitation.experiment.request import ExperimentTable
 from bench.excitation.experiment.room import room_of
 from bench.excitation.experiment.search import scaled
+from bench.model.motion import motion_of
 
 STEP = 1e-4  # of the largest size of a coefficient
 BOX = {"low": [-0.6, -0.6, -0.9], "high": [0.6, 0.6, 0.5]}
@@ -121,3 +123,39 @@ def test_a_solver_that_fails_is_told_in_a_line(five_bar, monkeypatch):
     search, starts = five_bar
     with pytest.raises(BenchError, match="linear program failed: time limit reached"):
         descended(search, [begun(search, starts[0])], 1)
+
+
+def equations_of(lengths, dependent=False):
+    """Equations of 200 rows with unit noise and columns of these lengths; dependent: the last two are one column."""
+    columns = np.linalg.qr(np.random.default_rng(5).normal(size=(200, len(lengths))))[0] * lengths
+    if dependent:
+        columns[:, -1] = columns[:, -2]
+    return Equations(columns.T @ columns, columns.T @ columns)
+
+
+def test_unknowns_of_small_effect_have_their_standard_errors():
+    """Beside one that is known to 1e-6, unknowns with errors of 1 % to 100 times their size."""
+    lengths = np.array([1e6, 1e2, 1.0, 1e-2, 1e-2])
+    errors = RelativeErrors(np.ones(5), np.arange(5))
+    fit = equations_of(lengths)
+    np.testing.assert_allclose(np.exp(errors(fit)), 1.0 / lengths, rtol=1e-6)
+    twice = Equations(2.0 * fit.normal, 2.0 * fit.score)
+    np.testing.assert_allclose(errors(twice), errors(fit) - 0.5 * np.log(2.0))
+
+
+def test_an_undetermined_combination_is_large_and_leaves_the_others():
+    lengths = np.array([1e6, 1e2, 1.0, 1e-2, 1e-2])
+    errors = RelativeErrors(np.ones(5), np.arange(5))(equations_of(lengths, dependent=True))
+    np.testing.assert_allclose(np.exp(errors[:3]), 1.0 / lengths[:3], rtol=1e-6)
+    np.testing.assert_allclose(np.exp(errors[3:]), FORECAST.open * np.sqrt(0.5), rtol=1e-6)
+
+
+def test_centres_of_mass_at_the_joints_are_compared_to_what_such_bodies_can_have():
+    nominal = nominal_machine(load_robot("stewart"), ExperimentTable(), [], CATALOGUE)
+    units = np.array(nominal.model.base.units)
+    largest = {unit: np.abs(nominal.base[units == unit]).max() for unit in ("kg", "kg*m^2")}
+    rest = motion_of(nominal.model.geometry, np.zeros(1), *np.zeros((3, 1, len(nominal.gains))))
+    balanced = replace(nominal, base=np.where(units == "kg*m", 1e-12, nominal.base))
+    sizes = reference_sizes(balanced, [seen(nominal, rest, None)])[: len(units)]
+    expected = FORECAST.smallest_size * np.sqrt(largest["kg"] * largest["kg*m^2"])
+    np.testing.assert_allclose(sizes[units == "kg*m"], expected)

@@ -1,12 +1,15 @@
 """Joint ranges that no file gives are assumed, and `bench excite` says so with numbers."""
 
+from dataclasses import replace
+
+import numpy as np
 import pytest
 
-from bench.dataset.robot import load_robot
+from bench.dataset.robot import Actuator, load_robot
 from bench.excitation.experiment.figure import plan_figure
 from bench.excitation.experiment.forecast import forecast
 from bench.excitation.experiment.plan import Aim, plan_experiment
-from bench.excitation.experiment.request import ExperimentTable
+from bench.excitation.experiment.request import ExperimentTable, assumed_ranges
 from bench.excitation.experiment.room import room_of
 from bench.excitation.experiment.sentences import sentences
 from bench.model.geometry import read_geometry
@@ -38,6 +41,19 @@ def test_ranges_that_no_file_gives_are_assumed_with_numbers_and_the_way_to_set_t
     assert any(line.startswith("Ranges (assumed at shoulder and elbow), speeds and acc") for line in lines)
     (legend,) = plan_figure(plan).legends
     assert legend.get_texts()[-1].get_text() == "limits (ranges assumed)"
+
+
+@pytest.mark.parametrize(
+    ("drives", "cure"),
+    [
+        ("tendon", "write `range` at each tendon in the MJCF"),
+        ("motor", "write `position` in the file of --limits"),
+    ],
+)
+def test_a_motor_on_a_tendon_has_its_range_there(robot, drives, cure):
+    arm = replace(robot, actuators=(Actuator("cable", 2.0, "N*m/A", drives),))
+    assumed = assumed_ranges(arm, ("cable",), np.array([-0.5]), np.array([1.0]))
+    assert assumed == f"range: cable -0.5 to 1 rad ({cure})"
 
 
 def test_a_range_of_the_limits_file_takes_the_place_of_the_assumed_one(robot):

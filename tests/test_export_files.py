@@ -17,11 +17,12 @@ from bench.cli import main
 from bench.cli.next_steps import after_export
 from bench.dataset.catalogue import built_in_robots
 from bench.dataset.dataset import load_dataset
+from bench.dataset.robot import load_robot
 from bench.effects import CATALOGUE
 from bench.effects.select import EffectInstance
 from bench.export.bodies import cad_prior
 from bench.export.identified import EffectValues, load_identified
-from bench.export.mjcf import write_mjcf
+from bench.export.mjcf import mjcf_text, write_mjcf
 from bench.export.physical import physical_set
 from bench.export.placed import RULES, not_placed_lines, placed_effects
 from bench.export.urdf import urdf_text
@@ -174,6 +175,19 @@ def test_motors_on_tendons_keep_their_rotors(tmp_path):
     write_mjcf(tmp_path / "out.xml", physical_set(identified("wrist")))
     made = mujoco.MjModel.from_xml_path(str(tmp_path / "out.xml"))
     assert {made.actuator(i).name for i in range(made.nu)} == {"motor_4", "motor_5", "motor_6"}
+
+
+def test_a_servo_of_the_file_on_the_tendon_of_a_motor_is_replaced(tmp_path):
+    """At a control of zero it would pull the tendon to zero."""
+    folder = shutil.copytree(built_in_robots()["wrist"], tmp_path / "wrist")
+    text = (folder / "wrist.xml").read_text(encoding="utf-8")
+    servo = '<actuator><position name="servo" tendon="motor_4" kp="100"/></actuator></mujoco>'
+    (folder / "wrist.xml").write_text(text.replace("</mujoco>", servo), encoding="utf-8")
+    model = replace(identified("wrist"), robot=load_robot(folder))
+    exported = mjcf_text(physical_set(model), folder)
+    assert exported.actuators == ("motor_4", "motor_5", "motor_6")
+    assert mujoco.MjModel.from_xml_string(exported.text).nu == 3
+    assert "actuator 'servo' is gone: the motor at joint motor_4 replaces it" in exported.changed
 
 
 def test_meshes_are_found_from_where_the_file_lies(tmp_path):

@@ -3,6 +3,7 @@
 import io
 import json
 import re
+import shutil
 import subprocess
 import sys
 from dataclasses import replace
@@ -11,6 +12,7 @@ import numpy as np
 import pytest
 from rich.console import Console
 
+from bench.basics.errors import BenchError
 from bench.cli import main
 from bench.cli.replay_report import replay_report
 from bench.dataset.dataset import load_dataset
@@ -20,6 +22,8 @@ from bench.export.identified import declaring, load_identified
 from bench.export.mjcf import write_mjcf
 from bench.export.physical import physical_set
 from bench.export.placed import still_determined
+from bench.export.replay.cause_words import cause_sentence
+from bench.export.replay.causes import PossibleBodies, SoftLoops
 from bench.export.replay.replay import replay
 from bench.identification.identify import identify
 from bench.identification.model_file import apply_model, load_model, save_model
@@ -27,6 +31,7 @@ from bench.identification.prepare import prepare
 from bench.identification.problem import problem_of
 from bench.model.model import build_model
 from bench.truth.dataset import as_dataset, write_simulation
+from tests.broken_robots import edit
 from tests.export_kit import FRICTION
 from tests.hidden_kit import run
 from tests.rrd_reader import columns, verified
@@ -179,12 +184,86 @@ def test_an_effect_that_no_simulation_holds_is_named(recorded, tmp_path, capsys)
     )
 
 
-def test_loops_that_the_file_holds_softly_are_told(replays):
-    console = Console(record=True, width=200, file=io.StringIO())
-    replay_report(replays[0], console)
-    assert "soft" not in console.export_text()
-    replay_report(replace(replays[0], opened=4e-4), console)
-    assert "Loops open by up to 0.4 mm or mrad" in console.export_text()
+PAD = '<geom name="{name}" pos="0.25 0 0" size="0.034" contype="1" conaffinity="1" solref="{solref}"/>'
+
+
+@pytest.fixture(scope="module")
+def replay_of_other_file(recorded, models, tmp_path_factory):
+    """The twin that is exported into a changed MJCF of the same five-bar; arguments: texts and what replaces them."""
+
+    def replayed(*changes):
+        folder = tmp_path_factory.mktemp("changed") / "five_bar"
+        robot = shutil.copytree(load_robot("five_bar").folder, folder)
+        edit(robot / "five_bar.xml", *changes)
+        identified = replace(load_identified(models[-1]), robot=load_robot(robot))
+        return replay(problem_of(load_dataset(recorded)), physical_set(identified))
+
+    return replayed
+
+
+def pads(solref):
+    """Changes of the five-bar: a sphere at each rod, which touch at home."""
+    sites = (f'<site name="{side}_tip"' for side in ("left", "right"))
+    return (
+        ('<flag contact="disable"/>', ""),
+        *(
+            (site, PAD.format(name=name, solref=solref) + site)
+            for site, name in zip(sites, ("left_pad", "right_pad"), strict=True)
+        ),
+    )
+
+
+def printed_shortcomings(result):
+    console = Console(record=True, width=900, file=io.StringIO())
+    replay_report(result, console)
+    return console.export_text()
+
+
+SOFT = ('<equality solref="0.002 1" solimp="0.9999 0.99999 0.001"/>', '<equality solref="0.2 1"/>')
+
+
+def test_soft_loops_are_named_with_what_closes_them(replays, replay_of_other_file):
+    assert replays[-1].causes == ()
+    assert "soft" not in printed_shortcomings(replays[-1])
+    soft = replay_of_other_file(SOFT)
+    (cause,) = soft.causes
+    assert isinstance(cause, SoftLoops)
+    assert cause.opened == soft.opened > 1e-4
+    assert cause.error == pytest.approx(soft.model.error.identify, rel=0.1)
+    assert 'write solref="0.0005 1" solimp="0.9999 0.99999 0.001"' in printed_shortcomings(soft)
+
+
+def test_geoms_that_touch_are_named_before_loops_that_they_open(replay_of_other_file):
+    touching = replay_of_other_file(*pads("0.1 1"), SOFT)
+    contacts, soft = touching.causes
+    assert [pair.geoms for pair in contacts.pairs] == [("left_pad", "right_pad")]
+    assert [pair.bodies for pair in contacts.pairs] == [("left_rod", "right_rod")]
+    assert isinstance(soft, SoftLoops)
+    assert soft.error == pytest.approx(touching.model.error.identify, rel=0.1)
+    text = printed_shortcomings(touching)
+    assert "Geoms touch: 'left_pad' of left_rod and 'right_pad' of right_rod. " in text
+    assert '<exclude body1="left_rod" body2="right_rod"/>' in text
+    assert text.index("Geoms touch") < text.index("Loops open")
+    (only,) = replay_of_other_file(*pads("0.1 1")).causes
+    assert only.error == pytest.approx(touching.model.error.identify, rel=0.1)
+
+
+def test_a_twin_that_contacts_stop_is_refused_with_the_geoms(replay_of_other_file):
+    with pytest.raises(BenchError, match=r"is lost at t = .* s\. Geoms touch: 'left_pad' of left_rod and"):
+        replay_of_other_file(*pads("-1e9 -1"))
+
+
+def test_possible_bodies_far_from_the_estimate_are_named(recorded, models):
+    """The values of the model are moved as if no real bodies had them."""
+    identified = load_identified(models[-1])
+    physical = physical_set(identified)
+    moved = replace(physical, distance=7.0, model=identified.moved(1.05 * identified.estimated))
+    result = replay(problem_of(load_dataset(recorded)), moved)
+    (cause,) = result.causes
+    assert isinstance(cause, PossibleBodies)
+    assert cause.distance == 7.0
+    assert cause.error > 1.3 * result.model.error.identify
+    assert "7.0 standard errors away, and the model with them has an error of" in cause_sentence(cause)
 
 
 def test_the_command_tells_one_number_a_motor_and_writes_files(recorded, models, tmp_path, capsys):

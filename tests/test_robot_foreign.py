@@ -44,6 +44,39 @@ def note(report, code):
     return next(detail_of(check) for check in report.checks if check.code == code)
 
 
+# --- geoms that touch ---------------------------------------------------------------------------------------
+
+
+def with_elbows(radius):
+    """The five-bar with a sphere at each elbow, 0.2 m apart at home."""
+    arms = FIVE_BAR
+    for side in "12":
+        elbow = f'<geom name="elbow{side}" size="{radius}"/>'
+        arms = arms.replace(f'<joint name="p{side}"', f'{elbow}<joint name="p{side}"')
+    return arms
+
+
+def test_geoms_that_touch_are_noted_with_what_keeps_them_apart(tmp_path):
+    at_home = note(check_robot(robot(tmp_path / "home", with_elbows(0.11))), CheckCode.GEOMS_TOUCH)
+    assert at_home.startswith("geoms touch at home: 'elbow1' of r1 and 'elbow2' of r2; ")
+    in_motion = note(check_robot(robot(tmp_path / "motion", with_elbows(0.09))), CheckCode.GEOMS_TOUCH)
+    assert re.match(r"geoms touch in \d+ of \d+ poses within the ranges: 'elbow1' of r1", in_motion)
+    (excluded,) = re.findall("<contact>.*</contact>", at_home)
+    codes = [
+        check.code
+        for check in check_robot(robot(tmp_path / "cured", with_elbows(0.11), rest=excluded)).checks
+    ]
+    assert CheckCode.GEOMS_TOUCH not in codes
+
+
+def test_geoms_that_a_pair_lets_collide_need_that_pair_deleted(tmp_path):
+    apart = with_elbows(0.11).replace("<geom ", '<geom contype="0" conaffinity="0" ')
+    pair = '<contact><pair geom1="elbow2" geom2="elbow1"/></contact>'
+    touching = note(check_robot(robot(tmp_path, apart, rest=pair)), CheckCode.GEOMS_TOUCH)
+    assert "delete the <pair> of these geoms" in touching
+    assert "contype" not in touching
+
+
 # --- bodies that closures hold still ------------------------------------------------------------------------
 
 

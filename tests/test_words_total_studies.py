@@ -13,12 +13,16 @@ from bench.excitation.experiment.forecast import ForecastCode, ForecastNote
 from bench.excitation.experiment.proof_words import limit_in_words
 from bench.excitation.experiment.sentences import note_sentence
 from bench.excitation.experiment.sentences import sentences as planned
-from bench.export.replay.replay import replay_sentences
+from bench.export.replay.cause_words import lost_in_words
+from bench.export.replay.causes import causes_as_data
+from bench.export.replay.track import Lost
+from bench.export.replay.words import replay_sentences
 from bench.residuals.as_json import where_json
 from bench.residuals.words import overlapping, where_sentences, whole_alike, whole_sentences
 from bench.robot_check.outcome import CheckCode
 from bench.robot_check.words import detail_of, name_of, nearest_singularity
 from tests.any_studies import (
+    causes,
     checks_of,
     discriminations,
     failures,
@@ -28,7 +32,7 @@ from tests.any_studies import (
     singularities,
     unproven,
 )
-from tests.any_values import EXAMPLE, often, rarely, sizes
+from tests.any_values import EXAMPLE, often, rarely
 
 
 @pytest.mark.parametrize("code", list(CheckCode))
@@ -84,8 +88,10 @@ def test_two_effects_told_apart(found):
 
 
 @often
-@given(few, sizes, st.booleans())
-def test_replays(left_out, opened, with_recordings):
+@given(few, st.lists(causes, max_size=3), st.booleans())
+def test_replays(left_out, of_error, with_recordings):
     side = SimpleNamespace(recordings=EXAMPLE.recordings if with_recordings else ())
-    result = SimpleNamespace(twin=side, model=side, left_out=left_out, opened=opened)
+    result = SimpleNamespace(twin=side, model=side, left_out=left_out, causes=of_error)
     assert all(replay_sentences(result))
+    assert lost_in_words(Lost("left", 1.0), of_error)
+    assert len(causes_as_data(of_error)) == len(of_error)

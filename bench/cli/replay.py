@@ -65,7 +65,8 @@ def replay(
     from bench.export.identified import declaring, load_identified
     from bench.export.physical import physical_set
     from bench.export.replay.replay import replay as replayed
-    from bench.export.replay.replay import replay_json, replay_sentences
+    from bench.export.replay.replay import replay_json
+    from bench.export.replay.words import replay_sentences
     from bench.identification.model_file import read_identification
     from bench.identification.problem import problem_of
 

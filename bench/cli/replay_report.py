@@ -5,7 +5,8 @@ from rich.console import Console
 from bench.document.table import Column, Mark, Table
 from bench.document.terminal.identification import heading, section
 from bench.document.terminal.tables import printed
-from bench.export.replay.replay import Replay, shortcomings
+from bench.export.replay.replay import Replay
+from bench.export.replay.words import shortcomings
 from bench.identification.result import CurrentSeries, relative_error
 
 

@@ -45,6 +45,11 @@ def set_motors(
     """
     motors = []
     for driven_joint in driven:
+        for other in _on_same_part(spec, driven_joint.joint):
+            changed.append(
+                f"actuator {other.name!r} is gone: the motor at joint {driven_joint.joint} replaces it"
+            )
+            spec.delete(other)
         existing = [
             actuator
             for actuator in spec.actuators
@@ -74,6 +79,20 @@ def set_motors(
         if len(key.act):
             key.act = []
     return motors
+
+
+def _on_same_part(spec: mujoco.MjSpec, joint: str) -> list[mujoco.MjsActuator]:
+    """Actuators of the file on the tendon of a motor, or the actuator that is the motor, where the motor has a joint of
+    its own.
+    """
+    if spec.body(ROTOR + joint) is None:
+        return []
+    return [
+        actuator
+        for actuator in spec.actuators
+        if (actuator.trntype == mujoco.mjtTrn.mjTRN_TENDON and actuator.target == joint)
+        or actuator.name == joint
+    ]
 
 
 def _refill(

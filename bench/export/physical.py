@@ -19,6 +19,7 @@ from bench.export.bodies import BodyEquations, equations_of, pseudo_inertia
 from bench.export.identified import IdentifiedModel, identified_model
 from bench.export.programs import Programs, Reached
 from bench.identification.finding import Code, Finding
+from bench.identification.layout import payload_parameter_names
 from bench.identification.model_file import SavedModel, apply_model
 from bench.identification.problem import Problem
 from bench.identification.result import Identification, ModelledRecording, Quantity
@@ -163,25 +164,19 @@ def physically_consistent(result: Identification, problem: Problem) -> Identific
         finding = Finding(Code.PHYSICAL, numbers=numbers)
     else:
         finding = Finding(Code.NOT_REAL, (wrong.culprits[0][0],), numbers=numbers)
-    moved = _with_values(result, identified.moved(nearest.estimated))
+    moved = with_values(result, identified.moved(nearest.estimated))
     applied = apply_model(problem, replace(saved, model=moved))
     series = {trace.name: trace for trace in applied.recordings}
     recordings = tuple(series[trace.name] for trace in result.recordings)
     return replace(moved, recordings=recordings, error=applied.error, findings=(*result.findings, finding))
 
 
-def _with_values(result: Identification, model: IdentifiedModel) -> Identification:
+def with_values(result: Identification, model: IdentifiedModel) -> Identification:
     """The answer with a model's values."""
-    names = list(model.model.base.names)
-    values = dict(zip(names, model.base.tolist(), strict=True))
-    loads = [value for each in model.payloads.values() for value in each.values()]
-    values |= dict(
-        zip(
-            [parameter.name for parameter in result.parameters if parameter.name not in values],
-            loads,
-            strict=True,
-        )
-    )
+    values = dict(zip(model.model.base.names, model.base.tolist(), strict=True))
+    for payload, of_payload in model.payloads.items():
+        names = payload_parameter_names(payload, np.array([*of_payload]))
+        values |= dict(zip(names, of_payload.values(), strict=True))
     parameters = tuple(
         replace(parameter, value=float(values[parameter.name])) for parameter in result.parameters
     )

@@ -4,6 +4,7 @@ Determined by a QR factorisation of the regressor at random noise-free states (G
 the base inertial parameters of robots").
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 
@@ -12,7 +13,9 @@ import numpy as np
 from bench.basics.errors import BenchError
 from bench.basics.sentence import and_list
 from bench.model.bounds import MEMORY, RANKS
+from bench.model.cures import driven_parts, narrower_ranges, range_in_words
 from bench.model.geometry import Geometry
+from bench.model.nodes import robot_length
 from bench.model.regressor import body_columns, parameter_names, projected_regressor, rotor_columns
 from bench.model.states import active_ranges, random_motion
 
@@ -38,39 +41,60 @@ class IndependentColumns:
     neglected: float
 
 
-def independent_columns(rows: np.ndarray, least: int = 0) -> IndependentColumns:
+def independent_columns(
+    rows: np.ndarray, least: int = 0, sizes: np.ndarray | None = None
+) -> IndependentColumns:
     """Columns of rows (r, p) that are independent of those before them, at least `least`, and how the others follow.
 
     Rows are scaled to equal length: rows near a singular pose are a million times larger. With columns of unit length,
-    the rank is where the singular values fall by a gap to less than the slack; likewise a column counts as zero after
-    such a gap of the columns' sizes: a planar robot is drawn slightly out of its plane, and this slack gives no
-    parameters. Raises UndecidedRankError if no gap decides.
+    the rank is where the singular values fall by a gap to less than the slack of a drawing, as of a parallelogram whose
+    lengths are rounded to five digits; likewise a column counts as zero after such a gap of the columns' sizes: a
+    planar robot is drawn slightly out of its plane. This slack gives no parameters. sizes (p,): of the columns'
+    parameters, NaN where none compares to the others; without them, columns of all units are compared, and only smaller
+    ones count as zero. Raises UndecidedRankError if no gap decides.
     """
     rows = _rows_alike(rows)
     norms = np.linalg.norm(rows, axis=0)
-    large = _rank(np.sort(norms)[::-1])
-    present = np.sort(np.argsort(-norms, kind="stable")[:large])
+    effects, slack = (norms, RANKS.slack) if sizes is None else (_effects(norms, sizes), RANKS.dependent)
+    large = _rank(np.sort(effects)[::-1], slack)
+    present = np.sort(np.argsort(-effects, kind="stable")[:large])
     scaled = rows[:, present] / norms[present]
     _, values, directions = np.linalg.svd(scaled, full_matrices=False)
-    rank = _rank(values, least)
+    rank = _rank(values, RANKS.dependent, least)
     if rank and values[rank - 1] < RANKS.rounding * values[0]:
         raise UndecidedRankError(present[np.abs(directions[rank - 1]) > RANKS.coefficient])
-    slack = float((values[rank:] / values[rank - 1 : rank]).max(initial=0.0))
+    remaining = float((values[rank:] / values[rank - 1 : rank]).max(initial=0.0))
     directions = directions[:rank]
-    kept = _first_independent(directions, max(RANKS.clear, RANKS.gap * slack))
+    kept = _first_independent(directions, max(RANKS.clear, RANKS.gap * remaining))
     coefficients = np.linalg.solve(directions[:, kept], directions)
     coefficients[np.abs(coefficients) < RANKS.coefficient] = 0.0
     dependence = np.zeros((rank, rows.shape[1]))
     dependence[:, present] = coefficients * norms[present] / norms[present[kept]][:, None]
     dependence[np.arange(rank), present[kept]] = 1.0
-    absent = np.delete(norms, present)
+    absent = np.setdiff1d(np.arange(len(norms)), present)
+    small, grouped = _grouped(scaled[:, kept], rows[:, absent])
+    dependence[:, absent[grouped]] = small[:, grouped] / norms[present[kept]][:, None]
     neglected = max(
         (values[rank:] / values[:1]).max(initial=0.0),
-        absent.max(initial=0.0) / (norms.max(initial=0.0) or 1.0),
+        effects[absent[~grouped]].max(initial=0.0) / (effects.max(initial=0.0) or 1.0),
     )
     return IndependentColumns(
         present[kept], dependence, float(neglected) if neglected > RANKS.rounding else 0.0
     )
+
+
+def _effects(norms: np.ndarray, sizes: np.ndarray) -> np.ndarray:
+    """Effects (p,) of parameters with these columns and sizes; one without a size has the largest, or none."""
+    effects = norms * sizes
+    largest = np.nanmax(effects, initial=0.0)
+    return np.where(np.isnan(effects), np.where(norms > 0.0, largest, 0.0), effects)
+
+
+def _grouped(kept: np.ndarray, small: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Small columns (r, k) as combinations (b, k) of those that are kept (r, b), and which of them nearly are some."""
+    combinations = np.linalg.lstsq(kept, small, rcond=None)[0]
+    norms = np.linalg.norm(small, axis=0)
+    return combinations, RANKS.gap * np.linalg.norm(small - kept @ combinations, axis=0) < norms
 
 
 def _first_independent(columns: np.ndarray, least: float) -> list[int]:
@@ -101,9 +125,9 @@ def _rows_alike(rows: np.ndarray) -> np.ndarray:
     return np.asarray(rows / np.where(sizes > 0.0, sizes, 1.0)[:, None])
 
 
-def _rank(values: np.ndarray, least: int = 0) -> int:
-    """Number of descending values (k,) before the first gap to less than the slack, at least `least`."""
-    below = values[1:] < RANKS.slack * values[:1]
+def _rank(values: np.ndarray, slack: float, least: int = 0) -> int:
+    """Number of descending values (k,) before the first gap to less than that share of the largest, or `least`."""
+    below = values[1:] < slack * values[:1]
     gaps = np.flatnonzero(below & (values[:-1] > RANKS.gap * values[1:])) + 1
     gaps = gaps[gaps >= least]
     return int(gaps[0]) if len(gaps) else int(np.count_nonzero(values))
@@ -183,17 +207,33 @@ def _independent_at(
         )
     rows = projected_regressor(geometry, motion, candidates).reshape(-1, len(candidates))
     try:
-        return independent_columns(rows, least)
+        return independent_columns(rows, least, _sizes(geometry, candidates, names))
     except UndecidedRankError as error:
         raise _undecided(geometry, names, candidates[error.columns]) from None
 
 
+def _sizes(geometry: Geometry, candidates: np.ndarray, names: list[tuple[str, str]]) -> np.ndarray:
+    """Sizes (p,) of the candidates, NaN for rotors, since gears scale them."""
+    sizes = sizes_of([names[column][1] for column in candidates.tolist()], geometry)
+    return np.where(np.isin(candidates, rotor_columns(geometry)), np.nan, sizes)
+
+
+def sizes_of(units: Sequence[str], geometry: Geometry) -> np.ndarray:
+    """Sizes (p,) of parameters with these units, of a body of 1 kg as large as the robot."""
+    length = robot_length(geometry)
+    by_unit = {"kg": 1.0, "kg*m": length, "kg*m^2": length**2}
+    return np.array([by_unit[unit] for unit in units])
+
+
 def _ranges_to_check(geometry: Geometry) -> str:
-    """The motors' joints without a range, for which a wide one is assumed; the joint ranges, where all have one."""
+    """The motors' joints and tendons without a range, for which a wide one is assumed; the ranges, if all have one."""
     low, high = active_ranges(geometry)
     wide = [
-        f"{joint.name} ({high[i] - low[i]:.3g} {'m' if joint.kind == 'slide' else 'rad'} are assumed)"
-        for i, joint in enumerate(geometry.active_joints)
+        f"{range_in_words(joint.name, drives)} "
+        f"({high[i] - low[i]:.3g} {'m' if joint.kind == 'slide' else 'rad'} are assumed)"
+        for i, (joint, drives) in enumerate(
+            zip(geometry.active_joints, driven_parts(geometry.robot).values(), strict=True)
+        )
         if joint.limits is None
     ]
     return f", and give a range in the MJCF to {and_list(wide)}" if wide else " and the joint ranges"
@@ -203,8 +243,7 @@ def _undecided(geometry: Geometry, names: list[tuple[str, str]], columns: np.nda
     symbols = ", ".join(names[column][0] for column in columns.tolist())
     return BenchError(
         f"robot {geometry.robot.name}: whether {symbols} are base parameters is not decided by random states: no gap "
-        "of the singular values sets them apart from rounding; give the joints narrower ranges around home, away from "
-        "singular poses"
+        f"of the singular values sets them apart from rounding; {narrower_ranges(driven_parts(geometry.robot))}"
     )
 
 

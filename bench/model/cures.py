@@ -11,12 +11,13 @@ import numpy as np
 
 from bench.basics.files.toml_output import toml_line
 from bench.basics.joint_units import written_position
-from bench.basics.sentence import say
+from bench.basics.sentence import and_list, say
 from bench.dataset.joint_facts import joints_with_springs
 from bench.dataset.robot_redundancy import listed, use_connect, welds_to_connect
 from bench.model.bounds import CLOSURE, RANKS
 
 if TYPE_CHECKING:
+    from bench.dataset.robot import Robot
     from bench.model.geometry import Geometry, Joint
 
 
@@ -234,3 +235,24 @@ SENTENCES: Mapping[CureCode, str] = {
     CureCode.CLOSE_MORE: "; a closure is missing, or is a <connect>, which holds a point only, where a <weld> should "
     "hold a frame",
 }
+
+
+def driven_parts(robot: Robot) -> dict[str, str]:
+    """What each motor drives, by name: "joint", "tendon" or "motor"."""
+    return {actuator.joint: actuator.drives for actuator in robot.actuators}
+
+
+def narrower_ranges(motors: Mapping[str, str]) -> str:
+    """The cure where random poses within the ranges do not decide; motors: as from `driven_parts`."""
+    if set(motors.values()) <= {"joint"}:
+        where = "the motors' joints"
+    else:
+        where = and_list([range_in_words(name, drives) for name, drives in motors.items()])
+    return f"write narrower ranges around home, away from singular poses, at {where}"
+
+
+def range_in_words(name: str, drives: str) -> str:
+    """The part of the MJCF that holds the range of a motor; an actuator has none."""
+    if drives == "motor":
+        return f"the joint or tendon of motor {name!r}, which robot.toml then has to name"
+    return f"{drives} {name!r}"

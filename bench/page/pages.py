@@ -11,7 +11,8 @@ from bench.diagnosis.result import Diagnosis
 from bench.diagnosis.split import dataset_of
 from bench.diagnosis.unexplained import relative_noise_floor
 from bench.document.typeset import typeset
-from bench.export.replay.replay import Replay, TwinMotion, replay_sentences
+from bench.export.replay.replay import Replay, TwinMotion
+from bench.export.replay.words import replay_sentences
 from bench.identification.findings import runaway
 from bench.identification.model_file import Comparison
 from bench.identification.problem import Problem

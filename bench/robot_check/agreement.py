@@ -10,6 +10,7 @@ import pinocchio as pin
 
 from bench.model.base import BaseParameters
 from bench.model.bounds import RANKS
+from bench.model.cures import driven_parts
 from bench.model.mobility import conditioning
 from bench.model.motion import Motion
 from bench.model.regressor import projected_regressor
@@ -276,7 +277,11 @@ def check_base_parameters(machine: CheckedMachine, base: BaseParameters, motion:
             differing.append(label)
     values = {"parameters": len(base.columns), "difference": worst}
     if differing:
-        return Check(CheckCode.BASE_PARAMETERS_DIFFER, "failed", {**values, "bodies": differing})
+        return Check(
+            CheckCode.BASE_PARAMETERS_DIFFER,
+            "failed",
+            {**values, "bodies": differing, "motors": driven_parts(machine.geometry.robot)},
+        )
     return Check(
         CheckCode.BASE_PARAMETERS_AGREE,
         "ok",

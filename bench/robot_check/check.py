@@ -19,6 +19,7 @@ from bench.model.states import LoosePosesError, random_motion
 from bench.robot_check import agreement
 from bench.robot_check.agreement import check_base_parameters
 from bench.robot_check.bounds import AGREEMENT, PLAUSIBLE
+from bench.robot_check.contacts import check_contacts
 from bench.robot_check.features import check_features, locked_lines, notes
 from bench.robot_check.home import check_home, home_at_range_end, with_pose_in_ranges
 from bench.robot_check.loops import check_closed_motion, check_constraints
@@ -145,6 +146,7 @@ def _assembled(report: RobotReport, machine: CheckedMachine) -> RobotReport:
         report = _with(report, check_constraints(machine, motion.q), check_closed_motion(machine, motion))
     return _with(
         report,
+        *check_contacts(geometry, motion.q if swept is None else np.vstack((motion.q, swept.q))),
         agreement.check_body_poses(machine, motion.q, "closed"),
         agreement.check_motor_forces(machine, motion),
         check_base_parameters(machine, base, fresh),

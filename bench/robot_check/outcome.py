@@ -79,6 +79,7 @@ class CheckCode(StrEnum):
     MOTION_FAULT = auto()
     POSES_LOOSE = auto()
     ROTOR_INERTIA = auto()
+    GEOMS_TOUCH = auto()
     SINGULARITY_WITHIN_RANGES = auto()
     PASSIVE_RANGE_LEFT = auto()
 

@@ -12,7 +12,9 @@ from bench.basics.sentence import say
 from bench.dataset.robot_locked import locked_from_data, locked_in_words
 from bench.dataset.robot_redundancy import use_connect
 from bench.dataset.robot_toml import no_tool
+from bench.model.cures import narrower_ranges
 from bench.robot_check.bounds import PLAUSIBLE
+from bench.robot_check.contact_words import geoms_touch
 from bench.robot_check.home_key import home_key
 from bench.robot_check.outcome import Check, CheckCode
 from bench.robot_check.range_words import (
@@ -154,6 +156,13 @@ def _base_agree(parameters: int, difference: float, states: int, neglected: floa
     )
 
 
+def _base_differ(parameters: int, difference: float, bodies: Sequence[str], motors: Mapping[str, str]) -> str:
+    return (
+        f"{parameters} do not reproduce the motor torques of {', '.join(bodies)}: they differ from MuJoCo's by up to "
+        f"{difference:.0e} of the largest; {narrower_ranges(motors)}"
+    )
+
+
 def _source(given: int | None, positions: int) -> str:
     """Source of the home pose: a keyframe that gives `given` of the positions, or qpos0."""
     if given is None:
@@ -288,9 +297,7 @@ WORDS: Mapping[CheckCode, str | tuple[str, Callable[..., str]]] = {
     CheckCode.MOTOR_FORCES_AGREE: "motor forces: regressor and dynamics at {states} closed states {agree}",
     CheckCode.MOTOR_FORCES_DIFFER: "motor forces: motor {motor!r} differs by {difference:.2e} of the largest force",
     CheckCode.BASE_PARAMETERS_AGREE: ("base parameters", _base_agree),
-    CheckCode.BASE_PARAMETERS_DIFFER: "base parameters: {parameters} do not reproduce the motor torques of {bodies}: "
-    "they differ from MuJoCo's by up to {difference:.0e} of the largest; give the joints narrower ranges around "
-    "home, away from singular poses",
+    CheckCode.BASE_PARAMETERS_DIFFER: ("base parameters", _base_differ),
     CheckCode.LOOP_COUNTS_DIFFER: "loop closures: MuJoCo has {mujoco} loops, the model {model}",
     CheckCode.LOOP_CLOSURES_AGREE: "loop closures: residuals and Jacobians at {poses} closed poses agree to "
     "{difference:.0e}",
@@ -324,6 +331,7 @@ WORDS: Mapping[CheckCode, str | tuple[str, Callable[..., str]]] = {
     CheckCode.POSES_LOOSE: "motion within the joint ranges: there are poses in which the loop closures do not "
     "determine the passive joints; give the joints narrower ranges around home, away from singular poses",
     CheckCode.ROTOR_INERTIA: ("rotor inertia", _rotors),
+    CheckCode.GEOMS_TOUCH: ("note", geoms_touch),
     CheckCode.SINGULARITY_WITHIN_RANGES: ("note", _singularity),
     CheckCode.PASSIVE_RANGE_LEFT: ("note", ranges_left),
 }

@@ -21,19 +21,14 @@ class Determined:
 
 def determined(fit: Equations) -> Determined:
     """The covariance of a fit, direction by direction."""
-    lengths = np.sqrt(np.diag(fit.normal))
-    lengths = np.where(lengths > 0.0, lengths, 1.0)
-    scales = np.outer(lengths, lengths)
-    values, vectors = np.linalg.eigh(fit.normal / scales)
-    kept = values > FORECAST.undetermined * values[-1]
-    inverse = (vectors[:, kept] / values[kept]) @ vectors[:, kept].T
+    resolved = _resolved(fit.normal)
     directions = []
-    undetermined = np.zeros(len(lengths), dtype=bool)
-    for direction in _sparse(vectors[:, ~kept]):
+    undetermined = np.zeros(len(resolved.lengths), dtype=bool)
+    for direction in _sparse(resolved.loose):
         taking = np.abs(direction) > FORECAST.takes_part * np.abs(direction).max()
         undetermined |= taking
         directions.append(tuple(int(i) for i in np.flatnonzero(taking)))
-    covariance = inverse @ (fit.score / scales) @ inverse / scales
+    covariance = resolved.inverse @ fit.score @ resolved.inverse
     return Determined(covariance, undetermined, tuple(directions))
 
 
@@ -126,6 +121,28 @@ def _symmetric(matrix: np.ndarray) -> np.ndarray:
 
 
 @dataclass(frozen=True)
+class _Resolved:
+    """The inverse (P, P) of a normal matrix in its determined directions. lengths (P,): of the equations' columns; with
+    columns of unit length, loose (P, k) are the other directions.
+    """
+
+    inverse: np.ndarray
+    lengths: np.ndarray
+    loose: np.ndarray
+
+
+def _resolved(normal: np.ndarray) -> _Resolved:
+    """Columns of unit length have the least rounding: with others, unknowns of small effect are lost in it."""
+    lengths = np.sqrt(np.diag(normal))
+    lengths = np.where(lengths > 0.0, lengths, 1.0)
+    scales = np.outer(lengths, lengths)
+    values, vectors = np.linalg.eigh(normal / scales)
+    kept = values > FORECAST.undetermined * values[-1]
+    inverse = (vectors[:, kept] / values[kept]) @ vectors[:, kept].T / scales
+    return _Resolved(inverse, lengths, vectors[:, ~kept])
+
+
+@dataclass(frozen=True)
 class _Relative:
     """The covariance (P, P) over sizes, with large but finite errors of undetermined unknowns; without these, the
     inverse of the normal matrix, and the score by noise.
@@ -138,11 +155,10 @@ class _Relative:
 
 def _relative(fit: Equations, sizes: np.ndarray) -> _Relative:
     scales = np.outer(sizes, sizes)
-    values, vectors = np.linalg.eigh(fit.normal * scales)
-    floor = max(FORECAST.open**-2, 1e-15 * float(values[-1]))
-    inverse = (vectors / np.maximum(values, floor)) @ vectors.T
+    resolved = _resolved(fit.normal)
+    inverse = resolved.inverse / scales
     noise = inverse @ (fit.score * scales) @ inverse
-    loose = vectors[:, values < floor]
+    loose, _ = np.linalg.qr(resolved.loose / (resolved.lengths * sizes)[:, None])
     return _Relative(noise + FORECAST.open**2 * loose @ loose.T, inverse, noise)
 
 

@@ -17,7 +17,7 @@ from bench.identification.layout import ParameterLayout, payload_columns
 from bench.identification.standstill import no_gaps
 from bench.model.model import IdentificationModel
 from bench.model.motion import Motion
-from bench.model.regressor import projected_regressor
+from bench.model.regressor import UNITS, projected_regressor
 from bench.signals.settings import FilterSettings
 
 
@@ -189,14 +189,14 @@ def pooled_variance(recordings: Sequence[Evidence]) -> np.ndarray:
 def reference_sizes(nominal: Nominal, recordings: Sequence[SeenMotion]) -> np.ndarray:
     """The size (P,) to which each unknown's standard error is relative.
 
-    Of a gain: its value. Of a base or payload parameter: its value, but at least a share of the largest of its unit. Of
-    an effect's: the value that gives a share of the RMS torque of a motor, over `recordings`.
+    Of a gain: its value. Of a base parameter: its value, but at least a share of the largest of its unit. Of a
+    payload's or an effect's: the value that gives a share of the RMS torque of a motor, over `recordings`.
     """
     layout = nominal.layout
     sizes = np.zeros(nominal.size)
     units = np.array(nominal.model.base.units)
     magnitudes = np.abs(nominal.base)
-    largest = {unit: float(magnitudes[units == unit].max()) for unit in sorted(set(units))}
+    largest = _largest_by_unit(magnitudes, units)
     sizes[: layout.base] = np.maximum(magnitudes, [FORECAST.smallest_size * largest[unit] for unit in units])
     torque = np.concatenate([motion.current * nominal.gains for motion in recordings])
     rms = np.sqrt(np.mean(torque**2, axis=0))
@@ -208,3 +208,16 @@ def reference_sizes(nominal: Nominal, recordings: Sequence[SeenMotion]) -> np.nd
     if nominal.gains_fitted:
         sizes[layout.size :] = nominal.gains
     return np.where(sizes > 0.0, sizes, 1.0)
+
+
+def _largest_by_unit(magnitudes: np.ndarray, units: np.ndarray) -> dict[str, float]:
+    """The largest magnitude (P,) of each unit.
+
+    A body with mass m, inertia I and its centre of mass at a joint has the first moment s = 0, up to rounding in the
+    file. Others of the same m and I have up to s = sqrt(m I): the largest s is taken to be at least that.
+    """
+    largest = {str(unit): float(magnitudes[units == unit].max()) for unit in sorted(set(units))}
+    mass, first, inertia = dict.fromkeys(UNITS)
+    if {mass, first, inertia} <= largest.keys():
+        largest[first] = max(largest[first], float(np.sqrt(largest[mass] * largest[inertia])))
+    return largest

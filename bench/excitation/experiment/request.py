@@ -9,6 +9,7 @@ from pydantic import Field
 from bench.basics.errors import BenchError, meant
 from bench.basics.files.toml_input import UserTable
 from bench.basics.joint_units import units_of_gain
+from bench.basics.sentence import and_list
 from bench.dataset.payload import Payload, payload_fault
 from bench.dataset.robot import Robot
 from bench.scenario.tables import (
@@ -104,11 +105,17 @@ def with_units(key: str, values: np.ndarray, robot: Robot) -> str:
 def assumed_ranges(robot: Robot, joints: Sequence[str], low: np.ndarray, high: np.ndarray) -> str:
     """The assumed ranges of joints that have none in the MJCF, low and high (n,)."""
     ranges = []
+    parts = {
+        "joint": "`range` at each joint in the MJCF",
+        "tendon": "`range` at each tendon in the MJCF",
+        "motor": "`position` in the file of --limits",
+    }
+    cures = [parts[actuator.drives] for actuator in robot.actuators if actuator.joint in joints]
     for actuator, least, most in zip(robot.actuators, low, high, strict=True):
         if actuator.joint in joints:
             unit = units_of_gain(actuator.gain_unit).position
             ranges.append(f"{actuator.joint} {least:.3g} to {most:.3g} {unit}")
-    return f"range: {', '.join(ranges)} (write `range` at each joint in the MJCF)"
+    return f"range: {', '.join(ranges)} (write {and_list(list(dict.fromkeys(cures)))})"
 
 
 def by_unit(key: str, given: Sequence[tuple[float, str]], robot: Robot) -> float | dict[str, float] | None:
