@@ -8,7 +8,7 @@ import numpy as np
 from bench.basics.errors import BenchError
 from bench.dataset.payload import Payload, inertia_matrix
 from bench.identification.observation import Observation
-from bench.model.base import independent_columns, sizes_of
+from bench.model.base import independent_columns
 from bench.model.model import IdentificationModel
 from bench.model.regressor import PARAMETERS, UNITS
 
@@ -106,12 +106,10 @@ def parameter_layout(
     indices: dict[str, np.ndarray] = {}
     if used:
         rows = model.random_rows[1].reshape(-1, 10)
-        sizes = sizes_of(UNITS, model.geometry)
         for name in used:
             columns = payload_columns(payloads[name])
             known = rows @ columns.known
-            of_load = np.append(sizes[columns.unknown], 1.0 / (payloads[name].mass or 1.0))
-            kept = independent_columns(np.column_stack((rows[:, columns.unknown], known)), sizes=of_load).kept
+            kept = independent_columns(np.column_stack((rows[:, columns.unknown], known))).kept
             indices[name] = columns.unknown[kept[kept < len(columns.unknown)]]
     return ParameterLayout(len(model.base.columns), indices, effects)
 

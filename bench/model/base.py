@@ -4,7 +4,6 @@ Determined by a QR factorisation of the regressor at random noise-free states (G
 the base inertial parameters of robots").
 """
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 
@@ -15,7 +14,6 @@ from bench.basics.sentence import and_list
 from bench.model.bounds import MEMORY, RANKS
 from bench.model.cures import driven_parts, narrower_ranges, range_in_words
 from bench.model.geometry import Geometry
-from bench.model.nodes import robot_length
 from bench.model.regressor import body_columns, parameter_names, projected_regressor, rotor_columns
 from bench.model.states import active_ranges, random_motion
 
@@ -41,60 +39,39 @@ class IndependentColumns:
     neglected: float
 
 
-def independent_columns(
-    rows: np.ndarray, least: int = 0, sizes: np.ndarray | None = None
-) -> IndependentColumns:
+def independent_columns(rows: np.ndarray, least: int = 0) -> IndependentColumns:
     """Columns of rows (r, p) that are independent of those before them, at least `least`, and how the others follow.
 
     Rows are scaled to equal length: rows near a singular pose are a million times larger. With columns of unit length,
-    the rank is where the singular values fall by a gap to less than the slack of a drawing, as of a parallelogram whose
-    lengths are rounded to five digits; likewise a column counts as zero after such a gap of the columns' sizes: a
-    planar robot is drawn slightly out of its plane. This slack gives no parameters. sizes (p,): of the columns'
-    parameters, NaN where none compares to the others; without them, columns of all units are compared, and only smaller
-    ones count as zero. Raises UndecidedRankError if no gap decides.
+    the rank is where the singular values fall by a gap to less than the slack; likewise a column counts as zero after
+    such a gap of the columns' sizes: a planar robot is drawn slightly out of its plane, and this slack gives no
+    parameters. Raises UndecidedRankError if no gap decides.
     """
     rows = _rows_alike(rows)
     norms = np.linalg.norm(rows, axis=0)
-    effects, slack = (norms, RANKS.slack) if sizes is None else (_effects(norms, sizes), RANKS.dependent)
-    large = _rank(np.sort(effects)[::-1], slack)
-    present = np.sort(np.argsort(-effects, kind="stable")[:large])
+    large = _rank(np.sort(norms)[::-1])
+    present = np.sort(np.argsort(-norms, kind="stable")[:large])
     scaled = rows[:, present] / norms[present]
     _, values, directions = np.linalg.svd(scaled, full_matrices=False)
-    rank = _rank(values, RANKS.dependent, least)
+    rank = _rank(values, least)
     if rank and values[rank - 1] < RANKS.rounding * values[0]:
         raise UndecidedRankError(present[np.abs(directions[rank - 1]) > RANKS.coefficient])
-    remaining = float((values[rank:] / values[rank - 1 : rank]).max(initial=0.0))
+    slack = float((values[rank:] / values[rank - 1 : rank]).max(initial=0.0))
     directions = directions[:rank]
-    kept = _first_independent(directions, max(RANKS.clear, RANKS.gap * remaining))
+    kept = _first_independent(directions, max(RANKS.clear, RANKS.gap * slack))
     coefficients = np.linalg.solve(directions[:, kept], directions)
     coefficients[np.abs(coefficients) < RANKS.coefficient] = 0.0
     dependence = np.zeros((rank, rows.shape[1]))
     dependence[:, present] = coefficients * norms[present] / norms[present[kept]][:, None]
     dependence[np.arange(rank), present[kept]] = 1.0
-    absent = np.setdiff1d(np.arange(len(norms)), present)
-    small, grouped = _grouped(scaled[:, kept], rows[:, absent])
-    dependence[:, absent[grouped]] = small[:, grouped] / norms[present[kept]][:, None]
+    absent = np.delete(norms, present)
     neglected = max(
         (values[rank:] / values[:1]).max(initial=0.0),
-        effects[absent[~grouped]].max(initial=0.0) / (effects.max(initial=0.0) or 1.0),
+        absent.max(initial=0.0) / (norms.max(initial=0.0) or 1.0),
     )
     return IndependentColumns(
         present[kept], dependence, float(neglected) if neglected > RANKS.rounding else 0.0
     )
-
-
-def _effects(norms: np.ndarray, sizes: np.ndarray) -> np.ndarray:
-    """Effects (p,) of parameters with these columns and sizes; one without a size has the largest, or none."""
-    effects = norms * sizes
-    largest = np.nanmax(effects, initial=0.0)
-    return np.where(np.isnan(effects), np.where(norms > 0.0, largest, 0.0), effects)
-
-
-def _grouped(kept: np.ndarray, small: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Small columns (r, k) as combinations (b, k) of those that are kept (r, b), and which of them nearly are some."""
-    combinations = np.linalg.lstsq(kept, small, rcond=None)[0]
-    norms = np.linalg.norm(small, axis=0)
-    return combinations, RANKS.gap * np.linalg.norm(small - kept @ combinations, axis=0) < norms
 
 
 def _first_independent(columns: np.ndarray, least: float) -> list[int]:
@@ -125,9 +102,9 @@ def _rows_alike(rows: np.ndarray) -> np.ndarray:
     return np.asarray(rows / np.where(sizes > 0.0, sizes, 1.0)[:, None])
 
 
-def _rank(values: np.ndarray, slack: float, least: int = 0) -> int:
-    """Number of descending values (k,) before the first gap to less than that share of the largest, or `least`."""
-    below = values[1:] < slack * values[:1]
+def _rank(values: np.ndarray, least: int = 0) -> int:
+    """Number of descending values (k,) before the first gap to less than the slack, at least `least`."""
+    below = values[1:] < RANKS.slack * values[:1]
     gaps = np.flatnonzero(below & (values[:-1] > RANKS.gap * values[1:])) + 1
     gaps = gaps[gaps >= least]
     return int(gaps[0]) if len(gaps) else int(np.count_nonzero(values))
@@ -207,22 +184,9 @@ def _independent_at(
         )
     rows = projected_regressor(geometry, motion, candidates).reshape(-1, len(candidates))
     try:
-        return independent_columns(rows, least, _sizes(geometry, candidates, names))
+        return independent_columns(rows, least)
     except UndecidedRankError as error:
         raise _undecided(geometry, names, candidates[error.columns]) from None
-
-
-def _sizes(geometry: Geometry, candidates: np.ndarray, names: list[tuple[str, str]]) -> np.ndarray:
-    """Sizes (p,) of the candidates, NaN for rotors, since gears scale them."""
-    sizes = sizes_of([names[column][1] for column in candidates.tolist()], geometry)
-    return np.where(np.isin(candidates, rotor_columns(geometry)), np.nan, sizes)
-
-
-def sizes_of(units: Sequence[str], geometry: Geometry) -> np.ndarray:
-    """Sizes (p,) of parameters with these units, of a body of 1 kg as large as the robot."""
-    length = robot_length(geometry)
-    by_unit = {"kg": 1.0, "kg*m": length, "kg*m^2": length**2}
-    return np.array([by_unit[unit] for unit in units])
 
 
 def _ranges_to_check(geometry: Geometry) -> str:

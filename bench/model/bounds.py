@@ -40,9 +40,8 @@ class NodeBounds:
 class BasisBounds:
     """Base parameters and mobility: shares of the largest singular value, columns of unit length."""
 
-    # a smaller one is the slack of a drawing, and counts as zero; for base parameters, where a gap separates it
-    dependent: float = 1e-4
-    slack: float = 1e-5  # the same of columns of different units
+    dependent: float = 1e-4  # a smaller one is the slack of a drawing, and counts as zero
+    slack: float = 1e-5  # a smaller one may be the slack of a drawing, where a gap separates it
     gap: float = 100.0  # ratio of neighbouring values: the smaller ones count as zero
     rounding: float = 1e-9  # a smaller one cannot be distinguished from rounding
     # part of a column that is independent of those before it: with less, coefficients reach millions
