@@ -1,6 +1,7 @@
 """The evaluation at one commit: which cases, in which order, at what cost, and the page that is made from them."""
 
 import json
+import shutil
 from dataclasses import replace
 from functools import partial
 from itertools import count
@@ -10,6 +11,7 @@ import numpy as np
 import pytest
 
 from bench.basics.errors import BenchError
+from bench.benchmarks.trust import one_case
 from bench.benchmarks.trust.__main__ import main
 from bench.benchmarks.trust.cells import AGAIN, AGAIN_EVERY, APART, TrustCase, TrustCells, changelog_number
 from bench.benchmarks.trust.evaluation import Evaluation, read_evaluation
@@ -19,11 +21,13 @@ from bench.benchmarks.trust.plan import Budget
 from bench.benchmarks.trust.questions import QUESTIONS
 from bench.benchmarks.trust.run import TABLE, TrustRequest, run_trust, setups_of
 from bench.benchmarks.trust.tally import Tally
-from bench.benchmarks.trust.work import FRESH, FROZEN, MORE_NOISE, drawn_case, with_more_noise
+from bench.benchmarks.trust.work import FRESH, FROZEN, MORE_NOISE, Place, drawn_case, with_more_noise
 from bench.excitation.scenario import designer
 from bench.scenario.scenario import load_scenario, resolve_trajectories
+from bench.studies.sweep.journal import Row
 from bench.studies.sweep.pool import LocalPool
 from bench.studies.trial.cases import SHARES, SHARES_OF, draw_case
+from bench.studies.trial.setup import Setup
 from bench.truth.simulate import simulate
 from tests.hidden_kit import STEP
 from tests.sweep_stand_in import Inline
@@ -242,6 +246,27 @@ def test_more_noise_is_a_quarter_of_the_noise_and_always_the_same() -> None:
 def test_a_case_without_a_number_is_refused(name: str, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["--case", name]) == 2
     assert "give ROBOT/QUESTION/NUMBER" in " ".join(capsys.readouterr())
+
+
+def test_a_case_of_a_robot_folder_or_scenario_is_run(
+    tmp_path: Path, project_root: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Its name is that of the robot or, as before `--also`, the folder itself."""
+    ran = []
+
+    def rows(setup: Setup, place: Place, *_: object) -> list[Row]:
+        ran.append((setup.name, place["robot"]))
+        return [{"hidden": "", "status": "failed", "reason": "not run"}]
+
+    monkeypatch.setattr(one_case, "case_rows", rows)
+    monkeypatch.setattr(one_case, "trial_trajectories", lambda _: None)
+    monkeypatch.setattr(one_case, "hidden_text", lambda _: "nothing")
+    folder = str(shutil.copytree(project_root / "robots" / "two_link", tmp_path / "copy"))
+    scenario = tmp_path / "planned.toml"
+    scenario.write_text(f'base = "two_link"\nrobot = "{folder}"\n')
+    for name, also in ((folder, []), ("two_link", [str(scenario)]), ("two_link", [])):
+        assert list(one_case.case_lines(f"{name}/nothing/3", also)) == ["hidden: nothing", "failed: not run"]
+    assert ran == [("two_link", folder), ("two_link", "two_link"), ("two_link", "two_link")]
 
 
 @pytest.mark.slow

@@ -7,11 +7,11 @@ import numpy as np
 import pytest
 
 from bench.basics.errors import BenchError
+from bench.basics.quiet import stop_step_timers
 from bench.dataset.dataset import load_dataset
 from bench.scenario.scenario import load_scenario
 from bench.truth.dataset import as_dataset, truth_path, write_simulation
 from bench.truth.loops import loop_gaps
-from bench.truth.quiet import stop_step_timers
 from bench.truth.simulate import simulate
 
 RECORDINGS = [

@@ -112,6 +112,7 @@ def excite(
 
     with shown_progress(quiet) as progress, PooledMapper() as mapper:
         from bench.basics.errors import BenchError
+        from bench.basics.quiet import stop_step_timers
         from bench.dataset.dataset import load_dataset
         from bench.dataset.robot import load_robot
         from bench.effects import catalogue_for
@@ -124,7 +125,6 @@ def excite(
         from bench.excitation.experiment.sentences import sentences
         from bench.identification.problem import problem_of
         from bench.studies.rehearsal import rehearsal_sentence, rehearse
-        from bench.truth.quiet import stop_step_timers
         from bench.viewer.planned import write_planned_rrd
 
         check_folder(output)

@@ -25,9 +25,9 @@ def simulate(scenario: str, output: Path, seed: int | None, overwrite: bool, qui
     with shown_progress(quiet) as progress:
         from bench.api.simulate import simulation_of
         from bench.basics.errors import BenchError
+        from bench.basics.quiet import stop_step_timers
         from bench.dataset.names import DATASET_FILE
         from bench.truth.dataset import write_simulation
-        from bench.truth.quiet import stop_step_timers
 
         if (output / DATASET_FILE).exists() and not overwrite:
             raise BenchError(f"{output}: already holds a dataset; --overwrite replaces it")
@@ -63,6 +63,7 @@ def demo(output: Path, scenario: str) -> None:
     from rich.console import Console
 
     from bench.api.diagnose import diagnose
+    from bench.basics.quiet import stop_step_timers
     from bench.dataset.dataset import load_dataset
     from bench.document.figures.comparison import write_current_figure
     from bench.document.terminal.identification import identification_report
@@ -75,7 +76,6 @@ def demo(output: Path, scenario: str) -> None:
     from bench.page.write import write_diagnosis_report
     from bench.studies.sweep.accuracy import true_values
     from bench.truth.dataset import write_simulation
-    from bench.truth.quiet import stop_step_timers
     from bench.truth.report import truth
     from bench.truth.simulate import simulate
     from bench.viewer.recording import write_rrd

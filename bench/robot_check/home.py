@@ -53,7 +53,7 @@ def check_home(geometry: Geometry, loops: tuple[LoopLine, ...], source: HomeSour
     if closed is None:
         fixed_gaps = _fixed_gaps(geometry)
         return Check(CheckCode.HOME_OPEN_AND_NO_CLOSED_POSE, verdict, {**opening, "fixed_gaps": fixed_gaps})
-    return Check(CheckCode.HOME_OPEN, verdict, {**opening, "closed_qpos": _file_qpos(geometry, closed)})
+    return Check(CheckCode.HOME_OPEN, verdict, {**opening, "closed_qpos": file_qpos(geometry, closed)})
 
 
 def _fixed_gaps(geometry: Geometry) -> dict[str, list[float]]:
@@ -102,7 +102,7 @@ def _pose_or_reason(geometry: Geometry, closed: np.ndarray | None, accepted: boo
     inside its range in this pose.
     """
     if closed is not None and accepted:
-        return {"closed_qpos": _file_qpos(geometry, closed)}
+        return {"closed_qpos": file_qpos(geometry, closed)}
     outside = None if closed is None else _at_end(geometry, closed)
     return {
         "contradictions": contradictions(geometry, _inside(geometry)),
@@ -110,7 +110,7 @@ def _pose_or_reason(geometry: Geometry, closed: np.ndarray | None, accepted: boo
     }
 
 
-def _file_qpos(geometry: Geometry, q: np.ndarray) -> list[float]:
+def file_qpos(geometry: Geometry, q: np.ndarray) -> list[float]:
     """A pose (nq,) as a keyframe of the MJCF, with the locked joints."""
     return geometry.robot.file_qpos(to_mujoco(geometry, q).tolist())
 

@@ -15,9 +15,8 @@ from bench.model.regressor import rotor_columns
 from bench.model.spin import idle_spins
 from bench.robot_check.bounds import PLAUSIBLE
 from bench.robot_check.couplings import equation_of
-from bench.robot_check.home import closed_pose
+from bench.robot_check.home import closed_pose, file_qpos
 from bench.robot_check.home_key import home_key
-from bench.robot_check.machine import to_mujoco
 from bench.robot_check.outcome import Check, CheckCode
 from bench.robot_check.report import Amplification, Mobility, RobotReport
 
@@ -53,8 +52,7 @@ def check_mobility(geometry: Geometry, mobility: Mobility) -> Check:
         if isinstance(error, SingularHomeError):
             pose = closed_pose(geometry)
             if pose is not None and smallest_singular_values(geometry, pose[None])[0] > PLAUSIBLE.regular:
-                qpos = geometry.robot.file_qpos(to_mujoco(geometry, pose).tolist())
-                fault += f", for example {home_key(qpos)}"
+                fault += f", for example {home_key(file_qpos(geometry, pose))}"
         return Check(CheckCode.MOBILITY_FAULT, "failed", {"fault": fault})
     return Check(
         CheckCode.MOBILITY,

@@ -6,11 +6,11 @@ from dataclasses import dataclass
 
 from bench.basics.errors import BenchError
 from bench.basics.progress import SILENT, Progress
+from bench.basics.quiet import unwarned
 from bench.excitation.experiment.files import scenario_text
 from bench.excitation.experiment.plan import ExperimentPlan
 from bench.excitation.experiment.simulated import DRIVES, FIRST, SimulatedDrive
 from bench.scenario.scenario import Scenario, scenario_from_dict
-from bench.truth.quiet import unwarned
 from bench.truth.simulate import simulate
 
 

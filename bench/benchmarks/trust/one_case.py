@@ -22,8 +22,9 @@ def case_lines(name: str, also: Sequence[str] = ()) -> Iterator[str]:
     robot, kind, number = ["", "", *name.rsplit("/", 2)][-3:]
     if not robot or kind not in KINDS or not number.isdecimal():
         raise BenchError(f"--case {name}: give ROBOT/QUESTION/NUMBER; questions are {', '.join(KINDS)}")
-    further = setups_of(also)
-    setup = further[robot] if robot in further else setups_of([robot])[robot]
+    setup = setups_of(also).get(robot)
+    if setup is None:
+        (setup,) = setups_of([robot]).values()
     place: dict[str, str | int] = {"robot": robot, "question": kind, "number": int(number)}
     (row,) = case_rows(setup, place, 0, True, trial_trajectories(setup))
     yield f"hidden: {hidden_text(row)}"

@@ -9,6 +9,7 @@ import numpy as np
 from bench.basics.errors import BenchError
 from bench.basics.plain_data import finite
 from bench.basics.progress import SILENT, Progress
+from bench.basics.quiet import unwarned
 from bench.basics.threads import on_one_thread
 from bench.export.physical import PhysicalSet, with_values
 from bench.export.replay.cause_words import lost_in_words
@@ -20,7 +21,6 @@ from bench.identification.prepare import Prepared
 from bench.identification.problem import Problem
 from bench.identification.result import CurrentSeries, error_summary, relative_error
 from bench.identification.summary import modelled_series
-from bench.truth.quiet import unwarned
 
 
 @dataclass(frozen=True, eq=False)

@@ -41,7 +41,7 @@ class FileChange:
         return 2.0 * step, 1.0
 
     def make(self, model: mujoco.MjModel) -> None:
-        """FileChange a model whose step is set."""
+        """Change a model whose step is set."""
         if self.contacts_off:
             model.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_CONTACT
         if self.stiff:

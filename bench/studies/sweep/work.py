@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from bench.basics.errors import BenchError
+from bench.basics.quiet import stop_step_timers, unwarned
 from bench.basics.versions import versions
 from bench.diagnosis.discovery.find import find_missing_effects
 from bench.excitation.scenario import designer
@@ -27,7 +28,6 @@ from bench.studies.sweep.run_plan import Work
 from bench.studies.sweep.sweep_file import Sweep
 from bench.truth.dataset import as_dataset
 from bench.truth.machine import true_gains
-from bench.truth.quiet import stop_step_timers, unwarned
 from bench.truth.resense import sense_again
 from bench.truth.simulate import Simulation, simulate
 

@@ -6,6 +6,7 @@ from typing import Any
 
 from bench.basics.errors import BenchError
 from bench.basics.joint_units import units_of_gain
+from bench.basics.quiet import stop_step_timers
 from bench.basics.sentence import and_list
 from bench.dataset.robot import load_robot
 from bench.effects import CATALOGUE
@@ -17,7 +18,6 @@ from bench.studies.trial.setup import Setup, where
 from bench.studies.trial.unknown import sized
 from bench.truth.hidden.reference import Reference
 from bench.truth.hidden.sizes import typical
-from bench.truth.quiet import stop_step_timers
 from bench.truth.simulate import Simulation, simulate
 
 ATTEMPTS = 4  # simulations: if one fails, the effects are halved for the next
