@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from bench.basics.errors import BenchError
-from bench.benchmarks.trust import one_case
+from bench.benchmarks.trust import one_case, others
 from bench.benchmarks.trust.__main__ import main
 from bench.benchmarks.trust.cells import AGAIN, AGAIN_EVERY, APART, TrustCase, TrustCells, changelog_number
 from bench.benchmarks.trust.evaluation import Evaluation, read_evaluation
@@ -22,6 +22,8 @@ from bench.benchmarks.trust.questions import QUESTIONS
 from bench.benchmarks.trust.run import TABLE, TrustRequest, run_trust, setups_of
 from bench.benchmarks.trust.tally import Tally
 from bench.benchmarks.trust.work import FRESH, FROZEN, MORE_NOISE, Place, drawn_case, with_more_noise
+from bench.dataset.robot import load_robot
+from bench.excitation.experiment.plan import Aim, plan_experiment
 from bench.excitation.scenario import designer
 from bench.scenario.scenario import load_scenario, resolve_trajectories
 from bench.studies.sweep.journal import Row
@@ -265,8 +267,32 @@ def test_a_case_of_a_robot_folder_or_scenario_is_run(
     scenario = tmp_path / "planned.toml"
     scenario.write_text(f'base = "two_link"\nrobot = "{folder}"\n')
     for name, also in ((folder, []), ("two_link", [str(scenario)]), ("two_link", [])):
-        assert list(one_case.case_lines(f"{name}/nothing/3", also)) == ["hidden: nothing", "failed: not run"]
+        assert list(one_case.case_lines(f"{name}/nothing/3", also, tmp_path)) == [
+            "hidden: nothing",
+            "failed: not run",
+        ]
     assert ran == [("two_link", folder), ("two_link", "two_link"), ("two_link", "two_link")]
+
+
+def test_robots_of_other_people_join_where_they_are_present(
+    tmp_path: Path, project_root: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """As copies without friction, with planned motions; a second call plans nothing."""
+    given = shutil.copytree(project_root / "robots" / "two_link", tmp_path / "data" / "foreign" / "g1_ankle")
+    file = load_robot(given).model_path
+    file.write_text(file.read_text().replace("<joint ", '<joint frictionloss="0.1" damping="0.2" '))
+    monkeypatch.setenv("PARABENCH_DATA", str(tmp_path / "data"))
+    monkeypatch.setattr(others, "plan_experiment", partial(plan_experiment, aim=Aim(steps=1)))
+    (scenario,) = others.scenarios_of_others(tmp_path / "prepared")
+    (setup,) = setups_of([scenario]).values()
+    model = load_robot(setup.content["robot"]).mjcf_model()
+    assert not model.dof_frictionloss.any()
+    assert not model.dof_damping.any()
+    assert [recording["name"] for recording in setup.content["recordings"]][:2] == ["unloaded", "loaded"]
+    monkeypatch.delattr(others, "plan_experiment")
+    assert others.scenarios_of_others(tmp_path / "prepared") == [scenario]
+    monkeypatch.setenv("PARABENCH_DATA", str(tmp_path))
+    assert others.scenarios_of_others(tmp_path / "prepared") == []
 
 
 @pytest.mark.slow

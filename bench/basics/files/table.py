@@ -78,7 +78,7 @@ class FileTable:
         """
         kind = self.data.schema.field(column).type
         if self.is_plain(column):
-            return np.asarray(self.data[column].cast(pa.float64()).to_numpy(), dtype=np.float64)
+            return np.concatenate([np.zeros(0), *map(_floats, self.data[column].cast(pa.float64()).chunks)])
         if self.text is None:
             raise BenchError(f"{self.path}: column {column}: holds {kind}, not numbers")
         index = self.columns.index(column)
@@ -132,6 +132,16 @@ class FileTable:
             return "is empty" if not self.data[column][row].is_valid else f"is {value}"
         cell = self.text.cell(self.first_row + row, self.text.names.index(source))
         return f"is {cell!r}, which is no measurement" if cell else "is empty"
+
+
+def _floats(chunk: pa.Array) -> Array:
+    """A chunk of floats (N,), empty cells as NaN; without `to_numpy`, which imports pandas."""
+    if chunk.null_count == len(chunk):
+        return np.full(len(chunk), np.nan)
+    values = np.frombuffer(chunk.buffers()[1], count=len(chunk), offset=8 * chunk.offset)
+    if not chunk.null_count:
+        return values
+    return np.where(np.from_dlpack(chunk.is_null().cast(pa.uint8())), np.nan, values)
 
 
 def _is_numeric(kind: pa.DataType) -> bool:

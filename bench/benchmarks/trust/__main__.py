@@ -3,8 +3,9 @@
     python -m bench.benchmarks.trust [ROBOT ...] [--hours H] [--workers N | --scheduler ADDRESS] [-o DIR]
     python -m bench.benchmarks.trust --case ROBOT/QUESTION/NUMBER
 
-A second start continues with the unfinished cases. `--page` only writes the page of the table again; `--readme
-README.md` also writes the table into that file.
+The two robots of OTHERS join where the measured data have them, as copies without friction, with motions planned like
+those of `bench excite`. A second start continues with the unfinished cases. `--page` only writes the page of the table
+again; `--readme README.md` also writes the table into that file.
 """
 
 import argparse
@@ -18,10 +19,11 @@ from bench.basics.errors import BenchError
 from bench.benchmarks.trust.cells import changelog_number
 from bench.benchmarks.trust.evaluation import read_evaluation
 from bench.benchmarks.trust.one_case import case_lines
+from bench.benchmarks.trust.others import OTHERS, PREPARED, scenarios_of_others
 from bench.benchmarks.trust.overview import write_readme
 from bench.benchmarks.trust.page import write_page
 from bench.benchmarks.trust.plan import TrustProgress
-from bench.benchmarks.trust.run import ROBOTS, TABLE, TrustRequest, run_trust, setups_of
+from bench.benchmarks.trust.run import ROBOTS, TABLE, WORK, TrustRequest, run_trust, setups_of
 from bench.studies.sweep.pool import Workers
 
 RESULT = Path("results/trust")
@@ -36,7 +38,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     try:
         if given.case:
             console.file = sys.stdout
-            for line in case_lines(given.case, given.also):
+            for line in case_lines(given.case, given.also, given.output / WORK / PREPARED):
                 console.print(line, markup=False, highlight=False, soft_wrap=True)
             return 0
         if not given.page:
@@ -59,7 +61,12 @@ def _parser() -> argparse.ArgumentParser:
         prog="python -m bench.benchmarks.trust", description=(__doc__ or "").split("\n")[0]
     )
     add = parser.add_argument
-    add("robots", nargs="*", metavar="ROBOT", help=f"names or folders; by default {', '.join(ROBOTS)}")
+    add(
+        "robots",
+        nargs="*",
+        metavar="ROBOT",
+        help=f"names or folders; by default {', '.join((*ROBOTS, *OTHERS))}",
+    )
     add("--hours", type=float, default=HOURS, help="of all workers at the same time [default: %(default)s]")
     add(
         "--also",
@@ -81,11 +88,10 @@ def _parser() -> argparse.ArgumentParser:
 def _run(given: argparse.Namespace, console: Console) -> None:
     workers = Workers(given.workers, given.scheduler)
     workers.warm_up()
+    robots = given.robots or [*ROBOTS, *scenarios_of_others(given.output / WORK / PREPARED)]
     number = changelog_number()
     version = f"{number.version}, entry {number.entries}"
-    request = TrustRequest(
-        setups_of([*(given.robots or ROBOTS), *given.also]), version, number.first, given.hours
-    )
+    request = TrustRequest(setups_of([*robots, *given.also]), version, number.first, given.hours)
     console.print(f"{version}: cases from number {number.first} on, {given.hours:g} h", highlight=False)
     run_trust(
         request, given.output, workers.pool, lambda tally, budget: TrustProgress(console, tally, budget)

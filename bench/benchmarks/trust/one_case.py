@@ -2,8 +2,10 @@
 
 import json
 from collections.abc import Iterator, Sequence
+from pathlib import Path
 
 from bench.basics.errors import BenchError
+from bench.benchmarks.trust.others import OTHERS, scenarios_of_others
 from bench.benchmarks.trust.run import setups_of
 from bench.benchmarks.trust.stability import NOISE, SURE, WITHOUT_LOG
 from bench.benchmarks.trust.words import answer_text, hidden_text
@@ -13,16 +15,19 @@ from bench.studies.trial.cases import KINDS
 from bench.studies.trial.work import trial_trajectories
 
 
-def case_lines(name: str, also: Sequence[str] = ()) -> Iterator[str]:
+def case_lines(name: str, also: Sequence[str], folder: Path) -> Iterator[str]:
     """Run the case ROBOT/QUESTION/NUMBER: the hidden effects and the diagnosis, as lines.
 
-    also: robot folders or scenario files of robots that are not built in.
+    also: robot folders or scenario files of robots that are not built in; folder: receives robots that have to be
+    prepared.
     Raises BenchError if `name` is not a case.
     """
     robot, kind, number = ["", "", *name.rsplit("/", 2)][-3:]
     if not robot or kind not in KINDS or not number.isdecimal():
         raise BenchError(f"--case {name}: give ROBOT/QUESTION/NUMBER; questions are {', '.join(KINDS)}")
-    setup = setups_of(also).get(robot)
+    setup = setups_of([*also, *scenarios_of_others(folder, [each for each in OTHERS if each == robot])]).get(
+        robot
+    )
     if setup is None:
         (setup,) = setups_of([robot]).values()
     place: dict[str, str | int] = {"robot": robot, "question": kind, "number": int(number)}
