@@ -50,12 +50,14 @@ def main_job_figures() -> list[SpeedFigure]:
 
 def diagnosis_figures() -> list[SpeedFigure]:
     """Time, processor use and memory of diagnoses of small and large robots, and time of several at once."""
-    figures, busy, identifying, memory = [], 0.0, 0.0, 0.0
+    figures, busy, memory = [], 0.0, 0.0
     for name, limit, cost in diagnosis.costs():
         figures.append(SpeedFigure(name, cost.seconds, "s", limit))
-        busy, identifying = max(busy, cost.processor / cost.seconds), max(identifying, cost.busy)
+        busy = max(busy, cost.processor / cost.seconds)
         if "hexapod" in name:
             memory = cost.megabytes
+    identified = diagnosis.identification()
+    identifying = identified.processor / identified.seconds
     return [
         *figures,
         SpeedFigure("peak memory of a hexapod's diagnosis", memory, "MB", diagnosis.MEGABYTES),

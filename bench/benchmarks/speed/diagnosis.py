@@ -1,21 +1,19 @@
-"""Cost of a diagnosis against the whole catalogue: time, processor time, memory, and several at once."""
+"""Cost of a diagnosis as a user types it, start-up and law search included: time, processor time, memory, and several
+at once.
+"""
 
 from collections.abc import Iterator, Mapping, Sequence
-from concurrent.futures import ProcessPoolExecutor
-from multiprocessing import get_context
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from time import perf_counter
 from typing import Any
 
 from bench.benchmarks.measured_data import measured_data
 from bench.benchmarks.speed import report
-from bench.benchmarks.speed.one_diagnosis import Cost, cost_alone, cost_of
-from bench.dataset.dataset import Dataset, load_dataset
+from bench.benchmarks.speed.one_command import Cost, cost_of, costs_at_once
 from bench.excitation.scenario import designer
 from bench.scenario.file import find_scenario, read_with_bases
 from bench.scenario.scenario import resolve_trajectories, scenario_from_dict
-from bench.truth.dataset import as_dataset
+from bench.truth.dataset import write_simulation
 from bench.truth.simulate import simulate
 
 DURATION, SHORT, HEXAPOD = 24.0, 14.0, 10.0  # s, of a recording
@@ -35,15 +33,27 @@ OFFSET_AND_FRICTION: Mapping[str, Hidden] = {
     ),
 }
 """A linear effect, and one whose columns depend on the model and are recomputed in every round."""
+ONE: Hidden = ({"effect": "coulomb_friction", "Fc": 0.3},)
 THREE: Hidden = (
-    {"effect": "coulomb_friction", "Fc": 0.3},
+    *ONE,
     {"effect": "cogging_torque", "a": 0.1, "b": 0.05, "period": 0.52},
     {"effect": "viscous_friction", "Fv": 0.15},
 )
+TWO_LOGS = "diagnose two recordings of 24 s"
+THREE_LOGS = f"{TWO_LOGS} and one of 14 s"
+SIMULATED: Sequence[tuple[str, float, str, Hidden]] = (
+    (f"{TWO_LOGS}, five_bar", 1.5, "five_bar", ()),
+    (f"{TWO_LOGS}, delta", 3.0, "delta", ()),
+    (f"{TWO_LOGS}, five_bar with two hidden effects", 1.8, "five_bar", OFFSET_AND_FRICTION["five_bar"]),
+    (f"{TWO_LOGS}, delta with two hidden effects", 4.0, "delta", OFFSET_AND_FRICTION["delta"]),
+    (f"{THREE_LOGS}, three_rrr with one hidden effect", 3.5, "three_rrr", ONE),
+    (f"{THREE_LOGS}, three_rrr with three hidden effects", 6.0, "three_rrr", THREE),
+)
+"""Name of the figure, its limit in s, robot, and hidden effects."""
 
 
-def simulated(robot: str, hidden: Hidden, *, checked: bool) -> Dataset:
-    """A dataset from a robot's scenario with effects that no model contains.
+def simulated(folder: Path, robot: str, hidden: Hidden, *, checked: bool) -> Path:
+    """Write a dataset from a robot's scenario with effects that no model contains; return its folder.
 
     The fitted recordings and, if `checked`, one for validation.
     """
@@ -57,49 +67,40 @@ def simulated(robot: str, hidden: Hidden, *, checked: bool) -> Dataset:
     shorter = [{**other, "design": {**other["design"], "duration": SHORT}} for other in others]
     content["recordings"] = [*fitted, *shorter]
     scenario = scenario_from_dict(content, robot)
-    return as_dataset(simulate(scenario, resolve_trajectories(scenario, designer)))
+    write_simulation(simulate(scenario, resolve_trajectories(scenario, designer)), folder)
+    return folder
 
 
-def hexapod(folder: Path) -> Dataset:
-    """Three recordings of a platform on six legs; robot and recordings are written into the folder."""
-    return report.six_motors(folder, HEXAPOD)
-
-
-def cases(folder: Path) -> Iterator[tuple[str, float, Dataset]]:
+def cases(folder: Path) -> Iterator[tuple[str, float, Path]]:
     """Name, limit in s, and dataset of every case; the measured one only if its data are available."""
-    for robot, limit in (("five_bar", 1.5), ("delta", 4.0)):
-        data = simulated(robot, OFFSET_AND_FRICTION[robot], checked=False)
-        yield f"diagnose two recordings of 24 s, {robot}", limit, data
-    three = "diagnose two recordings of 24 s and one of 14 s, three_rrr"
-    yield three, 4.0, simulated("three_rrr", (), checked=True)
-    yield f"{three} with three hidden effects", 8.0, simulated("three_rrr", THREE, checked=True)
-    yield "diagnose three recordings of 10 s, hexapod", 10.0, hexapod(folder)
+    for i, (name, limit, robot, hidden) in enumerate(SIMULATED):
+        yield name, limit, simulated(folder / str(i), robot, hidden, checked="three_rrr" in robot)
+    yield "diagnose three recordings of 10 s, hexapod", 8.0, report.six_motors(folder, HEXAPOD).folder
     measured = measured_data() / "ur10e"
     if measured.is_dir():
-        yield "diagnose four measured logs, six-axis arm", 15.0, load_dataset(measured)
+        yield "diagnose four measured logs, six-axis arm", 15.0, measured
 
 
 def costs() -> Iterator[tuple[str, float, Cost]]:
-    """Name, limit in s and cost of every case, each in a separate process."""
+    """Name, limit in s and cost of every case."""
     with TemporaryDirectory() as folder:
         for name, limit, dataset in cases(Path(folder)):
-            yield name, limit, cost_alone(dataset)
+            yield name, limit, cost_of("diagnose", str(dataset))
+
+
+def identification() -> Cost:
+    """The cost of an identification of a five-bar."""
+    with TemporaryDirectory() as folder:
+        return cost_of("identify", str(simulated(Path(folder) / "data", "five_bar", (), checked=False)))
 
 
 def three_over_two() -> float:
     """Time of three simultaneous diagnoses over that of two; the shortest of `REPEATS` each, alternating."""
-    dataset = simulated("five_bar", OFFSET_AND_FRICTION["five_bar"], checked=False)
-    with _workers(2) as two, _workers(3) as three:
-        pools = {2: two, 3: three}
-        for count, pool in pools.items():
-            list(pool.map(cost_of, [dataset] * count))  # imports and caches
+    with TemporaryDirectory() as folder:
+        hidden = OFFSET_AND_FRICTION["five_bar"]
+        dataset = simulated(Path(folder) / "data", "five_bar", hidden, checked=False)
         times: dict[int, list[float]] = {2: [], 3: []}
         for count in (2, 3) * REPEATS:
-            start = perf_counter()
-            list(pools[count].map(cost_of, [dataset] * count))
-            times[count].append(perf_counter() - start)
+            together = costs_at_once([["diagnose", str(dataset)]] * count)
+            times[count].append(max(cost.seconds for cost in together))
     return min(times[3]) / min(times[2])
-
-
-def _workers(count: int) -> ProcessPoolExecutor:
-    return ProcessPoolExecutor(count, mp_context=get_context("spawn"))
