@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from itertools import pairwise
+from math import exp
 
 from bench.diagnosis.reason_words import probability_text
 from bench.diagnosis.result import Diagnosis, EffectVerdict
@@ -11,11 +12,12 @@ from bench.document.numbers import gain_change
 from bench.document.table import PLAIN, Column, Mark, Table
 from bench.effects.display_names import spoken
 from bench.effects.select import TAG
+from bench.identification.decision import RULE
 from bench.identification.result import Identification, Quantity
 
 INDISTINGUISHABLE = (
-    "indistinguishable: these data do not exclude the alternatives, which takes odds of 20,000 to 1; a probability of "
-    "0.99 is odds of 100 to 1"
+    "indistinguishable: these data do not exclude the alternatives, which takes odds of "
+    f"{float(f'{exp(RULE.undecided):.1g}'):,.0f} to 1; a probability of 0.99 is odds of 100 to 1"
 )
 
 
