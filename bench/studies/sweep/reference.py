@@ -1,6 +1,7 @@
 """Reference scenarios, their accepted results, and the comparison of new results with these."""
 
 import json
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -118,26 +119,14 @@ def measured_lines(plan: Plan, table: Path, metrics: Sequence[str]) -> dict[str,
 
 def save_reference(path: Path, reference: SweepReference) -> None:
     """Write a reference as JSON with one metric per line, so that a diff shows each change."""
-    lines = [
-        f"  {json.dumps(label)}: {{\n"
-        + ",\n".join(
-            f"    {json.dumps(name)}: {json.dumps(values)}"
-            for name, values in (
-                ("seeds", list(line.seeds)),
-                *((m, _rounded(v)) for m, v in line.values.items()),
-            )
-        )
-        + "\n  }"
+    lines = {
+        label: {"seeds": line.seeds, **{metric: _rounded(values) for metric, values in line.values.items()}}
         for label, line in reference.lines.items()
-    ]
+    }
     head = {"reason": reference.reason, "content": reference.content, "program": dict(reference.program)}
-    text = (
-        json.dumps(head, indent=1, ensure_ascii=False)[:-2]
-        + ',\n "lines": {\n'
-        + ",\n".join(lines)
-        + "\n }\n}\n"
-    )
-    write_text_atomically(path, text)
+    text = json.dumps({**head, "lines": lines}, indent=1, ensure_ascii=False)
+    text = re.sub(r"\[\n[^\]]*\]", lambda values: json.dumps(json.loads(values[0])), text)
+    write_text_atomically(path, text.replace("\n   ", "\n    ") + "\n")
 
 
 def load_reference(path: Path) -> SweepReference | None:

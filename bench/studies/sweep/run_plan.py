@@ -4,6 +4,7 @@ import json
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
+from itertools import chain, groupby
 from pathlib import Path
 from typing import Any
 
@@ -205,14 +206,12 @@ class Driver:
 
 def _sets(tasks: Iterable[tuple[Run, ...]]) -> Iterator[_Set]:
     """Sets of runs with the same equations, in order; a motion is shared if an adjacent set has the same."""
-    before, current = "", None
-    for following in tasks:
-        if current is not None:
-            yield _Set(current, current[0].motion in (before, following[0].motion))
-            before = current[0].motion
-        current = following
-    if current is not None:
-        yield _Set(current, current[0].motion == before)
+    for _, same in groupby(tasks, key=lambda runs: runs[0].motion):
+        group = iter(same)
+        first, second = next(group), next(group, None)
+        yield _Set(first, second is not None)
+        if second is not None:
+            yield from (_Set(runs, True) for runs in chain([second], group))
 
 
 def keep_design(folder: Path, name: str, trajectories: Mapping[str, FourierTrajectory]) -> None:
