@@ -87,20 +87,6 @@ def _matches(missing: Sequence[Named], expected: Sequence[str]) -> bool:
     )
 
 
-def named_from(verdicts: Sequence[Mapping[str, object]]) -> list[Named]:
-    """Named effects from their plain form: effect, verdict, alternatives."""
-    return [
-        Named(
-            str(verdict["effect"]), str(verdict["verdict"]), tuple(map(str, _texts(verdict["alternatives"])))
-        )
-        for verdict in verdicts
-    ]
-
-
-def _texts(value: object) -> Sequence[object]:
-    return value if isinstance(value, list | tuple) else ()
-
-
 VARIABLES = {
     "direction": "velocity",
     "v": "velocity",
