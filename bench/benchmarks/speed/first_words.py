@@ -6,11 +6,12 @@ import select
 import subprocess
 import sys
 import tempfile
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from time import perf_counter
 
 from bench.basics.errors import BenchError
+from bench.benchmarks.speed.figures import SpeedFigure
 from bench.benchmarks.speed.long_log import write_long_dataset
 
 LIMIT = 1.0  # s
@@ -21,8 +22,9 @@ SECONDS = 10.0  # of the recordings that the commands read
 EFFECTS = ("coulomb_friction", "viscous_friction")
 
 
-def measure_all(repeats: int = REPEATS) -> Iterator[tuple[str, float]]:
-    """The name and the time, s, of each long-running command; the shortest of several."""
+def first_words_figures() -> list[SpeedFigure]:
+    """The time of each long-running command until its first words on a terminal; the shortest of several."""
+    figures = []
     with tempfile.TemporaryDirectory(prefix="bench-speed-") as name:
         folder = Path(name)
         data = str(write_long_dataset(folder / "data", SECONDS))
@@ -34,7 +36,9 @@ def measure_all(repeats: int = REPEATS) -> Iterator[tuple[str, float]]:
             ("trial", "five_bar", "--kinds", "nothing", "--seeds", "1", "-o", out),
             ("discriminate", data, *EFFECTS, "-o", out),
         ):
-            yield words[0], min(measure(words) for _ in range(repeats))
+            seconds = min(measure(words) for _ in range(REPEATS))
+            figures.append(SpeedFigure(f"bench {words[0]} until its first words", seconds, "s", LIMIT))
+    return figures
 
 
 def measure(arguments: Sequence[str]) -> float:

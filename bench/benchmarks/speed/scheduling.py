@@ -9,7 +9,7 @@ import subprocess
 import sys
 import tempfile
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
 
@@ -150,13 +150,8 @@ def measure_all() -> list[Scheduling]:
 def scheduling_figures() -> list[SpeedFigure]:
     """Cost and memory of both pools; also writes their numbers."""
     measured = measure_all()
-    keep(measured)
-    return [figure for scheduling in measured for figure in figures_of(scheduling)]
-
-
-def keep(measured: Sequence[Scheduling]) -> None:
-    """Write the numbers."""
     write_json_atomically(RESULT, [{**asdict(scheduling), **versions().columns()} for scheduling in measured])
+    return [figure for scheduling in measured for figure in figures_of(scheduling)]
 
 
 def figures_of(scheduling: Scheduling) -> list[SpeedFigure]:

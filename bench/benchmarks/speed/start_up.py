@@ -11,6 +11,7 @@ from pathlib import Path
 from time import perf_counter
 
 from bench.basics.errors import BenchError
+from bench.benchmarks.speed.figures import SpeedFigure
 
 COMMANDS = ("identify", "diagnose")
 LIMIT = 0.7  # s
@@ -18,13 +19,18 @@ REPEATS = 5
 REFUSED = 2  # exit code of a user's mistake
 
 
-def measure(command: str, repeats: int = REPEATS) -> float:
+def start_up_figures() -> list[SpeedFigure]:
+    """Time from the start of a command until it reads its dataset."""
+    return [SpeedFigure(f"start of bench {command}", measure(command), "s", LIMIT) for command in COMMANDS]
+
+
+def measure(command: str) -> float:
     """Seconds; the shortest of several, since other processes only slow it down."""
     with tempfile.TemporaryDirectory(prefix="bench-speed-") as folder:
         arguments = [sys.executable, "-m", "bench", command, str(Path(folder) / "nothing")]
         environment = {name: value for name, value in os.environ.items() if name != "PYTHONDONTWRITEBYTECODE"}
         environment["PYTHONPYCACHEPREFIX"] = str(Path(folder) / "bytecode")
-        return min(_once(arguments, environment) for _ in range(repeats))
+        return min(_once(arguments, environment) for _ in range(REPEATS))
 
 
 def _once(arguments: list[str], environment: dict[str, str]) -> float:
