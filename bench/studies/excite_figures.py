@@ -93,45 +93,27 @@ def with_other_currents(prepared: Prepared, dataset: Dataset) -> Prepared | None
 
 
 @dataclass(frozen=True)
-class ForecastOutcome:
-    """One unknown: its predicted standard error, and the standard deviation of its estimates over all repetitions."""
-
-    name: str
-    expected: float
-    observed: float
-
-    @property
-    def ratio(self) -> float:
-        """Observed over expected; 1 if the prediction is right."""
-        return self.observed / self.expected
-
-
-@dataclass(frozen=True)
 class ForecastTrial:
     """A forecast compared with repeated simulations.
 
-    outcomes: for all unknowns with a predicted standard error; repetitions: number of logs; independent: effective
-    number of independent unknowns, from the correlations of their estimates.
+    ratios: by unknown, the standard deviation of its estimates over all repetitions, over its predicted standard error,
+    1 if the prediction is right; repetitions: number of logs; independent: effective number of independent unknowns,
+    from the correlations of their estimates.
     """
 
-    outcomes: tuple[ForecastOutcome, ...]
+    ratios: Mapping[str, float]
     repetitions: int
     independent: float
 
     @property
     def pooled(self) -> float:
         """The root mean square of all ratios; 1 if the forecast is right overall."""
-        return float(np.sqrt(np.mean([outcome.ratio**2 for outcome in self.outcomes])))
-
-    @property
-    def pooled_by_chance(self) -> tuple[float, float]:
-        """Interval that contains `pooled` over its true value in a share CONFIDENCE of such trials."""
-        return by_chance(self.repetitions, independent=self.independent)
+        return float(np.sqrt(np.mean(np.square(list(self.ratios.values())))))
 
     @property
     def every_by_chance(self) -> tuple[float, float]:
         """Interval that contains every ratio over its true value in at least a share CONFIDENCE of such trials."""
-        return by_chance(self.repetitions, at_once=len(self.outcomes))
+        return by_chance(self.repetitions, at_once=len(self.ratios))
 
 
 def by_chance(repetitions: int, *, independent: float = 1.0, at_once: int = 1) -> tuple[float, float]:
@@ -164,15 +146,12 @@ def monte_carlo(
         again = _seeded(scenario, seed + repetition)
         prepared = _prepared(as_dataset(sense_again(simulation, again)), plan, prepared)
         estimates.append(_estimate(prepared, plan))
-    kept = np.array([expected.std is not None for expected in expectation.unknowns])
-    shown = np.array(estimates)[:, kept]
-    spreads = iter(np.std(shown, axis=0, ddof=1).tolist())
-    outcomes = tuple(
-        ForecastOutcome(expected.name, expected.std, next(spreads))
-        for expected in expectation.unknowns
-        if expected.std is not None
-    )
-    return ForecastTrial(outcomes, repetitions, _independent(shown))
+    stds = {unknown.name: unknown.std for unknown in expectation.unknowns}
+    known = {name: std for name, std in stds.items() if std is not None}
+    shown = np.array(estimates)[:, [name in known for name in stds]]
+    spreads = np.std(shown, axis=0, ddof=1).tolist()
+    ratios = {name: spread / known[name] for name, spread in zip(known, spreads, strict=True)}
+    return ForecastTrial(ratios, repetitions, _independent(shown))
 
 
 def _independent(estimates: np.ndarray) -> float:
@@ -230,11 +209,6 @@ def kept_figures(folder: Path, robots: Sequence[str]) -> list[Figures]:
     """The figures of the robots with a file in the folder."""
     files = [folder / f"{robot}.json" for robot in robots]
     return [json.loads(file.read_text(encoding="utf-8")) for file in files if file.is_file()]
-
-
-def write_page(folder: Path, robots: Sequence[str]) -> None:
-    """Write the page of all figures into their folder."""
-    write_text_atomically(folder / PAGE, page(kept_figures(folder, robots)))
 
 
 def page(robots: Sequence[Figures]) -> str:
@@ -302,17 +276,17 @@ def figures_of(robot: str, steps: int, seed: int, repetitions: int) -> dict[str,
     }
     if repetitions:
         trial = monte_carlo(plan, forecast(plan), repetitions, seed)
-        ratios = {outcome.name: outcome.ratio for outcome in trial.outcomes}
+        smallest, largest = min(trial.ratios.values()), max(trial.ratios.values())
         figures |= {
             "repetitions": repetitions,
             "pooled": trial.pooled,
-            "pooled_interval": interval(trial.pooled, trial.pooled_by_chance),
-            "smallest": min(ratios.values()),
-            "smallest_interval": interval(min(ratios.values()), trial.every_by_chance),
-            "largest": max(ratios.values()),
-            "largest_interval": interval(max(ratios.values()), trial.every_by_chance),
+            "pooled_interval": interval(trial.pooled, by_chance(repetitions, independent=trial.independent)),
+            "smallest": smallest,
+            "smallest_interval": interval(smallest, trial.every_by_chance),
+            "largest": largest,
+            "largest_interval": interval(largest, trial.every_by_chance),
             "chance": trial.every_by_chance,
-            "ratios": ratios,
+            "ratios": trial.ratios,
         }
     return figures
 
@@ -354,7 +328,7 @@ def main(robots: tuple[str, ...], output: Path, steps: int, seed: int, repetitio
         figures = figures_of(robot, steps, seed, repetitions)
         write_json_atomically(output / f"{robot}.json", figures)
         click.echo(sentence(figures))
-    write_page(output, ROBOTS)
+    write_text_atomically(output / PAGE, page(kept_figures(output, ROBOTS)))
 
 
 if __name__ == "__main__":
