@@ -16,7 +16,6 @@ from scipy.stats import chi2
 
 from bench.basics.errors import BenchError
 from bench.basics.files.atomic import write_json_atomically, write_text_atomically
-from bench.basics.progress import SILENT, Progress
 from bench.basics.sentence import in_percent
 from bench.basics.versions import versions
 from bench.dataset.dataset import Dataset
@@ -128,7 +127,7 @@ def by_chance(repetitions: int, *, independent: float = 1.0, at_once: int = 1) -
 
 
 def monte_carlo(
-    plan: ExperimentPlan, expectation: Forecast, repetitions: int, seed: int = 0, progress: Progress = SILENT
+    plan: ExperimentPlan, expectation: Forecast, repetitions: int, seed: int = 0
 ) -> ForecastTrial:
     """Simulate the planned motions once, log them `repetitions` times with different noise, and identify each log.
 
@@ -136,13 +135,10 @@ def monte_carlo(
     """
     if repetitions < 2:
         raise BenchError(f"{repetitions} repetitions have no standard deviation: give at least 2")
-    progress.phase("simulating the motions")
     scenario = planned_scenario(plan, seed)
-    simulation = simulate(scenario, progress=progress)
-    progress.phase("identifying", repetitions)
+    simulation = simulate(scenario)
     estimates, prepared = [], None
     for repetition in range(repetitions):
-        progress.advance()
         again = _seeded(scenario, seed + repetition)
         prepared = _prepared(as_dataset(sense_again(simulation, again)), plan, prepared)
         estimates.append(_estimate(prepared, plan))

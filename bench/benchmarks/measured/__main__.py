@@ -70,8 +70,7 @@ def _repeats(output: Path) -> None:
     data, rows = measured_data(), []
     for name, kind, logs in COMPARED:
         with TemporaryDirectory() as folder:
-            make = MACHINES[name]
-            rows.append(repeats_of(name, make(data / name, Path(folder)), kind, logs))
+            rows.append(repeats_of(name, dataset_of(name, data, Path(folder)), kind, logs))
         _say(f"{name}, {rows[-1].kind}: RMS z {rows[-1].rms:.2f}, within 2 {100 * rows[-1].within:.0f} %")
     _say(f"wrote {keep_repeats(rows, versions().columns(), output)}")
 

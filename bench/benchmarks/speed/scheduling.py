@@ -128,18 +128,18 @@ class _Process:
         return float(said or 0.0)
 
 
-def measure_dask(workers: int = DASK_WORKERS, runs: int = RUNS) -> Scheduling:
+def measure_dask() -> Scheduling:
     """Measure Dask's pool, with its scheduler in one process and its workers in another."""
     scheduler = _Process()
     try:
-        hands = _Process(scheduler.address, str(workers))
+        hands = _Process(scheduler.address, str(DASK_WORKERS))
         try:
-            measured = measure("dask", workers, lambda: DaskPool(scheduler.address), runs)
+            measured = measure("dask", DASK_WORKERS, lambda: DaskPool(scheduler.address))
         finally:
             hands.end()
     finally:
         seconds = scheduler.end()
-    return replace(measured, scheduler=1e3 * seconds / _sent(runs))
+    return replace(measured, scheduler=1e3 * seconds / _sent(RUNS))
 
 
 def measure_all() -> list[Scheduling]:

@@ -11,7 +11,6 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 
 from bench.basics.errors import BenchError
-from bench.benchmarks.trust.questions import QUESTIONS, TrustQuestion
 from bench.benchmarks.trust.work import FRESH, FROZEN
 from bench.studies.sweep.journal import Row
 from bench.studies.trial.cases import Kind
@@ -59,10 +58,6 @@ class Evaluation:
         """Rows of these robots and questions, of fresh or frozen cases."""
         kept = FROZEN if frozen else FRESH
         return [row for robot in robots for kind in kinds for row in self._of.get((robot, kind, kept), [])]
-
-    def question(self, row: Row) -> TrustQuestion:
-        """The question of a row."""
-        return QUESTIONS[row["question"]]
 
 
 def read_evaluation(path: Path) -> Evaluation:

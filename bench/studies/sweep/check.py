@@ -14,6 +14,7 @@ from rich.console import Console
 from bench.basics.errors import BenchError
 from bench.basics.plural import plural
 from bench.basics.program import typed
+from bench.basics.versions import versions
 from bench.scenario.scenario import scenario_from_dict
 from bench.studies.sweep.plan import Plan
 from bench.studies.sweep.pool import LocalPool, Pool, Task
@@ -23,13 +24,13 @@ from bench.studies.sweep.reference import (
     ALARMS,
     ReferenceComparison,
     ReferenceLine,
+    SweepReference,
     chosen_plan,
     compare_line,
     content_of,
     limits_of,
     load_reference,
     measured_lines,
-    new_reference,
     reference_sweeps,
     save_reference,
     tolerances_of,
@@ -100,7 +101,8 @@ def update_reference(
         raise BenchError("check --update: give the reason for the change with --reason")
     for name, sweep, plan, lines in _measured(options, make_work):
         path = options.reference / f"{name}.json"
-        save_reference(path, new_reference(sweep, lines, reason.strip()))
+        reference = SweepReference(content_of(sweep), reason.strip(), versions().columns(), lines)
+        save_reference(path, reference)
         console.print(f"Reference: {path} ({plural(plan.size, 'run')})", highlight=False, soft_wrap=True)
 
 

@@ -184,13 +184,9 @@ class LocalPool(Pool):
             return
         if job.attempts < ATTEMPTS:
             self._queue.appendleft(job)
-        else:
-            name = (
-                f"signal {signal.Signals(-code).name}"
-                if code is not None and code < 0
-                else f"exit code {code}"
-            )
-            self._outcomes.append(Outcome(job.key, None, f"the worker died {ATTEMPTS} times ({name})"))
+            return
+        name = f"signal {signal.Signals(-code).name}" if code and code < 0 else f"exit code {code}"
+        self._outcomes.append(Outcome(job.key, None, f"the worker died {ATTEMPTS} times ({name})"))
 
 
 def attempt(task: Task, shared: Any = None) -> tuple[Any, str | None]:

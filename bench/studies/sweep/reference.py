@@ -13,7 +13,6 @@ from pydantic import Field
 from bench.basics.chi_squared import CONFIDENCE
 from bench.basics.errors import BenchError
 from bench.basics.files.atomic import write_text_atomically
-from bench.basics.versions import versions
 from bench.dataset.catalogue import catalogue_folder
 from bench.studies.sweep.metrics import is_share
 from bench.studies.sweep.plan import Plan, digest, make_plan
@@ -144,11 +143,6 @@ def load_reference(path: Path) -> SweepReference | None:
         raise BenchError(f"{path}: is not a reference ({type(error).__name__}: {error})") from error
 
 
-def new_reference(sweep: Sweep, lines: Mapping[str, ReferenceLine], reason: str) -> SweepReference:
-    """A reference of new results."""
-    return SweepReference(content_of(sweep), reason, versions().columns(), lines)
-
-
 def _rounded(values: Sequence[float | None]) -> list[float | None]:
     return [None if value is None else float(f"{value:.{DIGITS}g}") for value in values]
 
@@ -198,7 +192,7 @@ def compare_line(
             old_values, new_values = [before[seed] for seed in seeds], [values[seed] for seed in seeds]
             old, mean = _mean(old_values), _mean(new_values)
             change = _change(metric, old_values, new_values, list(before.values()))
-            verdict = _verdict(change, tolerance)
+            verdict = "worse" if change > tolerance else "better" if change < -tolerance else "same"
         if limit is not None and any(value is not None and value > limit for value in values.values()):
             verdict = "over its limit"
         comparisons.append(
@@ -234,12 +228,6 @@ def _change(
     spread = float(np.std(known, ddof=1)) if len(known) > 1 else 0.0
     unit = max(spread, RELATIVE_SPREAD * float(np.abs(known).mean()), LEAST_SPREAD)
     return float((after - before).mean()) / unit
-
-
-def _verdict(change: float, tolerance: float) -> Verdict:
-    if change > tolerance:
-        return "worse"
-    return "better" if change < -tolerance else "same"
 
 
 def _mean(values: Sequence[float | None]) -> float | None:
