@@ -209,16 +209,23 @@ def kept_figures(folder: Path, robots: Sequence[str]) -> list[Figures]:
 
 def page(robots: Sequence[Figures]) -> str:
     """Both tables as Markdown."""
+    better, true = tables(robots)
     parts = (
         "# Planned motions, and whether predictions come true",
         PLANNED,
-        rows_in_markdown(BETTER, map(_better, robots)),
+        better,
         REPEATED,
-        rows_in_markdown(TRUE, [_true(figures) for figures in robots if "pooled" in figures]),
+        true,
         f"In brackets {in_percent(CONFIDENCE, 2)} intervals by chi-square:\n{INTERVALS}",
         "`python -m bench.studies.excite_figures ROBOT --repetitions N -o results/excite` rewrites this page.",
     )
     return "\n\n".join(parts) + "\n"
+
+
+def tables(robots: Sequence[Figures]) -> tuple[str, str]:
+    """The motions and the repetitions as Markdown."""
+    repeated = [_true(figures) for figures in robots if "pooled" in figures]
+    return rows_in_markdown(BETTER, map(_better, robots)), rows_in_markdown(TRUE, repeated)
 
 
 def _better(figures: Figures) -> Sequence[str]:
@@ -227,14 +234,12 @@ def _better(figures: Figures) -> Sequence[str]:
 
 
 def _true(figures: Figures) -> Sequence[str]:
-    intervals = [with_interval(figures, name) for name in ("pooled", "smallest", "largest")]
+    intervals = [
+        f"{figures[name]:.2f} " + "[{:.2f}, {:.2f}]".format(*figures[f"{name}_interval"])
+        for name in ("pooled", "smallest", "largest")
+    ]
     chance = "{:.2f} to {:.2f}".format(*figures["chance"])
     return figures["robot"], str(figures["repetitions"]), str(len(figures["ratios"])), *intervals, chance
-
-
-def with_interval(figures: Figures, name: str) -> str:
-    """A figure with its interval, such as 0.99 [0.97, 1.01]."""
-    return f"{figures[name]:.2f} " + "[{:.2f}, {:.2f}]".format(*figures[f"{name}_interval"])
 
 
 def table_of(robot: str) -> ExperimentTable:
@@ -293,25 +298,6 @@ def interval(value: float, chance: tuple[float, float]) -> tuple[float, float]:
     return value / high, value / low
 
 
-def sentence(figures: dict[str, Any]) -> str:
-    """One robot in one line."""
-    text = (
-        f"{figures['robot']}: worst relative error {figures['worst']:.3%}, {figures['better']:.2f} times better than "
-        f"the median of {SEARCH.random} random motions ({figures['random_median']:.3%}; "
-        f"best {figures['random_best']:.3%})"
-    )
-    if "pooled" in figures:
-        pooled, smallest, largest = (
-            with_interval(figures, name) for name in ("pooled", "smallest", "largest")
-        )
-        text += (
-            f"; spread over {figures['repetitions']} repetitions / forecast: {pooled} on the whole, {smallest} to "
-            f"{largest}; in brackets {in_percent(CONFIDENCE, 2)} intervals, of the extremes for all "
-            f"{len(figures['ratios'])} unknowns at once"
-        )
-    return text
-
-
 @click.command()
 @click.argument("robots", nargs=-1)
 @click.option("-o", "--output", type=click.Path(path_type=Path), required=True, help="Folder of the figures.")
@@ -323,7 +309,7 @@ def main(robots: tuple[str, ...], output: Path, steps: int, seed: int, repetitio
     for robot in robots or ROBOTS:
         figures = figures_of(robot, steps, seed, repetitions)
         write_json_atomically(output / f"{robot}.json", figures)
-        click.echo(sentence(figures))
+        click.echo("\n".join(tables([figures])))
     write_text_atomically(output / PAGE, page(kept_figures(output, ROBOTS)))
 
 

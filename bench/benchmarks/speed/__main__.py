@@ -12,7 +12,6 @@ import click
 
 from bench.benchmarks.speed import diagnosis
 from bench.benchmarks.speed.figures import SpeedFigure, append_history, figures_table, last_values
-from bench.benchmarks.speed.first_words import first_words_figures
 from bench.benchmarks.speed.growth import growth_figures
 from bench.benchmarks.speed.long_log import long_log_figures
 from bench.benchmarks.speed.main_job import main_job_figures
@@ -42,7 +41,7 @@ def diagnosis_figures() -> list[SpeedFigure]:
 
 
 MEASUREMENTS: Mapping[str, Callable[[], list[SpeedFigure]]] = {
-    "start_up": lambda: [*start_up_figures(), *first_words_figures()],
+    "start_up": start_up_figures,
     "regressor": regressor_figures,
     "main_job": main_job_figures,
     "long_log": long_log_figures,

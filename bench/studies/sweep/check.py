@@ -3,7 +3,7 @@
 import os
 import tempfile
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from contextlib import nullcontext
 from dataclasses import dataclass
 from itertools import groupby
@@ -17,7 +17,7 @@ from bench.basics.program import typed
 from bench.basics.versions import versions
 from bench.scenario.scenario import scenario_from_dict
 from bench.studies.sweep.plan import Plan
-from bench.studies.sweep.pool import LocalPool, Pool, Task
+from bench.studies.sweep.pool import LocalPool
 from bench.studies.sweep.preflight import check_plan
 from bench.studies.sweep.progress import duration_text
 from bench.studies.sweep.reference import (
@@ -35,7 +35,7 @@ from bench.studies.sweep.reference import (
     save_reference,
     tolerances_of,
 )
-from bench.studies.sweep.run_plan import Work, keep_design
+from bench.studies.sweep.run_plan import Work
 from bench.studies.sweep.run_sweep import run_sweep
 from bench.studies.sweep.summary import number, plain_table
 from bench.studies.sweep.sweep_file import Sweep
@@ -128,36 +128,16 @@ def _measured(
     All sweeps share the workers, and trajectories that several of them need are designed once.
     """
     chosen = _chosen(options)
-    works = {name: make_work(sweep) for name, (sweep, _) in chosen.items()}
     workers = options.workers or len(os.sched_getaffinity(0))
     temporary = tempfile.TemporaryDirectory(prefix="bench-check-")
     with LocalPool(workers) as pool, temporary as folder:
-        designs = Path(folder) / "designs"
-        _design([(works[name], plan) for name, (_, plan) in chosen.items()], pool, designs)
         for name, (sweep, plan) in chosen.items():
             lent, quiet = lambda: nullcontext(pool), lambda _: None
             target = Path(folder) / name
-            finished = run_sweep(plan, target, lent, works[name], quiet, designs=designs)
+            designs = Path(folder) / "designs"
+            finished = run_sweep(plan, target, lent, make_work(sweep), quiet, designs=designs)
             lines = measured_lines(plan, finished.table, list(tolerances_of(sweep)))
             yield name, sweep, plan, lines
-
-
-def _design(plans: Sequence[tuple[Work, Plan]], pool: Pool, folder: Path) -> None:
-    """Design all trajectories in parallel; a failure is reported later by the sweep that needs the trajectory."""
-    wanted: dict[str, Task] = {}
-    for work, plan in plans:
-        for run in map(plan.run, range(plan.size)):
-            if run.design not in wanted:
-                wanted[run.design] = work.design(run)
-    names = list(wanted)
-    for key, name in enumerate(names):
-        pool.submit(key, wanted[name])
-    remaining = len(names)
-    while remaining:
-        for outcome in pool.outcomes():
-            remaining -= 1
-            if outcome.fault is None:
-                keep_design(folder, names[outcome.key], outcome.value)
 
 
 def _print(console: Console, comparisons: list[ReferenceComparison], *, verbose: bool) -> None:
