@@ -41,13 +41,11 @@ class IdentifiedRun:
 
     @cached_property
     def true_parameters(self) -> dict[str, float]:
-        """The true base parameters, by name."""
-        from bench.studies.sweep.accuracy import true_base_parameters  # noqa: PLC0415 - likewise
+        """The true base parameters by name, and the true gains by joint."""
+        from bench.studies.sweep.accuracy import true_values  # noqa: PLC0415 - likewise
         from bench.truth.report import truth  # noqa: PLC0415 - likewise
 
-        model = self.prepared.model
-        values = true_base_parameters(model, truth(self.simulation))
-        return dict(zip(model.base.names, values, strict=True))
+        return true_values(self.prepared.model, truth(self.simulation))
 
     @property
     def _estimates(self) -> list[tuple[Parameter, float]]:

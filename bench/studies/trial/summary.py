@@ -13,7 +13,7 @@ import numpy as np
 from bench.basics.chi_squared import WITHIN_95
 from bench.effects import CATALOGUE
 from bench.studies.sweep.journal import Row, names_in
-from bench.studies.trial.compatible import COMPANIONS, optional
+from bench.studies.trial.compatible import expected, optional
 from bench.studies.trial.target import (
     FLOOR_FACTOR,
     GAIN_FACTOR,
@@ -132,9 +132,8 @@ def first_named(row: Row) -> str:
     or NOTHING.
     """
     drawn = names_in(row["hidden"])
-    companions = {name for effect in drawn for name in COMPANIONS.get(effect, ())} | optional(drawn)
-    companions -= set(drawn)
-    names = [name for name in names_in(row["missing"]) if name not in companions]
+    aside = {*expected(drawn), *optional(drawn)} - set(drawn)
+    names = [name for name in names_in(row["missing"]) if name not in aside]
     if names:
         return names[0]
     return A_LAW if _laws(row) else SOMETHING if row["unexplained"] else NOTHING
