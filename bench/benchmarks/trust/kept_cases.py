@@ -84,8 +84,8 @@ def check_kept_cases(table: Path, pool: Pool, console: Console, seconds: float =
     wrong = {name: row for name, row in now.items() if not is_right(row)}
     for name, row in wrong.items():
         text = f"{name}: was right; hidden: {hidden_text(row)}; answer: {answer_text(row)}"
-        console.print(text, style="red", markup=False, highlight=False, soft_wrap=True)
+        console.print(text, style="red", markup=False, soft_wrap=True)
     robots = ", ".join(dict.fromkeys(row["robot"] for row in chosen))
     text = f"{plural(len(now), 'case')} of the evaluation ({robots}): {len(wrong)} worse"
-    console.print(text, markup=False, highlight=False, soft_wrap=True)
+    console.print(text, markup=False, soft_wrap=True)
     return len(wrong)

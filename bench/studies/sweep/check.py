@@ -76,7 +76,7 @@ def check_accuracy(options: CheckOptions, console: Console, make_work: Callable[
             comparisons += compare_line(name, label, before, line, tolerances_of(sweep), limits)
     _print(console, comparisons, verbose=options.verbose)
     for alarm in alarms:
-        console.print(f"[red]{alarm}[/]", highlight=False, soft_wrap=True)
+        console.print(f"[red]{alarm}[/]", soft_wrap=True)
     verdicts: list[str] = [comparison.verdict for comparison in comparisons]
     worse = sum(map(verdicts.count, ALARMS))
     counts = [f"{worse} worse"]
@@ -84,12 +84,12 @@ def check_accuracy(options: CheckOptions, console: Console, make_work: Callable[
         count = verdicts.count(verdict)
         counts += [f"{count} {name}"] if count or verdict != "new" else []
     took = duration_text(time.monotonic() - start)
-    console.print(f"{len(comparisons)} figures in {took}: {', '.join(counts)}", highlight=False)
+    console.print(f"{len(comparisons)} figures in {took}: {', '.join(counts)}")
     if worse and not (options.full and options.verbose):
         changed = dict.fromkeys(entry.sweep for entry in comparisons if entry.verdict in ALARMS)
         step = f"{typed()} check --full --verbose {' '.join(f'--only {name}' for name in changed)}"
         text = f"next: {step}    runs all of their seeds and shows every figure"
-        console.print(text, highlight=False, soft_wrap=True)
+        console.print(text, soft_wrap=True)
     return 1 if worse or alarms else 0
 
 
@@ -103,7 +103,7 @@ def update_reference(
         path = options.reference / f"{name}.json"
         reference = SweepReference(content_of(sweep), reason.strip(), versions().columns(), lines)
         save_reference(path, reference)
-        console.print(f"Reference: {path} ({plural(plan.size, 'run')})", highlight=False, soft_wrap=True)
+        console.print(f"Reference: {path} ({plural(plan.size, 'run')})", soft_wrap=True)
 
 
 def _chosen(options: CheckOptions) -> dict[str, tuple[Sweep, Plan]]:
@@ -155,7 +155,7 @@ def _print(console: Console, comparisons: list[ReferenceComparison], *, verbose:
             style = COLORS.get(comparison.verdict)
             table.add_row(f"  {comparison.metric}", *_cells(comparison), style=style)
     console.print(table)
-    console.print("[dim]Change for the worse, in units of the spread from seed to seed.[/]", highlight=False)
+    console.print("[dim]Change for the worse, in units of the spread from seed to seed.[/]")
 
 
 def _cells(comparison: ReferenceComparison) -> list[str]:

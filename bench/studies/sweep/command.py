@@ -157,16 +157,16 @@ def run_command(
     plan = make_plan(load_sweep(sweep_file))
     check_plan(plan)
     name, description = escape(plan.sweep.name), escape(plan.sweep.table.description)
-    console.print(f"[bold]{name}[/]  {description}", highlight=False)
-    console.print(_extent_text(plan, extent(plan), workers), highlight=False, markup=False)
+    console.print(f"[bold]{name}[/]  {description}")
+    console.print(_extent_text(plan, extent(plan), workers), markup=False)
     for note in fixed_declarations(plan):
-        console.print(note, highlight=False, markup=False)
+        console.print(note, markup=False)
     if dry_run or folder is None:
         return 0
 
     def resumed(kept: int) -> None:
         remaining = plan.size - kept
-        console.print(f"{kept} of {plan.size} runs are there from before, {remaining} to go", highlight=False)
+        console.print(f"{kept} of {plan.size} runs are there from before, {remaining} to go")
 
     start = time.monotonic()
     with shown_progress(progress_console(quiet), plan.size) as report:
@@ -213,10 +213,10 @@ def _show(console: Console, plan: Plan, finished: Finished, seconds: float) -> i
     made = finished.runs - finished.kept
     kept = f", {finished.kept} kept from before" if finished.kept else ""
     text = f"{plural(made, 'run')} in {duration_text(seconds)}{kept}, {finished.failed} failed"
-    console.print(text, highlight=False)
+    console.print(text)
     files = [(finished.table, "table"), (finished.folder / SUMMARY, "summary")]
     for path, name in (*files, *((plot, "figure") for plot in plots)):
-        console.print(f"wrote {path} ({name})", highlight=False, soft_wrap=True)
+        console.print(f"wrote {path} ({name})", soft_wrap=True)
     return 1 if finished.failed == finished.runs else 0
 
 
@@ -224,6 +224,6 @@ def _show_failures(console: Console, finished: Finished) -> None:
     reasons = failed_runs(finished.table)
     for reason, runs in list(reasons.items())[:MOST_REASONS]:
         which = f"run {runs[0]}" if len(runs) == 1 else f"{len(runs)} runs, first {runs[0]}"
-        console.print(f"[red]failed[/] ({which}): {escape(reason)}", highlight=False, soft_wrap=True)
+        console.print(f"[red]failed[/] ({which}): {escape(reason)}", soft_wrap=True)
     if len(reasons) > MOST_REASONS:
         console.print(f"… and for {len(reasons) - MOST_REASONS} other reasons: see the column `reason`")

@@ -103,11 +103,6 @@ class LocalPool(Pool):
         """Number of workers."""
         return len(self._workers)
 
-    @property
-    def processes(self) -> list[int]:
-        """Process ids of the workers."""
-        return [worker.process.pid or 0 for worker in self._workers]
-
     def submit(self, key: int, task: Task, shared: Shared | None = None) -> None:
         """Queue a task."""
         self._queue.append(_Job(key, task, shared))

@@ -41,7 +41,7 @@ class ShownProgress:
         elif now - self._said >= SAY_EVERY:
             self._said = now
             said = (f"{journal.count} of {self._total} runs", rate_text(rate), remaining, failed)
-            self._console.print(", ".join(filter(None, said)), highlight=False)
+            self._console.print(", ".join(filter(None, said)))
 
     def phase(self, name: str) -> None:
         """Show the current phase, until the first run is finished."""
@@ -64,7 +64,7 @@ def shown_progress(console: Console, total: int) -> Iterator[ShownProgress]:
 
 def progress_console(quiet: bool) -> Console:
     """Standard error, for progress bars; quiet: without output."""
-    return Console(stderr=True, quiet=quiet)
+    return Console(stderr=True, quiet=quiet, highlight=False)
 
 
 def rate_text(rate: float) -> str:

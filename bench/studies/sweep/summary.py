@@ -163,7 +163,7 @@ def print_summary(summary: Summary, console: Console) -> None:
         console.print()
         chosen = []
     if said := explanation(summary):
-        console.print(f"[dim]{said}[/]", highlight=False)
+        console.print(f"[dim]{said}[/]")
 
 
 def _width(columns: Columns) -> int:
@@ -255,7 +255,7 @@ def _cell(metric: str, spread: Spread) -> str:
 
 def table_console() -> Console:
     """Standard output, as wide as the terminal or $COLUMNS, or `WIDE` for a file or a log."""
-    console = Console()
+    console = Console(highlight=False)
     if console.is_terminal or os.environ.get("COLUMNS", "").isdecimal():
         return console
-    return Console(width=WIDE)
+    return Console(width=WIDE, highlight=False)

@@ -91,9 +91,7 @@ def run_command(
 
         def progress(plan: TrialPlan) -> Report:
             stack.close()  # the bar of the previous kind
-            console.print(
-                f"[bold]{setup.name}[/], {plan.kind}: {plural(plan.size, 'dataset')}", highlight=False
-            )
+            console.print(f"[bold]{setup.name}[/], {plan.kind}: {plural(plan.size, 'dataset')}")
             shown.append(stack.enter_context(shown_progress(bars, plan.size)))
             return shown[-1]
 
@@ -112,16 +110,14 @@ def run_command(
     if unknown:
         nothing = [row for row in rows if row["kind"] == "nothing"]
         console.print(printed(unknown_table(unknown, nothing), min(console.width, TEXT.width)))
-    console.print(
-        f"\n{plural(len(rows), 'dataset')} in {duration_text(time.monotonic() - start)}", highlight=False
-    )
+    console.print(f"\n{plural(len(rows), 'dataset')} in {duration_text(time.monotonic() - start)}")
     for path in paths:
-        console.print(str(path), highlight=False, soft_wrap=True)
+        console.print(str(path), soft_wrap=True)
     if not rows or any(row["status"] == "ok" for row in rows):
         return 0
     reason = max(summary.failed, key=lambda text: summary.failed[text])
     said = f"bench: all {plural(len(rows), 'dataset')} came to nothing: {reason}"
-    Console(stderr=True).print(said, markup=False, highlight=False, soft_wrap=True)
+    Console(stderr=True, highlight=False).print(said, markup=False, soft_wrap=True)
     return 1
 
 
@@ -156,11 +152,7 @@ def show(summary: TrialSummary, console: Console) -> None:
         console.print(Text(part.title, "bold"))
         console.print(printed(part.table, width), width=width)
         if summary.small and i == 0:
-            few = (
-                "this is not so in 1 case"
-                if summary.small == 1
-                else f"this is not so in {summary.small} cases"
-            )
+            few = f"this is not so in {plural(summary.small, 'case')}"
             console.print(Text(f"{COUNTED[:-1]}; {few}.", "dim"), width=width)
         console.print()
 

@@ -96,6 +96,11 @@ class Share:
         return float(max(middle - half, 0.0)), float(min(middle + half, 1.0))
 
 
+def ends_of(shares: Iterable[Share]) -> np.ndarray:
+    """Values of shares and the ends of their intervals (3, n)."""
+    return np.array([(share.value, *share.interval) for share in shares]).reshape(-1, 3).T
+
+
 def share_of(rows: Iterable[Case], test: Callable[[Case], object]) -> Share:
     """The share of cases that pass a test."""
     passed = [bool(test(row)) for row in rows]
