@@ -29,26 +29,6 @@ from bench.studies.trial.setup import Setup, make_setup
 from bench.studies.trial.summary import TrialSummary, summarised
 from bench.studies.trial.unknown_page import unknown_table, write_unknown
 
-ALL = "all effects"
-
-
-def check_numbers(rows: Sequence[Row]) -> None:
-    """Raise BenchError if two rows of the same kind, drawn from the same effects, have the same number.
-
-    The dataset of a number depends on the effects that are drawn from, see `--effects`. Older rows without this
-    information count as drawn from all.
-    """
-    taken: set[tuple[str, str, int]] = set()
-    for row in rows:
-        drawn_from = row.get("drawn_from") or ""
-        number = row["kind"], drawn_from, row["run"]
-        if number in taken:
-            raise BenchError(
-                f"trial: two rows of kind {row['kind']!r}, drawn from {drawn_from or ALL}, have the number "
-                f"{row['run']}: they are of two trials, which a table cannot distinguish"
-            )
-        taken.add(number)
-
 
 @dataclass(frozen=True)
 class Drawn:
@@ -124,11 +104,7 @@ def run_command(
 def write_results(
     robot: str, rows: Sequence[Row], folder: Path, seconds: float
 ) -> tuple[TrialSummary, list[Path]]:
-    """Write ROBOT.parquet, ROBOT.md and the figures; returns the summary and the files.
-
-    Raises BenchError if two rows have the same number.
-    """
-    check_numbers(rows)
+    """Write ROBOT.parquet, ROBOT.md and the figures; returns the summary and the files."""
     unknown = [row for row in rows if row["kind"] == "unknown"]
     rows = [row for row in rows if row["kind"] != "unknown"]
     nothing = [row for row in rows if row["kind"] == "nothing"]
