@@ -186,22 +186,17 @@ def _true_torques(
     motion, and time (N,), s.
     """
     _, numbers = _hidden_law(simulation)
-    motion = next(
-        recording.motion for recording in simulation.recordings if recording.name == Path(name).stem
-    )
-    machine = simulation.machine
+    motions = {recording.name: recording.motion for recording in simulation.recordings}
+    motion, machine = motions[Path(name).stem], simulation.machine
     torque = motion.torque[:, motor]
     dof = machine.dofs[motor]
     position, velocity = motion.qpos[:, machine.addresses[motor]], motion.qvel[:, dof]
     others = motion.torque.sum(axis=1) - torque
     unit = unit_torque(numbers, position, velocity, motion.qacc[:, dof], torque, others, motion.time)
     known = np.zeros(len(torque))
-    for hidden_effect in simulation.scenario.settings.hidden:
-        if hidden_effect.effect not in (LAW, *but) and hidden_effect.joint in (
-            None,
-            simulation.robot.joints[motor],
-        ):
-            known += TORQUES[hidden_effect.effect](hidden_effect.parameters, position, velocity)
+    for hidden in simulation.scenario.settings.hidden:
+        if hidden.effect not in (LAW, *but) and hidden.joint in (None, simulation.robot.joints[motor]):
+            known += TORQUES[hidden.effect](hidden.parameters, position, velocity)
     return numbers["c"] * unit, known, motion.time
 
 
